@@ -1,0 +1,58 @@
+#!/bin/sh
+# The one list of what VDBLIC needs, and the one place that installs it.
+#
+# Each line names a Debian package and a probe that shows it is there: a command, a header, or a Python
+# module of /usr/bin/python3. As root on Debian the missing ones are installed; anywhere else they are
+# named and the status is 1, so that a caller can stop before a confusing compiler error.
+set -u
+
+needs() {
+    cat <<'LIST'
+git                     command git
+g++                     command c++
+cmake                   command cmake
+ninja-build             command ninja
+libopenvdb-dev          header  openvdb/openvdb.h
+libblosc-dev            header  blosc.h
+libboost-iostreams-dev  header  boost/iostreams/stream.hpp
+zlib1g-dev              header  zlib.h
+libtbb-dev              header  tbb/parallel_for.h
+libopenexr-dev          header  OpenEXR/ImfOutputFile.h
+libpng-dev              header  png.h
+libglm-dev              header  glm/glm.hpp
+libcli11-dev            header  CLI/CLI.hpp
+libfmt-dev              header  fmt/format.h
+nlohmann-json3-dev      header  nlohmann/json.hpp
+libgtest-dev            header  gtest/gtest.h
+libbenchmark-dev        header  benchmark/benchmark.h
+python3-openvdb         python  pyopenvdb
+python3-numpy           python  numpy
+libopenvdb-tools        command vdb_print
+openexr                 command exrheader
+openimageio-tools       command idiff
+ffmpeg                  command ffmpeg
+LIST
+}
+
+present() {
+    case $1 in
+        command) command -v "$2" >/dev/null 2>&1 ;;
+        header) printf '#if !__has_include(<%s>)\n#error missing\n#endif\n' "$2" | c++ -std=c++20 -E -x c++ - >/dev/null 2>&1 ;;
+        python) /usr/bin/python3 -c "import importlib.util as u, sys; sys.exit(u.find_spec('$2') is None)" >/dev/null 2>&1 ;;
+    esac
+}
+
+missing() { needs | while read -r package kind what; do present "$kind" "$what" || printf '%s ' "$package"; done; }
+
+list=$(missing)
+[ -n "$list" ] || exit 0
+if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
+    echo "installing: $list" >&2
+    export DEBIAN_FRONTEND=noninteractive
+    # shellcheck disable=SC2086
+    { apt-get update -qq && apt-get install -y -qq --no-install-recommends $list; } >&2 || exit 1
+    list=$(missing)
+    [ -n "$list" ] || exit 0
+fi
+echo "missing, by Debian's package names: $list" >&2
+exit 1

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <stdexcept>
+
+namespace vdblic {
+
+/// The family of errors a user can mend. Every message names the file, grid or parameter, its value and the mend.
+class Error : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+/// A parameter is out of range or contradicts another. Tools exit with 2.
+class ParameterError : public Error {
+  public:
+    using Error::Error;
+};
+
+/// An input file is missing, unreadable or not what it should be. Tools exit with 3.
+class InputError : public Error {
+  public:
+    using Error::Error;
+};
+
+/// An output could not be written. Tools exit with 4.
+class OutputError : public Error {
+  public:
+    using Error::Error;
+};
+
+} // namespace vdblic

@@ -1,0 +1,213 @@
+#include "vdblic/io/sequence.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <istream>
+#include <memory>
+#include <regex>
+#include <set>
+
+namespace vdblic {
+namespace {
+
+/// A number as printf's %0*d writes it.
+std::string padded(std::int64_t frame, int width) { return fmt::format("{:0{}d}", frame, width); }
+
+std::int64_t parseFrame(const std::string& digits, std::string_view all)
+{
+    std::int64_t frame = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
+    if (error != std::errc{} || end != digits.data() + digits.size() || std::abs(frame) > 1'000'000'000'000) {
+        throw ParameterError(fmt::format("frame list '{}': '{}' is not a usable frame number", all, digits));
+    }
+    return frame;
+}
+
+bool isFile(const std::filesystem::path& path)
+{
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
+}
+
+} // namespace
+
+FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
+{
+    const std::filesystem::path whole(mText);
+    mFolder = whole.parent_path();
+    const std::string name = whole.filename().string();
+    if (name.empty()) throw ParameterError(fmt::format("'{}' is not a file name", pattern));
+    mPrefix = name;
+    // A file that is there under the very name is meant as it is, whatever characters it has.
+    if (isFile(whole)) return;
+
+    static const std::regex field(R"(%(0\d+)?d|#+|@+|\$F(\d*)|<F(\d*)>)");
+    if (const std::string folder = mFolder.string(); std::regex_search(folder, std::regex(R"(%(0\d+)?d|\$F\d|<F\d+>)"))) {
+        throw ParameterError(fmt::format("'{}': the frame field must stand in the file name, not in a folder's", pattern));
+    }
+    std::smatch match;
+    if (!std::regex_search(name, match, field)) return;
+    mPrefix = match.prefix();
+    mSuffix = match.suffix();
+    if (std::regex_search(mSuffix, field)) {
+        throw ParameterError(fmt::format("'{}' has more than one frame field; keep one", pattern));
+    }
+    const std::string found = match.str();
+    if (found[0] == '#' || found[0] == '@') {
+        mWidth = static_cast<int>(found.size());
+    } else {
+        std::string digits;
+        std::copy_if(found.begin(), found.end(), std::back_inserter(digits), [](char c) { return c >= '0' && c <= '9'; });
+        const std::int64_t width = digits.empty() ? 1 : parseFrame(digits, pattern);
+        if (width < 1 || width > 20) {
+            throw ParameterError(fmt::format("'{}': a frame field is 1 to 20 digits wide", pattern));
+        }
+        mWidth = static_cast<int>(width);
+    }
+}
+
+std::filesystem::path FramePattern::path(std::int64_t frame) const
+{
+    return mFolder / (hasField() ? mPrefix + padded(frame, *mWidth) + mSuffix : mPrefix);
+}
+
+std::vector<std::int64_t> FramePattern::framesOnDisk() const
+{
+    const std::filesystem::path folder = mFolder.empty() ? "." : mFolder;
+    std::error_code error;
+    std::filesystem::directory_iterator entries(folder, error);
+    if (error) throw InputError(fmt::format("{}: cannot read the folder: {}", folder.string(), error.message()));
+
+    std::vector<std::int64_t> frames;
+    for (const auto& entry : entries) {
+        const std::string name = entry.path().filename().string();
+        if (name.size() <= mPrefix.size() + mSuffix.size()) continue;
+        if (!name.starts_with(mPrefix) || !name.ends_with(mSuffix)) continue;
+        const char* begin = name.data() + mPrefix.size();
+        const char* end = name.data() + name.size() - mSuffix.size();
+        std::int64_t frame = 0;
+        const auto [last, failed] = std::from_chars(begin, end, frame);
+        if (failed != std::errc{} || last != end) continue;
+        // Only the name this pattern gives the frame: 7 and 0007 are not both frame 7 of %04d.
+        if (padded(frame, *mWidth) == std::string_view(begin, end)) frames.push_back(frame);
+    }
+    std::sort(frames.begin(), frames.end());
+    return frames;
+}
+
+std::vector<std::int64_t> parseFrameList(std::string_view text)
+{
+    static const std::regex item(R"(\s*(-?\d+)(-(-?\d+)(x(\d+))?)?\s*)");
+    std::set<std::int64_t> frames;
+    const std::string all(text);
+    for (std::size_t begin = 0; begin <= all.size();) {
+        const std::size_t end = std::min(all.find(',', begin), all.size());
+        const std::string part = all.substr(begin, end - begin);
+        begin = end + 1;
+        std::smatch match;
+        if (!std::regex_match(part, match, item)) {
+            throw ParameterError(fmt::format("frame list '{}': '{}' is not N, N-M or N-MxSTEP", all, part));
+        }
+        const std::int64_t first = parseFrame(match[1], all);
+        const std::int64_t last = match[3].matched ? parseFrame(match[3], all) : first;
+        const std::int64_t step = match[5].matched ? parseFrame(match[5], all) : 1;
+        if (last < first) throw ParameterError(fmt::format("frame list '{}': {} runs backwards", all, part));
+        if (step < 1) throw ParameterError(fmt::format("frame list '{}': the step must be at least 1", all));
+        if (static_cast<std::size_t>((last - first) / step) + frames.size() >= kMaxFrames) {
+            throw ParameterError(fmt::format("frame list '{}' selects more than {} frames", all, kMaxFrames));
+        }
+        for (std::int64_t frame = first; frame <= last; frame += step) frames.insert(frame);
+    }
+    return {frames.begin(), frames.end()};
+}
+
+std::vector<FrameFile> selectFrames(const SequenceParams& params)
+{
+    const FramePattern pattern(params.pattern);
+    if (!pattern.hasField()) {
+        if (!params.frames.empty()) {
+            throw ParameterError(
+                fmt::format("'{}' is one file; --frames needs a pattern such as name.%04d.vdb", params.pattern));
+        }
+        const std::filesystem::path path = pattern.path(1);
+        if (!isFile(path)) throw InputError(fmt::format("{}: no such file", path.string()));
+        return {{frameOfName(path).value_or(1), path}};
+    }
+
+    const bool chosen = !params.frames.empty();
+    const std::vector<std::int64_t> frames = chosen ? parseFrameList(params.frames) : pattern.framesOnDisk();
+    if (frames.empty()) throw InputError(fmt::format("{}: no file matches the pattern", params.pattern));
+
+    std::vector<FrameFile> files;
+    files.reserve(frames.size());
+    for (const std::int64_t frame : frames) {
+        // Found frames may have gaps only where the numbering steps evenly: a hole is a frame that was lost.
+        files.push_back({frame, pattern.path(frame)});
+        if (chosen && !isFile(files.back().path)) {
+            throw InputError(fmt::format("frame {} is missing: {}", frame, files.back().path.string()));
+        }
+    }
+    if (!chosen && frames.size() > 2) {
+        std::int64_t step = frames[1] - frames[0];
+        for (std::size_t i = 2; i < frames.size(); ++i) step = std::min(step, frames[i] - frames[i - 1]);
+        for (std::size_t i = 1; i < frames.size(); ++i) {
+            if (frames[i] - frames[i - 1] == step) continue;
+            const std::int64_t lost = frames[i - 1] + step;
+            throw InputError(fmt::format("frame {} is missing: {} (choose with --frames to go on without it)", lost,
+                                         pattern.path(lost).string()));
+        }
+    }
+    return files;
+}
+
+FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count)
+{
+    if (params.pattern == "-") {
+        if (!params.frames.empty()) throw ParameterError("--frames cannot select from paths on standard input");
+        count = 0;
+        return [&lines, next = std::int64_t{1}]() mutable -> std::optional<FrameFile> {
+            std::string line;
+            while (std::getline(lines, line)) {
+                if (line.empty()) continue;
+                if (!isFile(line)) throw InputError(fmt::format("{}: no such file (named on standard input)", line));
+                const std::int64_t frame = frameOfName(line).value_or(next);
+                next = frame + 1;
+                return FrameFile{frame, line};
+            }
+            return std::nullopt;
+        };
+    }
+    auto files = std::make_shared<std::vector<FrameFile>>(selectFrames(params));
+    count = files->size();
+    return [files, next = std::size_t{0}]() mutable -> std::optional<FrameFile> {
+        if (next == files->size()) return std::nullopt;
+        return (*files)[next++];
+    };
+}
+
+std::optional<std::int64_t> frameOfName(const std::filesystem::path& path)
+{
+    const std::string stem = path.stem().string();
+    std::size_t begin = stem.size();
+    while (begin > 0 && stem[begin - 1] >= '0' && stem[begin - 1] <= '9') --begin;
+    if (begin == stem.size() || stem.size() - begin > 12) return std::nullopt;
+    // A minus is a sign only after a separator: sim-12 is frame 12, sim.-12 is frame −12.
+    const bool negative = begin > 0 && stem[begin - 1] == '-' && (begin == 1 || stem[begin - 2] == '.' || stem[begin - 2] == '_');
+    const std::int64_t frame = std::stoll(stem.substr(begin));
+    return negative ? -frame : frame;
+}
+
+void checkOutputPattern(const FramePattern& pattern, std::size_t frames)
+{
+    if (!pattern.hasField() && frames != 1) {
+        throw ParameterError(fmt::format("output '{}' names one file but there are more frames; use a pattern such as "
+                                         "name.%04d.vdb",
+                                         pattern.text()));
+    }
+}
+
+} // namespace vdblic

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdblic {
+
+/// The most frames one sequence may select; more is taken for a slip of the keyboard.
+inline constexpr std::size_t kMaxFrames = 999'999;
+
+/// A file name with at most one frame field: `%04d`, `####`, `@@@@`, `$F4` or `<F4>`.
+///
+/// The field stands in the last component of the path. Without a field the pattern names one file.
+class FramePattern {
+  public:
+    /// @throws ParameterError on an empty name, two fields, or a field in a folder's name
+    explicit FramePattern(std::string_view pattern);
+
+    [[nodiscard]] bool hasField() const { return mWidth.has_value(); }
+    [[nodiscard]] const std::string& text() const { return mText; }
+
+    /// The path of a frame; zero-padded as printf does, so the sign counts towards the width.
+    [[nodiscard]] std::filesystem::path path(std::int64_t frame) const;
+
+    /// The frames on disk, in numeric order. @throws InputError if the folder cannot be read
+    [[nodiscard]] std::vector<std::int64_t> framesOnDisk() const;
+
+  private:
+    std::string mText;
+    std::filesystem::path mFolder;
+    std::string mPrefix, mSuffix;
+    std::optional<int> mWidth; // of the field; 1 for no padding
+};
+
+/// Parse `1-100`, `1-100x2`, `1,5,9-20`, with negative numbers allowed, into ascending unique frames.
+/// @throws ParameterError on anything else, a descending range, or more than kMaxFrames frames
+[[nodiscard]] std::vector<std::int64_t> parseFrameList(std::string_view text);
+
+/// One file of a sequence.
+struct FrameFile {
+    std::int64_t frame = 1;
+    std::filesystem::path path;
+};
+
+/// Hands out the next file of a sequence, or nothing at its end.
+using FrameSource = std::function<std::optional<FrameFile>()>;
+
+/// What a tool was told about an input sequence.
+struct SequenceParams {
+    std::string pattern; ///< one file, a pattern, or `-` for paths on standard input
+    std::string frames;  ///< a frame list; empty for every frame found
+};
+
+/// The frames a sequence selects, checked to be on disk before any work starts.
+///
+/// @throws InputError naming the missing frame, ParameterError on a frame list for a single file
+[[nodiscard]] std::vector<FrameFile> selectFrames(const SequenceParams& params);
+
+/// As selectFrames, but reads paths from `lines`, one a line and as they come, if the pattern is `-`.
+/// `count` receives the number of frames, 0 if it is not known.
+[[nodiscard]] FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count);
+
+/// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one.
+[[nodiscard]] std::optional<std::int64_t> frameOfName(const std::filesystem::path& path);
+
+/// Check that a pattern can name `frames` different outputs. @throws ParameterError
+void checkOutputPattern(const FramePattern& pattern, std::size_t frames);
+
+} // namespace vdblic

@@ -1,0 +1,105 @@
+#include "vdblic/io/vdb_file.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/version.h"
+#include "vdblic/io/atomic_file.h"
+
+#include <openvdb/io/Archive.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+namespace vdblic {
+namespace {
+
+/// Messages from below may quote the damaged bytes of a file.
+std::string clamped(std::string message)
+{
+    for (char& c : message) {
+        if (c < ' ' || c > '~') c = '?';
+    }
+    constexpr std::size_t kLongest = 200;
+    if (message.size() > kLongest) {
+        message.resize(kLongest);
+        message += "...";
+    }
+    return message;
+}
+
+void initializeOnce()
+{
+    static const bool done = (openvdb::initialize(), true);
+    (void)done;
+}
+
+/// OpenVDB's own file writer never looks at the state of its stream; this one's stream throws.
+class CheckedArchive : public openvdb::io::Archive {
+  public:
+    void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
+    {
+        openvdb::io::Archive::write(stream, grids, /*seekable=*/true, metadata);
+    }
+};
+
+} // namespace
+
+std::string VdbFile::contents() const
+{
+    std::string text;
+    for (const openvdb::GridBase::Ptr& grid : grids) {
+        text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", grid->getName(), grid->valueType());
+    }
+    return text.empty() ? "no grids" : clamped(text);
+}
+
+VdbFile readVdb(const std::filesystem::path& path)
+{
+    initializeOnce();
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
+    try {
+        openvdb::io::File file(path.string());
+        file.open(/*delayLoad=*/false);
+        VdbFile result;
+        result.grids = *file.getGrids();
+        result.metadata = *file.getMetadata();
+        return result;
+    } catch (const std::exception& e) {
+        throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), clamped(e.what())));
+    }
+}
+
+void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata)
+{
+    initializeOnce();
+    metadata.removeMeta("creator");
+    metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
+    AtomicFile output(path);
+    errno = 0;
+    try {
+        std::ofstream stream;
+        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        stream.open(output.temporary(), std::ios::binary | std::ios::trunc);
+        CheckedArchive().writeTo(stream, grids, metadata);
+        stream.close();
+    } catch (const std::exception& e) {
+        // The stream only says that it failed; the system's last error says why.
+        const std::string reason = errno != 0 ? std::generic_category().message(errno) : clamped(e.what());
+        throw OutputError(fmt::format("{}: cannot be written: {}", path.string(), reason));
+    }
+    output.commit();
+}
+
+std::optional<double> numericMetadata(const openvdb::MetaMap& metadata, const std::string& name)
+{
+    const openvdb::Metadata::ConstPtr value = metadata[name];
+    if (!value) return std::nullopt;
+    if (const auto* d = dynamic_cast<const openvdb::DoubleMetadata*>(value.get())) return d->value();
+    if (const auto* f = dynamic_cast<const openvdb::FloatMetadata*>(value.get())) return double(f->value());
+    if (const auto* i = dynamic_cast<const openvdb::Int32Metadata*>(value.get())) return double(i->value());
+    if (const auto* l = dynamic_cast<const openvdb::Int64Metadata*>(value.get())) return double(l->value());
+    return std::nullopt;
+}
+
+} // namespace vdblic

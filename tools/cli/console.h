@@ -1,0 +1,41 @@
+#pragma once
+
+#include "vdblic/core/reporter.h"
+
+#include <chrono>
+#include <string>
+
+namespace vdblic::cli {
+
+/// Whoever read our standard output has gone; there is nobody left to work for.
+struct ClosedPipe {};
+
+/// Reports to a terminal or a log: messages and progress on standard error, finished paths on standard output.
+///
+/// Progress is a bar that overwrites itself on a terminal, and otherwise a line every ten seconds at most.
+class Console : public Reporter {
+  public:
+    enum class Level { kQuiet, kNormal, kVerbose };
+
+    Console(std::string tool, Level level);
+    ~Console() override;
+
+    void progress(std::size_t done, std::size_t total) override;
+    void detail(std::string_view message) override;
+    void say(std::string_view message) override;
+    void warn(std::string_view message) override;
+    /// @throws ClosedPipe if standard output cannot be written
+    void finished(const std::filesystem::path& output) override;
+    void error(std::string_view message);
+
+  private:
+    void print(std::string_view kind, std::string_view message);
+    void clearBar();
+
+    std::string mTool;
+    Level mLevel;
+    bool mTerminal, mBarShown = false;
+    std::chrono::steady_clock::time_point mStart, mLastLine;
+};
+
+} // namespace vdblic::cli
