@@ -1,0 +1,53 @@
+#pragma once
+
+#include "vdblic/field/domain.h"
+
+#include <cstdint>
+
+namespace vdblic {
+
+/// The largest noise value; values are fixed-point numbers in [0, kNoiseMax], standing for [0, 1].
+inline constexpr int kNoiseMax = 65535;
+
+/// A bijection of 64-bit numbers in which every bit of the argument changes every bit of the result with
+/// probability ½: the finaliser of SplitMix64 (Steele, Lea & Flood, "Fast splittable pseudorandom number
+/// generators", OOPSLA 2014), with the constants of D. Stafford's "Mix13".
+VDBLIC_INLINE std::uint64_t mixBits(std::uint64_t bits)
+{
+    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+    return bits ^ (bits >> 31);
+}
+
+/// White noise: a value for each voxel of index space, uniform in [0, kNoiseMax] and independent of every other.
+///
+/// A pure function of its arguments, so that any part of a domain can be made alone and in any order. A loop over
+/// z computes noiseColumn() once; a value then costs one mixing of 64 bits.
+VDBLIC_INLINE std::uint64_t noiseColumn(std::int32_t x, std::int32_t y, std::uint32_t seed)
+{
+    constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15u; // keeps the origin under seed 0 off the fixed point 0
+    const std::uint64_t column = std::uint64_t(std::uint32_t(x)) << 32 | std::uint32_t(y);
+    return mixBits(column + kGoldenRatio) + (std::uint64_t(seed) << 32);
+}
+
+/// The value at height z of a column; see noiseColumn().
+VDBLIC_INLINE std::uint16_t noiseInColumn(std::uint64_t column, std::int32_t z)
+{
+    return std::uint16_t(mixBits(column + std::uint32_t(z)) >> 48);
+}
+
+/// The value of a single voxel; see noiseColumn().
+VDBLIC_INLINE std::uint16_t noiseValue(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed)
+{
+    return noiseInColumn(noiseColumn(x, y, seed), z);
+}
+
+/// The noise on the active voxels of a domain, as a grid `noise`; 0 elsewhere.
+///
+/// @param transform of the grid; the noise itself depends on indices only
+/// @return a grid with the metadata `seed` (int64) and `max_value` (int32)
+/// Made in parallel.
+[[nodiscard]] openvdb::Int32Grid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform,
+                                                std::uint32_t seed);
+
+} // namespace vdblic
