@@ -16,9 +16,13 @@ constexpr Seconds kLineInterval{10};
 Console::Console(std::string tool, Level level)
     : mTool(std::move(tool)), mLevel(level), mTerminal(::isatty(STDERR_FILENO) != 0),
       mStart(std::chrono::steady_clock::now()), mLastLine(mStart)
-{}
+{
+}
 
-Console::~Console() { clearBar(); }
+Console::~Console()
+{
+    clearBar();
+}
 
 void Console::progress(std::size_t done, std::size_t total)
 {
@@ -33,8 +37,8 @@ void Console::progress(std::size_t done, std::size_t total)
     if (mTerminal) {
         constexpr std::size_t kWidth = 30;
         const std::size_t filled = total > 0 ? kWidth * done / total : 0;
-        fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] frame {}, {:.0f} s{}", mTool, "", filled, "", kWidth - filled, count,
-                   elapsed, rest);
+        fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] frame {}, {:.0f} s{}", mTool, "", filled, "", kWidth - filled,
+                   count, elapsed, rest);
         std::fflush(stderr);
         mBarShown = true;
         if (total > 0 && done == total) clearBar();
@@ -54,9 +58,15 @@ void Console::say(std::string_view message)
     if (mLevel != Level::kQuiet) print("", message);
 }
 
-void Console::warn(std::string_view message) { print("warning: ", message); }
+void Console::warn(std::string_view message)
+{
+    print("warning: ", message);
+}
 
-void Console::error(std::string_view message) { print("error: ", message); }
+void Console::error(std::string_view message)
+{
+    print("error: ", message);
+}
 
 void Console::finished(const std::filesystem::path& output)
 {

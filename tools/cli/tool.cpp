@@ -17,14 +17,18 @@ namespace {
 
 constexpr int kMaxThreads = 1024;
 
-int status(ExitStatus value) { return static_cast<int>(value); }
+int status(ExitStatus value)
+{
+    return static_cast<int>(value);
+}
 
 } // namespace
 
 Tool::Tool(std::string name, const std::string& description) : mApp(description, std::move(name))
 {
     mApp.set_version_flag("--version", std::string(kVersion));
-    mApp.add_option("--threads", mThreads, "Threads to compute with; every core by default. Results do not depend on it.")
+    mApp.add_option("--threads", mThreads,
+                    "Threads to compute with; every core by default. Results do not depend on it.")
         ->check(CLI::Range(1, kMaxThreads));
     CLI::Option* quiet = mApp.add_flag("-q,--quiet", mQuiet, "Print errors and warnings only.");
     mApp.add_flag("-v,--verbose", mVerbose, "Print details.")->excludes(quiet);
@@ -70,7 +74,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
 
     std::optional<tbb::global_control> threads;
     if (mThreads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(mThreads));
-    Console console(mApp.get_name(), mQuiet ? Console::Level::kQuiet
+    Console console(mApp.get_name(), mQuiet     ? Console::Level::kQuiet
                                      : mVerbose ? Console::Level::kVerbose
                                                 : Console::Level::kNormal);
     try {

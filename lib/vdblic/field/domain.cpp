@@ -34,9 +34,10 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
     }
     for (int axis = 0; axis < 3; ++axis) {
         if (box.min()[axis] < -kMaxCoordinate || box.max()[axis] >= kMaxCoordinate) {
-            throw InputError(fmt::format("active voxels reach from {} to {} along axis {}; indices beyond ±{} cannot be "
-                                         "traced accurately: move the grid's origin or cut it with --bbox",
-                                         box.min()[axis], box.max()[axis] + 7, axis, kMaxCoordinate));
+            throw InputError(
+                fmt::format("active voxels reach from {} to {} along axis {}; indices beyond ±{} cannot be "
+                            "traced accurately: move the grid's origin or cut it with --bbox",
+                            box.min()[axis], box.max()[axis] + 7, axis, kMaxCoordinate));
         }
         mFirstBlock[axis] = box.min()[axis] >> kBlockShift;
         mBlockDim[axis] = unsigned((box.max()[axis] >> kBlockShift) - mFirstBlock[axis] + 1);

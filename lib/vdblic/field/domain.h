@@ -47,7 +47,18 @@ class Domain {
         return unsigned((voxel[0] & 7) << 6 | (voxel[1] & 7) << 3 | (voxel[2] & 7));
     }
 
-    [[nodiscard]] VDBLIC_INLINE bool isActive(int leaf, unsigned offset) const { return mask(std::size_t(leaf)).isOn(offset); }
+    [[nodiscard]] VDBLIC_INLINE bool isActive(int leaf, unsigned offset) const
+    {
+        return mask(std::size_t(leaf)).isOn(offset);
+    }
+
+    /// Whether a position, in index space, lies in an active voxel.
+    [[nodiscard]] VDBLIC_INLINE bool contains(Float4 position) const
+    {
+        const Int4 voxel = voxelOf(position);
+        const int leaf = findLeaf(voxel);
+        return leaf >= 0 && isActive(leaf, offset(voxel));
+    }
 
   private:
     static constexpr int kBlockShift = 7; // blocks of 16³ leaves, as OpenVDB's lower internal nodes
@@ -77,7 +88,8 @@ class LeafValues {
         leaves.reserve(domain.leafCount());
         mTree->getNodes(leaves);
         mData.reserve(leaves.size());
-        for (auto* leaf : leaves) mData.push_back(leaf->buffer().data());
+        for (auto* leaf : leaves)
+            mData.push_back(leaf->buffer().data());
     }
 
     /// The 512 values of a leaf, x slowest.

@@ -21,8 +21,14 @@ using Int8 = std::int32_t __attribute__((vector_size(32)));
 #define VDBLIC_KERNEL
 #endif
 
-VDBLIC_INLINE Float4 broadcast4(float x) { return Float4{x, x, x, x}; }
-VDBLIC_INLINE Float8 broadcast8(float x) { return Float8{x, x, x, x, x, x, x, x}; }
+VDBLIC_INLINE Float4 broadcast4(float x)
+{
+    return Float4{x, x, x, x};
+}
+VDBLIC_INLINE Float8 broadcast8(float x)
+{
+    return Float8{x, x, x, x, x, x, x, x};
+}
 
 /// The largest integers not above x, for |x| < 2³¹.
 VDBLIC_INLINE Int4 floorToInt(Float4 x)
@@ -37,6 +43,9 @@ VDBLIC_INLINE Int8 floorToInt(Float8 x)
 }
 
 /// The voxel a position lies in; centres are at integers, so voxel i covers [i − ½, i + ½).
-VDBLIC_INLINE Int4 voxelOf(Float4 position) { return floorToInt(position + 0.5f); }
+VDBLIC_INLINE Int4 voxelOf(Float4 position)
+{
+    return floorToInt(position + 0.5f);
+}
 
 } // namespace vdblic

@@ -47,7 +47,8 @@ AtomicFile::AtomicFile(std::filesystem::path final) : mFinal(std::move(final))
     }
     const std::filesystem::path folder = folderOf(mFinal);
     if (!std::filesystem::is_directory(folder, ignored)) {
-        throw OutputError(fmt::format("{}: the folder {} does not exist; make it first", mFinal.string(), folder.string()));
+        throw OutputError(
+            fmt::format("{}: the folder {} does not exist; make it first", mFinal.string(), folder.string()));
     }
     mTemporary = folder / fmt::format(".{}.part", mFinal.filename().string());
     const int descriptor = ::open(mTemporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);

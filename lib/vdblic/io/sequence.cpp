@@ -15,7 +15,10 @@ namespace vdblic {
 namespace {
 
 /// A number as printf's %0*d writes it.
-std::string padded(std::int64_t frame, int width) { return fmt::format("{:0{}d}", frame, width); }
+std::string padded(std::int64_t frame, int width)
+{
+    return fmt::format("{:0{}d}", frame, width);
+}
 
 std::int64_t parseFrame(const std::string& digits, std::string_view all)
 {
@@ -46,8 +49,10 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
     if (isFile(whole)) return;
 
     static const std::regex field(R"(%(0\d+)?d|#+|@+|\$F(\d*)|<F(\d*)>)");
-    if (const std::string folder = mFolder.string(); std::regex_search(folder, std::regex(R"(%(0\d+)?d|\$F\d|<F\d+>)"))) {
-        throw ParameterError(fmt::format("'{}': the frame field must stand in the file name, not in a folder's", pattern));
+    if (const std::string folder = mFolder.string();
+        std::regex_search(folder, std::regex(R"(%(0\d+)?d|\$F\d|<F\d+>)"))) {
+        throw ParameterError(
+            fmt::format("'{}': the frame field must stand in the file name, not in a folder's", pattern));
     }
     std::smatch match;
     if (!std::regex_search(name, match, field)) return;
@@ -61,7 +66,8 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
         mWidth = static_cast<int>(found.size());
     } else {
         std::string digits;
-        std::copy_if(found.begin(), found.end(), std::back_inserter(digits), [](char c) { return c >= '0' && c <= '9'; });
+        std::copy_if(found.begin(), found.end(), std::back_inserter(digits),
+                     [](char c) { return c >= '0' && c <= '9'; });
         const std::int64_t width = digits.empty() ? 1 : parseFrame(digits, pattern);
         if (width < 1 || width > 20) {
             throw ParameterError(fmt::format("'{}': a frame field is 1 to 20 digits wide", pattern));
@@ -120,7 +126,8 @@ std::vector<std::int64_t> parseFrameList(std::string_view text)
         if (static_cast<std::size_t>((last - first) / step) + frames.size() >= kMaxFrames) {
             throw ParameterError(fmt::format("frame list '{}' selects more than {} frames", all, kMaxFrames));
         }
-        for (std::int64_t frame = first; frame <= last; frame += step) frames.insert(frame);
+        for (std::int64_t frame = first; frame <= last; frame += step)
+            frames.insert(frame);
     }
     return {frames.begin(), frames.end()};
 }
@@ -153,7 +160,8 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     }
     if (!chosen && frames.size() > 2) {
         std::int64_t step = frames[1] - frames[0];
-        for (std::size_t i = 2; i < frames.size(); ++i) step = std::min(step, frames[i] - frames[i - 1]);
+        for (std::size_t i = 2; i < frames.size(); ++i)
+            step = std::min(step, frames[i] - frames[i - 1]);
         for (std::size_t i = 1; i < frames.size(); ++i) {
             if (frames[i] - frames[i - 1] == step) continue;
             const std::int64_t lost = frames[i - 1] + step;
@@ -193,10 +201,12 @@ std::optional<std::int64_t> frameOfName(const std::filesystem::path& path)
 {
     const std::string stem = path.stem().string();
     std::size_t begin = stem.size();
-    while (begin > 0 && stem[begin - 1] >= '0' && stem[begin - 1] <= '9') --begin;
+    while (begin > 0 && stem[begin - 1] >= '0' && stem[begin - 1] <= '9')
+        --begin;
     if (begin == stem.size() || stem.size() - begin > 12) return std::nullopt;
     // A minus is a sign only after a separator: sim-12 is frame 12, sim.-12 is frame −12.
-    const bool negative = begin > 0 && stem[begin - 1] == '-' && (begin == 1 || stem[begin - 2] == '.' || stem[begin - 2] == '_');
+    const bool negative =
+        begin > 0 && stem[begin - 1] == '-' && (begin == 1 || stem[begin - 2] == '.' || stem[begin - 2] == '_');
     const std::int64_t frame = std::stoll(stem.substr(begin));
     return negative ? -frame : frame;
 }

@@ -1,0 +1,272 @@
+#include "vdblic/lic/feedback.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/lic/noise.h"
+#include "vdblic/lic/scatter.h"
+
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+constexpr int kDim = Domain::Leaf::DIM;
+constexpr int kPadded = kDim + 2;
+constexpr float kFull = float(kNoiseMax);
+constexpr float kMaxGain = 16;
+
+std::int32_t toFixed(float value)
+{
+    return std::int32_t(std::clamp(value, 0.0f, 1.0f) * kFull + 0.5f);
+}
+
+/// Values and validity (1 or 0) of a leaf's voxels and all their neighbours, x slowest.
+struct Neighbourhood {
+    std::array<float, kPadded * kPadded * kPadded> value, valid;
+};
+
+constexpr int padded(int x, int y, int z)
+{
+    return (x * kPadded + y) * kPadded + z;
+}
+
+void gather(const Domain& domain, const LeafValues<float>& texture, const openvdb::Coord& origin, Neighbourhood& out)
+{
+    // Along each axis: the last plane of the leaf before, the leaf itself, the first plane of the leaf after.
+    constexpr std::array<std::array<int, 2>, 3> kRange = {{{-1, 0}, {0, kDim}, {kDim, kDim + 1}}};
+    for (int part = 0; part < 27; ++part) {
+        const auto &rx = kRange[std::size_t(part / 9)], &ry = kRange[std::size_t(part / 3 % 3)],
+                   &rz = kRange[std::size_t(part % 3)];
+        const int leaf = domain.findLeaf(Int4{origin[0] + rx[0], origin[1] + ry[0], origin[2] + rz[0], 0});
+        for (int x = rx[0]; x < rx[1]; ++x) {
+            for (int y = ry[0]; y < ry[1]; ++y) {
+                for (int z = rz[0]; z < rz[1]; ++z) {
+                    const unsigned offset = Domain::offset(Int4{x, y, z, 0});
+                    const bool valid = leaf >= 0 && domain.isActive(leaf, offset);
+                    const auto to = std::size_t(padded(x + 1, y + 1, z + 1));
+                    out.valid[to] = valid ? 1 : 0;
+                    out.value[to] = valid ? texture[std::size_t(leaf)][offset] : 0;
+                }
+            }
+        }
+    }
+}
+
+/// Replace each number by the sum over its 3³ neighbourhood, one axis after the other.
+void sumNeighbours(std::array<float, kPadded * kPadded * kPadded>& numbers)
+{
+    for (const int stride : {1, kPadded, kPadded * kPadded}) {
+        const auto source = numbers;
+        const int last = int(source.size()) - stride;
+        for (int i = stride; i < last; ++i) {
+            numbers[std::size_t(i)] =
+                source[std::size_t(i - stride)] + source[std::size_t(i)] + source[std::size_t(i + stride)];
+        }
+    }
+}
+
+/// c + s (c − mean of the valid neighbours) for every voxel.
+LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength)
+{
+    LeafValues<float> result(domain, 0.0f);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        Neighbourhood around;
+        gather(domain, texture, domain.origin(leaf), around);
+        sumNeighbours(around.value);
+        sumNeighbours(around.valid);
+        for (int i = 0; i < Domain::kLeafVoxels; ++i) {
+            const int x = i >> 6, y = i >> 3 & 7, z = i & 7;
+            const auto at = std::size_t(padded(x + 1, y + 1, z + 1));
+            const float centre = texture[leaf][i];
+            const float neighbours = around.valid[at] - 1;
+            const float mean = neighbours > 0 ? (around.value[at] - centre) / neighbours : centre;
+            result[leaf][i] = centre + strength * (centre - mean);
+        }
+    });
+    return result;
+}
+
+/// Number, sum and sum of squares of a leaf's values.
+struct Moments {
+    double count = 0, sum = 0, squares = 0;
+};
+
+std::vector<Moments> momentsOf(const Domain& domain, const LeafValues<float>& values)
+{
+    std::vector<Moments> moments(domain.leafCount());
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const double value = values[leaf][voxel.pos()];
+            moments[leaf].count += 1;
+            moments[leaf].sum += value;
+            moments[leaf].squares += value * value;
+        }
+    });
+    return moments;
+}
+
+/// Mean and standard deviation around a voxel: the moments of the nearest leaves, weighted linearly by the distance
+/// of their centres.
+class LocalContrast {
+  public:
+    LocalContrast(const Domain& domain, const std::vector<Moments>& moments, const openvdb::Coord& origin)
+    {
+        for (int part = 0; part < 27; ++part) {
+            const Int4 there = {origin[0] + (part / 9 - 1) * kDim, origin[1] + (part / 3 % 3 - 1) * kDim,
+                                origin[2] + (part % 3 - 1) * kDim, 0};
+            if (const int leaf = domain.findLeaf(there); leaf >= 0)
+                mAround[std::size_t(part)] = moments[std::size_t(leaf)];
+        }
+    }
+
+    struct Contrast {
+        float mean, deviation;
+    };
+    [[nodiscard]] Contrast at(int offset) const
+    {
+        const Axis x(offset >> 6), y(offset >> 3 & 7), z(offset & 7);
+        Moments m;
+        for (int corner = 0; corner < 8; ++corner) {
+            const int i = corner >> 2, j = corner >> 1 & 1, k = corner & 1;
+            const Moments& leaf = mAround[std::size_t(((x.first + i) * 3 + y.first + j) * 3 + z.first + k)];
+            const double weight = x.weight[i] * y.weight[j] * z.weight[k];
+            m.count += weight * leaf.count;
+            m.sum += weight * leaf.sum;
+            m.squares += weight * leaf.squares;
+        }
+        const double mean = m.sum / m.count;
+        return {float(mean), float(std::sqrt(std::max(0.0, m.squares / m.count - mean * mean)))};
+    }
+
+  private:
+    /// The two leaves whose centres enclose a voxel along one axis.
+    struct Axis {
+        explicit Axis(int voxel) : first(voxel < kDim / 2 ? 0 : 1)
+        {
+            const double place = (voxel + 0.5) / kDim + (first == 0 ? 0.5 : -0.5);
+            weight[0] = 1 - place;
+            weight[1] = place;
+        }
+        int first;
+        double weight[2];
+    };
+    std::array<Moments, 27> mAround{};
+};
+
+/// The top bit from the texture, the rest from the noise; values near the ends are stretched to them.
+float jitterBits(float texture, float noise)
+{
+    const float value = (texture > 0.5f ? 0.5f : 0.0f) + std::fmod(noise, 0.5f);
+    return value > 0.9f ? 1.0f : value < 0.1f ? 0.0f : value;
+}
+
+} // namespace
+
+Jitter parseJitter(std::string_view text)
+{
+    if (text == "mix") return Jitter::kMix;
+    if (text == "bits") return Jitter::kBits;
+    throw ParameterError(fmt::format("jitter '{}' is neither mix nor bits", text));
+}
+
+std::string_view toString(Jitter jitter)
+{
+    return jitter == Jitter::kMix ? "mix" : "bits";
+}
+
+void FeedbackParams::validate() const
+{
+    if (!(sharpen >= 0 && sharpen <= 100))
+        throw ParameterError(fmt::format("sharpening {} must lie in 0 to 100", sharpen));
+    if (!(noiseShare >= 0 && noiseShare <= 1)) {
+        throw ParameterError(fmt::format("noise share {} must lie in 0 to 1", noiseShare));
+    }
+    if (!(deviation > 0 && deviation <= 0.5f)) {
+        throw ParameterError(fmt::format("deviation {} must be above 0 and at most 0.5", deviation));
+    }
+}
+
+void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
+{
+    for (int i = 0; i < Domain::kLeafVoxels; ++i) {
+        const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(openvdb::Index(i));
+        values[i] = noiseValue(at[0], at[1], at[2], mSeed);
+    }
+    if (!mGrid) return;
+    if (const auto* leaf = mGrid->tree().probeConstLeaf(origin)) {
+        for (auto value = leaf->cbeginValueOn(); value; ++value)
+            values[value.pos()] = *value;
+    } else if (std::int32_t tile = 0; mGrid->tree().probeValue(origin, tile)) {
+        std::fill_n(values, Domain::kLeafVoxels, tile);
+    }
+}
+
+std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const
+{
+    const auto seedOfStep = std::uint32_t(mixBits(std::uint64_t(mSeed) << 32 ^ (step + 1)) >> 32);
+    return noiseValue(voxel[0], voxel[1], voxel[2], seedOfStep);
+}
+
+LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise)
+{
+    LeafValues<std::int32_t> input(domain, 0);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(),
+                      [&](std::size_t leaf) { noise.fill(domain.origin(leaf), input[leaf]); });
+    return input;
+}
+
+LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
+                           const LeafValues<std::int32_t>& input)
+{
+    LeafValues<float> texture(domain, 0.0f);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const auto hits = std::uint64_t(accumulator[leaf][voxel.pos()]);
+            const float value = Hits::count(hits) > 0 ? float(double(Hits::sum(hits)) / double(Hits::count(hits)))
+                                                      : float(input[leaf][voxel.pos()]);
+            texture[leaf][voxel.pos()] = value / kFull;
+        }
+    });
+    return texture;
+}
+
+LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture, const Domain& next,
+                                     const NoiseField& noise, const FeedbackParams& params, std::uint64_t step)
+{
+    const Domain& domain = field.domain();
+    const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
+    const std::vector<Moments> moments = momentsOf(domain, sharp);
+
+    LeafValues<std::int32_t> input(next, 0);
+    tbb::parallel_for(std::size_t(0), next.leafCount(), [&](std::size_t leaf) {
+        std::int32_t* values = input[leaf];
+        const openvdb::Coord origin = next.origin(leaf);
+        noise.fill(origin, values);
+        const int from = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+        if (from < 0) return;
+        const LocalContrast contrast(domain, moments, origin);
+        for (auto voxel = domain.mask(std::size_t(from)).beginOn(); voxel; ++voxel) {
+            const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+            const Float4 centreOfVoxel = {float(at[0]), float(at[1]), float(at[2]), 0};
+            const Float4 cameFrom = centreOfVoxel - field.sample(centreOfVoxel, 1, Float4{});
+            const float value = sharp[std::size_t(from)][voxel.pos()];
+            const float original = float(values[voxel.pos()]) / kFull;
+            if (!domain.contains(cameFrom)) {
+                values[voxel.pos()] = noise.entering(at, step);
+            } else if (params.jitter == Jitter::kBits) {
+                values[voxel.pos()] = toFixed(jitterBits(value, original));
+            } else {
+                const auto [mean, deviation] = contrast.at(int(voxel.pos()));
+                // Where there is next to no contrast there is none to restore.
+                const float gain = params.deviation / std::max(deviation, params.deviation / kMaxGain);
+                const float restored = std::clamp(0.5f + gain * (value - mean), 0.0f, 1.0f);
+                values[voxel.pos()] = toFixed(restored + params.noiseShare * (original - restored));
+            }
+        }
+    });
+    return input;
+}
+
+} // namespace vdblic

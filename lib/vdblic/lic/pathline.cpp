@@ -1,0 +1,17 @@
+#include "vdblic/lic/pathline.h"
+
+#include "vdblic/core/errors.h"
+
+namespace vdblic {
+
+void PathlineParams::validate() const
+{
+    if (!(tolerance >= 1e-4f && tolerance <= 10)) {
+        throw ParameterError(fmt::format("tolerance {} must lie between 0.0001 and 10 voxels", tolerance));
+    }
+    if (!(sampleSpacing >= 0.05f && sampleSpacing <= 10)) {
+        throw ParameterError(fmt::format("sample spacing {} must lie between 0.05 and 10 voxels", sampleSpacing));
+    }
+}
+
+} // namespace vdblic
