@@ -1,0 +1,195 @@
+#include "vdblic/lic/flow_texture.h"
+
+#include "lic/test_flow.h"
+#include "vdblic/core/errors.h"
+
+#include <gtest/gtest.h>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3f;
+
+/// Pearson correlation.
+class Correlation {
+  public:
+    void add(double a, double b)
+    {
+        ++mCount;
+        mA += a;
+        mB += b;
+        mAA += a * a;
+        mBB += b * b;
+        mAB += a * b;
+    }
+    [[nodiscard]] double value() const
+    {
+        const double ab = mAB / mCount - mA / mCount * mB / mCount;
+        return ab / std::sqrt((mAA / mCount - mA / mCount * mA / mCount) * (mBB / mCount - mB / mCount * mB / mCount));
+    }
+    [[nodiscard]] double mean() const { return mA / mCount; }
+    [[nodiscard]] double deviation() const { return std::sqrt(mAA / mCount - mA / mCount * mA / mCount); }
+
+  private:
+    double mCount = 0, mA = 0, mB = 0, mAA = 0, mBB = 0, mAB = 0;
+};
+
+const openvdb::CoordBBox kBox({0, 0, 0}, {47, 39, 39});
+
+/// Correlation of a texture with a texture's value at x + shift, away from the rim.
+Correlation shifted(const LeafValues<float>& a, const LeafValues<float>& b, const Coord& shift)
+{
+    Correlation correlation;
+    for (openvdb::CoordBBox inner(Coord(12, 4, 4), Coord(35, 35, 35)); const Coord& at : inner) {
+        correlation.add(a.tree()->getValue(at), b.tree()->getValue(at + shift));
+    }
+    return correlation;
+}
+
+std::vector<LeafValues<float>> texturesOf(const Vec3f& velocity, ScatterMethod method, int steps)
+{
+    const auto frames = test::makeFrames(kBox, steps + 1, [&](const Coord&, int) { return velocity; });
+    ScatterParams scatter;
+    scatter.method = method;
+    return test::streamedTextures(frames, steps, scatter);
+}
+
+class FlowTextures : public testing::TestWithParam<ScatterMethod> {};
+
+TEST_P(FlowTextures, OfAUniformFlowAreLongAlongItAndShortAcross)
+{
+    const auto textures = texturesOf(Vec3f(2, 0, 0), GetParam(), 12);
+    const LeafValues<float>& texture = textures.back();
+    EXPECT_GT(shifted(texture, texture, {3, 0, 0}).value(), 0.5);
+    // The nearest two neighbours show the sharpening; beyond it there is nothing.
+    for (const auto& [lag, bound] : {std::pair(1, 0.25), std::pair(2, 0.25), std::pair(3, 0.08), std::pair(4, 0.08)}) {
+        EXPECT_LT(std::abs(shifted(texture, texture, {0, lag, 0}).value()), bound);
+        EXPECT_LT(std::abs(shifted(texture, texture, {0, 0, lag}).value()), bound);
+    }
+    EXPECT_GT(shifted(texture, texture, {0, 0, 0}).deviation(), 0.08);
+}
+
+TEST_P(FlowTextures, MoveWithTheFlow)
+{
+    const auto textures = texturesOf(Vec3f(2, 0, 0), GetParam(), 12);
+    const auto &before = textures[10], &after = textures[11];
+    const double with = shifted(before, after, {2, 0, 0}).value();
+    EXPECT_GT(with, 0.7);
+    EXPECT_GT(with, shifted(before, after, {0, 0, 0}).value() + 0.05);
+    EXPECT_GT(with, shifted(before, after, {5, 0, 0}).value() + 0.05);
+}
+
+TEST_P(FlowTextures, OfAFlowAtRestStayTheNoiseTheyWere)
+{
+    const auto textures = texturesOf(Vec3f(0), GetParam(), 12);
+    const auto frames = test::makeFrames(kBox, 1, [](const Coord&, int) { return Vec3f(0); });
+    LeafValues<float> noise(*frames[0].domain, 0.0f);
+    const LeafValues<std::int32_t> input = noiseInput(*frames[0].domain, NoiseField(7));
+    for (auto value = input.tree()->cbeginValueOn(); value; ++value) {
+        noise.tree()->setValue(value.getCoord(), float(*value) / 65535.0f);
+    }
+    EXPECT_GT(shifted(textures.back(), noise, {0, 0, 0}).value(), 0.9);
+    EXPECT_NEAR(shifted(textures.back(), noise, {0, 0, 0}).mean(), 0.5, 0.02);
+    EXPECT_GT(shifted(textures.back(), textures[8], {0, 0, 0}).value(), 0.99);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, FlowTextures, testing::Values(ScatterMethod::kUflic, ScatterMethod::kAuflic));
+
+TEST(FlowTexture, HandlesDomainsOfOneVoxelOneSheetAndNone)
+{
+    const auto still = [](const Coord&, int) { return Vec3f(0.3f, 0.2f, 0.1f); };
+    for (const openvdb::CoordBBox& box :
+         {openvdb::CoordBBox({7, 7, 7}, {7, 7, 7}), openvdb::CoordBBox({-9, 0, 4}, {20, 15, 4}),
+          openvdb::CoordBBox({1, 1, 1}, {0, 0, 0})}) {
+        const auto textures = test::streamedTextures(test::makeFrames(box, 6, still), 5, {});
+        EXPECT_EQ(textures.back().tree()->activeVoxelCount(), box.empty() ? 0 : box.volume());
+        for (auto value = textures.back().tree()->cbeginValueOn(); value; ++value) {
+            EXPECT_TRUE(*value >= 0 && *value <= 1) << *value;
+        }
+    }
+}
+
+TEST(FlowTexture, AFrameWithoutVoxelsInTheMiddleIsPassedOver)
+{
+    auto frames = test::unsteadyFlowWithHole(8);
+    frames[4] = test::makeFrames({{1, 1, 1}, {0, 0, 0}}, 1, [](auto&, int) { return Vec3f(0); })[0];
+    const auto textures = test::streamedTextures(frames, 7, {});
+    EXPECT_EQ(textures[4].tree()->activeVoxelCount(), 0u);
+    EXPECT_EQ(textures[6].tree()->activeVoxelCount(), frames[6].domain->voxelCount());
+}
+
+TEST(FeedForward, AVoxelNewInTheNextDomainTakesTheNoise)
+{
+    const auto frames = test::makeFrames({{0, 0, 0}, {11, 7, 7}}, 2, [](const Coord& at, int frame) {
+        return at[0] < (frame == 0 ? 6 : 12) ? std::optional(Vec3f(0)) : std::nullopt;
+    });
+    VelocityField field;
+    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
+                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    const NoiseField noise(5);
+    const LeafValues<float> texture(*frames[0].domain, 0.25f);
+    const auto next = feedForward(field, texture, *frames[1].domain, noise, {}, 0);
+    const auto original = noiseInput(*frames[1].domain, noise);
+    for (const Coord& at : openvdb::CoordBBox({6, 0, 0}, {11, 7, 7})) {
+        EXPECT_EQ(next.tree()->getValue(at), original.tree()->getValue(at));
+    }
+    EXPECT_NE(next.tree()->getValue({2, 2, 2}), original.tree()->getValue({2, 2, 2}));
+}
+
+TEST(FeedForward, FluidThatEntersBringsNewNoiseEveryStep)
+{
+    const auto frames = test::makeFrames({{0, 0, 0}, {15, 7, 7}}, 2, [](auto&, int) { return Vec3f(2, 0, 0); });
+    VelocityField field;
+    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
+                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    const LeafValues<float> texture(*frames[0].domain, 0.25f);
+    const auto first = feedForward(field, texture, *frames[1].domain, NoiseField(5), {}, 0);
+    const auto second = feedForward(field, texture, *frames[1].domain, NoiseField(5), {}, 1);
+    std::size_t differing = 0;
+    for (const Coord& at : openvdb::CoordBBox({0, 0, 0}, {1, 7, 7})) {
+        differing += first.tree()->getValue(at) != second.tree()->getValue(at);
+    }
+    EXPECT_GT(differing, 120u); // of 128
+    for (const Coord& at : openvdb::CoordBBox({2, 0, 0}, {15, 7, 7})) {
+        EXPECT_EQ(first.tree()->getValue(at), second.tree()->getValue(at));
+    }
+}
+
+TEST(FeedForward, BitsTakeTheTopBitFromTheTextureAndTheRestFromTheNoise)
+{
+    const auto frames = test::makeFrames({{0, 0, 0}, {7, 7, 7}}, 1, [](auto&, int) { return Vec3f(0); });
+    VelocityField field;
+    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
+                {frames[0].velocities->tree(), openvdb::Mat3d::identity()});
+    FeedbackParams params;
+    params.jitter = Jitter::kBits;
+    const NoiseField noise(11);
+    const auto original = noiseInput(*frames[0].domain, noise);
+    for (const float level : {0.2f, 0.8f}) {
+        const auto next =
+            feedForward(field, LeafValues<float>(*frames[0].domain, level), *frames[0].domain, noise, params, 0);
+        for (auto value = next.tree()->cbeginValueOn(); value; ++value) {
+            const double rest = std::fmod(original.tree()->getValue(value.getCoord()) / 65535.0, 0.5);
+            double expected = (level > 0.5f ? 0.5 : 0) + rest;
+            if (expected > 0.9) expected = 1;
+            if (expected < 0.1) expected = 0;
+            EXPECT_NEAR(*value / 65535.0, expected, 1e-4);
+        }
+    }
+}
+
+TEST(Convolve, DividesSumsByHitsAndKeepsTheInputWhereThereAreNone)
+{
+    const auto frames = test::makeFrames({{0, 0, 0}, {1, 0, 0}}, 1, [](auto&, int) { return Vec3f(0); });
+    const LeafValues<std::int64_t> accumulator(*frames[0].domain, 0);
+    LeafValues<std::int32_t> input(*frames[0].domain, 0);
+    accumulator.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(3 * 65535, 4)));
+    input.tree()->setValue({1, 0, 0}, 13107);
+    const auto texture = convolve(*frames[0].domain, accumulator, input);
+    EXPECT_FLOAT_EQ(texture.tree()->getValue({0, 0, 0}), 0.75f);
+    EXPECT_FLOAT_EQ(texture.tree()->getValue({1, 0, 0}), 0.2f);
+}
+
+} // namespace
+} // namespace vdblic

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "lic/test_flow.h"
+
+namespace vdblic::test {
+
+/// UFLIC and AUFLIC as the paper tells them, slowly: scattering process (SCAP) after scattering process, each seed
+/// carried through its whole life span at once into a ring of L buckets, seed by seed and deposit by deposit.
+///
+/// Shares with the library the integration of one step, the filter, and nothing else.
+std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
+                                               const ScatterParams& scatter);
+
+} // namespace vdblic::test

@@ -1,0 +1,147 @@
+#include "vdblic/lic/scatter.h"
+
+#include "lic/literal_lic.h"
+#include "lic/test_flow.h"
+#include "vdblic/core/errors.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+namespace vdblic {
+namespace {
+
+constexpr int kSteps = 9;
+
+/// Every voxel of every texture, bit for bit.
+void expectEqual(const std::vector<LeafValues<float>>& a, const std::vector<LeafValues<float>>& b)
+{
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        ASSERT_TRUE(a[k].tree()->hasSameTopology(*b[k].tree())) << "step " << k;
+        std::size_t differing = 0;
+        for (auto value = a[k].tree()->cbeginValueOn(); value; ++value) {
+            differing += *value != b[k].tree()->getValue(value.getCoord());
+        }
+        ASSERT_EQ(differing, 0u) << "step " << k << " of " << a[k].tree()->activeVoxelCount() << " voxels";
+    }
+}
+
+class EqualsLiteral : public testing::TestWithParam<ScatterParams> {};
+
+TEST_P(EqualsLiteral, OnAnUnsteadyFlowWithAMovingHole)
+{
+    const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
+    expectEqual(test::streamedTextures(frames, kSteps, GetParam()), test::literalTextures(frames, kSteps, GetParam()));
+}
+
+ScatterParams params(ScatterMethod method, int lifeSpan, float window = 0.25f)
+{
+    ScatterParams result;
+    result.method = method;
+    result.lifeSpan = lifeSpan;
+    result.releaseWindow = window;
+    return result;
+}
+
+INSTANTIATE_TEST_SUITE_P(Uflic, EqualsLiteral,
+                         testing::Values(params(ScatterMethod::kUflic, 1), params(ScatterMethod::kUflic, 4),
+                                         params(ScatterMethod::kUflic, 12)));
+INSTANTIATE_TEST_SUITE_P(Auflic, EqualsLiteral,
+                         testing::Values(params(ScatterMethod::kAuflic, 1), params(ScatterMethod::kAuflic, 4),
+                                         params(ScatterMethod::kAuflic, 4, 1.0f),
+                                         params(ScatterMethod::kAuflic, 7, 0.5f)));
+
+TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
+{
+    const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
+    for (const ScatterMethod method : {ScatterMethod::kUflic, ScatterMethod::kAuflic}) {
+        std::vector<std::vector<LeafValues<float>>> runs;
+        for (const std::size_t threads : {1, 2, 7}) {
+            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+            runs.push_back(test::streamedTextures(frames, kSteps, params(method, 4)));
+        }
+        expectEqual(runs[0], runs[1]);
+        expectEqual(runs[0], runs[2]);
+    }
+}
+
+/// A step over a domain with every voxel's input and hits at hand.
+struct OneStep {
+    std::vector<FlowFrame> frames;
+    VelocityField field;
+    LeafValues<std::int32_t> input;
+    LeafValues<std::int64_t> accumulator;
+
+    explicit OneStep(std::vector<FlowFrame> flow) : frames(std::move(flow))
+    {
+        const FlowStep step = test::stepFrom(frames, 0);
+        field.build(step.start.domain, {step.start.velocities->tree(), step.startToStep},
+                    {step.end.velocities->tree(), step.endToStep});
+        input = noiseInput(*step.start.domain, NoiseField(3));
+        accumulator = LeafValues<std::int64_t>(*step.start.domain, 0);
+    }
+    void clear() { accumulator = LeafValues<std::int64_t>(field.domain(), 0); }
+};
+
+TEST(Scatter, EveryVoxelReleasesExactlyOneSeedAStep)
+{
+    OneStep step(test::unsteadyFlowWithHole(2));
+    const std::size_t voxels = step.field.domain().voxelCount();
+    for (const ScatterMethod method : {ScatterMethod::kUflic, ScatterMethod::kAuflic}) {
+        Scatter scatter(params(method, 4));
+        for (int k = 0; k < 6; ++k) {
+            step.clear();
+            const ScatterStats stats = scatter.step(step.field, step.input, step.accumulator);
+            EXPECT_EQ(stats.released + stats.reused + stats.copied, voxels) << "step " << k;
+        }
+    }
+}
+
+TEST(Scatter, AuflicKeepsFewerParticlesThanUflic)
+{
+    OneStep step(test::unsteadyFlowWithHole(2));
+    std::size_t particles[2] = {0, 0};
+    for (const ScatterMethod method : {ScatterMethod::kUflic, ScatterMethod::kAuflic}) {
+        Scatter scatter(params(method, 8));
+        for (int k = 0; k < 10; ++k) {
+            step.clear();
+            particles[method == ScatterMethod::kAuflic] =
+                scatter.step(step.field, step.input, step.accumulator).particles;
+        }
+    }
+    EXPECT_LT(2 * particles[1], particles[0]);
+    EXPECT_GT(particles[1], 0u);
+}
+
+TEST(Scatter, AtRestEachVoxelIsHitByItsOwnSeedsOnly)
+{
+    OneStep step(test::makeFrames({{0, 0, 0}, {10, 9, 8}}, 2, [](auto&, int) { return openvdb::Vec3f(0); }));
+    Scatter scatter(params(ScatterMethod::kUflic, 3));
+    for (int k = 0; k < 5; ++k) {
+        step.clear();
+        scatter.step(step.field, step.input, step.accumulator);
+        const std::uint64_t expected = std::uint64_t(std::min(k + 1, 3));
+        for (auto value = step.accumulator.tree()->cbeginValueOn(); value; ++value) {
+            const auto word = std::uint64_t(*value);
+            ASSERT_EQ(Hits::count(word), expected);
+            ASSERT_EQ(Hits::sum(word), expected * std::uint64_t(step.input.tree()->getValue(value.getCoord())));
+        }
+    }
+}
+
+TEST(Scatter, AVoxelThatOverflowsIsReported)
+{
+    OneStep step(test::makeFrames({{0, 0, 0}, {3, 3, 3}}, 2, [](auto&, int) { return openvdb::Vec3f(0); }));
+    step.accumulator[0][0] = std::int64_t(Hits::pack(0, Hits::kCountMask)); // one hit more carries into the sum
+    EXPECT_THROW(Scatter(params(ScatterMethod::kUflic, 4)).step(step.field, step.input, step.accumulator), InputError);
+}
+
+TEST(Scatter, RefusesParametersOutOfRange)
+{
+    EXPECT_THROW(Scatter(params(ScatterMethod::kUflic, 0)), ParameterError);
+    EXPECT_THROW(Scatter(params(ScatterMethod::kAuflic, 4, 0.0f)), ParameterError);
+    EXPECT_THROW(Scatter(params(ScatterMethod::kAuflic, 4, std::nanf(""))), ParameterError);
+}
+
+} // namespace
+} // namespace vdblic

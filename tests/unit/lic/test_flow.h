@@ -1,0 +1,29 @@
+#pragma once
+
+#include "vdblic/lic/flow_texture.h"
+
+#include <openvdb/openvdb.h>
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace vdblic::test {
+
+/// Velocity in voxels per step at a voxel and a frame; nothing where the voxel is outside the domain.
+using FlowFunction = std::function<std::optional<openvdb::Vec3f>(const openvdb::Coord&, int frame)>;
+
+/// Frames of a flow on a box of index space, in voxels per step.
+std::vector<FlowFrame> makeFrames(const openvdb::CoordBBox& box, int frames, const FlowFunction& flow);
+
+/// The step from frame k to frame k + 1.
+FlowStep stepFrom(const std::vector<FlowFrame>& frames, std::size_t k);
+
+/// A turning, drifting, unsteady flow with a hole in a box that does not start at the origin; the hole moves.
+std::vector<FlowFrame> unsteadyFlowWithHole(int frames);
+
+/// The textures of the library's pipeline for the first `steps` steps.
+std::vector<LeafValues<float>> streamedTextures(const std::vector<FlowFrame>& frames, int steps,
+                                                const ScatterParams& scatter);
+
+} // namespace vdblic::test
