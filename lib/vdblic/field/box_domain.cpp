@@ -20,6 +20,14 @@ void checkBoxSize(const BoxSize& size)
     }
 }
 
+void checkVoxelSize(double voxelSize)
+{
+    constexpr double kLeast = 1e-4, kMost = 1e4;
+    if (!(voxelSize >= kLeast && voxelSize <= kMost)) {
+        throw ParameterError(fmt::format("voxel size {}: must be {} to {} world units", voxelSize, kLeast, kMost));
+    }
+}
+
 std::shared_ptr<const Domain> boxDomain(const BoxSize& size)
 {
     checkBoxSize(size);

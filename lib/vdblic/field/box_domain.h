@@ -19,6 +19,9 @@ using BoxSize = std::array<int, 3>;
 /// @throws ParameterError if a side is not positive or too long, or the box has more than kMaxBoxVoxels voxels
 void checkBoxSize(const BoxSize& size);
 
+/// @throws ParameterError if the voxel size is not a number from 0.0001 to 10000, which every reader can handle
+void checkVoxelSize(double voxelSize);
+
 /// The domain of all voxels of a box. @throws ParameterError as checkBoxSize() does
 [[nodiscard]] std::shared_ptr<const Domain> boxDomain(const BoxSize& size);
 
