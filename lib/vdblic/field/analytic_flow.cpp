@@ -94,7 +94,8 @@ FlowFunction makeGyre(const Vec3d& extent)
 }
 
 /// Hill's spherical vortex, the fattest of the vortex rings (Hill, "On a spherical vortex", Phil. Trans. R. Soc. A 185,
-/// 1894; Lamb, Hydrodynamics, 165), held in the box by a head wind as fast as the ring: with z along the axis, r across
+/// 1894; Lamb, Hydrodynamics, 165), held in the box by a head wind as fast as the ring,
+/// V = 1: with z along the axis, r across
 /// it, R² = r² + z² and the sphere's radius a,
 ///     inside:  v_r = 3/2 V rz/a²,    v_z = 3/2 V (1 − (2r² + z²)/a²),
 ///     outside: v_r = 3/2 V a³rz/R⁵,  v_z = V (a³/R³ (1 − 3/2 r²/R²) − 1).
@@ -102,19 +103,19 @@ FlowFunction makeGyre(const Vec3d& extent)
 FlowFunction makeRing(const Vec3d&)
 {
     return [](const Vec3d& p, double time) {
-        constexpr double kSpeed = 1.2, kRadius = 0.36, kPulse = 0.15, kWay = 0.15;
+        constexpr double kRadius = 0.36, kPulse = 0.15, kWay = 0.15;
         const double a2 = squared(kRadius * (1 + kPulse * std::sin(2 * pi * time)));
         const double z = p.z() - kWay * std::sin(pi * time);
         const double r2 = squared(p.x()) + squared(p.y());
         const double distance2 = r2 + z * z;
         if (distance2 <= a2) {
-            const double radial = 1.5 * kSpeed * z / a2;
-            return Vec3d(radial * p.x(), radial * p.y(), 1.5 * kSpeed * (1 - (r2 + distance2) / a2));
+            const double radial = 1.5 * z / a2;
+            return Vec3d(radial * p.x(), radial * p.y(), 1.5 * (1 - (r2 + distance2) / a2));
         }
         const double ratio2 = a2 / distance2;
-        const double decay = kSpeed * ratio2 * std::sqrt(ratio2); // V a³/R³
+        const double decay = ratio2 * std::sqrt(ratio2); // a³/R³
         const double radial = 1.5 * decay * z / distance2;
-        return Vec3d(radial * p.x(), radial * p.y(), decay * (1 - 1.5 * r2 / distance2) - kSpeed);
+        return Vec3d(radial * p.x(), radial * p.y(), decay * (1 - 1.5 * r2 / distance2) - 1);
     };
 }
 
