@@ -47,6 +47,17 @@ class ToolTest(unittest.TestCase):
         self.assertNotEqual(done.stderr.strip(), "")
         return done.stderr
 
+    def contents(self, path):
+        """The bytes of a .vdb file without its identifier, which OpenVDB draws anew for every file it writes."""
+        begin, length = 21, 36
+        data = (self.folder / path).read_bytes()
+        return data[:begin] + data[begin + length:]
+
+    def printed(self, path):
+        """What OpenVDB's own vdb_print says about a file's grids; for types that pyopenvdb cannot read."""
+        command = ["vdb_print", "-l", self.folder / path]
+        return subprocess.run(command, text=True, capture_output=True, check=True).stdout
+
     def files(self):
         """The names of everything in the folder, hidden files included."""
         return sorted(path.name for path in self.folder.iterdir())

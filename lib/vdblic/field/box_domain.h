@@ -1,0 +1,28 @@
+#pragma once
+
+#include "vdblic/field/domain.h"
+
+#include <array>
+#include <memory>
+
+namespace vdblic {
+
+/// The voxel size of grids made from a size alone, in world units; OpenVDB's and Houdini's usual one.
+inline constexpr double kDefaultVoxelSize = 0.1;
+
+/// The most voxels a box may have.
+inline constexpr std::int64_t kMaxBoxVoxels = 4'000'000'000;
+
+/// Voxels along x, y and z of a box that begins at index (0, 0, 0).
+using BoxSize = std::array<int, 3>;
+
+/// @throws ParameterError if a side is not positive or too long, or the box has more than kMaxBoxVoxels voxels
+void checkBoxSize(const BoxSize& size);
+
+/// @throws ParameterError if the voxel size is not a number from 0.0001 to 10000, which every reader can handle
+void checkVoxelSize(double voxelSize);
+
+/// The domain of all voxels of a box. @throws ParameterError as checkBoxSize() does
+[[nodiscard]] std::shared_ptr<const Domain> boxDomain(const BoxSize& size);
+
+} // namespace vdblic

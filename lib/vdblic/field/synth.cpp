@@ -1,0 +1,78 @@
+#include "vdblic/field/synth.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/io/vdb_file.h"
+
+#include <tbb/parallel_for.h>
+
+namespace vdblic {
+namespace {
+
+double timeOf(std::int64_t frame, double dt)
+{
+    return double(frame - 1) * dt;
+}
+
+} // namespace
+
+void SynthParams::validate() const
+{
+    (void)findAnalyticFlow(flow);
+    checkBoxSize(size);
+    checkVoxelSize(voxelSize);
+    constexpr double kLongest = 1e6; // seconds; formulas of sines lose their meaning far beyond
+    if (!(dt > 0 && dt <= kLongest)) {
+        throw ParameterError(fmt::format("dt {}: must be a positive number of seconds, at most {}", dt, kLongest));
+    }
+    const std::vector<std::int64_t> selected = parseFrameList(frames);
+    for (const std::int64_t frame : {selected.front(), selected.back()}) {
+        if (std::abs(timeOf(frame, dt)) > kLongest) {
+            throw ParameterError(fmt::format("frame {} is at {} seconds; at most {} are supported, choose a smaller dt",
+                                             frame, timeOf(frame, dt), kLongest));
+        }
+    }
+    checkOutputPattern(FramePattern(output), selected.size());
+}
+
+openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domain,
+                                   const openvdb::math::Transform& transform, double time)
+{
+    const LeafValues<openvdb::Vec3f> values(domain, openvdb::Vec3f(0));
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        openvdb::Vec3f* velocities = values[leaf];
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const openvdb::Coord index = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+            velocities[voxel.pos()] = openvdb::Vec3f(flow(transform.indexToWorld(index), time));
+        }
+    });
+    auto grid = openvdb::Vec3SGrid::create(values.tree());
+    grid->setName("velocity");
+    grid->setTransform(transform.copy());
+    grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+    return grid;
+}
+
+void synthSequence(const SynthParams& params, Reporter& reporter)
+{
+    params.validate();
+    const FlowFunction flow = flowInBox(findAnalyticFlow(params.flow), params.size, params.voxelSize);
+    const std::shared_ptr<const Domain> domain = boxDomain(params.size);
+    const auto transform = openvdb::math::Transform::createLinearTransform(params.voxelSize);
+    const FramePattern pattern(params.output);
+    const std::vector<std::int64_t> frames = parseFrameList(params.frames);
+    std::size_t done = 0;
+    for (const std::int64_t frame : frames) {
+        reporter.progress(done++, frames.size());
+        const double time = timeOf(frame, params.dt);
+        const openvdb::Vec3SGrid::Ptr grid = sampleFlow(flow, *domain, *transform, time);
+        grid->insertMeta("frame", openvdb::Int64Metadata(frame));
+        grid->insertMeta("time", openvdb::DoubleMetadata(time));
+        grid->insertMeta("dt", openvdb::DoubleMetadata(params.dt));
+        writeVdb(pattern.path(frame), {grid}, {});
+        reporter.finished(pattern.path(frame));
+    }
+    reporter.progress(done, frames.size());
+}
+
+} // namespace vdblic

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "vdblic/core/reporter.h"
+#include "vdblic/field/analytic_flow.h"
+
+#include <string>
+
+namespace vdblic {
+
+/// How to make a velocity sequence of an analytic flow.
+struct SynthParams {
+    std::string flow;     ///< the name of one of analyticFlows()
+    std::string output;   ///< a pattern, or a file if there is one frame
+    BoxSize size{};       ///< voxels along x, y and z
+    std::string frames;   ///< a frame list; frame 1 is at time 0
+    double dt = 1.0 / 24; ///< seconds from one frame number to the next
+    double voxelSize = kDefaultVoxelSize;
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+/// A flow on the active voxels of a domain at one moment: a grid `velocity` in world units per second.
+///
+/// @param flow      world position, seconds → world units per second
+/// @param transform of the grid
+/// @param time      in seconds
+/// Made in parallel, computed in double precision.
+[[nodiscard]] openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domain,
+                                                 const openvdb::math::Transform& transform, double time);
+
+/// Write one file for each frame, holding the grid of sampleFlow() with the metadata `frame` (int64), `time` and `dt`
+/// (double, in seconds), its vector type contravariant relative.
+///
+/// The time of a frame follows from its number alone, so any part of a sequence can be made on its own.
+/// @throws ParameterError, OutputError
+void synthSequence(const SynthParams& params, Reporter& reporter);
+
+} // namespace vdblic

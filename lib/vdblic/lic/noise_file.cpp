@@ -1,0 +1,73 @@
+#include "vdblic/lic/noise_file.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/grid_reference.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/noise.h"
+
+namespace vdblic {
+namespace {
+
+openvdb::GridBase::Ptr findGrid(const GridReference& reference)
+{
+    const VdbFile file = readVdb(reference.path);
+    const auto wanted = std::find_if(file.grids.begin(), file.grids.end(), [&](const openvdb::GridBase::Ptr& grid) {
+        return reference.grid.empty() ? grid->activeVoxelCount() > 0 : grid->getName() == reference.grid;
+    });
+    if (wanted == file.grids.end()) {
+        throw InputError(
+            reference.grid.empty()
+                ? fmt::format("{}: no grid has active voxels; it holds {}", reference.path.string(), file.contents())
+                : fmt::format("{}: has no grid '{}'; it holds {}", reference.path.string(), reference.grid,
+                              file.contents()));
+    }
+    return *wanted;
+}
+
+openvdb::MaskTree::Ptr topologyOf(const openvdb::GridBase& grid, const std::string& name)
+{
+    openvdb::MaskTree::Ptr topology;
+    const bool known = grid.apply<openvdb::GridTypes>([&](const auto& typed) {
+        topology = std::make_shared<openvdb::MaskTree>(typed.tree(), false, openvdb::TopologyCopy());
+    });
+    if (!known) throw InputError(fmt::format("{}: grids of type {} are not supported", name, grid.type()));
+    return topology;
+}
+
+} // namespace
+
+void NoiseParams::validate() const
+{
+    if (like.empty() == !size.has_value()) throw ParameterError("give one of --like FILE and --size X Y Z");
+    if (size) checkBoxSize(*size);
+}
+
+void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
+{
+    params.validate();
+    openvdb::Int32Grid::Ptr noise;
+    if (params.size) {
+        const auto transform = openvdb::math::Transform::createLinearTransform(kDefaultVoxelSize);
+        noise = makeNoise(*boxDomain(*params.size), *transform, params.seed);
+    } else {
+        const GridReference reference = parseGridReference(params.like);
+        const openvdb::GridBase::Ptr grid = findGrid(reference);
+        const std::string name = fmt::format("{}: grid '{}'", reference.path.string(), grid->getName());
+        const std::uint64_t voxels = grid->activeVoxelCount();
+        if (voxels == 0) throw InputError(fmt::format("{} has no active voxels", name));
+        if (voxels > std::uint64_t(kMaxBoxVoxels)) {
+            throw InputError(
+                fmt::format("{} has {} active voxels; at most {} are supported", name, voxels, kMaxBoxVoxels));
+        }
+        reporter.say(fmt::format("like {} ({}), {} active voxels", name, grid->valueType(), voxels));
+        try {
+            noise = makeNoise(Domain(topologyOf(*grid, name)), grid->transform(), params.seed);
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("{}: {}", name, error.what()));
+        }
+    }
+    writeVdb(params.output, {noise}, {});
+    reporter.finished(params.output);
+}
+
+} // namespace vdblic

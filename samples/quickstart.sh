@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# From a fresh clone to pictures: installs what is missing, builds, computes flow textures of the wake that ships in
+# samples/wake, renders them, and joins the pictures into an animation. Run it again: it builds only what changed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+.ci/packages.sh || echo "going on with what is there" >&2
+cmake --preset release
+cmake --build --preset release --target vdblic_advect vdblic_render
+
+tools=build/release/tools
+out=out/quickstart
+mkdir -p "$out"
+# The stages overlap: each texture is rendered as soon as it is finished.
+"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" |
+    "$tools/vdblic_render" - -o "$out/wake.%04d.exr" --size 960 540 >"$out/images.txt"
+"$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" --size 960 540 >>"$out/images.txt"
+
+echo
+echo "flow textures: $out/lic.0001.vdb ... (density and magnitude; open them in Blender or Houdini)"
+echo "images:        $out/wake.0001.exr ... and $out/wake.0001.png ..."
+if command -v ffmpeg >/dev/null 2>&1; then
+    ffmpeg -loglevel error -y -framerate 12 -i "$out/wake.%04d.png" -vf format=yuv420p -c:v libx264 -crf 18 "$out/wake.mp4"
+    echo "animation:     $out/wake.mp4"
+else
+    echo "animation:     none, ffmpeg is missing"
+fi

@@ -1,0 +1,9 @@
+#!/bin/sh
+# Builds everything and runs every test; the last lines are ctest's summary. Takes ctest's options: tests/run.sh -R render
+set -eu
+cd "$(dirname "$0")/.."
+
+.ci/packages.sh || echo "going on with what is there" >&2
+cmake --preset ci
+cmake --build --preset ci
+ctest --preset ci -j "$(nproc)" "$@"

@@ -1,0 +1,18 @@
+#include "cli/tool.h"
+#include "vdblic/lic/noise_file.h"
+
+int main(int argc, char** argv)
+{
+    vdblic::NoiseParams params;
+    vdblic::cli::Tool tool("vdblic_noise", "Make white noise, the input of flow textures.");
+    tool.output(params.output, "The .vdb file to write.");
+    CLI::Option* like = tool.option("--like", params.like,
+                                    "FILE or FILE:GRID whose active voxels and transform to take; by default the first "
+                                    "grid, by name, that has active voxels.");
+    tool.app()
+        .add_option("--size", params.size, "Voxels along x, y and z of a box.")
+        ->type_name("X Y Z")
+        ->excludes(like);
+    tool.option("--seed", params.seed, "Another seed gives other noise.");
+    return tool.run(argc, argv, [&](vdblic::Reporter& reporter) { vdblic::makeNoiseFile(params, reporter); });
+}
