@@ -1,0 +1,121 @@
+"""vdblic_advect as a user runs it."""
+
+import pathlib
+import os
+import unittest
+
+import numpy
+import pyopenvdb as vdb
+
+from support import ToolTest
+
+WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%04d.vdb"
+
+
+def values(path, name="density"):
+    """A grid's active values, as an array over its bounding box, and the box's lower corner."""
+    grid = vdb.read(str(path), name)
+    low, high = grid.evalActiveVoxelBoundingBox()
+    array = numpy.zeros([high[i] - low[i] + 1 for i in range(3)], numpy.float32)
+    grid.copyToArray(array, ijk=low)
+    return array, low
+
+
+class Advect(ToolTest):
+    def test_wake(self):
+        paths = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-4")
+        self.assertEqual([p.name for p in paths], [f"lic.{k:04}.vdb" for k in range(1, 5)])
+        self.assertEqual(self.files(), [p.name for p in paths])
+        velocity = vdb.read(str(WAKE) % 3, "velocity")
+        texture = vdb.read(str(paths[2]), "density")
+        magnitude = vdb.read(str(paths[2]), "magnitude")
+        for grid in texture, magnitude:
+            self.assertEqual(grid.activeVoxelCount(), velocity.activeVoxelCount())
+            self.assertEqual(grid.transform, velocity.transform)
+            self.assertEqual(grid.gridClass, "fog volume")
+            # Leaves hold voxels: Blender draws active tiles blank.
+            self.assertEqual(grid.leafCount(), velocity.leafCount())
+        array, low = values(paths[2])
+        active = array[array > 0]
+        self.assertGreaterEqual(array.min(), 0)
+        self.assertLessEqual(array.max(), 1)
+        self.assertGreater(active.std(), 0.1)
+        vectors = numpy.zeros([*array.shape, 3], numpy.float32)
+        velocity.copyToArray(vectors, ijk=low)
+        numpy.testing.assert_allclose(values(paths[2], "magnitude")[0], numpy.linalg.norm(vectors, axis=3), rtol=1e-5)
+
+    def test_metadata(self):
+        path = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "3-4", "--life", "5", "--seed", "9")[0]
+        metadata = vdb.readMetadata(str(path))
+        self.assertTrue(metadata["creator"].startswith("VDBLIC "))
+        self.assertEqual(metadata["frame"], 3)
+        self.assertAlmostEqual(metadata["time"], 0.1, 5)
+        self.assertAlmostEqual(metadata["dt"], 0.05, 5)
+        self.assertEqual((metadata["method"], metadata["life_span"], metadata["seed"]), ("auflic", 5, 9))
+
+    def test_same_voxels_for_any_number_of_threads(self):
+        for method in "auflic", "uflic":
+            arrays = []
+            for threads in 1, 2, 7:
+                path = self.outputs("vdblic_advect", WAKE, "-o", f"{method}.{threads}.%04d.vdb", "--frames", "1-3",
+                                    "--method", method, "--threads", threads)[-1]
+                arrays.append(values(path)[0])
+            self.assertEqual(arrays[0].tobytes(), arrays[1].tobytes())
+            self.assertEqual(arrays[0].tobytes(), arrays[2].tobytes())
+
+    def test_noise_from_a_file_is_the_noise_of_its_seed(self):
+        self.outputs("vdblic_noise", "-o", "noise.vdb", "--like", str(WAKE) % 1, "--seed", "4")
+        generated = self.outputs("vdblic_advect", WAKE, "-o", "a.%04d.vdb", "--frames", "1-1", "--seed", "4")[0]
+        read = self.outputs("vdblic_advect", WAKE, "-o", "b.%04d.vdb", "--frames", "1-1", "--seed", "4",
+                            "--noise", "noise.vdb")[0]
+        other = self.outputs("vdblic_advect", WAKE, "-o", "c.%04d.vdb", "--frames", "1-1", "--seed", "5")[0]
+        self.assertEqual(values(generated)[0].tobytes(), values(read)[0].tobytes())
+        self.assertNotEqual(values(generated)[0].tobytes(), values(other)[0].tobytes())
+
+    def test_paths_on_standard_input(self):
+        named = self.outputs("vdblic_advect", WAKE, "-o", "a.%04d.vdb", "--frames", "2-4")
+        lines = "".join(f"{str(WAKE) % k}\n" for k in (2, 3, 4))
+        piped = self.outputs("vdblic_advect", "-", "-o", "b.%04d.vdb", stdin=lines)
+        self.assertEqual([p.name for p in piped], [f"b.{k:04}.vdb" for k in (2, 3, 4)])
+        for a, b in zip(named, piped):
+            self.assertEqual(values(a)[0].tobytes(), values(b)[0].tobytes())
+
+    def test_usage(self):
+        output = ("-o", "lic.%04d.vdb")
+        for arguments in (
+            (), (WAKE,), output, (WAKE, *output, "--no-such-option"), (WAKE, *output, "--method", "ibfv"),
+            (WAKE, *output, "--life", "0"), (WAKE, *output, "--life", "nan"), (WAKE, *output, "--dt", "0"),
+            (WAKE, *output, "--dt", "nan"), (WAKE, *output, "--fps", "0"), (WAKE, *output, "--dt", "1", "--fps", "1"),
+            (WAKE, *output, "--frames", "9-1"), (WAKE, *output, "--threads", "0"), (WAKE, *output, "--seed", "-1"),
+            (WAKE, *output, "--release-window", "1.5"), (WAKE, *output, "--jitter", "none"), (WAKE, "-o", "lic.vdb"),
+            (WAKE, *output, "--velocity-unit", "knots"), (WAKE, *output, "--preroll", "-1"),
+        ):
+            with self.subTest(arguments=arguments):
+                self.fails(2, "vdblic_advect", *arguments)
+        self.assertEqual(self.files(), [])
+
+    def test_bad_input(self):
+        message = self.fails(3, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "15-17")
+        self.assertIn("frame 17 is missing", message)
+        self.fails(3, "vdblic_advect", "none.%04d.vdb", "-o", "lic.%04d.vdb")
+        message = self.fails(3, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--velocity", "wind")
+        self.assertIn("velocity (vec3s)", message)
+        (self.folder / "vel.0001.vdb").write_bytes(b"not a vdb file")
+        self.fails(3, "vdblic_advect", "vel.%04d.vdb", "-o", "lic.%04d.vdb")
+        grid = vdb.Vec3SGrid()
+        grid.name = "velocity"
+        grid.fill((0, 0, 0), (7, 7, 7), (1, 0, 0))
+        grid.getAccessor().setValueOn((3, 2, 1), (1, float("nan"), 0))
+        vdb.write(str(self.folder / "nan.0001.vdb"), grids=[grid])
+        message = self.fails(3, "vdblic_advect", "nan.%04d.vdb", "-o", "lic.%04d.vdb")
+        for part in "nan.0001.vdb", "velocity", "1 voxel", "[3, 2, 1]":
+            self.assertIn(part, message)
+        self.assertEqual(self.files(), ["nan.0001.vdb", "vel.0001.vdb"])
+
+    def test_unwritable_output(self):
+        self.fails(4, "vdblic_advect", WAKE, "-o", "no/folder/lic.%04d.vdb", "--frames", "1-2")
+        self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
