@@ -44,6 +44,8 @@ void Tool::inputSequence(const std::string& name, SequenceParams& target, const 
         ->required();
     mApp.add_option("--frames", target.frames,
                     "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.");
+    mApp.add_flag("--clamp-frames", target.clampFrames,
+                  "Leave out frames of --frames that lie beyond the files on disk.");
 }
 
 void Tool::output(std::string& target, const std::string& help)

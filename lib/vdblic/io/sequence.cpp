@@ -36,6 +36,29 @@ bool isFile(const std::filesystem::path& path)
     return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
 }
 
+std::int64_t leastSpacing(const std::vector<std::int64_t>& frames)
+{
+    std::int64_t spacing = 0;
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+        const std::int64_t difference = frames[i] - frames[i - 1];
+        spacing = spacing == 0 ? difference : std::min(spacing, difference);
+    }
+    return std::max<std::int64_t>(spacing, 1);
+}
+
+/// The frames from the first found to the last in even steps: a gap is a frame that was lost.
+std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
+{
+    std::vector<std::int64_t> frames;
+    const std::int64_t spacing = leastSpacing(found);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        frames.push_back(found[i]);
+        const bool gap = i + 1 < found.size() && found[i + 1] - found[i] != spacing;
+        if (gap) frames.push_back(found[i] + spacing); // to be reported as missing
+    }
+    return frames;
+}
+
 } // namespace
 
 FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
@@ -145,31 +168,36 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
         return {{frameOfName(path).value_or(1), path}};
     }
 
+    const std::vector<std::int64_t> found = pattern.framesOnDisk();
+    if (found.empty()) throw InputError(fmt::format("{}: no file matches the pattern", params.pattern));
     const bool chosen = !params.frames.empty();
-    const std::vector<std::int64_t> frames = chosen ? parseFrameList(params.frames) : pattern.framesOnDisk();
-    if (frames.empty()) throw InputError(fmt::format("{}: no file matches the pattern", params.pattern));
+    std::vector<std::int64_t> frames = chosen ? parseFrameList(params.frames) : everyFrame(found);
+    if (params.clampFrames) {
+        std::erase_if(frames, [&](std::int64_t frame) { return frame < found.front() || frame > found.back(); });
+        if (frames.empty()) {
+            throw InputError(fmt::format("{}: no frame of {} is on disk; the files are numbered {} to {}",
+                                         params.pattern, params.frames, found.front(), found.back()));
+        }
+    }
 
     std::vector<FrameFile> files;
     files.reserve(frames.size());
     for (const std::int64_t frame : frames) {
-        // Found frames may have gaps only where the numbering steps evenly: a hole is a frame that was lost.
+        if (!std::binary_search(found.begin(), found.end(), frame)) {
+            const bool overshoots = frame < found.front() || frame > found.back();
+            throw InputError(fmt::format("frame {} is missing: {}; {}", frame, pattern.path(frame).string(),
+                                         overshoots ? "--clamp-frames leaves out what lies beyond the files on disk"
+                                                    : "--frames can select the others"));
+        }
         files.push_back({frame, pattern.path(frame)});
-        if (chosen && !isFile(files.back().path)) {
-            throw InputError(fmt::format("frame {} is missing: {}", frame, files.back().path.string()));
-        }
-    }
-    if (!chosen && frames.size() > 2) {
-        std::int64_t step = frames[1] - frames[0];
-        for (std::size_t i = 2; i < frames.size(); ++i)
-            step = std::min(step, frames[i] - frames[i - 1]);
-        for (std::size_t i = 1; i < frames.size(); ++i) {
-            if (frames[i] - frames[i - 1] == step) continue;
-            const std::int64_t lost = frames[i - 1] + step;
-            throw InputError(fmt::format("frame {} is missing: {} (choose with --frames to go on without it)", lost,
-                                         pattern.path(lost).string()));
-        }
     }
     return files;
+}
+
+std::int64_t frameSpacing(const SequenceParams& params)
+{
+    const FramePattern pattern(params.pattern);
+    return pattern.hasField() ? leastSpacing(pattern.framesOnDisk()) : 1;
 }
 
 FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count)

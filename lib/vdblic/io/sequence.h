@@ -53,14 +53,18 @@ using FrameSource = std::function<std::optional<FrameFile>()>;
 
 /// What a tool was told about an input sequence.
 struct SequenceParams {
-    std::string pattern; ///< one file, a pattern, or `-` for paths on standard input
-    std::string frames;  ///< a frame list; empty for every frame found
+    std::string pattern;      ///< one file, a pattern, or `-` for paths on standard input
+    std::string frames;       ///< a frame list; empty for every frame found
+    bool clampFrames = false; ///< leave out listed frames before the first or after the last on disk
 };
 
 /// The frames a sequence selects, checked to be on disk before any work starts.
 ///
 /// @throws InputError naming the missing frame, ParameterError on a frame list for a single file
 [[nodiscard]] std::vector<FrameFile> selectFrames(const SequenceParams& params);
+
+/// The spacing of the frame numbers on disk: the least difference of two neighbours; 1 if there are none.
+[[nodiscard]] std::int64_t frameSpacing(const SequenceParams& params);
 
 /// As selectFrames, but reads paths from `lines`, one a line and as they come, if the pattern is `-`.
 /// `count` receives the number of frames, 0 if it is not known.

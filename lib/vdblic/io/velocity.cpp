@@ -2,8 +2,11 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/io/velocity_grids.h"
 
 #include <openvdb/tree/LeafManager.h>
+#include <openvdb/tree/NodeManager.h>
+#include <tbb/parallel_reduce.h>
 
 #include <array>
 #include <cmath>
@@ -13,181 +16,59 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::Mat3d;
-using openvdb::Vec3d;
 using openvdb::Vec3f;
 using openvdb::Vec3SGrid;
 
 constexpr std::array<std::string_view, 4> kUnitNames = {"world/s", "world/frame", "voxel/s", "voxel/frame"};
-constexpr std::array<const char*, 3> kVelocityNames = {"velocity", "vel", "v"};
-constexpr std::array<const char*, 3> kComponentJoints = {".", "_", ""};
 
 /// Mantaflow stores voxels per its own unit of time, of which 2.5 make a second (measured at 24, 30 and 48 fps).
 constexpr double kMantaflowScale = 2.5;
 
-/// The linear part of a grid's transform: its columns are the index axes in world space.
-Mat3d jacobian(const openvdb::math::Transform& transform)
+bool isFinite(const Vec3f& v)
 {
-    Mat3d columns;
-    for (int axis = 0; axis < 3; ++axis) {
-        Vec3d unit(0);
-        unit[axis] = 1;
-        columns.setCol(axis, transform.baseMap()->applyJacobian(unit));
-    }
-    return columns;
+    return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
-void checkTransform(const openvdb::GridBase& grid, const std::string& where)
+/// Look at every active value. @return the number of voxels that are not finite, and the first of them
+std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
 {
-    if (!grid.transform().isLinear()) {
-        throw InputError(where + " has a frustum transform; resample it onto a box-shaped grid");
-    }
-    const Mat3d axes = jacobian(grid.transform());
-    for (int a = 0; a < 3; ++a) {
-        const Vec3d p = axes.col(a), q = axes.col((a + 1) % 3);
-        if (!(p.length() > 0) || !std::isfinite(p.length())) {
-            throw InputError(where + fmt::format(" has a voxel of size {} along axis {}", p.length(), a));
-        }
-        if (std::abs(p.dot(q)) > 1e-4 * p.length() * q.length()) {
-            throw InputError(where + " has a sheared transform; resample it onto a grid with right angles");
-        }
-    }
-}
-
-void checkFinite(const Vec3SGrid& grid, const std::string& where)
-{
-    const auto finite = [](const Vec3f& v) {
-        return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-    };
     std::size_t count = 0;
-    std::optional<Coord> first;
+    Coord first;
     for (auto value = grid.cbeginValueOn(); value; ++value) {
-        if (finite(*value)) continue;
-        if (!first) first = value.getCoord();
+        if (isFinite(*value)) continue;
+        if (count == 0) first = value.getCoord();
         count += value.getVoxelCount();
     }
-    if (count > 0) {
-        throw InputError(where +
-                         fmt::format(" holds {} voxels that are not finite numbers, the first at [{}, {}, {}]; mend "
-                                     "the file",
-                                     count, first->x(), first->y(), first->z()));
+    return {count, first};
+}
+
+/// Refuse velocities that are not numbers, or make them 0 and say how many there were.
+void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
+{
+    const auto [count, first] = findNonFinite(*frame.values);
+    if (count == 0) return;
+    const std::string found = fmt::format("{}: grid {}, frame {}: {} {} not finite, the first at [{}, {}, {}]",
+                                          frame.file.path.string(), frame.gridName, frame.file.frame, count,
+                                          count == 1 ? "voxel is" : "voxels are", first[0], first[1], first[2]);
+    if (nonFinite == NonFinite::kRefuse) throw InputError(found + "; mend the file or give --nonfinite zero");
+    frame.values = frame.values->deepCopy();
+    for (auto value = frame.values->beginValueOn(); value; ++value) {
+        if (!isFinite(*value)) value.setValue(Vec3f(0));
     }
+    frame.remarks.push_back(found + "; set to zero");
 }
 
-template<typename GridT>
-typename GridT::ConstPtr asType(const openvdb::GridBase::Ptr& grid)
+void carry(const VdbFile& file, const std::vector<std::string>& names, VelocityFrame& frame)
 {
-    return openvdb::gridConstPtrCast<GridT>(grid);
-}
-
-/// A vector grid of single or double precision as Vec3f; null if it is neither.
-Vec3SGrid::Ptr vectorGrid(const openvdb::GridBase::Ptr& grid)
-{
-    if (auto single = openvdb::gridPtrCast<Vec3SGrid>(grid)) return single;
-    if (const auto wide = asType<openvdb::Vec3DGrid>(grid)) return std::make_shared<Vec3SGrid>(*wide);
-    return nullptr;
-}
-
-openvdb::FloatGrid::ConstPtr scalarGrid(const openvdb::GridBase::Ptr& grid)
-{
-    if (auto single = asType<openvdb::FloatGrid>(grid)) return single;
-    if (const auto wide = asType<openvdb::DoubleGrid>(grid)) return std::make_shared<openvdb::FloatGrid>(*wide);
-    return nullptr;
-}
-
-/// Three scalar grids as one vector grid on the union of their voxels.
-Vec3SGrid::Ptr joined(const std::array<openvdb::FloatGrid::ConstPtr, 3>& components)
-{
-    auto vectors = Vec3SGrid::create(Vec3f(0));
-    for (const auto& component : components)
-        vectors->tree().topologyUnion(component->tree());
-    vectors->tree().voxelizeActiveTiles();
-    openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(vectors->tree());
-    leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, std::size_t) {
-        std::array<openvdb::FloatGrid::ConstAccessor, 3> values = {
-            components[0]->getConstAccessor(), components[1]->getConstAccessor(), components[2]->getConstAccessor()};
-        for (auto value = leaf.beginValueOn(); value; ++value) {
-            const Coord at = value.getCoord();
-            Vec3f vector(0);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                float component = 0;
-                if (values[axis].probeValue(at, component)) vector[int(axis)] = component;
-            }
-            value.setValue(vector);
+    for (const std::string& name : names) {
+        const auto found = std::find_if(file.grids.begin(), file.grids.end(),
+                                        [&](const openvdb::GridBase::Ptr& grid) { return grid->getName() == name; });
+        if (found == file.grids.end()) {
+            throw InputError(fmt::format("{}: no grid '{}' to carry along; the file holds {}", frame.file.path.string(),
+                                         name, file.contents()));
         }
-    });
-    vectors->setTransform(components[0]->transform().copy());
-    vectors->setGridClass(components[0]->getGridClass());
-    for (auto meta = components[0]->beginMeta(); meta != components[0]->endMeta(); ++meta) {
-        vectors->insertMeta(meta->first, *meta->second);
+        frame.carried.push_back(*found);
     }
-    return vectors;
-}
-
-/// Staggered components live on the faces at index − ½; the centre's value is the mean of its two faces.
-/// Where the face beyond has no value (the rim of a sparse simulation) the nearer one stands for both.
-Vec3SGrid::Ptr collocated(const Vec3SGrid& faces)
-{
-    auto centres = faces.deepCopy();
-    centres->setGridClass(openvdb::GRID_UNKNOWN);
-    centres->tree().voxelizeActiveTiles();
-    openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(centres->tree());
-    leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, std::size_t) {
-        const auto values = faces.getConstAccessor();
-        for (auto value = leaf.beginValueOn(); value; ++value) {
-            Vec3f mean = *value;
-            for (int axis = 0; axis < 3; ++axis) {
-                Coord next = value.getCoord();
-                ++next[axis];
-                Vec3f face;
-                if (values.probeValue(next, face)) mean[axis] = 0.5f * (mean[axis] + face[axis]);
-            }
-            value.setValue(mean);
-        }
-    });
-    return centres;
-}
-
-struct Found {
-    std::string name;
-    Vec3SGrid::Ptr values;
-};
-
-/// The grid of one name: a vector grid, or three scalars joined.
-Found findNamed(const VdbFile& file, const std::string& name)
-{
-    for (const auto& grid : file.grids) {
-        if (grid->getName() != name) continue;
-        if (auto vectors = vectorGrid(grid)) return {name, vectors};
-    }
-    for (const char* joint : kComponentJoints) {
-        std::array<openvdb::FloatGrid::ConstPtr, 3> components;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::string wanted = name + joint + "xyz"[axis];
-            for (const auto& grid : file.grids) {
-                if (!components[axis] && grid->getName() == wanted) components[axis] = scalarGrid(grid);
-            }
-        }
-        if (components[0] && components[1] && components[2]) {
-            return {fmt::format("{0}{1}x, {0}{1}y, {0}{1}z", name, joint), joined(components)};
-        }
-    }
-    return {};
-}
-
-Found findVelocity(const VdbFile& file, const FrameFile& frame, const std::string& chosen)
-{
-    if (!chosen.empty()) {
-        Found found = findNamed(file, chosen);
-        if (found.values) return found;
-        throw InputError(
-            fmt::format("{}: no velocity '{}'; the file holds {}", frame.path.string(), chosen, file.contents()));
-    }
-    for (const char* name : kVelocityNames) {
-        if (Found found = findNamed(file, name); found.values) return found;
-    }
-    throw InputError(fmt::format("{}: no Vec3 grid 'velocity', 'vel' or 'v' and no three scalars of these names; the "
-                                 "file holds {}: choose with --velocity NAME",
-                                 frame.path.string(), file.contents()));
 }
 
 } // namespace
@@ -216,41 +97,82 @@ Mat3d VelocityFrame::toWorldPerSecond(double interval) const
 {
     const bool voxels = unit == VelocityUnit::kVoxelPerSecond || unit == VelocityUnit::kVoxelPerFrame;
     const bool perFrame = unit == VelocityUnit::kWorldPerFrame || unit == VelocityUnit::kVoxelPerFrame;
-    const Mat3d axes = voxels ? jacobian(values->transform()) : Mat3d::identity();
+    const Mat3d axes = voxels ? indexAxes(values->transform()) : Mat3d::identity();
     return axes * (scale * (perFrame ? 1 / interval : 1));
 }
 
 Mat3d VelocityFrame::toVoxelsPerStep(double interval) const
 {
-    return jacobian(values->transform()).inverse() * toWorldPerSecond(interval) * interval;
+    return indexAxes(values->transform()).inverse() * toWorldPerSecond(interval) * interval;
+}
+
+double VelocityFrame::largestDisplacement(double interval) const
+{
+    const openvdb::Mat3s toStep(toVoxelsPerStep(interval));
+    using Leaves = openvdb::tree::LeafManager<const openvdb::Vec3STree>;
+    const Leaves leaves(values->tree());
+    float largest = tbb::parallel_reduce(
+        leaves.leafRange(), 0.0f,
+        [&](const Leaves::LeafRange& range, float most) {
+            for (auto leaf = range.begin(); leaf; ++leaf) {
+                for (auto value = leaf->cbeginValueOn(); value; ++value)
+                    most = std::max(most, (toStep * *value).lengthSqr());
+            }
+            return most;
+        },
+        [](float a, float b) { return std::max(a, b); });
+    auto tile = values->cbeginValueOn();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+        largest = std::max(largest, (toStep * *tile).lengthSqr());
+    return std::sqrt(double(largest));
 }
 
 VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params)
 {
     const VdbFile contents = readVdb(file.path);
-    const Found found = findVelocity(contents, file, params.grid);
-    const std::string where = fmt::format("{}: grid {}", file.path.string(), found.name);
-    checkTransform(*found.values, where);
-    checkFinite(*found.values, where);
-
+    const std::string path = file.path.string();
     VelocityFrame frame;
     frame.file = file;
-    frame.gridName = found.name;
-    const bool staggered = found.values->getGridClass() == openvdb::GRID_STAGGERED;
-    frame.values = staggered ? collocated(*found.values) : found.values;
-    frame.scale = params.scale;
-    frame.unit = params.unit.value_or(VelocityUnit::kWorldPerSecond);
-    if (!params.unit && staggered && (*found.values)["file_base_resolution"]) {
-        frame.unit = VelocityUnit::kVoxelPerSecond;
-        frame.scale *= kMantaflowScale;
-        frame.remark = fmt::format("a Mantaflow cache: velocities taken as voxel/s x {}", kMantaflowScale);
+    std::string name = params.grid;
+    if (name.empty()) {
+        const std::vector<std::string> names = velocityNames(contents);
+        if (names.empty()) {
+            throw InputError(
+                fmt::format("{}: no Vec3 grid, and no three scalars called 'velocity', 'vel' or 'v' with x, y "
+                            "and z; the file holds {}: choose with --velocity NAME",
+                            path, contents.contents()));
+        }
+        name = names.front();
+        if (names.size() > 1) {
+            frame.remarks.push_back(
+                fmt::format("the files hold several velocities ({}): taking '{}'; choose with --velocity",
+                            fmt::join(names, ", "), name));
+        }
     }
-    const auto metadata = [&](const char* name) {
-        const auto ofGrid = numericMetadata(*found.values, name);
-        return ofGrid ? ofGrid : numericMetadata(contents.metadata, name);
+    const VelocityGrid found = findVelocity(contents, name, path);
+    frame.gridName = found.name;
+    frame.values = found.values;
+    mendNonFinite(frame, params.nonFinite);
+
+    frame.mantaflow = found.staggered && (*found.values)["file_base_resolution"];
+    frame.scale = params.scale;
+    frame.unit = params.unit.value_or(frame.mantaflow ? VelocityUnit::kVoxelPerSecond : VelocityUnit::kWorldPerSecond);
+    if (frame.mantaflow && !params.unit) {
+        frame.scale *= kMantaflowScale;
+        frame.remarks.push_back(fmt::format(
+            "a Mantaflow cache: velocities taken as voxel/s x {} (at Blender's time scale 1)", kMantaflowScale));
+    }
+    const auto metadata = [&](const char* key) {
+        const auto ofGrid = numericMetadata(*found.values, key);
+        return ofGrid ? ofGrid : numericMetadata(contents.metadata, key);
     };
     frame.time = metadata("time");
     frame.dt = metadata("dt");
+    if (const auto creator = contents.metadata.getMetadata<openvdb::StringMetadata>("creator")) {
+        frame.sourceCreator = creator->value();
+    }
+    carry(contents, params.carry, frame);
     return frame;
 }
 

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <future>
+#include <set>
 
 namespace vdblic {
 namespace {
@@ -20,21 +21,25 @@ struct LoadedFrame {
     FlowFrame flow;
 };
 
-LoadedFrame load(const FrameFile& file, const VelocityParams& params)
+LoadedFrame load(const FrameFile& file, const AdvectParams& params)
 {
     LoadedFrame frame;
-    frame.velocity = readVelocity(file, params);
+    frame.velocity = readVelocity(file, params.velocity);
+    const openvdb::Vec3SGrid& values = *frame.velocity.values;
+    auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
     frame.flow.velocities = frame.velocity.values;
-    auto topology =
-        std::make_shared<openvdb::MaskTree>(frame.velocity.values->tree(), false, true, openvdb::TopologyCopy());
-    frame.flow.domain = std::make_shared<Domain>(std::move(topology));
+    try {
+        frame.flow.domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
+    }
     return frame;
 }
 
 /// Reads one frame ahead of the one that is asked for.
 class FrameReader {
   public:
-    FrameReader(FrameSource source, const VelocityParams& params) : mSource(std::move(source)), mParams(params)
+    FrameReader(FrameSource source, const AdvectParams& params) : mSource(std::move(source)), mParams(params)
     {
         readAhead();
     }
@@ -58,7 +63,7 @@ class FrameReader {
     }
 
     FrameSource mSource;
-    VelocityParams mParams;
+    const AdvectParams& mParams;
     std::future<std::optional<LoadedFrame>> mAhead;
 };
 
@@ -157,7 +162,7 @@ class Advection {
         : mParams(params), mReporter(reporter), mPattern(params.output),
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise))),
-          mReader(openSequence(params.input, lines, mTotal), params.velocity), mWriter(reporter, mTotal)
+          mReader(openSequence(params.input, lines, mTotal), params), mWriter(reporter, mTotal)
     {
         if (mTotal > 0) checkOutputPattern(mPattern, mTotal);
     }
@@ -169,25 +174,25 @@ class Advection {
             mReporter.warn("no frames on standard input; nothing was computed");
             return;
         }
-        if (!current->velocity.remark.empty()) mReporter.say(current->velocity.remark);
-        if (current->velocity.time) mTime = *current->velocity.time;
-
         const int preroll = mParams.preroll.value_or(mParams.scatter.lifeSpan);
         mParameters = parameterMetadata(mParams, preroll);
+        mTime = current->velocity.time.value_or(0);
+        sayRemarks(current->velocity);
         std::optional<LoadedFrame> next = mReader.next();
-        const double firstInterval = interval(*current, next ? &*next : nullptr);
+        Interval interval = intervalAfter(*current, next ? &*next : nullptr);
+        describe(current->velocity, interval);
         for (int i = 0; i < preroll; ++i)
-            advance(*current, *current, firstInterval);
+            advance(*current, *current, interval.seconds);
 
-        double last = firstInterval;
         while (current) {
             if (next) {
                 checkSuccession(*current, *next);
-                last = interval(*current, &*next);
+                sayRemarks(next->velocity);
+                interval = intervalAfter(*current, &*next);
             }
             // The last frame's flow is taken to go on as it is.
-            write(*current, advance(*current, next ? *next : *current, last), last);
-            mTime += last;
+            write(*current, advance(*current, next ? *next : *current, interval.seconds), interval.seconds);
+            mTime += interval.seconds;
             current = std::move(next);
             next = current ? mReader.next() : std::nullopt;
         }
@@ -204,30 +209,69 @@ class Advection {
     }
 
   private:
-    double interval(const LoadedFrame& current, const LoadedFrame* next)
+    /// Time between two frames, and where it was taken from.
+    struct Interval {
+        double seconds;
+        const char* source;
+    };
+
+    Interval intervalAfter(const LoadedFrame& current, const LoadedFrame* next)
     {
-        if (mParams.interval) return *mParams.interval;
-        if (next && current.velocity.time && next->velocity.time) {
-            const double seconds = *next->velocity.time - *current.velocity.time;
-            if (seconds > 0 && std::isfinite(seconds)) return seconds;
+        const VelocityFrame& velocity = current.velocity;
+        // A spacing is that of the frames on disk; where frames are left out more time passes.
+        double skipped = 1;
+        if (next) {
+            const std::int64_t difference = next->velocity.file.frame - velocity.file.frame;
+            if (mSpacing == 0) mSpacing = mParams.input.pattern == "-" ? difference : frameSpacing(mParams.input);
+            if (difference > 0 && mSpacing > 0) skipped = double(difference) / double(mSpacing);
+        }
+        if (mParams.frameSpacing) return {*mParams.frameSpacing * skipped, "as given"};
+        if (next && velocity.time && next->velocity.time) {
+            const double seconds = *next->velocity.time - *velocity.time;
+            if (seconds > 0 && std::isfinite(seconds)) return {seconds, "by the files' times"};
             throw InputError(
                 fmt::format("{}: its time {} does not come after the time {} of the frame before; give the "
                             "frame spacing with --dt or --fps",
-                            next->velocity.file.path.string(), *next->velocity.time, *current.velocity.time));
+                            next->velocity.file.path.string(), *next->velocity.time, *velocity.time));
         }
-        if (current.velocity.dt && *current.velocity.dt > 0) return *current.velocity.dt;
-        if (!mSaidDefault)
-            mReporter.say(fmt::format("no time or dt in the files: taking {} frames a second", kDefaultFps));
-        mSaidDefault = true;
-        return 1 / kDefaultFps;
+        if (velocity.dt && *velocity.dt > 0 && std::isfinite(*velocity.dt))
+            return {*velocity.dt * skipped, "by the file's dt"};
+        sayOnce(fmt::format(
+            "no time or dt in the files: taking {} frames a second; give --dt or --fps if it is another", kDefaultFps));
+        return {skipped / kDefaultFps, "by default"};
+    }
+
+    void sayOnce(const std::string& message)
+    {
+        if (mSaid.insert(message).second) mReporter.say(message);
+    }
+
+    void sayRemarks(const VelocityFrame& velocity)
+    {
+        for (const std::string& remark : velocity.remarks)
+            sayOnce(remark);
+    }
+
+    void describe(const VelocityFrame& velocity, const Interval& interval)
+    {
+        const bool given = mParams.velocity.unit.has_value();
+        mReporter.detail(
+            fmt::format("velocity: grid {}; unit {} x {} ({}); {} s between frames ({}); at most {:.2f} voxels a step",
+                        velocity.gridName, toString(velocity.unit), velocity.scale,
+                        given                ? "as given"
+                        : velocity.mantaflow ? "a Mantaflow cache"
+                                             : "by default",
+                        interval.seconds, interval.source, velocity.largestDisplacement(interval.seconds)));
     }
 
     static void checkSuccession(const LoadedFrame& current, const LoadedFrame& next)
     {
         if (current.velocity.values->transform() == next.velocity.values->transform()) return;
-        throw InputError(fmt::format("{}: grid {}: the transform differs from that of the frame before; resample the "
-                                     "sequence onto one grid",
-                                     next.velocity.file.path.string(), next.velocity.gridName));
+        throw InputError(fmt::format("{}: grid {}: the transform differs from that of the frame before; {}",
+                                     next.velocity.file.path.string(), next.velocity.gridName,
+                                     next.velocity.mantaflow
+                                         ? "switch off the adaptive domain in Blender and bake again"
+                                         : "resample the sequence onto one grid"));
     }
 
     FlowTextureStep advance(LoadedFrame& start, LoadedFrame& end, double seconds)
@@ -239,6 +283,7 @@ class Advection {
 
     void write(const LoadedFrame& frame, const FlowTextureStep& step, double seconds)
     {
+        checkFlow(frame, seconds);
         const auto texture = openvdb::FloatGrid::create(step.texture.tree());
         texture->setName(mParams.textureName);
         const auto magnitude = magnitudeGrid(frame.flow);
@@ -247,7 +292,12 @@ class Advection {
             grid->setTransform(frame.velocity.values->transform().copy());
             grid->setGridClass(openvdb::GRID_FOG_VOLUME);
         }
+        openvdb::GridCPtrVec grids = {texture, magnitude};
+        grids.insert(grids.end(), frame.velocity.carried.begin(), frame.velocity.carried.end());
         openvdb::MetaMap metadata = mParameters;
+        if (!frame.velocity.sourceCreator.empty()) {
+            metadata.insertMeta("source_creator", openvdb::StringMetadata(frame.velocity.sourceCreator));
+        }
         metadata.insertMeta("frame", openvdb::Int64Metadata(frame.velocity.file.frame));
         metadata.insertMeta("time", openvdb::DoubleMetadata(mTime));
         metadata.insertMeta("dt", openvdb::DoubleMetadata(seconds));
@@ -256,7 +306,25 @@ class Advection {
             "deposits",
             frame.velocity.file.frame, frame.flow.domain->voxelCount(), step.stats.particles, step.stats.released,
             step.stats.reused, step.stats.copied, step.stats.steps, step.stats.deposits));
-        mWriter.write(mPattern.path(frame.velocity.file.frame), {texture, magnitude}, std::move(metadata));
+        mWriter.write(mPattern.path(frame.velocity.file.frame), std::move(grids), std::move(metadata));
+    }
+
+    /// What is odd about a frame, though it can be computed.
+    void checkFlow(const LoadedFrame& frame, double seconds)
+    {
+        const std::int64_t number = frame.velocity.file.frame;
+        if (frame.flow.domain->voxelCount() == 0) {
+            mReporter.warn(fmt::format("frame {}: {}: no active voxels; its texture is empty", number,
+                                       frame.velocity.file.path.string()));
+            return;
+        }
+        const double largest = frame.velocity.largestDisplacement(seconds);
+        if (largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
+        mWarnedOfDisplacement = true;
+        mReporter.warn(
+            fmt::format("frame {}: the flow moves up to {:.1f} voxels a step; over more than {} it is hardly "
+                        "linear in time between frames: check unit and frame spacing, or use frames closer in time",
+                        number, largest, kLargeDisplacement));
     }
 
     const AdvectParams& mParams;
@@ -268,7 +336,9 @@ class Advection {
     FrameWriter mWriter;
     openvdb::MetaMap mParameters;
     double mTime = 0;
-    bool mSaidDefault = false;
+    std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
+    bool mWarnedOfDisplacement = false;
+    std::set<std::string> mSaid;
 };
 
 } // namespace
@@ -278,14 +348,20 @@ void AdvectParams::validate() const
     velocity.validate();
     scatter.validate();
     feedback.validate();
-    if (interval && !(*interval > 0 && std::isfinite(*interval))) {
-        throw ParameterError(fmt::format("the frame spacing of {} s must be above 0", *interval));
+    domain.validate();
+    if (frameSpacing && !(*frameSpacing > 0 && std::isfinite(*frameSpacing))) {
+        throw ParameterError(fmt::format("the frame spacing of {} s must be above 0", *frameSpacing));
     }
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
     }
     if (textureName.empty() || textureName == "magnitude") {
         throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
+    }
+    for (const std::string& name : velocity.carry) {
+        if (name != textureName && name != "magnitude") continue;
+        throw ParameterError(
+            fmt::format("the grid '{}' to carry along has the name of an output; give --texture-name another", name));
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/core/reporter.h"
+#include "vdblic/field/domain_mask.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/velocity.h"
 #include "vdblic/lic/feedback.h"
@@ -12,12 +13,16 @@
 
 namespace vdblic {
 
+/// Displacements beyond this many voxels a step are warned of: over such a way the velocity is hardly linear in time.
+inline constexpr double kLargeDisplacement = 16;
+
 /// From a velocity sequence to a texture sequence.
 struct AdvectParams {
     SequenceParams input;
     std::string output; ///< pattern of the texture files
     VelocityParams velocity;
-    std::optional<double> interval; ///< seconds between frames; nothing: from the files' metadata, else 1/24
+    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
+    DomainParams domain;
     ScatterParams scatter;
     FeedbackParams feedback;
     std::string noise;          ///< FILE or FILE:GRID; empty: generated from the seed
@@ -28,7 +33,8 @@ struct AdvectParams {
     void validate() const; ///< @throws ParameterError
 };
 
-/// Compute and write the texture of every frame; reading ahead, computing and writing overlap.
+/// Compute and write the texture of every frame, with `density`, `magnitude` and what is carried along; reading ahead,
+/// computing and writing overlap.
 ///
 /// @param lines source of the paths if the input is `-`
 /// @throws ParameterError, InputError, OutputError; outputs written before stay

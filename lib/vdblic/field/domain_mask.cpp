@@ -1,0 +1,151 @@
+#include "vdblic/field/domain_mask.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/vdb_file.h"
+
+#include <openvdb/tree/LeafManager.h>
+
+#include <cmath>
+#include <functional>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+/// Keep the voxels for which keep(coordinate) holds; it is made once a leaf by makeKeep().
+template<typename MakeKeep>
+void filterVoxels(openvdb::MaskTree& topology, const MakeKeep& makeKeep)
+{
+    openvdb::tree::LeafManager<openvdb::MaskTree> leaves(topology);
+    leaves.foreach ([&](Domain::Leaf& leaf, std::size_t) {
+        const auto keep = makeKeep();
+        const Domain::Mask voxels = leaf.getValueMask();
+        for (auto voxel = voxels.beginOn(); voxel; ++voxel) {
+            if (!keep(leaf.offsetToGlobalCoord(voxel.pos()))) leaf.setValueOff(voxel.pos());
+        }
+    });
+}
+
+/// The smallest index box that holds every voxel whose centre may lie in a world-space box.
+openvdb::CoordBBox indexBox(const std::array<double, 6>& world, const openvdb::math::Transform& transform)
+{
+    openvdb::BBoxd box;
+    for (int corner = 0; corner < 8; ++corner) {
+        box.expand(transform.worldToIndex(
+            Vec3d(world[corner & 1 ? 3 : 0], world[corner & 2 ? 4 : 1], world[corner & 4 ? 5 : 2])));
+    }
+    constexpr double kFar = 1 << 30;
+    const auto clamped = [&](double x) { return std::clamp(x, -kFar, kFar); };
+    const Vec3d &low = box.min(), &high = box.max();
+    return {Coord::floor(Vec3d(clamped(low[0]), clamped(low[1]), clamped(low[2]))),
+            Coord::ceil(Vec3d(clamped(high[0]), clamped(high[1]), clamped(high[2])))};
+}
+
+void cutByWorldBox(openvdb::MaskTree& topology, const std::array<double, 6>& world,
+                   const openvdb::math::Transform& transform)
+{
+    topology.voxelizeActiveTiles();
+    filterVoxels(topology, [&] {
+        return [&](const Coord& voxel) {
+            const Vec3d at = transform.indexToWorld(voxel);
+            for (int axis = 0; axis < 3; ++axis) {
+                if (at[axis] < world[std::size_t(axis)] || at[axis] > world[std::size_t(axis + 3)]) return false;
+            }
+            return true;
+        };
+    });
+}
+
+/// Whether a mask's value includes a voxel.
+template<typename GridT>
+bool includes(const typename GridT::ConstAccessor& mask, const Coord& at, bool levelSet)
+{
+    if constexpr (std::is_same_v<GridT, openvdb::MaskGrid>) {
+        return mask.isValueOn(at);
+    } else if constexpr (std::is_same_v<GridT, openvdb::BoolGrid>) {
+        return mask.getValue(at);
+    } else {
+        return levelSet ? mask.getValue(at) < 0 : mask.getValue(at) > 0;
+    }
+}
+
+using MaskTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                                    openvdb::BoolGrid, openvdb::MaskGrid>;
+
+void cutByMask(openvdb::MaskTree& topology, const openvdb::math::Transform& transform, const openvdb::GridBase& mask,
+               const std::string& where)
+{
+    topology.voxelizeActiveTiles();
+    const bool levelSet = mask.getGridClass() == openvdb::GRID_LEVEL_SET;
+    const bool known = mask.apply<MaskTypes>([&](const auto& typed) {
+        using GridT = std::decay_t<decltype(typed)>;
+        filterVoxels(topology, [&] {
+            return [&, values = typed.getConstAccessor()](const Coord& voxel) {
+                const Vec3d there = typed.worldToIndex(transform.indexToWorld(voxel));
+                return includes<GridT>(values, Coord::round(there), levelSet);
+            };
+        });
+    });
+    if (!known) {
+        throw InputError(
+            fmt::format("{}: a {} grid cannot mask; use a numeric, bool or mask grid", where, mask.valueType()));
+    }
+}
+
+openvdb::GridBase::Ptr readMask(const std::string& argument, std::int64_t frame, std::string& where)
+{
+    std::string pattern = argument, name;
+    // A colon that is part of a file's name is not the one before the grid's.
+    if (const auto colon = argument.rfind(':'); colon != std::string::npos && !std::filesystem::exists(argument)) {
+        pattern = argument.substr(0, colon);
+        name = argument.substr(colon + 1);
+    }
+    const std::filesystem::path path = FramePattern(pattern).path(frame);
+    const VdbFile file = readVdb(path);
+    for (const auto& grid : file.grids) {
+        if (!name.empty() && grid->getName() != name) continue;
+        where = fmt::format("mask {}: grid {}", path.string(), grid->getName());
+        return grid;
+    }
+    throw InputError(fmt::format("mask {}: {}; the file holds {}", path.string(),
+                                 name.empty() ? "no grid" : fmt::format("no grid '{}'", name), file.contents()));
+}
+
+} // namespace
+
+void DomainParams::validate() const
+{
+    const auto check = [](const auto& corners, const char* what) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (!(corners[axis] <= corners[axis + 3])) {
+                throw ParameterError(fmt::format("{}: the lower corner {} is above the upper one {} along axis {}",
+                                                 what, corners[axis], corners[axis + 3], axis));
+            }
+        }
+    };
+    if (box) check(*box, "box");
+    if (worldBox) check(*worldBox, "world box");
+}
+
+std::shared_ptr<const Domain> makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
+                                         const DomainParams& params, std::int64_t frame)
+{
+    if (params.box) {
+        const auto& b = *params.box;
+        topology->clip({Coord(b[0], b[1], b[2]), Coord(b[3], b[4], b[5])});
+    }
+    if (params.worldBox) {
+        topology->clip(indexBox(*params.worldBox, transform));
+        cutByWorldBox(*topology, *params.worldBox, transform);
+    }
+    if (!params.mask.empty()) {
+        std::string where;
+        const auto mask = readMask(params.mask, frame, where);
+        cutByMask(*topology, transform, *mask, where);
+    }
+    return std::make_shared<Domain>(std::move(topology));
+}
+
+} // namespace vdblic
