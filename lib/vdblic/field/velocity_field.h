@@ -12,8 +12,8 @@ struct VelocityLevel {
 
 /// The velocity over one time step, in voxels per step, trilinear in space and linear in time between two frames.
 ///
-/// A voxel that has a velocity in only one of the frames keeps it for the whole step. Any number of threads may
-/// sample.
+/// A voxel that has a velocity in only one of the frames keeps it for the whole step, up to the very moment of the
+/// frame in which it has none. Any number of threads may sample.
 class VelocityField {
   public:
     /// @param domain the leaves to sample in

@@ -5,6 +5,7 @@
 #include "vdblic/io/atomic_file.h"
 
 #include <openvdb/io/Archive.h>
+#include <openvdb/io/Stream.h>
 
 #include <cerrno>
 #include <fstream>
@@ -58,13 +59,22 @@ VdbFile readVdb(const std::filesystem::path& path)
     initializeOnce();
     std::error_code error;
     if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
+    // OpenVDB takes what a failed read leaves behind for data and may loop over it for hours; this stream throws.
+    std::ifstream stream;
+    errno = 0;
     try {
-        openvdb::io::File file(path.string());
-        file.open(/*delayLoad=*/false);
+        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        stream.open(path, std::ios::binary);
+        openvdb::io::Stream input(stream, /*delayLoad=*/false);
         VdbFile result;
-        result.grids = *file.getGrids();
-        result.metadata = *file.getMetadata();
+        result.grids = *input.getGrids();
+        result.metadata = *input.getMetadata();
         return result;
+    } catch (const std::ios::failure&) {
+        const std::string reason = stream.eof()  ? "it ends too early"
+                                   : errno != 0 ? std::generic_category().message(errno)
+                                                : "it is damaged";
+        throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), reason));
     } catch (const std::exception& e) {
         throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), clamped(e.what())));
     }

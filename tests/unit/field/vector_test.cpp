@@ -1,0 +1,65 @@
+#include "vdblic/field/vector.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace vdblic {
+namespace {
+
+const float kNumbers[] = {0,
+                          -0.0f,
+                          0.25f,
+                          -0.25f,
+                          0.5f,
+                          -0.5f,
+                          0.999999f,
+                          -0.999999f,
+                          1,
+                          -1,
+                          1.5f,
+                          -1.5f,
+                          7.9999f,
+                          8,
+                          -7.9999f,
+                          -8,
+                          -8.0001f,
+                          12345.6f,
+                          -12345.6f,
+                          8388607.5f,
+                          -8388607.5f,
+                          2e9f,
+                          -2e9f,
+                          std::numeric_limits<float>::denorm_min(),
+                          -std::numeric_limits<float>::denorm_min()};
+
+TEST(FloorToInt, IsTheLargestIntegerNotAbove)
+{
+    for (const float x : kNumbers) {
+        const Int4 four = floorToInt(Float4{x, 0.5f, -x, -0.5f});
+        EXPECT_EQ(four[0], std::int32_t(std::floor(x))) << x;
+        EXPECT_EQ(four[1], 0);
+        EXPECT_EQ(four[2], std::int32_t(std::floor(-x))) << x;
+        EXPECT_EQ(four[3], -1);
+        const Int8 eight = floorToInt(Float8{x, 1, 2, 3, -1, -2, -3, -x});
+        EXPECT_EQ(eight[0], std::int32_t(std::floor(x))) << x;
+        EXPECT_EQ(eight[7], std::int32_t(std::floor(-x))) << x;
+        for (int lane = 1; lane < 4; ++lane)
+            EXPECT_EQ(eight[lane], lane);
+        for (int lane = 4; lane < 7; ++lane)
+            EXPECT_EQ(eight[lane], 3 - lane);
+    }
+}
+
+TEST(VoxelOf, RoundsToTheNearestCentreAndHalvesUp)
+{
+    const Int4 voxel = voxelOf(Float4{2.49f, 2.5f, -2.5f, -2.51f});
+    EXPECT_EQ(voxel[0], 2);
+    EXPECT_EQ(voxel[1], 3);
+    EXPECT_EQ(voxel[2], -2);
+    EXPECT_EQ(voxel[3], -3);
+}
+
+} // namespace
+} // namespace vdblic

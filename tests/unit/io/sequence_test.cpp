@@ -1,0 +1,277 @@
+#include "vdblic/io/sequence.h"
+
+#include "temporary_folder.h"
+#include "vdblic/core/errors.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace vdblic {
+namespace {
+
+using Frames = std::vector<std::int64_t>;
+
+std::string nameOf(const char* pattern, std::int64_t frame)
+{
+    return FramePattern(pattern).path(frame).string();
+}
+
+/// What an error's message says, or nothing if there is no such error.
+template<typename ErrorT, typename Call>
+std::string messageOf(const Call& call)
+{
+    try {
+        call();
+    } catch (const ErrorT& error) {
+        return error.what();
+    }
+    return {};
+}
+
+void expectContains(const std::string& text, const std::string& part)
+{
+    EXPECT_NE(text.find(part), std::string::npos) << "'" << text << "' lacks '" << part << "'";
+}
+
+TEST(FramePattern, NamesFramesInAllFiveForms)
+{
+    for (const char* pattern :
+         {"out/v.%04d.vdb", "out/v.####.vdb", "out/v.@@@@.vdb", "out/v.$F4.vdb", "out/v.<F4>.vdb"}) {
+        EXPECT_TRUE(FramePattern(pattern).hasField());
+        EXPECT_EQ(nameOf(pattern, 12), "out/v.0012.vdb") << pattern;
+        EXPECT_EQ(nameOf(pattern, 123456), "out/v.123456.vdb") << pattern;
+        EXPECT_EQ(nameOf(pattern, 0), "out/v.0000.vdb") << pattern;
+        EXPECT_EQ(nameOf(pattern, -12), "out/v.-012.vdb") << pattern;
+        EXPECT_EQ(nameOf(pattern, -12345), "out/v.-12345.vdb") << pattern;
+    }
+    for (const char* pattern : {"v%d.vdb", "v#.vdb", "v@.vdb", "v$F.vdb", "v<F>.vdb", "v%01d.vdb", "v$F1.vdb"}) {
+        EXPECT_EQ(nameOf(pattern, 7), "v7.vdb") << pattern;
+        EXPECT_EQ(nameOf(pattern, 77), "v77.vdb") << pattern;
+        EXPECT_EQ(nameOf(pattern, -7), "v-7.vdb") << pattern;
+    }
+    EXPECT_EQ(nameOf("%012d", 5), "000000000005");
+}
+
+TEST(FramePattern, PadsAsPrintfDoes)
+{
+    for (const int width : {1, 2, 3, 4, 8}) {
+        for (const int frame : {0, 1, 9, 10, 999, 100000, -1, -10, -999}) {
+            char expected[32];
+            std::snprintf(expected, sizeof(expected), "%0*d", width, frame);
+            EXPECT_EQ(FramePattern("%0" + std::to_string(width) + "d").path(frame).string(), expected);
+        }
+    }
+}
+
+TEST(FramePattern, WithoutFieldIsOneFile)
+{
+    for (const char* name :
+         {"v.vdb", "a folder/v (1) [x] 100%.vdb", "v.0001.vdb", "$HOME.vdb", "<frame>.vdb", "%4x.vdb"}) {
+        EXPECT_FALSE(FramePattern(name).hasField()) << name;
+        EXPECT_EQ(nameOf(name, 5), name);
+    }
+}
+
+TEST(FramePattern, RefusesWhatIsAmbiguous)
+{
+    for (const char* pattern :
+         {"%04d_%04d.vdb", "v.####.@@@@.vdb", "v#.v#", "$F4<F4>", "%d/v.vdb", "sim.%04d/v.vdb", "sim.$F4/v.%04d.vdb",
+          "<F4>/v.vdb", "", "folder/", "%021d.vdb", "$F99.vdb", "<F0>.vdb"}) {
+        EXPECT_THROW(FramePattern{pattern}, ParameterError) << pattern;
+    }
+    // Characters that folders often have are no fields there.
+    EXPECT_EQ(nameOf("shot #3/user@host/v.%02d.vdb", 4), "shot #3/user@host/v.04.vdb");
+}
+
+TEST(FramePattern, AFileOfTheVeryNameIsMeantAsItIs)
+{
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.add("take #2.vdb");
+    EXPECT_FALSE(FramePattern(file.string()).hasField());
+    EXPECT_EQ(FramePattern(file.string()).path(9), file);
+    EXPECT_TRUE(FramePattern((folder / "take #3.vdb").string()).hasField());
+}
+
+TEST(FramePattern, FindsExactlyTheFilesItNames)
+{
+    const TemporaryFolder folder;
+    for (const char* name :
+         {"v 2 [a].0002.vdb", "v 2 [a].0010.vdb", "v 2 [a].-003.vdb", "v 2 [a].12345.vdb",   // these
+          "v 2 [a].7.vdb", "v 2 [a].00008.vdb", "v 2 [a].0009.vdb.part", "v 2 [b].0004.vdb", // not these
+          "v 2 [a].00x5.vdb", "v 2 [a]..vdb", "v 2 [a].vdb", ".v 2 [a].0006.vdb", "v 2 [a].+005.vdb",
+          "v 2 [a]. 006.vdb", "xv 2 [a].0007.vdb", "v 2 [a].99999999999999999999.vdb"}) {
+        folder.add(name);
+    }
+    EXPECT_EQ(FramePattern((folder / "v 2 [a].%04d.vdb").string()).framesOnDisk(), (Frames{-3, 2, 10, 12345}));
+    EXPECT_EQ(FramePattern((folder / "v 2 [a].#.vdb").string()).framesOnDisk(), (Frames{7, 12345}));
+    EXPECT_EQ(FramePattern((folder / "v 2 [a].<F5>.vdb").string()).framesOnDisk(), (Frames{8, 12345}));
+    EXPECT_THROW((void)FramePattern((folder / "none/v.%04d.vdb").string()).framesOnDisk(), InputError);
+}
+
+TEST(ParseFrameList, KnowsAllForms)
+{
+    EXPECT_EQ(parseFrameList("5"), (Frames{5}));
+    EXPECT_EQ(parseFrameList("-5"), (Frames{-5}));
+    EXPECT_EQ(parseFrameList("1-4"), (Frames{1, 2, 3, 4}));
+    EXPECT_EQ(parseFrameList("-2-1"), (Frames{-2, -1, 0, 1}));
+    EXPECT_EQ(parseFrameList("-4--2"), (Frames{-4, -3, -2}));
+    EXPECT_EQ(parseFrameList("1-10x3"), (Frames{1, 4, 7, 10}));
+    EXPECT_EQ(parseFrameList("1-9x3"), (Frames{1, 4, 7}));
+    EXPECT_EQ(parseFrameList("7-7x9"), (Frames{7}));
+    EXPECT_EQ(parseFrameList("9,1,5-6"), (Frames{1, 5, 6, 9}));
+    EXPECT_EQ(parseFrameList("1-3,2-4"), (Frames{1, 2, 3, 4}));
+    EXPECT_EQ(parseFrameList(" 1 , 3-4 "), (Frames{1, 3, 4}));
+    EXPECT_EQ(parseFrameList("0001-0003"), (Frames{1, 2, 3}));
+    EXPECT_EQ(parseFrameList("1-999999").size(), 999999u);
+}
+
+TEST(ParseFrameList, RefusesAnythingElse)
+{
+    for (const char* text : {"",
+                             ",",
+                             "1,",
+                             ",1",
+                             "a",
+                             "1-",
+                             "-",
+                             "1-2-3",
+                             "1..3",
+                             "1:3",
+                             "3-1",
+                             "1-5x0",
+                             "1-5x-1",
+                             "1-5x",
+                             "5x2",
+                             "1.5",
+                             "1e3",
+                             "nan",
+                             "1 2",
+                             "+1",
+                             "1-1000001",
+                             "1-999999,1000001",
+                             "99999999999999",
+                             "0-9223372036854775807",
+                             "-9223372036854775808-9223372036854775807",
+                             "18446744073709551616"}) {
+        EXPECT_THROW((void)parseFrameList(text), ParameterError) << "'" << text << "'";
+    }
+}
+
+TEST(SelectFrames, TakesWhatIsOnDiskOrWhatIsAsked)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"v.0001.vdb", "v.0003.vdb", "v.0005.vdb", "v.0009.vdb"})
+        folder.add(name);
+    const std::string pattern = (folder / "v.%04d.vdb").string();
+    const std::vector<FrameFile> files = selectFrames({pattern, "1-5x2"});
+    ASSERT_EQ(files.size(), 3u);
+    EXPECT_EQ(files[1].frame, 3);
+    EXPECT_EQ(files[1].path, folder / "v.0003.vdb");
+
+    expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, "1-5"}); }), "frame 2 is missing");
+    expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, "1-5"}); }), "v.0002.vdb");
+    // Found frames step by two, so 7 was lost.
+    expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, ""}); }), "frame 7 is missing");
+    folder.add("v.0007.vdb");
+    EXPECT_EQ(selectFrames({pattern, ""}).size(), 5u);
+    EXPECT_THROW((void)selectFrames({(folder / "w.%04d.vdb").string(), ""}), InputError);
+    // A folder of a frame's name is no frame.
+    std::filesystem::create_directory(folder / "v.0011.vdb");
+    EXPECT_THROW((void)selectFrames({pattern, "11"}), InputError);
+}
+
+TEST(SelectFrames, TakesOneFile)
+{
+    const TemporaryFolder folder;
+    const std::string numbered = folder.add("smoke_0042.vdb").string(), plain = folder.add("smoke.vdb").string();
+    ASSERT_EQ(selectFrames({numbered, ""}).size(), 1u);
+    EXPECT_EQ(selectFrames({numbered, ""})[0].frame, 42);
+    EXPECT_EQ(selectFrames({plain, ""})[0].frame, 1);
+    EXPECT_EQ(selectFrames({plain, ""})[0].path, plain);
+    expectContains(messageOf<ParameterError>([&] { (void)selectFrames({plain, "1-3"}); }), "--frames");
+    expectContains(messageOf<InputError>([&] { (void)selectFrames({plain + "x", ""}); }), "smoke.vdbx");
+    EXPECT_THROW((void)selectFrames({folder.path().string(), ""}), InputError);
+}
+
+TEST(OpenSequence, ReadsPathsFromAStream)
+{
+    const TemporaryFolder folder;
+    const std::string a = folder.add("a.0007.vdb").string(), b = folder.add("b.vdb").string();
+    const std::string c = folder.add("c.3.vdb").string();
+    std::istringstream lines(a + "\n\n" + b + "\n" + c + "\n" + b);
+    std::size_t count = 99;
+    const FrameSource next = openSequence({"-", ""}, lines, count);
+    EXPECT_EQ(count, 0u);
+    // A name without a number follows its predecessor.
+    for (const auto& [frame, path] : {std::pair(7, a), std::pair(8, b), std::pair(3, c), std::pair(4, b)}) {
+        const std::optional<FrameFile> file = next();
+        ASSERT_TRUE(file);
+        EXPECT_EQ(file->frame, frame);
+        EXPECT_EQ(file->path, path);
+    }
+    EXPECT_FALSE(next());
+
+    std::istringstream missing(a + "\n" + (folder / "none.vdb").string() + "\n");
+    const FrameSource broken = openSequence({"-", ""}, missing, count);
+    EXPECT_TRUE(broken());
+    EXPECT_THROW((void)broken(), InputError);
+    EXPECT_THROW((void)openSequence({"-", "1-3"}, missing, count), ParameterError);
+}
+
+TEST(OpenSequence, ReadsPathsAsTheyCome)
+{
+    const TemporaryFolder folder;
+    std::stringstream lines;
+    lines << folder.add("a.0001.vdb").string() << "\n";
+    std::size_t count = 0;
+    const FrameSource next = openSequence({"-", ""}, lines, count);
+    EXPECT_EQ(next()->frame, 1);
+    lines << (folder / "a.0002.vdb").string() << "\n"; // not there yet when the first was handed out
+    folder.add("a.0002.vdb");
+    const std::optional<FrameFile> second = next();
+    ASSERT_TRUE(second);
+    EXPECT_EQ(second->frame, 2);
+}
+
+TEST(OpenSequence, GoesThroughAPattern)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"v.1.vdb", "v.2.vdb", "v.10.vdb"})
+        folder.add(name);
+    std::istringstream unused;
+    std::size_t count = 0;
+    const FrameSource next = openSequence({(folder / "v.#.vdb").string(), "1,2,10"}, unused, count);
+    EXPECT_EQ(count, 3u);
+    for (const std::int64_t frame : {1, 2, 10})
+        EXPECT_EQ(next()->frame, frame);
+    EXPECT_FALSE(next());
+    EXPECT_FALSE(next());
+}
+
+TEST(FrameOfName, ReadsTheNumberAtTheEnd)
+{
+    EXPECT_EQ(frameOfName("a/smoke_0012.vdb"), 12);
+    EXPECT_EQ(frameOfName("smoke2.0012.vdb"), 12);
+    EXPECT_EQ(frameOfName("0012.vdb"), 12);
+    EXPECT_EQ(frameOfName("v.0000.vdb"), 0);
+    EXPECT_EQ(frameOfName("v.-012.vdb"), -12);
+    EXPECT_EQ(frameOfName("v_-12.vdb"), -12);
+    EXPECT_EQ(frameOfName("-12.vdb"), -12);
+    EXPECT_EQ(frameOfName("sim-12.vdb"), 12);
+    EXPECT_EQ(frameOfName("v.999999999999.vdb"), 999999999999);
+    for (const char* name : {"v.vdb", "v12x.vdb", "12/v.vdb", "", "v.1234567890123.vdb", "v.-.vdb"}) {
+        EXPECT_EQ(frameOfName(name), std::nullopt) << name;
+    }
+}
+
+TEST(CheckOutputPattern, WantsAFieldForSeveralFrames)
+{
+    EXPECT_NO_THROW(checkOutputPattern(FramePattern("v.vdb"), 1));
+    EXPECT_NO_THROW(checkOutputPattern(FramePattern("v.%d.vdb"), 5));
+    EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 2), ParameterError);
+    EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 0), ParameterError); // the number is not known yet
+}
+
+} // namespace
+} // namespace vdblic

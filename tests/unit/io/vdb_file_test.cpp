@@ -1,0 +1,165 @@
+#include "vdblic/io/vdb_file.h"
+
+#include "temporary_folder.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/core/version.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <sys/resource.h>
+
+namespace vdblic {
+namespace {
+
+openvdb::FloatGrid::Ptr someGrid(const char* name, int side)
+{
+    auto grid = openvdb::FloatGrid::create(-1);
+    grid->setName(name);
+    for (int i = 0; i < side * side * side; ++i) {
+        grid->tree().setValue({i / (side * side) - 4, i / side % side, i % side}, float(i * 2654435761u));
+    }
+    return grid;
+}
+
+TEST(VdbFile, KeepsGridsAndMetadata)
+{
+    const TemporaryFolder folder;
+    const auto density = someGrid("density", 12);
+    density->setGridClass(openvdb::GRID_FOG_VOLUME);
+    density->insertMeta("frame", openvdb::Int64Metadata(7));
+    const auto transform = openvdb::math::Transform::createLinearTransform(
+        openvdb::math::Mat4d(0., 2., 0., 0., -3., 0., 0., 0., 0., 0., .5, 0., 7., 8., 9., 1.));
+    density->setTransform(transform);
+    const auto velocity = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
+    velocity->setName("velocity");
+    velocity->tree().setValue({1, 2, 3}, {4, 5, 6});
+    openvdb::MetaMap metadata;
+    metadata.insertMeta("lifeSpan", openvdb::Int32Metadata(4));
+    metadata.insertMeta("creator", openvdb::StringMetadata("Houdini/SOP")); // never carried over
+    writeVdb(folder / "a b.vdb", {density, velocity}, metadata);
+
+    const VdbFile file = readVdb(folder / "a b.vdb");
+    ASSERT_EQ(file.grids.size(), 2u);
+    EXPECT_EQ(file.metadata.metaValue<std::string>("creator"), kCreator);
+    EXPECT_EQ(file.metadata.metaValue<std::int32_t>("lifeSpan"), 4);
+    EXPECT_EQ(file.contents(), "density (float), velocity (vec3s)");
+
+    const auto density2 = file.find<openvdb::FloatGrid>("density");
+    ASSERT_TRUE(density2);
+    EXPECT_EQ(density2->getGridClass(), openvdb::GRID_FOG_VOLUME);
+    EXPECT_EQ(density2->transform(), *transform);
+    EXPECT_EQ(density2->background(), -1);
+    EXPECT_EQ(numericMetadata(*density2, "frame"), 7);
+    ASSERT_TRUE(density2->tree().hasSameTopology(density->tree()));
+    for (auto voxel = density->cbeginValueOn(); voxel; ++voxel) {
+        ASSERT_EQ(density2->tree().getValue(voxel.getCoord()), *voxel);
+    }
+    EXPECT_EQ(file.find<openvdb::Vec3SGrid>("velocity")->tree().getValue({1, 2, 3}), openvdb::Vec3f(4, 5, 6));
+    EXPECT_FALSE(file.find<openvdb::FloatGrid>("velocity"));
+    EXPECT_FALSE(file.find<openvdb::FloatGrid>("none"));
+}
+
+TEST(VdbFile, CreatorIsNotTakenForHoudini)
+{
+    EXPECT_FALSE(std::string(kCreator).starts_with("Houdini"));
+}
+
+TEST(VdbFile, RefusesMissingAndDamagedFiles)
+{
+    const TemporaryFolder folder;
+    const std::filesystem::path whole = folder / "whole.vdb";
+    writeVdb(whole, {someGrid("velocity", 16), someGrid("density", 16)}, {});
+    EXPECT_EQ(readVdb(whole).contents(), "velocity (float), density (float)");
+    const auto size = std::filesystem::file_size(whole);
+    const std::filesystem::path cut = folder / "cut.vdb";
+    // Many places in the header and the descriptors, and some among the voxels.
+    for (std::uintmax_t length = 0; length < size; length += length < 1500 ? 11 : 9973) {
+        std::filesystem::copy_file(whole, cut, std::filesystem::copy_options::overwrite_existing);
+        std::filesystem::resize_file(cut, length);
+        EXPECT_THROW((void)readVdb(cut), InputError) << length;
+    }
+    EXPECT_THROW((void)readVdb(folder / "none.vdb"), InputError);
+    EXPECT_THROW((void)readVdb(folder.path()), InputError);
+    EXPECT_THROW((void)readVdb(folder.add("text.vdb", "this is no volume")), InputError);
+    try {
+        (void)readVdb(folder.add("bell\a.vdb", "this is no volume"));
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("bell"), std::string::npos) << error.what();
+    }
+}
+
+/// While it lives, no file of this process can grow beyond a size; writing more fails as on a full disk.
+class FileSizeLimit {
+  public:
+    explicit FileSizeLimit(rlim_t bytes) : mHandler(std::signal(SIGXFSZ, SIG_IGN))
+    {
+        ::getrlimit(RLIMIT_FSIZE, &mBefore);
+        const rlimit limit{bytes, mBefore.rlim_max};
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit()
+    {
+        ::setrlimit(RLIMIT_FSIZE, &mBefore);
+        std::signal(SIGXFSZ, mHandler);
+    }
+
+  private:
+    void (*mHandler)(int);
+    rlimit mBefore{};
+};
+
+TEST(VdbFile, AFullDiskLeavesAllAsItWas)
+{
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder / "a.vdb";
+    const auto small = someGrid("small", 4), big = someGrid("big", 40);
+    std::string message;
+    const auto writeBig = [&] {
+        const FileSizeLimit limit(20000);
+        try {
+            writeVdb(path, {big}, {});
+        } catch (const OutputError& error) {
+            message = error.what();
+        }
+    };
+    writeBig();
+    EXPECT_EQ(message, path.string() + ": cannot be written: File too large");
+    EXPECT_TRUE(folder.empty());
+
+    writeVdb(path, {small}, {});
+    message.clear();
+    writeBig();
+    EXPECT_NE(message, "");
+    EXPECT_EQ(readVdb(path).contents(), "small (float)");
+    writeVdb(path, {big}, {});
+    EXPECT_EQ(readVdb(path).contents(), "big (float)");
+}
+
+TEST(VdbFile, SaysWhenTheFolderIsMissingOrInTheWay)
+{
+    const TemporaryFolder folder;
+    EXPECT_THROW(writeVdb(folder / "none/a.vdb", {someGrid("density", 4)}, {}), OutputError);
+    EXPECT_THROW(writeVdb(folder.path(), {someGrid("density", 4)}, {}), OutputError);
+    EXPECT_TRUE(folder.empty());
+}
+
+TEST(NumericMetadata, ReadsEveryNumericType)
+{
+    openvdb::MetaMap metadata;
+    metadata.insertMeta("double", openvdb::DoubleMetadata(0.1));
+    metadata.insertMeta("float", openvdb::FloatMetadata(0.5f));
+    metadata.insertMeta("int", openvdb::Int32Metadata(-3));
+    metadata.insertMeta("long", openvdb::Int64Metadata(1LL << 40));
+    metadata.insertMeta("text", openvdb::StringMetadata("1"));
+    EXPECT_EQ(numericMetadata(metadata, "double"), 0.1);
+    EXPECT_EQ(numericMetadata(metadata, "float"), 0.5);
+    EXPECT_EQ(numericMetadata(metadata, "int"), -3);
+    EXPECT_EQ(numericMetadata(metadata, "long"), double(1LL << 40));
+    EXPECT_EQ(numericMetadata(metadata, "text"), std::nullopt);
+    EXPECT_EQ(numericMetadata(metadata, "none"), std::nullopt);
+}
+
+} // namespace
+} // namespace vdblic
