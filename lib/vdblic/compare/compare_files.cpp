@@ -1,0 +1,219 @@
+#include "vdblic/compare/compare.h"
+
+#include "vdblic/compare/metadata_difference.h"
+#include "vdblic/compare/report.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/io/vdb_file.h"
+
+#include <cerrno>
+#include <fstream>
+#include <map>
+#include <set>
+#include <system_error>
+
+namespace vdblic {
+namespace {
+
+/// Grids of one name, by order, on either side; null where there is none.
+struct GridPair {
+    openvdb::GridBase::Ptr a, b;
+    std::string name;
+    int occurrence = 0;
+};
+
+/// The grids of A in its order, then those of B without a partner.
+std::vector<GridPair> pairGrids(const VdbFile& a, const VdbFile& b)
+{
+    std::vector<GridPair> pairs;
+    std::map<std::pair<std::string, int>, std::size_t> places;
+    std::map<std::string, int> seenA, seenB;
+    for (const auto& grid : a.grids) {
+        const std::string name = grid->getName();
+        const int occurrence = seenA[name]++;
+        places[{name, occurrence}] = pairs.size();
+        pairs.push_back({grid, nullptr, name, occurrence});
+    }
+    for (const auto& grid : b.grids) {
+        const std::string name = grid->getName();
+        const int occurrence = seenB[name]++;
+        if (const auto found = places.find({name, occurrence}); found != places.end())
+            pairs[found->second].b = grid;
+        else
+            pairs.push_back({nullptr, grid, name, occurrence});
+    }
+    return pairs;
+}
+
+GridDifference comparePair(const GridPair& pair, const CompareParams& params)
+{
+    GridDifference result;
+    if (pair.a && pair.b) {
+        result = compareGrids(*pair.a, *pair.b, params);
+    } else {
+        if (pair.a) result.typeA = pair.a->valueType();
+        if (pair.b) result.typeB = pair.b->valueType();
+    }
+    result.name = pair.name;
+    result.occurrence = pair.occurrence;
+    return result;
+}
+
+/// Compare what was read, and write |A − B| if `output` is given.
+FileDifference compareRead(const FrameDifference& frame, const CompareParams& params,
+                           const std::optional<std::filesystem::path>& output, Reporter& reporter)
+{
+    FileDifference result = frame.files;
+    const VdbFile a = readVdb(result.pathA), b = readVdb(result.pathB);
+    result.metadata = compare::compareMetadata(a.metadata, b.metadata, params.ignoredMetadata);
+    openvdb::GridCPtrVec differences;
+    for (const GridPair& pair : pairGrids(a, b)) {
+        if (params.firstOnly && result.verdict() == Verdict::kDiffers) return result;
+        result.grids.push_back(comparePair(pair, params));
+        if (!output) continue;
+        const openvdb::GridBase::Ptr grid = pair.a && pair.b ? differenceGrid(*pair.a, *pair.b) : nullptr;
+        if (grid)
+            differences.push_back(grid);
+        else
+            reporter.say(fmt::format("grid '{}' has no |A - B|: {}", pair.name,
+                                     !pair.a || !pair.b                 ? "it is in one file only"
+                                     : pair.a->type() != pair.b->type() ? "its types are not the same"
+                                                                        : "points have none"));
+    }
+    if (output) {
+        writeVdb(*output, differences, {});
+        reporter.finished(*output);
+    }
+    return result;
+}
+
+bool isThere(const std::filesystem::path& path)
+{
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored);
+}
+
+/// The frames to compare, and which side has them.
+std::vector<FrameDifference> matchFrames(const CompareSequencesParams& params)
+{
+    const FramePattern a(params.a), b(params.b);
+    if (a.hasField() != b.hasField()) {
+        throw ParameterError(fmt::format("'{}' is one file and '{}' is a pattern; compare files with files and "
+                                         "sequences with sequences",
+                                         a.hasField() ? params.b : params.a, a.hasField() ? params.a : params.b));
+    }
+    std::vector<FrameDifference> matched;
+    if (!a.hasField()) {
+        const FrameFile fileA = selectFrames({params.a, params.frames}).front();
+        const FrameFile fileB = selectFrames({params.b, params.frames}).front();
+        matched.push_back({fileA.frame, true, true, {fileA.path.string(), fileB.path.string(), {}, {}}});
+        return matched;
+    }
+
+    std::set<std::int64_t> frames;
+    if (params.frames.empty()) {
+        for (const FramePattern* side : {&a, &b}) {
+            const auto found = side->framesOnDisk();
+            if (found.empty()) throw InputError(fmt::format("{}: no file matches the pattern", side->text()));
+            frames.insert(found.begin(), found.end());
+        }
+    } else {
+        const auto chosen = parseFrameList(params.frames);
+        frames.insert(chosen.begin(), chosen.end());
+    }
+    for (const std::int64_t frame : frames) {
+        const std::filesystem::path pathA = a.path(frame), pathB = b.path(frame);
+        const bool inA = isThere(pathA), inB = isThere(pathB);
+        if (!inA && !inB) {
+            throw InputError(
+                fmt::format("frame {} is missing on both sides: {}, {}", frame, pathA.string(), pathB.string()));
+        }
+        matched.push_back({frame, inA, inB, {pathA.string(), pathB.string(), {}, {}}});
+    }
+    return matched;
+}
+
+void checkNotInput(const std::filesystem::path& output, const std::vector<FrameDifference>& frames)
+{
+    for (const FrameDifference& frame : frames) {
+        for (const std::string& input : {frame.files.pathA, frame.files.pathB}) {
+            std::error_code ignored;
+            if (std::filesystem::equivalent(output, input, ignored)) {
+                throw ParameterError(
+                    fmt::format("output '{}' would replace an input; name another file", output.string()));
+            }
+        }
+    }
+}
+
+void writeText(const std::filesystem::path& path, const std::string& text)
+{
+    AtomicFile output(path);
+    errno = 0;
+    std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
+    stream << text;
+    stream.close();
+    if (!stream) {
+        throw OutputError(
+            fmt::format("{}: cannot be written: {}", path.string(), std::generic_category().message(errno)));
+    }
+    output.commit();
+}
+
+} // namespace
+
+void CompareSequencesParams::validate() const
+{
+    compare.validate();
+    if (compare.firstOnly && !output.empty()) {
+        throw ParameterError("--first stops before every difference is known; leave out --output or --first");
+    }
+}
+
+FileDifference compareFiles(const std::filesystem::path& a, const std::filesystem::path& b, const CompareParams& params)
+{
+    params.validate();
+    Reporter silent;
+    return compareRead({1, true, true, {a.string(), b.string(), {}, {}}}, params, std::nullopt, silent);
+}
+
+SequenceDifference compareSequences(const CompareSequencesParams& params, Reporter& reporter)
+{
+    params.validate();
+    const std::vector<FrameDifference> frames = matchFrames(params);
+    std::optional<FramePattern> output;
+    if (!params.output.empty()) {
+        output.emplace(params.output);
+        checkOutputPattern(*output, frames.size());
+        for (const FrameDifference& frame : frames)
+            checkNotInput(output->path(frame.frame), frames);
+    }
+    if (!params.json.empty()) checkNotInput(params.json, frames);
+
+    SequenceDifference result{params.a, params.b, {}, false};
+    for (FrameDifference frame : frames) {
+        if (frame.inA && frame.inB) {
+            const auto path = output ? std::optional(output->path(frame.frame)) : std::nullopt;
+            frame.files = compareRead(frame, params.compare, path, reporter);
+        }
+        const bool differs = frame.verdict() == Verdict::kDiffers;
+        for (const std::string& line : reportLines(frame))
+            reporter.say(line);
+        for (const std::string& line : detailLines(frame))
+            reporter.detail(line);
+        result.frames.push_back(std::move(frame));
+        reporter.progress(result.frames.size(), frames.size());
+        if (differs && params.compare.firstOnly) {
+            result.stoppedEarly = true;
+            break;
+        }
+    }
+    if (!params.json.empty()) {
+        writeText(params.json, toJson(result, params.compare));
+        reporter.finished(params.json);
+    }
+    return result;
+}
+
+} // namespace vdblic

@@ -1,0 +1,119 @@
+#include "vdblic/compare/compare.h"
+
+#include "vdblic/compare/grid_types.h"
+#include "vdblic/compare/value_metric.h"
+
+#include <tbb/blocked_range.h>
+
+namespace vdblic {
+namespace {
+
+using namespace openvdb;
+
+/// The grid that holds the differences of another.
+template<typename GridT>
+struct DifferenceOf {
+    using Type = FloatGrid;
+};
+template<>
+struct DifferenceOf<DoubleGrid> {
+    using Type = DoubleGrid;
+};
+template<>
+struct DifferenceOf<Int32Grid> : DifferenceOf<DoubleGrid> {
+};
+template<>
+struct DifferenceOf<Int64Grid> : DifferenceOf<DoubleGrid> {
+};
+template<>
+struct DifferenceOf<Vec3SGrid> {
+    using Type = Vec3SGrid;
+};
+template<>
+struct DifferenceOf<Vec3DGrid> {
+    using Type = Vec3DGrid;
+};
+template<>
+struct DifferenceOf<Vec3IGrid> : DifferenceOf<Vec3DGrid> {
+};
+
+template<typename S, typename T>
+S scalarDifference(T a, T b)
+{
+    using M = compare::Metric<T>;
+    if (M::same(a, b)) return S(0);
+    const double error = M::error(a, b);
+    return error <= std::numeric_limits<double>::max() ? S(error) : std::numeric_limits<S>::infinity();
+}
+
+template<typename D, typename T>
+D difference(const T& a, const T& b)
+{
+    if constexpr (compare::Metric<T>::kComponents > 0) {
+        using S = typename D::value_type;
+        D result;
+        for (int i = 0; i < D::size; ++i)
+            result[i] = scalarDifference<S>(a[i], b[i]);
+        return result;
+    } else {
+        return scalarDifference<D>(a, b);
+    }
+}
+
+template<typename GridT>
+GridBase::Ptr makeDifference(const GridT& a, const GridT& b)
+{
+    using Result = typename DifferenceOf<GridT>::Type;
+    using Tree = typename Result::TreeType;
+    using D = typename Result::ValueType;
+    constexpr bool kMask = std::is_same_v<GridT, MaskGrid>; // a mask's value is its activity
+    auto tree = std::make_shared<Tree>(a.tree(), zeroVal<D>(), TopologyCopy());
+    tree->topologyUnion(b.tree());
+
+    // What is still a tile is a constant on both sides.
+    auto it = tree->beginValueOn();
+    it.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);
+    for (; it; ++it) {
+        const Coord voxel = it.getCoord();
+        if constexpr (kMask)
+            it.setValue(D(a.tree().isValueOn(voxel) != b.tree().isValueOn(voxel)));
+        else
+            it.setValue(difference<D>(a.tree().getValue(voxel), b.tree().getValue(voxel)));
+    }
+
+    std::vector<typename Tree::LeafNodeType*> leaves;
+    tree->getNodes(leaves);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size()), [&](const auto& range) {
+        const auto readA = a.getConstAccessor();
+        const auto readB = b.getConstAccessor();
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            for (auto value = leaves[i]->beginValueOn(); value; ++value) {
+                const Coord voxel = value.getCoord();
+                if constexpr (kMask)
+                    value.setValue(D(readA.isValueOn(voxel) != readB.isValueOn(voxel)));
+                else
+                    value.setValue(difference<D>(readA.getValue(voxel), readB.getValue(voxel)));
+            }
+        }
+    });
+
+    auto result = Result::create(tree);
+    result->setName(a.getName());
+    result->setTransform(a.transform().copy());
+    return result;
+}
+
+} // namespace
+
+GridBase::Ptr differenceGrid(const GridBase& a, const GridBase& b)
+{
+    GridBase::Ptr result;
+    if (a.type() != b.type()) return result;
+    a.apply<compare::GridTypes>([&](const auto& grid) {
+        using Grid = std::decay_t<decltype(grid)>;
+        result = makeDifference(grid, static_cast<const Grid&>(b));
+    });
+    return result;
+}
+
+} // namespace vdblic

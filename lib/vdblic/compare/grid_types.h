@@ -1,0 +1,12 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+namespace vdblic::compare {
+
+/// The grids whose voxels are compared; OpenVDB 10 reads no others but points and point indices.
+using GridTypes =
+    openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                      openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>;
+
+} // namespace vdblic::compare

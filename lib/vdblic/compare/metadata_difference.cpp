@@ -1,0 +1,105 @@
+#include "vdblic/compare/metadata_difference.h"
+
+#include "vdblic/io/vdb_file.h"
+
+#include <cmath>
+#include <map>
+#include <string_view>
+
+namespace vdblic::compare {
+namespace {
+
+bool matches(std::string_view key, std::string_view pattern)
+{
+    if (pattern.ends_with('*')) return key.starts_with(pattern.substr(0, pattern.size() - 1));
+    return key == pattern;
+}
+
+bool isIgnored(const std::string& key, const std::vector<std::string>& ignored)
+{
+    return std::any_of(ignored.begin(), ignored.end(),
+                       [&](const std::string& pattern) { return matches(key, pattern); });
+}
+
+bool same(const openvdb::MetaMap& a, const openvdb::MetaMap& b, const std::string& key)
+{
+    if (*a[key] == *b[key]) return true;
+    // 64-bit integers of one type were just compared; between types a double is the common ground.
+    const bool oneInteger = a[key]->typeName() == b[key]->typeName() && a[key]->typeName() == "int64";
+    const auto numberA = numericMetadata(a, key), numberB = numericMetadata(b, key);
+    if (oneInteger || !numberA || !numberB) return false;
+    return *numberA == *numberB || (std::isnan(*numberA) && std::isnan(*numberB));
+}
+
+std::string matrixText(const openvdb::math::Transform& transform)
+{
+    if (!transform.isLinear()) {
+        const openvdb::Vec3d size = transform.voxelSize();
+        return fmt::format("{}, voxel size {} {} {}", transform.mapType(), size.x(), size.y(), size.z());
+    }
+    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+    std::string text;
+    for (int row = 0; row < 4; ++row) {
+        text += fmt::format("{}{} {} {}", row > 0 ? ", " : "", matrix(row, 0), matrix(row, 1), matrix(row, 2));
+    }
+    return text;
+}
+
+/// How far the corners of a box are apart under the two transforms, in voxels of the finer one.
+double largestShift(const openvdb::math::Transform& a, const openvdb::math::Transform& b, const openvdb::CoordBBox& box)
+{
+    double shift = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const openvdb::Vec3d index(double(corner & 1 ? box.max().x() : box.min().x()),
+                                   double(corner & 2 ? box.max().y() : box.min().y()),
+                                   double(corner & 4 ? box.max().z() : box.min().z()));
+        const openvdb::Vec3d sizeA = a.voxelSize(index), sizeB = b.voxelSize(index);
+        double voxel = sizeA[0];
+        for (int axis = 0; axis < 3; ++axis)
+            voxel = std::min({voxel, sizeA[axis], sizeB[axis]});
+        shift = std::max(shift, (a.indexToWorld(index) - b.indexToWorld(index)).length() / voxel);
+    }
+    return shift;
+}
+
+} // namespace
+
+std::vector<MetadataDifference> compareMetadata(const openvdb::MetaMap& a, const openvdb::MetaMap& b,
+                                                const std::vector<std::string>& ignored)
+{
+    std::map<std::string, MetadataDifference> differences; // in the order of names
+    const auto note = [&](const std::string& key) {
+        if (isIgnored(key, ignored) || differences.contains(key)) return;
+        if (a[key] && b[key] && same(a, b, key)) return;
+        const auto text = [&](const openvdb::MetaMap& map) {
+            return map[key] ? std::optional(map[key]->str()) : std::nullopt;
+        };
+        differences[key] = {key, text(a), text(b)};
+    };
+    for (auto it = a.beginMeta(); it != a.endMeta(); ++it)
+        note(it->first);
+    for (auto it = b.beginMeta(); it != b.endMeta(); ++it)
+        note(it->first);
+    std::vector<MetadataDifference> result;
+    for (auto& [key, difference] : differences)
+        result.push_back(std::move(difference));
+    return result;
+}
+
+std::optional<TransformDifference> compareTransforms(const openvdb::GridBase& a, const openvdb::GridBase& b,
+                                                     double tolerance)
+{
+    const openvdb::math::Transform &transformA = a.transform(), &transformB = b.transform();
+    const bool linear = transformA.isLinear() && transformB.isLinear();
+    if (transformA == transformB) return std::nullopt;
+    openvdb::CoordBBox box = a.evalActiveVoxelBoundingBox();
+    box.expand(b.evalActiveVoxelBoundingBox());
+    if (box.empty()) box.reset({0, 0, 0}, {1, 1, 1});
+    // One voxel more: a box of one voxel has no extent to show a scale or a rotation by.
+    box.expand(1);
+    const double shift = largestShift(transformA, transformB, box);
+    if (linear && shift <= tolerance) return std::nullopt;
+    return TransformDifference{matrixText(transformA), matrixText(transformB), shift};
+}
+
+} // namespace vdblic::compare

@@ -1,0 +1,259 @@
+#include "vdblic/compare/value_sums.h"
+
+#include "vdblic/field/vector.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace vdblic::compare {
+namespace {
+
+using Double8 = double __attribute__((vector_size(64)));
+using Long8 = std::int64_t __attribute__((vector_size(64)));
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+VDBLIC_INLINE Double8 load(const double* p)
+{
+    Double8 x;
+    __builtin_memcpy(&x, p, sizeof x);
+    return x;
+}
+
+VDBLIC_INLINE Double8 broadcast(double x)
+{
+    return Double8{x, x, x, x, x, x, x, x};
+}
+VDBLIC_INLINE Double8 larger(Double8 a, Double8 b)
+{
+    return a > b ? a : b;
+}
+
+/// All bits on in the lanes whose bit is on.
+VDBLIC_INLINE Long8 lanesOf(std::uint64_t row)
+{
+    const auto bits = std::int64_t(row);
+    const Long8 spread = {bits, bits, bits, bits, bits, bits, bits, bits};
+    return (spread & Long8{1, 2, 4, 8, 16, 32, 64, 128}) != 0;
+}
+
+VDBLIC_INLINE Double8 keep(Double8 x, Long8 lanes)
+{
+    return lanes ? x : Double8{};
+}
+
+/// Sums and maxima run in eight lanes, put together pairwise: one order on every machine.
+VDBLIC_INLINE double total(Double8 x)
+{
+    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+}
+VDBLIC_INLINE double largest(Double8 x)
+{
+    double result = x[0];
+    for (int i = 1; i < 8; ++i)
+        result = std::max(result, x[i]);
+    return result;
+}
+VDBLIC_INLINE std::uint64_t total(Long8 x)
+{
+    std::int64_t result = 0;
+    for (int i = 0; i < 8; ++i)
+        result += x[i];
+    return std::uint64_t(result);
+}
+
+constexpr std::size_t kRows = kBlockValues / 8;
+VDBLIC_INLINE std::uint64_t rowOf(const BlockMask& mask, std::size_t row)
+{
+    return mask[row / 8] >> (row % 8 * 8) & 255;
+}
+
+std::uint64_t count(const BlockMask& mask)
+{
+    std::uint64_t result = 0;
+    for (const std::uint64_t word : mask)
+        result += std::uint64_t(std::popcount(word));
+    return result;
+}
+
+BlockMask both(const BlockMask& a, const BlockMask& b)
+{
+    BlockMask result;
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = a[i] & b[i];
+    return result;
+}
+
+/// Everything but the values that are not finite.
+VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& tolerances, ValueSums& sums)
+{
+    Double8 sum{}, squares{}, max{}, relative{}, peak{};
+    Long8 overFail{}, overWarn{}, failing{};
+    for (std::size_t row = 0; row < kRows; ++row) {
+        const std::uint64_t on = rowOf(block.compared, row);
+        if (on == 0) continue;
+        const Long8 lanes = lanesOf(on);
+        const Double8 error = keep(load(&block.error[row * 8]), lanes);
+        const Double8 magnitude = keep(load(&block.magnitude[row * 8]), lanes);
+        sum += error;
+        squares += error * error;
+        max = larger(error, max);
+        peak = larger(magnitude, peak);
+        relative = larger(error / (magnitude > 0. ? magnitude : broadcast(1.)), relative);
+        // A true comparison is −1.
+        const Long8 over = error > larger(broadcast(tolerances.relative) * magnitude, broadcast(tolerances.fail));
+        overFail -= over;
+        overWarn -= error > broadcast(tolerances.warn);
+        failing -= over | lanesOf(rowOf(block.onlyA, row) | rowOf(block.onlyB, row));
+    }
+    sums.sum = total(sum);
+    sums.squares = total(squares);
+    sums.max = largest(max);
+    sums.maxRelative = largest(relative);
+    sums.peak = largest(peak);
+    sums.overFail = total(overFail);
+    sums.overWarn = total(overWarn);
+    sums.failing = total(failing);
+}
+
+VDBLIC_KERNEL void sumComponent(const ErrorBlock& block, std::size_t component, ValueSums& sums)
+{
+    Double8 sum{}, squares{}, max{};
+    for (std::size_t row = 0; row < kRows; ++row) {
+        const Double8 error = keep(load(&block.components[component][row * 8]), lanesOf(rowOf(block.compared, row)));
+        sum += error;
+        squares += error * error;
+        max = larger(error, max);
+    }
+    sums.componentSum[component] = total(sum);
+    sums.componentSquares[component] = total(squares);
+    sums.componentMax[component] = largest(max);
+}
+
+VDBLIC_KERNEL double largestMagnitude(const ErrorBlock& block)
+{
+    Double8 peak{};
+    for (std::size_t row = 0; row < kRows; ++row) {
+        peak = larger(keep(load(&block.magnitude[row * 8]), lanesOf(rowOf(block.compared, row))), peak);
+    }
+    return largest(peak);
+}
+
+VDBLIC_KERNEL bool finite(const double* values)
+{
+    Long8 bad{};
+    for (std::size_t i = 0; i < kBlockValues; i += 8) {
+        // False for not-a-number too.
+        bad |= ~(load(values + i) <= broadcast(std::numeric_limits<double>::max()));
+    }
+    return total(bad) == 0;
+}
+
+} // namespace
+
+void ValueSums::add(const ValueSums& other)
+{
+    if (other.first && (!first || *other.first < *first)) first = other.first;
+    if (other.worst && (other.max > max || !worst || (other.max == max && *other.worst < *worst))) worst = other.worst;
+    compared += other.compared;
+    onlyInA += other.onlyInA;
+    onlyInB += other.onlyInB;
+    notFinite += other.notFinite;
+    overFail += other.overFail;
+    overWarn += other.overWarn;
+    failing += other.failing;
+    sum += other.sum;
+    squares += other.squares;
+    max = std::max(max, other.max);
+    maxRelative = std::max(maxRelative, other.maxRelative);
+    peak = std::max(peak, other.peak);
+    for (std::size_t i = 0; i < 3; ++i) {
+        componentSum[i] += other.componentSum[i];
+        componentSquares[i] += other.componentSquares[i];
+        componentMax[i] = std::max(componentMax[i], other.componentMax[i]);
+    }
+}
+
+ValueSums sumBlock(const ErrorBlock& block, const Tolerances& tolerances)
+{
+    ValueSums sums;
+    sumErrors(block, tolerances, sums);
+    for (int i = 0; i < block.componentCount; ++i)
+        sumComponent(block, std::size_t(i), sums);
+    sums.compared = count(block.compared);
+    sums.onlyInA = count(both(block.compared, block.onlyA));
+    sums.onlyInB = count(both(block.compared, block.onlyB));
+    const BlockMask bad = both(block.compared, block.notFinite);
+    sums.notFinite = count(bad);
+    if (sums.notFinite > 0) {
+        sums.overFail += sums.notFinite;
+        if (tolerances.warn < kInfinity) sums.overWarn += sums.notFinite;
+        sums.failing += sums.notFinite - count(both(bad, block.onlyA)) - count(both(bad, block.onlyB));
+        sums.max = kInfinity;
+    }
+    return sums;
+}
+
+ValueSums sumEqualBlock(const ErrorBlock& block)
+{
+    ValueSums sums;
+    sums.compared = count(block.compared);
+    sums.peak = largestMagnitude(block);
+    return sums;
+}
+
+std::size_t firstFailing(const ErrorBlock& block, const Tolerances& tolerances)
+{
+    for (std::size_t n = 0; n < kBlockValues; ++n) {
+        if (!isOn(block.compared, n)) continue;
+        if (isOn(block.onlyA, n) || isOn(block.onlyB, n) || isOn(block.notFinite, n)) return n;
+        if (block.error[n] > std::max(tolerances.fail, tolerances.relative * block.magnitude[n])) return n;
+    }
+    return kBlockValues;
+}
+
+std::size_t firstOfError(const ErrorBlock& block, double max)
+{
+    for (std::size_t n = 0; n < kBlockValues; ++n) {
+        if (!isOn(block.compared, n)) continue;
+        if (max == kInfinity ? isOn(block.notFinite, n) : block.error[n] == max) return n;
+    }
+    return kBlockValues;
+}
+
+bool allFinite(const std::array<double, kBlockValues>& values)
+{
+    return finite(values.data());
+}
+
+ValueDifference finish(const ValueSums& sums, int componentCount, double failPercent, std::optional<double> hardFail)
+{
+    const auto figures = [pairs = double(sums.compared - sums.notFinite)](double sum, double squares, double max) {
+        if (pairs == 0) return ErrorFigures{max, 0, 0};
+        return ErrorFigures{max, sum / pairs, std::sqrt(squares / pairs)};
+    };
+    ValueDifference result;
+    result.compared = sums.compared;
+    result.error = figures(sums.sum, sums.squares, sums.max);
+    for (std::size_t i = 0; i < std::size_t(componentCount); ++i) {
+        result.components.push_back(figures(sums.componentSum[i], sums.componentSquares[i], sums.componentMax[i]));
+    }
+    result.maxRelative = sums.maxRelative;
+    result.peak = sums.peak;
+    result.psnr = result.error.rms > 0 ? 20. * std::log10(result.peak / result.error.rms) : kInfinity;
+    result.notFinite = sums.notFinite;
+    result.overFail = sums.overFail;
+    result.overWarn = sums.overWarn;
+    result.onlyInA = sums.onlyInA;
+    result.onlyInB = sums.onlyInB;
+    result.failing = sums.failing;
+    if (double(sums.failing) > failPercent / 100. * double(sums.compared) || (hardFail && sums.max > *hardFail)) {
+        result.verdict = Verdict::kDiffers;
+    } else if (sums.overWarn > 0) {
+        result.verdict = Verdict::kWarns;
+    }
+    return result;
+}
+
+} // namespace vdblic::compare
