@@ -8,7 +8,7 @@ int main(int argc, char** argv)
     tool.output(params.output, "The .vdb file to write.");
     CLI::Option* like = tool.option("--like", params.like,
                                     "FILE or FILE:GRID whose active voxels and transform to take; by default the first "
-                                    "grid, by name, that has active voxels.");
+                                    "grid in the file that has active voxels.");
     tool.app()
         .add_option("--size", params.size, "Voxels along x, y and z of a box.")
         ->type_name("X Y Z")

@@ -66,7 +66,7 @@ class Noise(ToolTest):
         velocity.transform = vdb.createLinearTransform([[0, 2, 0, 0], [-3, 0, 0, 0], [0, 0, 0.5, 0], [7, 8, 9, 1]])
         velocity.fill((-12, -5, 3), (6, 2, 20), (1, 2, 3), active=True)
         velocity.fill((-4, -2, 8), (-1, 1, 9), (0, 0, 0), active=False)
-        self.write("v.vdb", self.scalar("flame"), velocity, self.scalar("w", (0, 0, 0), (1, 1, 1)))
+        self.write("v.vdb", self.scalar("flame"), velocity, self.scalar("another", (0, 0, 0), (1, 1, 1)))
         done = self.run_tool("vdblic_noise", "-o", "noise.vdb", "--like", "v.vdb", "--seed", 9)
         self.assertEqual((done.returncode, done.stdout), (0, "noise.vdb\n"))
         self.assertIn("'velocity'", done.stderr)

@@ -22,7 +22,7 @@ struct NoiseParams {
 
 /// Write the noise of makeNoise() as the one grid of a file.
 ///
-/// Without a grid's name, `like` means the first of the file's grids, by name, that has active voxels.
+/// Without a grid's name, `like` means the first grid in the file that has active voxels.
 /// @throws ParameterError, InputError if `like` has no such grid, OutputError
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter);
 
