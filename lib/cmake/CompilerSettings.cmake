@@ -6,6 +6,7 @@ add_library(vdblic_settings INTERFACE)
 target_compile_options(vdblic_settings INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     -Wno-psabi # vector types cross only inlined calls
+    -Wno-missing-field-initializers # parameter structs are filled with designated initialisers
     -ffp-contract=off -fno-math-errno)
 if(VDBLIC_WARNINGS_AS_ERRORS)
     target_compile_options(vdblic_settings INTERFACE -Werror)

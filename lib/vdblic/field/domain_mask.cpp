@@ -1,6 +1,7 @@
 #include "vdblic/field/domain_mask.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <openvdb/tree/LeafManager.h>
@@ -96,13 +97,8 @@ void cutByMask(openvdb::MaskTree& topology, const openvdb::math::Transform& tran
 
 openvdb::GridBase::Ptr readMask(const std::string& argument, std::int64_t frame, std::string& where)
 {
-    std::string pattern = argument, name;
-    // A colon that is part of a file's name is not the one before the grid's.
-    if (const auto colon = argument.rfind(':'); colon != std::string::npos && !std::filesystem::exists(argument)) {
-        pattern = argument.substr(0, colon);
-        name = argument.substr(colon + 1);
-    }
-    const std::filesystem::path path = FramePattern(pattern).path(frame);
+    const auto [pattern, name] = parseGridReference(argument);
+    const std::filesystem::path path = FramePattern(pattern.string()).path(frame);
     const VdbFile file = readVdb(path);
     for (const auto& grid : file.grids) {
         if (!name.empty() && grid->getName() != name) continue;

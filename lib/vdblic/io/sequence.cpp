@@ -114,6 +114,7 @@ std::vector<std::int64_t> FramePattern::framesOnDisk() const
     std::vector<std::int64_t> frames;
     for (const auto& entry : entries) {
         const std::string name = entry.path().filename().string();
+        if (entry.is_directory(error)) continue;
         if (name.size() <= mPrefix.size() + mSuffix.size()) continue;
         if (!name.starts_with(mPrefix) || !name.ends_with(mSuffix)) continue;
         const char* begin = name.data() + mPrefix.size();

@@ -7,6 +7,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
 
+#include <array>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
@@ -42,6 +43,32 @@ class CheckedArchive : public openvdb::io::Archive {
         openvdb::io::Archive::write(stream, grids, /*seekable=*/true, metadata);
     }
 };
+
+/// OpenVDB puts a random identifier into each file. Replace it by one made from the content, so that equal content
+/// gives equal files.
+void stampIdentity(std::fstream& file)
+{
+    constexpr std::streamoff kIdentity = 21, kContent = kIdentity + 36; // after magic, versions and the offset flag
+    file.seekg(0, std::ios::end);
+    auto rest = std::size_t(file.tellg() - kContent);
+    file.seekg(kContent);
+    std::array<std::uint64_t, 2> hash = {0x9e3779b97f4a7c15, 0xc2b2ae3d27d4eb4f};
+    std::array<std::uint64_t, 8192> block;
+    while (rest > 0) {
+        const std::size_t size = std::min(rest, sizeof block);
+        block.fill(0);
+        file.read(reinterpret_cast<char*>(block.data()), std::streamsize(size));
+        for (const std::uint64_t word : block) {
+            hash[0] = (hash[0] ^ word) * 0x100000001b3; // FNV-1a, by words
+            hash[1] = (hash[1] ^ (hash[0] >> 29) ^ word) * 0x9e3779b97f4a7c15;
+        }
+        rest -= size;
+    }
+    const std::string text = fmt::format("{:016x}{:016x}", hash[0], hash[1]);
+    file.seekp(kIdentity);
+    file << text.substr(0, 8) << '-' << text.substr(8, 4) << '-' << text.substr(12, 4) << '-' << text.substr(16, 4) << '-'
+         << text.substr(20);
+}
 
 } // namespace
 
@@ -88,10 +115,11 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
     AtomicFile output(path);
     errno = 0;
     try {
-        std::ofstream stream;
+        std::fstream stream;
         stream.exceptions(std::ios::failbit | std::ios::badbit);
-        stream.open(output.temporary(), std::ios::binary | std::ios::trunc);
+        stream.open(output.temporary(), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
         CheckedArchive().writeTo(stream, grids, metadata);
+        stampIdentity(stream);
         stream.close();
     } catch (const std::exception& e) {
         // The stream only says that it failed; the system's last error says why.

@@ -33,7 +33,7 @@ struct VdbFile {
 /// Read a whole file at once, never delayed. @throws InputError naming the file and the reason
 [[nodiscard]] VdbFile readVdb(const std::filesystem::path& path);
 
-/// Write grids and file metadata atomically, blosc-compressed; `creator` is added.
+/// Write grids and file metadata atomically, blosc-compressed; `creator` is added. Equal content gives equal files.
 /// @throws OutputError naming the file and the reason; a full disk is one
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata);
 

@@ -24,19 +24,31 @@ constexpr std::array<const char*, 3> kJoints = {".", "_", ""};
 // Transforms are products of floats in many files.
 constexpr double kTolerance = 1e-4;
 
-/// A vector grid of single or double precision as Vec3f; null if it is neither.
+/// A grid of double precision in single precision; its inactive values become 0.
+template<typename Single, typename Double>
+typename Single::Ptr narrowed(const Double& wide)
+{
+    using Value = typename Single::ValueType;
+    auto tree = std::make_shared<typename Single::TreeType>(wide.tree(), openvdb::zeroVal<Value>(), openvdb::TopologyCopy());
+    const auto source = wide.getConstAccessor();
+    for (auto value = tree->beginValueOn(); value; ++value) value.setValue(Value(source.getValue(value.getCoord())));
+    auto grid = Single::create(tree);
+    grid->insertMeta(wide); // name and class are metadata too
+    grid->setTransform(wide.transform().copy());
+    return grid;
+}
+
+/// A vector grid of single or double precision as Vec3f.
 Vec3SGrid::Ptr asVectors(const openvdb::GridBase::Ptr& grid)
 {
     if (auto single = openvdb::gridPtrCast<Vec3SGrid>(grid)) return single;
-    if (const auto wide = openvdb::gridPtrCast<openvdb::Vec3DGrid>(grid)) return std::make_shared<Vec3SGrid>(*wide);
-    return nullptr;
+    return narrowed<Vec3SGrid>(*openvdb::gridPtrCast<openvdb::Vec3DGrid>(grid));
 }
 
 FloatGrid::ConstPtr asScalars(const openvdb::GridBase::Ptr& grid)
 {
     if (const auto single = openvdb::gridPtrCast<FloatGrid>(grid)) return single;
-    if (const auto wide = openvdb::gridPtrCast<openvdb::DoubleGrid>(grid)) return std::make_shared<FloatGrid>(*wide);
-    return nullptr;
+    return narrowed<FloatGrid>(*openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
 }
 
 bool isVector(const openvdb::GridBase::Ptr& grid)

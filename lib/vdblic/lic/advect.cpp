@@ -1,9 +1,9 @@
 #include "vdblic/lic/advect.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/flow_texture.h"
-#include "vdblic/lic/noise.h"
 
 #include <cmath>
 #include <future>
@@ -110,25 +110,21 @@ openvdb::FloatGrid::Ptr magnitudeGrid(const FlowFrame& frame)
     return openvdb::FloatGrid::create(magnitude.tree());
 }
 
-openvdb::Int32Grid::ConstPtr readNoise(const std::string& argument)
+openvdb::FloatGrid::ConstPtr readNoise(const std::string& argument)
 {
-    std::filesystem::path path = argument;
-    std::string name = "noise";
-    if (const auto colon = argument.rfind(':'); colon != std::string::npos && !std::filesystem::exists(path)) {
-        path = argument.substr(0, colon);
-        name = argument.substr(colon + 1);
-    }
+    const auto [path, named] = parseGridReference(argument);
+    const std::string name = named.empty() ? "noise" : named;
     const VdbFile file = readVdb(path);
-    const auto grid = file.find<openvdb::Int32Grid>(name);
+    const auto grid = file.find<openvdb::FloatGrid>(name);
     if (!grid) {
-        throw InputError(fmt::format("{}: no int32 grid '{}' as vdblic_noise writes it; the file holds {}",
-                                     path.string(), name, file.contents()));
+        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with FILE:GRID", path.string(), name,
+                                     file.contents()));
     }
     for (auto value = grid->cbeginValueOn(); value; ++value) {
-        if (*value < 0 || *value > kNoiseMax) {
+        if (!(*value >= 0 && *value <= 1)) {
             const openvdb::Coord at = value.getCoord();
-            throw InputError(fmt::format("{}: grid {}: value {} at [{}, {}, {}] is outside 0 to {}", path.string(),
-                                         name, *value, at[0], at[1], at[2], kNoiseMax));
+            throw InputError(fmt::format("{}: grid {}: value {} at [{}, {}, {}] is outside 0 to 1", path.string(), name, *value,
+                                         at[0], at[1], at[2]));
         }
     }
     return grid;

@@ -29,11 +29,11 @@ struct FeedbackParams {
 
 /// The original noise: values 0 to 65535 for every voxel of index space.
 ///
-/// Where a grid has an active voxel its value counts, elsewhere the noise is generated from the seed. Immutable;
+/// Where a grid has an active voxel its value in [0, 1] counts, elsewhere the noise is generated from the seed. Immutable;
 /// any number of threads may read.
 class NoiseField {
   public:
-    explicit NoiseField(std::uint32_t seed, openvdb::Int32Grid::ConstPtr grid = nullptr)
+    explicit NoiseField(std::uint32_t seed, openvdb::FloatGrid::ConstPtr grid = nullptr)
         : mSeed(seed), mGrid(std::move(grid))
     {
     }
@@ -46,7 +46,7 @@ class NoiseField {
 
   private:
     std::uint32_t mSeed;
-    openvdb::Int32Grid::ConstPtr mGrid;
+    openvdb::FloatGrid::ConstPtr mGrid;
 };
 
 /// The noise on a domain, as the first step's input.

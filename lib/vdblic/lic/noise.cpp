@@ -5,7 +5,7 @@
 namespace vdblic {
 namespace {
 
-void fillLeaf(const Domain& domain, std::size_t leaf, std::uint32_t seed, std::int32_t* values)
+void fillLeaf(const Domain& domain, std::size_t leaf, std::uint32_t seed, float* values)
 {
     const openvdb::Coord origin = domain.origin(leaf);
     const Domain::Mask& mask = domain.mask(leaf);
@@ -14,7 +14,7 @@ void fillLeaf(const Domain& domain, std::size_t leaf, std::uint32_t seed, std::i
         for (int y = 0; y < 8; ++y) {
             const std::uint64_t column = noiseColumn(origin.x() + x, origin.y() + y, seed);
             for (int z = 0; z < 8; ++z, ++offset) {
-                if (mask.isOn(offset)) values[offset] = noiseInColumn(column, origin.z() + z);
+                if (mask.isOn(offset)) values[offset] = float(noiseInColumn(column, origin.z() + z)) / float(kNoiseMax);
             }
         }
     }
@@ -22,16 +22,15 @@ void fillLeaf(const Domain& domain, std::size_t leaf, std::uint32_t seed, std::i
 
 } // namespace
 
-openvdb::Int32Grid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform, std::uint32_t seed)
+openvdb::FloatGrid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform, std::uint32_t seed)
 {
-    const LeafValues<std::int32_t> values(domain, 0);
+    const LeafValues<float> values(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(),
                       [&](std::size_t leaf) { fillLeaf(domain, leaf, seed, values[leaf]); });
-    auto grid = openvdb::Int32Grid::create(values.tree());
+    auto grid = openvdb::FloatGrid::create(values.tree());
     grid->setName("noise");
     grid->setTransform(transform.copy());
     grid->insertMeta("seed", openvdb::Int64Metadata(seed));
-    grid->insertMeta("max_value", openvdb::Int32Metadata(kNoiseMax));
     return grid;
 }
 

@@ -42,12 +42,12 @@ VDBLIC_INLINE std::uint16_t noiseValue(std::int32_t x, std::int32_t y, std::int3
     return noiseInColumn(noiseColumn(x, y, seed), z);
 }
 
-/// The noise on the active voxels of a domain, as a grid `noise`; 0 elsewhere.
+/// The noise on the active voxels of a domain, as a grid `noise` of noiseValue() / kNoiseMax; 0 elsewhere.
 ///
 /// @param transform of the grid; the noise itself depends on indices only
-/// @return a grid with the metadata `seed` (int64) and `max_value` (int32)
+/// @return a grid with the metadata `seed` (int64)
 /// Made in parallel.
-[[nodiscard]] openvdb::Int32Grid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform,
+[[nodiscard]] openvdb::FloatGrid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform,
                                                 std::uint32_t seed);
 
 } // namespace vdblic

@@ -45,7 +45,7 @@ void NoiseParams::validate() const
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
 {
     params.validate();
-    openvdb::Int32Grid::Ptr noise;
+    openvdb::FloatGrid::Ptr noise;
     if (params.size) {
         const auto transform = openvdb::math::Transform::createLinearTransform(kDefaultVoxelSize);
         noise = makeNoise(*boxDomain(*params.size), *transform, params.seed);

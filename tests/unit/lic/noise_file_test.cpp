@@ -17,21 +17,21 @@ class Listener : public Reporter {
     std::vector<std::filesystem::path> outputs;
 };
 
-openvdb::Int32Grid::Ptr writtenNoise(const NoiseParams& params)
+openvdb::FloatGrid::Ptr writtenNoise(const NoiseParams& params)
 {
     Listener listener;
     makeNoiseFile(params, listener);
     EXPECT_EQ(listener.outputs, std::vector<std::filesystem::path>{params.output});
     const VdbFile file = readVdb(params.output);
-    EXPECT_EQ(file.contents(), "noise (int32)");
-    return file.find<openvdb::Int32Grid>("noise");
+    EXPECT_EQ(file.contents(), "noise (float)");
+    return file.find<openvdb::FloatGrid>("noise");
 }
 
-void expectNoise(const openvdb::Int32Grid& grid, std::uint32_t seed)
+void expectNoise(const openvdb::FloatGrid& grid, std::uint32_t seed)
 {
     for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
         const openvdb::Coord at = voxel.getCoord();
-        ASSERT_EQ(*voxel, noiseValue(at.x(), at.y(), at.z(), seed)) << at;
+        ASSERT_FLOAT_EQ(*voxel, float(noiseValue(at.x(), at.y(), at.z(), seed)) / 65535) << at;
     }
 }
 

@@ -43,13 +43,20 @@ ScatterParams params(ScatterMethod method, int lifeSpan, float window = 0.25f)
     return result;
 }
 
+std::string nameOf(const testing::TestParamInfo<ScatterParams>& info)
+{
+    return fmt::format("Life{}Window{}", info.param.lifeSpan, int(100 * info.param.releaseWindow));
+}
+
 INSTANTIATE_TEST_SUITE_P(Uflic, EqualsLiteral,
                          testing::Values(params(ScatterMethod::kUflic, 1), params(ScatterMethod::kUflic, 4),
-                                         params(ScatterMethod::kUflic, 12)));
+                                         params(ScatterMethod::kUflic, 12)),
+                         nameOf);
 INSTANTIATE_TEST_SUITE_P(Auflic, EqualsLiteral,
                          testing::Values(params(ScatterMethod::kAuflic, 1), params(ScatterMethod::kAuflic, 4),
                                          params(ScatterMethod::kAuflic, 4, 1.0f),
-                                         params(ScatterMethod::kAuflic, 7, 0.5f)));
+                                         params(ScatterMethod::kAuflic, 7, 0.5f)),
+                         nameOf);
 
 TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
 {
