@@ -116,7 +116,7 @@ TEST(CompareGrids, FiguresEqualALiteralReference)
     EXPECT_EQ(values.worst->index, (std::array<std::int64_t, 3>{worst->x(), worst->y(), worst->z()}));
 }
 
-TEST(CompareGrids, BitsDoNotDependOnThreadsNorOnTheSideAlone)
+TEST(CompareGrids, BitsDependNeitherOnThreadsNorOnTheSide)
 {
     const auto a = strewn(3), b = strewn(4);
     std::string one, many;
