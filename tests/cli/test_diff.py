@@ -173,6 +173,7 @@ class Diff(unittest.TestCase):
             [a, b, "--nonsense"],
             [a, b, "--frames", "1"],
             [a, self.path("b.%04d.vdb")],
+            ["-", b],
             [a, b, "--first", "-o", self.path("o.vdb")],
             [a, b, "-o", b],
         ):
