@@ -26,7 +26,7 @@ int main(int argc, char** argv)
                    "Names of metadata to ignore besides creation details and file statistics; a last * stands for any "
                    "rest.")
         ->delimiter(',')
-        ->expected(1);
+        ->allow_extra_args(false);
     app.add_option("-o,--output", params.output, "File or pattern to write |A - B| grids to.");
     app.add_option("--json", params.json, "File to write the whole report to.");
     app.footer("Exit status: 0 the same within tolerance (warnings included), 1 different, 2 usage, 3 bad input data,\n"

@@ -42,12 +42,14 @@ BENCHMARK_TEMPLATE(compareCubes, openvdb::FloatGrid)
     ->ArgName("different")
     ->Arg(0)
     ->Arg(1)
+    ->MeasureProcessCPUTime()
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(compareCubes, openvdb::Vec3SGrid)
     ->ArgName("different")
     ->Arg(0)
     ->Arg(1)
+    ->MeasureProcessCPUTime()
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 

@@ -25,11 +25,11 @@ namespace vdblic {
 
 /// What counts as a difference. Tolerances act as those of OpenImageIO's idiff do.
 struct CompareParams {
-    double fail = 0;                  ///< errors up to this are within tolerance [unit of the values]
-    double relative = 0;              ///< as are errors up to this share of the larger of |a| and |b|
-    double failPercent = 0;           ///< share of the compared voxels that may fail [%]
-    std::optional<double> hardFail;   ///< yet one error over this fails [unit of the values]
-    std::optional<double> warn;       ///< errors over this are worth a warning [unit of the values]
+    double fail = 0;                               ///< errors up to this are within tolerance [unit of the values]
+    double relative = 0;                           ///< as are errors up to this share of the larger of |a| and |b|
+    double failPercent = 0;                        ///< share of the compared voxels that may fail [%]
+    std::optional<double> hardFail = std::nullopt; ///< yet one error over this fails [unit of the values]
+    std::optional<double> warn = std::nullopt;     ///< errors over this are worth a warning [unit of the values]
     bool inactive = false;            ///< compare inactive voxels too, where either grid holds more than its background
     bool firstOnly = false;           ///< stop at the first difference; figures then cover what was seen
     double transformTolerance = 1e-3; ///< transforms may move a voxel this far [voxels]

@@ -97,6 +97,9 @@ bool isThere(const std::filesystem::path& path)
 /// The frames to compare, and which side has them.
 std::vector<FrameDifference> matchFrames(const CompareSequencesParams& params)
 {
+    for (const std::string& side : {params.a, params.b}) {
+        if (side == "-") throw ParameterError("paths on standard input cannot be compared; name a file or a pattern");
+    }
     const FramePattern a(params.a), b(params.b);
     if (a.hasField() != b.hasField()) {
         throw ParameterError(fmt::format("'{}' is one file and '{}' is a pattern; compare files with files and "

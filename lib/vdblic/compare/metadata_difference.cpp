@@ -31,13 +31,18 @@ bool same(const openvdb::MetaMap& a, const openvdb::MetaMap& b, const std::strin
     return *numberA == *numberB || (std::isnan(*numberA) && std::isnan(*numberB));
 }
 
+openvdb::Mat4d matrixOf(const openvdb::math::Transform& linear)
+{
+    return linear.baseMap()->getAffineMap()->getMat4();
+}
+
 std::string matrixText(const openvdb::math::Transform& transform)
 {
     if (!transform.isLinear()) {
         const openvdb::Vec3d size = transform.voxelSize();
         return fmt::format("{}, voxel size {} {} {}", transform.mapType(), size.x(), size.y(), size.z());
     }
-    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+    const openvdb::Mat4d matrix = matrixOf(transform);
     std::string text;
     for (int row = 0; row < 4; ++row) {
         text += fmt::format("{}{} {} {}", row > 0 ? ", " : "", matrix(row, 0), matrix(row, 1), matrix(row, 2));
@@ -90,8 +95,9 @@ std::optional<TransformDifference> compareTransforms(const openvdb::GridBase& a,
                                                      double tolerance)
 {
     const openvdb::math::Transform &transformA = a.transform(), &transformB = b.transform();
+    // OpenVDB's own comparison of transforms has a tolerance too; it serves where there is no matrix.
     const bool linear = transformA.isLinear() && transformB.isLinear();
-    if (transformA == transformB) return std::nullopt;
+    if (linear ? matrixOf(transformA) == matrixOf(transformB) : transformA == transformB) return std::nullopt;
     openvdb::CoordBBox box = a.evalActiveVoxelBoundingBox();
     box.expand(b.evalActiveVoxelBoundingBox());
     if (box.empty()) box.reset({0, 0, 0}, {1, 1, 1});

@@ -9,58 +9,54 @@
 namespace vdblic::compare {
 namespace {
 
-using Double8 = double __attribute__((vector_size(64)));
-using Long8 = std::int64_t __attribute__((vector_size(64)));
+// Four lanes are AVX2's width; wider vectors of the compiler's are taken apart into scalars.
+using Double4 = double __attribute__((vector_size(32)));
+using Long4 = std::int64_t __attribute__((vector_size(32)));
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-VDBLIC_INLINE Double8 load(const double* p)
+VDBLIC_INLINE Double4 load(const double* p)
 {
-    Double8 x;
+    Double4 x;
     __builtin_memcpy(&x, p, sizeof x);
     return x;
 }
 
-VDBLIC_INLINE Double8 broadcast(double x)
+VDBLIC_INLINE Double4 broadcast(double x)
 {
-    return Double8{x, x, x, x, x, x, x, x};
+    return Double4{x, x, x, x};
 }
-VDBLIC_INLINE Double8 larger(Double8 a, Double8 b)
+VDBLIC_INLINE Double4 larger(Double4 a, Double4 b)
 {
     return a > b ? a : b;
 }
 
-/// All bits on in the lanes whose bit is on.
-VDBLIC_INLINE Long8 lanesOf(std::uint64_t row)
+/// All bits on in the lanes whose bit is on, of the four from bit 4 · `half`.
+VDBLIC_INLINE Long4 lanesOf(std::uint64_t row, int half)
 {
-    const auto bits = std::int64_t(row);
-    const Long8 spread = {bits, bits, bits, bits, bits, bits, bits, bits};
-    return (spread & Long8{1, 2, 4, 8, 16, 32, 64, 128}) != 0;
+    const auto bits = std::int64_t(row >> (4 * half));
+    return (Long4{bits, bits, bits, bits} & Long4{1, 2, 4, 8}) != 0;
 }
 
-VDBLIC_INLINE Double8 keep(Double8 x, Long8 lanes)
+VDBLIC_INLINE Double4 keep(Double4 x, Long4 lanes)
 {
-    return lanes ? x : Double8{};
+    return lanes ? x : Double4{};
 }
 
 /// Sums and maxima run in eight lanes, put together pairwise: one order on every machine.
-VDBLIC_INLINE double total(Double8 x)
+VDBLIC_INLINE double total(const Double4 (&x)[2])
 {
-    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+    const Double4 y = x[0] + x[1];
+    return (y[0] + y[2]) + (y[1] + y[3]);
 }
-VDBLIC_INLINE double largest(Double8 x)
+VDBLIC_INLINE double largest(const Double4 (&x)[2])
 {
-    double result = x[0];
-    for (int i = 1; i < 8; ++i)
-        result = std::max(result, x[i]);
-    return result;
+    const Double4 y = larger(x[0], x[1]);
+    return std::max(std::max(y[0], y[2]), std::max(y[1], y[3]));
 }
-VDBLIC_INLINE std::uint64_t total(Long8 x)
+VDBLIC_INLINE std::uint64_t total(Long4 x)
 {
-    std::int64_t result = 0;
-    for (int i = 0; i < 8; ++i)
-        result += x[i];
-    return std::uint64_t(result);
+    return std::uint64_t((x[0] + x[2]) + (x[1] + x[3]));
 }
 
 constexpr std::size_t kRows = kBlockValues / 8;
@@ -88,24 +84,27 @@ BlockMask both(const BlockMask& a, const BlockMask& b)
 /// Everything but the values that are not finite.
 VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& tolerances, ValueSums& sums)
 {
-    Double8 sum{}, squares{}, max{}, relative{}, peak{};
-    Long8 overFail{}, overWarn{}, failing{};
+    Double4 sum[2]{}, squares[2]{}, max[2]{}, relative[2]{}, peak[2]{};
+    Long4 overFail{}, overWarn{}, failing{};
     for (std::size_t row = 0; row < kRows; ++row) {
         const std::uint64_t on = rowOf(block.compared, row);
         if (on == 0) continue;
-        const Long8 lanes = lanesOf(on);
-        const Double8 error = keep(load(&block.error[row * 8]), lanes);
-        const Double8 magnitude = keep(load(&block.magnitude[row * 8]), lanes);
-        sum += error;
-        squares += error * error;
-        max = larger(error, max);
-        peak = larger(magnitude, peak);
-        relative = larger(error / (magnitude > 0. ? magnitude : broadcast(1.)), relative);
-        // A true comparison is −1.
-        const Long8 over = error > larger(broadcast(tolerances.relative) * magnitude, broadcast(tolerances.fail));
-        overFail -= over;
-        overWarn -= error > broadcast(tolerances.warn);
-        failing -= over | lanesOf(rowOf(block.onlyA, row) | rowOf(block.onlyB, row));
+        const std::uint64_t oneSided = rowOf(block.onlyA, row) | rowOf(block.onlyB, row);
+        for (int half = 0; half < 2; ++half) {
+            const Long4 lanes = lanesOf(on, half);
+            const Double4 error = keep(load(&block.error[row * 8 + 4 * half]), lanes);
+            const Double4 magnitude = keep(load(&block.magnitude[row * 8 + 4 * half]), lanes);
+            sum[half] += error;
+            squares[half] += error * error;
+            max[half] = larger(error, max[half]);
+            peak[half] = larger(magnitude, peak[half]);
+            relative[half] = larger(error / (magnitude > 0. ? magnitude : broadcast(1.)), relative[half]);
+            // A true comparison is −1.
+            const Long4 over = error > larger(broadcast(tolerances.relative) * magnitude, broadcast(tolerances.fail));
+            overFail -= over;
+            overWarn -= error > broadcast(tolerances.warn);
+            failing -= over | lanesOf(oneSided, half);
+        }
     }
     sums.sum = total(sum);
     sums.squares = total(squares);
@@ -119,12 +118,15 @@ VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& toleranc
 
 VDBLIC_KERNEL void sumComponent(const ErrorBlock& block, std::size_t component, ValueSums& sums)
 {
-    Double8 sum{}, squares{}, max{};
+    Double4 sum[2]{}, squares[2]{}, max[2]{};
     for (std::size_t row = 0; row < kRows; ++row) {
-        const Double8 error = keep(load(&block.components[component][row * 8]), lanesOf(rowOf(block.compared, row)));
-        sum += error;
-        squares += error * error;
-        max = larger(error, max);
+        for (int half = 0; half < 2; ++half) {
+            const Long4 lanes = lanesOf(rowOf(block.compared, row), half);
+            const Double4 error = keep(load(&block.components[component][row * 8 + 4 * half]), lanes);
+            sum[half] += error;
+            squares[half] += error * error;
+            max[half] = larger(error, max[half]);
+        }
     }
     sums.componentSum[component] = total(sum);
     sums.componentSquares[component] = total(squares);
@@ -133,21 +135,24 @@ VDBLIC_KERNEL void sumComponent(const ErrorBlock& block, std::size_t component, 
 
 VDBLIC_KERNEL double largestMagnitude(const ErrorBlock& block)
 {
-    Double8 peak{};
+    Double4 peak[2]{};
     for (std::size_t row = 0; row < kRows; ++row) {
-        peak = larger(keep(load(&block.magnitude[row * 8]), lanesOf(rowOf(block.compared, row))), peak);
+        for (int half = 0; half < 2; ++half) {
+            const Long4 lanes = lanesOf(rowOf(block.compared, row), half);
+            peak[half] = larger(keep(load(&block.magnitude[row * 8 + 4 * half]), lanes), peak[half]);
+        }
     }
     return largest(peak);
 }
 
 VDBLIC_KERNEL bool finite(const double* values)
 {
-    Long8 bad{};
-    for (std::size_t i = 0; i < kBlockValues; i += 8) {
+    Long4 bad{};
+    for (std::size_t i = 0; i < kBlockValues; i += 4) {
         // False for not-a-number too.
         bad |= ~(load(values + i) <= broadcast(std::numeric_limits<double>::max()));
     }
-    return total(bad) == 0;
+    return (bad[0] | bad[1] | bad[2] | bad[3]) == 0;
 }
 
 } // namespace
