@@ -10,8 +10,11 @@ namespace {
 constexpr double kOpticalDepth = 3;
 constexpr double kMostOpacity = 0.95; // of a voxel, chosen automatically
 
-/// The shape of the automatic opacity: extinction over magnitude.
-constexpr OpacityPoint kRise[] = {{0, 0}, {0.1, 0}, {0.25, 0.06}, {0.5, 0.3}, {0.75, 0.7}, {1, 1}};
+// The automatic opacity has a point every tenth of the range.
+constexpr int kPoints = 11;
+constexpr double kSlow = 0.1;    // up to here along the range nothing shows
+constexpr double kRarity = 1.2;  // 0: all magnitudes alike; 1: each magnitude in the same amount
+constexpr double kRarest = 0.15; // of an equal share; rarer magnitudes gain no more
 
 float percentile(std::vector<float>& values, double share)
 {
@@ -36,20 +39,28 @@ TextureModulation stretch(std::vector<float> textures, double strength)
     return {low, high, float(strength)};
 }
 
+/// Faster flow is more opaque, and so is flow of a rarer speed: what streams past everywhere must not hide the rest.
 std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, double thickness,
-                                        const TransferParams& transfer, std::array<double, 2> range,
-                                        const TextureModulation& texture)
+                                        std::array<double, 2> range, const TextureModulation& texture)
 {
-    std::vector<OpacityPoint> points(std::begin(kRise), std::end(kRise));
-    const TransferFunction shape(transfer.colorMap, points, range);
-    double sum = 0;
+    // How much texture there is at each point's magnitudes.
+    std::array<double, kPoints> amounts{};
+    double total = 0;
     for (std::size_t i = 0; i < samples.texture.size(); ++i) {
-        const float density = texture.density(texture.stretched(broadcast8(samples.texture[i])))[0];
-        const int entry = shape.entries(broadcast8(samples.magnitude[i]))[0];
-        sum += double(density) * -std::expm1(-double(shape.table()[entry].extinction)); // the shape's own value
+        const double position = (double(samples.magnitude[i]) - range[0]) / (range[1] - range[0]);
+        const double density = double(texture.density(texture.stretched(broadcast8(samples.texture[i])))[0]);
+        amounts[std::size_t(std::lround(std::clamp(position, 0.0, 1.0) * (kPoints - 1)))] += density;
+        total += density;
     }
-    const double mean = sum / double(samples.texture.size());
-    const double scale = mean > 0 ? kOpticalDepth / (mean * thickness) : 1;
+    std::vector<OpacityPoint> points(kPoints);
+    double depth = 0; // of a voxel, on average
+    for (int i = 0; i < kPoints; ++i) {
+        const double position = double(i) / (kPoints - 1);
+        const double share = std::max(amounts[i] / total * kPoints, kRarest);
+        points[i] = {position, std::max(position - kSlow, 0.0) / std::pow(share, kRarity)};
+        depth += points[i].opacity * amounts[i] / double(samples.texture.size());
+    }
+    const double scale = depth > 0 ? kOpticalDepth / (depth * thickness) : 1;
     for (OpacityPoint& point : points)
         point.opacity = std::min(-std::expm1(-point.opacity * scale), kMostOpacity);
     return points;
@@ -93,7 +104,7 @@ Look chooseLook(const LookParams& params, const TextureVolume& volume)
     const TextureModulation texture = stretch(samples.texture, params.textureStrength);
     const double thickness = std::cbrt(double(volume.domain().voxelCount()));
     std::vector<OpacityPoint> opacity = transfer.opacity;
-    if (opacity.empty()) opacity = chooseOpacity(samples, thickness, transfer, range, texture);
+    if (opacity.empty()) opacity = chooseOpacity(samples, thickness, range, texture);
     return {TransferFunction(transfer.colorMap, std::move(opacity), range), texture, params.shading};
 }
 

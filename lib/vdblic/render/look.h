@@ -19,7 +19,7 @@ struct TextureModulation {
     /// The share of the extinction that is left: none below the foot, then rising smoothly to all of it.
     [[nodiscard]] VDBLIC_INLINE Float8 density(Float8 stretched) const
     {
-        constexpr float kFoot = 0.35f;
+        constexpr float kFoot = 0.42f;
         const Float8 rise = (stretched - kFoot) * (1 / (1 - kFoot));
         const Float8 t = rise > 0 ? rise : Float8{};
         return 1 + (t * t * (3 - 2 * t) - 1) * strength;
@@ -35,9 +35,9 @@ struct TextureModulation {
 /// A head light with Phong's reflection, two-sided, the texture's gradient as the normal. The highlight's power is
 /// Schlick's rational form of it (Graphics Gems IV, 1994).
 struct Shading {
-    float ambient = 0.35f;
-    float diffuse = 0.75f;
-    float specular = 0.25f;
+    float ambient = 0.45f;
+    float diffuse = 0.9f;
+    float specular = 0.2f;
     float shininess = 24;
     /// Gradients of the stretched texture [1/voxel] much below this are no surface and are not lit.
     float leastGradient = 0.08f;
