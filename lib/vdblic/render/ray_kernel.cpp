@@ -27,6 +27,13 @@ VDBLIC_INLINE Float8 squareRoot(Float8 x)
     return root;
 }
 
+VDBLIC_INLINE bool anyLane(Int8 mask)
+{
+    using Long4 = std::int64_t __attribute__((vector_size(32)));
+    const auto pairs = __builtin_bit_cast(Long4, mask);
+    return (pairs[0] | pairs[1] | pairs[2] | pairs[3]) != 0;
+}
+
 /// Eight records of eight numbers into eight vectors of one number each.
 VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
 {
@@ -50,14 +57,18 @@ VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
 } // namespace
 
 /// Eight rays under way. The samples up to segmentEnd are sure to lie in the same visible leaf, but for the first,
-/// which was looked up.
+/// which was looked up. A lane without a ray stands still where there is nothing.
 struct RayKernel::Lanes {
-    Float4 entry[kLanes], direction[kLanes], inverse[kLanes];
-    float shift[kLanes];
-    int sample[kLanes], segmentEnd[kLanes], rayEnd[kLanes], pixel[kLanes];
-    const Domain::Mask* mask[kLanes];
-    Float8 viewX, viewY, viewZ;
+    Float8 entry[3], direction[3], view[3];
+    Float8 shift;
+    Int8 sample, segmentEnd;
+    Int8 origin[3];                   // of the leaf
+    const Record* brick[kLanes];      // the leaf's records
+    const Domain::Mask* mask[kLanes]; // null if all its voxels are active
     Float8 transmittance, red, green, blue;
+    const RayTask* task[kLanes];
+
+    [[nodiscard]] VDBLIC_INLINE bool idle(int lane) const { return task[lane] == nullptr; }
 };
 
 RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params,
@@ -73,13 +84,16 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
     mMargin = float(1e-5 + reach * 0x1p-20);
 }
 
-/// Go on to the next sample in a visible leaf, and find how many more are there. False at the ray's end.
+/// Go on to a lane's next sample in a visible leaf, and find how many more are there. False at the ray's end.
 VDBLIC_INLINE bool RayKernel::findSegment(Lanes& lanes, int lane) const
 {
-    const Float4 entry = lanes.entry[lane], direction = lanes.direction[lane];
+    const RayTask& ray = *lanes.task[lane];
+    const Float4 tiny = broadcast4(1e-12f);
+    const Float4 size = ray.direction < 0 ? -ray.direction : ray.direction;
+    const Float4 inverse = 1 / (size > tiny ? ray.direction : tiny);
     int n = lanes.sample[lane];
-    while (n < lanes.rayEnd[lane]) {
-        const Float4 position = entry + direction * ((float(n) + lanes.shift[lane]) * mStep);
+    while (n < ray.samples) {
+        const Float4 position = ray.entry + ray.direction * ((float(n) + ray.shift) * mStep);
         const Int4 voxel = voxelOf(position);
         const bool block = mVisible.block(voxel);
         const int leaf = block ? mVolume.domain().findLeaf(voxel) : -1;
@@ -87,16 +101,21 @@ VDBLIC_INLINE bool RayKernel::findSegment(Lanes& lanes, int lane) const
 
         // The samples before the ray comes within the margin of leaving this box are surely inside.
         const int dim = block ? 8 : 1 << VisibleLeaves::kBlockShift;
-        const Float4 low = __builtin_convertvector(voxel & -dim, Float4) - 0.5f;
-        const Float4 exit = direction > 0 ? low + (float(dim) - mMargin) : low + mMargin;
-        const Float4 distance = (exit - entry) * lanes.inverse[lane];
+        const Int4 origin = voxel & -dim;
+        const Float4 low = __builtin_convertvector(origin, Float4) - 0.5f;
+        const Float4 exit = ray.direction > 0 ? low + (float(dim) - mMargin) : low + mMargin;
+        const Float4 distance = (exit - ray.entry) * inverse;
         const float nearest = std::min(std::min(distance[0], distance[1]), distance[2]);
-        const float last = std::min(nearest / mStep - lanes.shift[lane], float(lanes.rayEnd[lane]));
-        const int end = std::min(std::max(int(last), n) + 1, lanes.rayEnd[lane]);
+        const float last = std::min(nearest / mStep - ray.shift, float(ray.samples));
+        const int end = std::min(std::max(int(last), n) + 1, ray.samples);
         if (visible) {
             lanes.sample[lane] = n;
             lanes.segmentEnd[lane] = end;
-            lanes.mask[lane] = &mVolume.domain().mask(std::size_t(leaf));
+            for (int axis = 0; axis < 3; ++axis)
+                lanes.origin[axis][lane] = origin[axis];
+            lanes.brick[lane] = mVolume.bricks().locate(__builtin_convertvector(origin, Float4)).corner;
+            const Domain::Mask& mask = mVolume.domain().mask(std::size_t(leaf));
+            lanes.mask[lane] = mask.isOn() ? nullptr : &mask;
             return true;
         }
         n = end;
@@ -104,32 +123,67 @@ VDBLIC_INLINE bool RayKernel::findSegment(Lanes& lanes, int lane) const
     return false;
 }
 
-VDBLIC_INLINE bool RayKernel::start(Lanes& lanes, int lane, const RayTask& task) const
+/// Give a lane the first ray that meets a visible leaf, or none.
+VDBLIC_INLINE void RayKernel::refill(Lanes& lanes, int lane, const RayTask*& next, const RayTask* end) const
 {
-    lanes.entry[lane] = task.entry;
-    lanes.direction[lane] = task.direction;
-    const Float4 tiny = broadcast4(1e-12f);
-    const Float4 size = task.direction < 0 ? -task.direction : task.direction;
-    lanes.inverse[lane] = 1 / (size > tiny ? task.direction : tiny);
-    lanes.shift[lane] = task.shift;
+    while (next < end) {
+        const RayTask& ray = *next++;
+        lanes.task[lane] = &ray;
+        lanes.sample[lane] = 0;
+        if (!findSegment(lanes, lane)) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            lanes.entry[axis][lane] = ray.entry[axis];
+            lanes.direction[axis][lane] = ray.direction[axis];
+            lanes.view[axis][lane] = ray.view[axis];
+        }
+        lanes.shift[lane] = ray.shift;
+        lanes.transmittance[lane] = 1;
+        lanes.red[lane] = lanes.green[lane] = lanes.blue[lane] = 0;
+        return;
+    }
+    static constexpr Record kNothing[Bricks::kDim * (Bricks::kDim + 1) + 2] = {};
+    for (int axis = 0; axis < 3; ++axis) {
+        lanes.entry[axis][lane] = lanes.direction[axis][lane] = lanes.view[axis][lane] = 0;
+        lanes.origin[axis][lane] = 0;
+    }
+    lanes.brick[lane] = kNothing;
+    lanes.mask[lane] = nullptr;
+    lanes.task[lane] = nullptr;
+    lanes.shift[lane] = 0;
     lanes.sample[lane] = 0;
-    lanes.rayEnd[lane] = task.samples;
-    lanes.pixel[lane] = task.pixel;
-    lanes.viewX[lane] = task.view[0];
-    lanes.viewY[lane] = task.view[1];
-    lanes.viewZ[lane] = task.view[2];
+    lanes.segmentEnd[lane] = std::numeric_limits<int>::max();
     lanes.transmittance[lane] = 1;
     lanes.red[lane] = lanes.green[lane] = lanes.blue[lane] = 0;
-    return findSegment(lanes, lane);
 }
 
-/// The interpolated record at a lane's sample; of no coverage if its voxel is not active.
-VDBLIC_INLINE Float8 RayKernel::sample(const Lanes& lanes, int lane) const
+/// The interpolated records at the lanes' samples; of no coverage where the voxel is not active.
+VDBLIC_INLINE void RayKernel::sample(const Lanes& lanes, Float8* samples) const
 {
-    const float distance = (float(lanes.sample[lane]) + lanes.shift[lane]) * mStep;
-    const Float4 position = lanes.entry[lane] + lanes.direction[lane] * distance;
-    if (!lanes.mask[lane]->isOn(Domain::offset(voxelOf(position)))) return Float8{};
-    return Bricks::interpolate(mVolume.bricks().locate(position));
+    const Float8 distance = (__builtin_convertvector(lanes.sample, Float8) + lanes.shift) * mStep;
+    Float8 position[3], fraction[3];
+    Int8 local[3], voxel[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        position[axis] = lanes.entry[axis] + lanes.direction[axis] * distance;
+        const Int8 base = floorToInt(position[axis]);
+        local[axis] = base - lanes.origin[axis];
+        fraction[axis] = position[axis] - __builtin_convertvector(base, Float8);
+        voxel[axis] = floorToInt(position[axis] + 0.5f) & 7;
+    }
+    const Int8 records = (local[0] * Bricks::kDim + local[1]) * Bricks::kDim + local[2];
+    const Int8 offsets = voxel[0] << 6 | voxel[1] << 3 | voxel[2];
+    // Mostly a cell lies in the leaf's own brick; below its first voxels' centres it does not.
+    const Int8 below = local[0] | local[1] | local[2];
+    for (int lane = 0; lane < kLanes; ++lane) {
+        if (lanes.mask[lane] && !lanes.mask[lane]->isOn(unsigned(offsets[lane]))) {
+            samples[lane] = Float8{};
+            continue;
+        }
+        Bricks::Cell cell{lanes.brick[lane] + records[lane], {fraction[0][lane], fraction[1][lane], fraction[2][lane]}};
+        if (__builtin_expect(below[lane] < 0, 0)) {
+            cell = mVolume.bricks().locate(Float4{position[0][lane], position[1][lane], position[2][lane]});
+        }
+        samples[lane] = Bricks::interpolate(cell);
+    }
 }
 
 /// Add a sample of each lane to its ray.
@@ -163,7 +217,7 @@ VDBLIC_INLINE void RayKernel::shade(Lanes& lanes, const Float8* samples) const
     const Float8 x = numbers[TextureVolume::kGradientX], y = numbers[TextureVolume::kGradientY],
                  z = numbers[TextureVolume::kGradientZ];
     const Float8 length = squareRoot(x * x + y * y + z * z);
-    const Float8 along = x * lanes.viewX + y * lanes.viewY + z * lanes.viewZ;
+    const Float8 along = x * lanes.view[0] + y * lanes.view[1] + z * lanes.view[2];
     const Float8 facing = (along < 0 ? -along : along) / (length + 1e-20f);
     const Float8 highlight = facing / (shading.shininess + (1 - shading.shininess) * facing);
     const Float8 steepness = length * mean * (1 / (mLook.texture.high - mLook.texture.low));
@@ -183,33 +237,27 @@ VDBLIC_KERNEL
 void RayKernel::trace(const RayTask* tasks, int count, glm::vec4* pixels) const
 {
     Lanes lanes;
-    Float8 samples[kLanes] = {};
-    bool alive[kLanes] = {};
-    int next = 0, active = 0;
-    const auto refill = [&](int lane) {
-        while (next < count && !alive[lane])
-            alive[lane] = start(lanes, lane, tasks[next++]);
-        active += alive[lane];
-        samples[lane] = Float8{};
-    };
-    for (int lane = 0; lane < kLanes; ++lane)
-        refill(lane);
-
-    while (active > 0) {
-        for (int lane = 0; lane < kLanes; ++lane) {
-            if (alive[lane]) samples[lane] = sample(lanes, lane);
-        }
+    const RayTask *next = tasks, *end = tasks + count;
+    int busy = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        refill(lanes, lane, next, end);
+        busy += !lanes.idle(lane);
+    }
+    Float8 samples[kLanes];
+    while (busy > 0) {
+        sample(lanes, samples);
         shade(lanes, samples);
+        lanes.sample += 1;
+        const Int8 closed = lanes.transmittance < mLeastTransmittance;
+        const Int8 attention = closed | (lanes.sample >= lanes.segmentEnd);
+        if (!anyLane(attention)) continue;
         for (int lane = 0; lane < kLanes; ++lane) {
-            if (!alive[lane]) continue;
-            const bool open = lanes.transmittance[lane] >= mLeastTransmittance;
-            if (open && ++lanes.sample[lane] < lanes.segmentEnd[lane]) continue;
-            if (open && findSegment(lanes, lane)) continue;
-            pixels[lanes.pixel[lane]] = {lanes.red[lane], lanes.green[lane], lanes.blue[lane],
-                                         1 - lanes.transmittance[lane]};
-            alive[lane] = false;
-            --active;
-            refill(lane);
+            if (!attention[lane] || lanes.idle(lane)) continue;
+            if (!closed[lane] && findSegment(lanes, lane)) continue;
+            pixels[lanes.task[lane]->pixel] = {lanes.red[lane], lanes.green[lane], lanes.blue[lane],
+                                               1 - lanes.transmittance[lane]};
+            refill(lanes, lane, next, end);
+            busy -= lanes.idle(lane);
         }
     }
 }

@@ -25,8 +25,8 @@ class RayKernel {
     struct Lanes;
 
     bool findSegment(Lanes& lanes, int lane) const;
-    bool start(Lanes& lanes, int lane, const RayTask& task) const;
-    Float8 sample(const Lanes& lanes, int lane) const;
+    void refill(Lanes& lanes, int lane, const RayTask*& next, const RayTask* end) const;
+    void sample(const Lanes& lanes, Float8* samples) const;
     void shade(Lanes& lanes, const Float8* samples) const;
 
     const TextureVolume& mVolume;
