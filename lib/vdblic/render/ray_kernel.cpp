@@ -88,9 +88,9 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
 VDBLIC_INLINE bool RayKernel::findSegment(Lanes& lanes, int lane) const
 {
     const RayTask& ray = *lanes.task[lane];
-    const Float4 tiny = broadcast4(1e-12f);
+    const Float4 tiny = broadcast4(1e-12f); // in place of 0, so that no face is ever reached
     const Float4 size = ray.direction < 0 ? -ray.direction : ray.direction;
-    const Float4 inverse = 1 / (size > tiny ? ray.direction : tiny);
+    const Float4 direction = size > tiny ? ray.direction : tiny;
     int n = lanes.sample[lane];
     while (n < ray.samples) {
         const Float4 position = ray.entry + ray.direction * ((float(n) + ray.shift) * mStep);
@@ -103,8 +103,8 @@ VDBLIC_INLINE bool RayKernel::findSegment(Lanes& lanes, int lane) const
         const int dim = block ? 8 : 1 << VisibleLeaves::kBlockShift;
         const Int4 origin = voxel & -dim;
         const Float4 low = __builtin_convertvector(origin, Float4) - 0.5f;
-        const Float4 exit = ray.direction > 0 ? low + (float(dim) - mMargin) : low + mMargin;
-        const Float4 distance = (exit - ray.entry) * inverse;
+        const Float4 exit = direction > 0 ? low + (float(dim) - mMargin) : low + mMargin;
+        const Float4 distance = (exit - ray.entry) / direction;
         const float nearest = std::min(std::min(distance[0], distance[1]), distance[2]);
         const float last = std::min(nearest / mStep - ray.shift, float(ray.samples));
         const int end = std::min(std::max(int(last), n) + 1, ray.samples);

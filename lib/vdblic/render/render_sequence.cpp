@@ -31,6 +31,15 @@ TextureVolume readVolume(const RenderParams& params, const std::filesystem::path
     }
 }
 
+Scene chooseScene(const RenderParams& params, const TextureVolume& volume, const std::filesystem::path& path)
+{
+    try {
+        return {chooseLook(params.look, volume), Camera(params.camera, volume.corners(), params.size)};
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+    }
+}
+
 ImageHeader imageHeader(const RenderParams& params, const Scene& scene, const FrameFile& file)
 {
     const auto& [look, camera] = scene;
@@ -108,7 +117,7 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
                                       volume.unusableVoxels()));
         }
         if (!scene && !volume.empty()) {
-            scene.emplace(Scene{chooseLook(params.look, volume), Camera(params.camera, volume.corners(), params.size)});
+            scene = chooseScene(params, volume, file->path);
             describe(*scene, reporter);
         }
 
