@@ -1,0 +1,138 @@
+#include "vdblic/render/render_sequence.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/vdb_file.h"
+
+namespace vdblic {
+namespace {
+
+constexpr int kMostPixels = 32768; // a side
+
+/// What stays the same for the whole animation, once a frame has shown what there is to see.
+struct Scene {
+    Look look;
+    Camera camera;
+};
+
+TextureVolume readVolume(const RenderParams& params, const std::filesystem::path& path, bool& hasMagnitude)
+{
+    const VdbFile file = readVdb(path);
+    const auto texture = file.find<openvdb::FloatGrid>(params.texture);
+    if (!texture) {
+        throw InputError(fmt::format("{}: no float grid '{}' to render; the file has {}; choose with --texture",
+                                     path.string(), params.texture, file.contents()));
+    }
+    const auto magnitude = file.find<openvdb::FloatGrid>("magnitude");
+    hasMagnitude = magnitude != nullptr;
+    try {
+        return {*texture, magnitude ? *magnitude : *texture};
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+    }
+}
+
+Scene chooseScene(const RenderParams& params, const TextureVolume& volume, const std::filesystem::path& path)
+{
+    try {
+        return {chooseLook(params.look, volume), Camera(params.camera, volume.corners(), params.size)};
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+    }
+}
+
+ImageHeader imageHeader(const RenderParams& params, const Scene& scene, const FrameFile& file)
+{
+    const auto& [look, camera] = scene;
+    ImageHeader header;
+    header.worldToCamera = camera.worldToCamera();
+    header.worldToNdc = camera.worldToNdc();
+    header.screenWindowWidth = float(2 * camera.halfExtent().x);
+    header.attributes = {
+        {"frame", int(file.frame)},
+        {"source", file.path.filename().string()},
+        {"textureGrid", params.texture},
+        {"eye", glm::vec3(camera.eye())},
+        {"target", glm::vec3(camera.target())},
+        {"up", glm::vec3(camera.up())},
+        {"fieldOfView", float(camera.fieldOfView())},
+        {"step", float(params.rays.step)},
+        {"colorMap", look.transfer.colorMapName()},
+        {"opacity", opacityText(look.transfer.opacity())},
+        {"magnitudeRange", glm::vec2(look.transfer.range()[0], look.transfer.range()[1])},
+        {"textureRange", glm::vec2(look.texture.low, look.texture.high)},
+        {"textureStrength", look.texture.strength},
+    };
+    return header;
+}
+
+void describe(const Scene& scene, Reporter& reporter)
+{
+    const auto& [look, camera] = scene;
+    reporter.detail(fmt::format("eye {} {} {}, target {} {} {}", camera.eye().x, camera.eye().y, camera.eye().z,
+                                camera.target().x, camera.target().y, camera.target().z));
+    reporter.detail(fmt::format("magnitude {} to {}, opacity {}, texture {} to {}", look.transfer.range()[0],
+                                look.transfer.range()[1], opacityText(look.transfer.opacity()), look.texture.low,
+                                look.texture.high));
+}
+
+} // namespace
+
+void RenderParams::validate() const
+{
+    (void)imageFormat(output);
+    camera.validate();
+    look.validate();
+    rays.validate();
+    background.validate();
+    for (const int side : {size.x, size.y}) {
+        if (side < 1 || side > kMostPixels) {
+            throw ParameterError(
+                fmt::format("image size {}x{} must be 1 to {} pixels a side", size.x, size.y, kMostPixels));
+        }
+    }
+}
+
+void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter)
+{
+    params.validate();
+    const FramePattern output(params.output);
+    std::size_t total = 0, done = 0;
+    const FrameSource source = openSequence(params.input, lines, total);
+    if (total > 0) checkOutputPattern(output, total);
+
+    std::optional<Scene> scene;
+    bool saidNoMagnitude = false;
+    reporter.progress(0, total);
+    while (const std::optional<FrameFile> file = source()) {
+        if (done == 1) checkOutputPattern(output, 2); // paths from standard input: there is a second one
+        bool hasMagnitude = false;
+        const TextureVolume volume = readVolume(params, file->path, hasMagnitude);
+        if (!hasMagnitude && !saidNoMagnitude) {
+            reporter.say(fmt::format("{}: no float grid 'magnitude'; the texture chooses colour and opacity instead",
+                                     file->path.string()));
+            saidNoMagnitude = true;
+        }
+        if (volume.unusableVoxels() > 0) {
+            reporter.warn(fmt::format("{}: {} voxels are not finite numbers and are left out", file->path.string(),
+                                      volume.unusableVoxels()));
+        }
+        if (!scene && !volume.empty()) {
+            scene = chooseScene(params, volume, file->path);
+            describe(*scene, reporter);
+        }
+
+        Image image{params.size, std::vector<glm::vec4>(std::size_t(params.size.x) * params.size.y, glm::vec4(0))};
+        ImageHeader header;
+        if (scene) {
+            image = castRays(volume, scene->look, scene->camera, params.rays);
+            header = imageHeader(params, *scene, *file);
+        }
+        const std::filesystem::path path = output.path(file->frame);
+        writeImage(path, image, header, params.background);
+        reporter.finished(path);
+        reporter.progress(++done, total);
+    }
+    if (done == 0) throw InputError("no frame to render: standard input named none");
+}
+
+} // namespace vdblic

@@ -1,0 +1,117 @@
+#include "vdblic/render/camera.h"
+
+#include "vdblic/core/errors.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+Corners box(const glm::dvec3& low, const glm::dvec3& high)
+{
+    Corners corners;
+    for (unsigned i = 0; i < 8; ++i) {
+        corners[i] = {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+    }
+    return corners;
+}
+
+glm::dvec2 project(const Camera& camera, const glm::dvec3& place)
+{
+    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(place, 1);
+    return glm::dvec2(ndc) / ndc.w;
+}
+
+const Corners kFlat = box({-3, 100, 7}, {1500, 900, 20});
+
+TEST(Camera, FramesTheWholeBoxTightly)
+{
+    for (const glm::ivec2& size : {glm::ivec2(100, 100), glm::ivec2(400, 100), glm::ivec2(50, 300)}) {
+        for (const double fieldOfView : {5.0, 35.0, 120.0}) {
+            const Camera camera({.fieldOfView = fieldOfView}, kFlat, size);
+            double most = 0;
+            for (const glm::dvec3& corner : kFlat) {
+                const glm::dvec2 place = project(camera, corner);
+                most = std::max({most, std::abs(place.x - 0.5), std::abs(place.y - 0.5)});
+                EXPECT_GT((camera.worldToCamera() * glm::dvec4(corner, 1)).z, 0);
+            }
+            EXPECT_LT(most, 0.5);
+            EXPECT_GT(most, 0.45);
+        }
+    }
+}
+
+TEST(Camera, RaysPassThroughWhatProjectsToTheirPixel)
+{
+    const Camera camera({.eye = glm::dvec3(1, -2, 3), .target = glm::dvec3(4, 4, 0), .fieldOfView = 50}, kFlat,
+                        {300, 200});
+    for (const glm::dvec2& pixel : {glm::dvec2(0.5), glm::dvec2(299.5, 0.5), glm::dvec2(17.3, 140.25)}) {
+        const Ray ray = camera.ray(pixel);
+        EXPECT_NEAR(glm::length(ray.direction), 1, 1e-12);
+        const glm::dvec2 place = project(camera, ray.origin + ray.direction * 7.5) * glm::dvec2(300, 200);
+        EXPECT_NEAR(place.x, pixel.x, 1e-9);
+        EXPECT_NEAR(place.y, pixel.y, 1e-9);
+    }
+}
+
+TEST(Camera, HasKnownGeometry)
+{
+    // From y = -10 towards +y with z up: x is to the right, z up; 90 degrees show ±10 at the target.
+    const Camera camera({.eye = glm::dvec3(0, -10, 0), .target = glm::dvec3(0), .fieldOfView = 90}, kFlat, {200, 100});
+    const auto expectAt = [&](const glm::dvec3& place, double x, double y) {
+        EXPECT_NEAR(project(camera, place).x, x, 1e-12);
+        EXPECT_NEAR(project(camera, place).y, y, 1e-12);
+    };
+    expectAt({0, 0, 0}, 0.5, 0.5);
+    expectAt({20, 0, 0}, 1, 0.5);
+    expectAt({0, 0, 10}, 0.5, 0); // the top
+    expectAt({-20, 0, -10}, 0, 1);
+    const glm::dvec4 local = camera.worldToCamera() * glm::dvec4(3, 5, 7, 1);
+    EXPECT_NEAR(local.x, 3, 1e-12);
+    EXPECT_NEAR(local.y, 7, 1e-12);
+    EXPECT_NEAR(local.z, 15, 1e-12);
+}
+
+TEST(Camera, LooksFromTheFrontAndAboveByDefault)
+{
+    const Corners cube = box({-1, -1, -1}, {1, 1, 1});
+    const Camera zUp({}, cube, {10, 10});
+    EXPECT_GT(zUp.eye().x, 0);
+    EXPECT_LT(zUp.eye().y, 0);
+    EXPECT_GT(zUp.eye().z, 0);
+    const Camera yUp({.up = glm::dvec3(0, 1, 0)}, cube, {10, 10});
+    EXPECT_GT(yUp.eye().x, 0);
+    EXPECT_GT(yUp.eye().y, 0);
+    EXPECT_GT(yUp.eye().z, 0);
+    // Something that is a point still gets a distance.
+    const Camera point({}, box(glm::dvec3(4), glm::dvec3(4)), {10, 10});
+    EXPECT_NEAR(glm::length(point.eye() - glm::dvec3(4)), 1, 1e-12);
+}
+
+TEST(Camera, LooksStraightDownUnlessUpIsGiven)
+{
+    const CameraParams down{.eye = glm::dvec3(0, 0, 9), .target = glm::dvec3(0)};
+    EXPECT_NEAR(project(Camera(down, kFlat, {10, 10}), {0, 1, 0}).x, 0.5, 1e-12); // y is up
+    CameraParams bad = down;
+    bad.up = glm::dvec3(0, 0, 2);
+    EXPECT_THROW(Camera(bad, kFlat, {10, 10}), ParameterError);
+}
+
+TEST(Camera, RefusesWhatHasNoMeaning)
+{
+    const double nan = std::nan("");
+    EXPECT_THROW((CameraParams{.eye = glm::dvec3(nan, 0, 0)}.validate()), ParameterError);
+    EXPECT_THROW((CameraParams{.target = glm::dvec3(0, HUGE_VAL, 0)}.validate()), ParameterError);
+    EXPECT_THROW((CameraParams{.up = glm::dvec3(0)}.validate()), ParameterError);
+    EXPECT_THROW((CameraParams{.eye = glm::dvec3(1), .target = glm::dvec3(1)}.validate()), ParameterError);
+    for (const double degrees : {0.0, -1.0, 180.0, nan}) {
+        EXPECT_THROW((CameraParams{.fieldOfView = degrees}.validate()), ParameterError) << degrees;
+    }
+    EXPECT_THROW(Camera({.eye = glm::dvec3(0)}, box(glm::dvec3(-1), glm::dvec3(1)), {10, 10}), ParameterError);
+}
+
+} // namespace
+} // namespace vdblic

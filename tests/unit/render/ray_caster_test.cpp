@@ -1,0 +1,298 @@
+#include "vdblic/render/ray_caster.h"
+
+#include "render/scene.h"
+#include "vdblic/core/errors.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+
+const glm::dvec3 kSlanted = glm::normalize(glm::dvec3(0.7, 0.5, -0.4));
+
+/// Clumps of voxels, far apart, some blocks of leaves empty between them.
+openvdb::FloatGrid::Ptr clumps(const std::string& name, const Coord& offset = Coord(0))
+{
+    auto grid = openvdb::FloatGrid::create();
+    grid->setName(name);
+    for (const Coord& corner :
+         {Coord(-70, -9, 3), Coord(-66, 30, 12), Coord(5, 0, 0), Coord(300, 11, -40), Coord(331, 40, 2)}) {
+        const auto part = boxGrid(name, {corner + offset, corner.offsetBy(21, 18, 13) + offset}, scattered);
+        grid->tree().merge(part->tree());
+    }
+    return grid;
+}
+
+TEST(RayCaster, AUniformMediumHasTheAnalyticTransmittance)
+{
+    const auto grid = boxGrid("density", boxOf(40, 30, 20), [](const Coord&) { return 0.5f; });
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(0.1));
+    const TextureVolume volume(*grid, *grid);
+    constexpr double kOpacity = 0.03, kLength = 40;
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.005, {48, 48});
+    for (const double step : {0.1, 0.25, 0.5, 1.0, 2.5}) {
+        const Image image = castRays(volume, plainLook(kOpacity), camera, {.step = step, .leastTransmittance = 0});
+        double sum = 0;
+        for (const glm::vec4& pixel : image.pixels) {
+            const double depth = std::log(1.0 - pixel.a) / std::log(1 - kOpacity);
+            EXPECT_NEAR(depth, kLength, step * 1.01);
+            EXPECT_NEAR(pixel.r, pixel.a, 1e-5); // white, premultiplied
+            sum += depth;
+        }
+        EXPECT_NEAR(sum / double(image.pixels.size()), kLength, 0.01 * step + 2e-3) << step;
+    }
+}
+
+TEST(RayCaster, AnEmptyDomainIsAllBackground)
+{
+    const auto grid = openvdb::FloatGrid::create();
+    const TextureVolume volume(*grid, *grid);
+    EXPECT_TRUE(volume.empty());
+    const Image image = castRays(volume, plainLook(1), Camera({}, volume.corners(), {20, 10}), {});
+    ASSERT_EQ(image.pixels.size(), 200u);
+    for (const glm::vec4& pixel : image.pixels)
+        EXPECT_EQ(pixel, glm::vec4(0));
+}
+
+TEST(RayCaster, AnyNumberOfThreadsGivesTheSamePixels)
+{
+    const auto grid = clumps("density");
+    const TextureVolume volume(*grid, *grid);
+    const Camera camera({}, volume.corners(), {150, 70});
+    std::vector<Image> images;
+    for (const std::size_t threads : {1, 2, 7}) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+        images.push_back(castRays(volume, fullLook(), camera, {}));
+    }
+    EXPECT_GT(difference(images[0], Image{images[0].size, std::vector<glm::vec4>(images[0].pixels.size())}), 0.1f);
+    EXPECT_TRUE(images[0].pixels == images[1].pixels);
+    EXPECT_TRUE(images[0].pixels == images[2].pixels);
+}
+
+TEST(RayCaster, AVoxelIsSeenWhereTransformAndCameraSay)
+{
+    openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
+    matrix.setToRotation(Vec3d(1, 2, 3), 0.7);
+    matrix.preScale(Vec3d(0.5, 0.8, -0.3));
+    matrix.postTranslate(Vec3d(10, -20, 5));
+    for (const Coord& voxel : {Coord(0, 0, 0), Coord(7, -8, 15), Coord(-1, 16, 3)}) {
+        const auto grid = boxGrid("density", {voxel, voxel}, [](const Coord&) { return 1.0f; });
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+        const TextureVolume volume(*grid, *grid);
+        const Vec3d center = grid->indexToWorld(voxel);
+        // Far away, so that the middle of the silhouette is the middle of the voxel; off the picture's middle.
+        const glm::dvec3 target(center.x() + 0.3, center.y() - 0.2, center.z() + 0.1);
+        const Camera camera({.eye = target + glm::dvec3(200, -150, 90), .target = target, .fieldOfView = 0.5},
+                            volume.corners(), {200, 120});
+        const Image image = castRays(volume, plainLook(0.9), camera, {.step = 0.02});
+        glm::dvec3 sum(0);
+        for (int y = 0; y < image.size.y; ++y) {
+            for (int x = 0; x < image.size.x; ++x) {
+                if (image.at(x, y).a > 0) sum += glm::dvec3(x + 0.5, y + 0.5, 1);
+            }
+        }
+        ASSERT_GT(sum.z, 100);
+        const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(center.x(), center.y(), center.z(), 1);
+        EXPECT_NEAR(sum.x / sum.z, ndc.x / ndc.w * image.size.x, 0.2) << voxel;
+        EXPECT_NEAR(sum.y / sum.z, ndc.y / ndc.w * image.size.y, 0.2) << voxel;
+    }
+}
+
+TEST(RayCaster, APictureDependsOnPlacesInTheWorldOnly)
+{
+    const CoordBBox box({-5, 3, 1}, {14, 20, 12});
+    const auto grid = boxGrid("density", box, scattered);
+    // The same voxels stored mirrored in x, and turned by a right angle about z, with transforms that undo it.
+    const auto mirrored = boxGrid("density", {{-14, 3, 1}, {5, 20, 12}}, [](const Coord& c) {
+        return scattered({-c.x(), c.y(), c.z()});
+    });
+    mirrored->setTransform(openvdb::math::Transform::createLinearTransform(
+        openvdb::math::Mat4d(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)));
+    const auto turned = boxGrid("density", {{3, -14, 1}, {20, 5, 12}}, [](const Coord& c) {
+        return scattered({-c.y(), c.x(), c.z()});
+    });
+    turned->setTransform(openvdb::math::Transform::createLinearTransform(
+        openvdb::math::Mat4d(0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)));
+
+    const TextureVolume volume(*grid, *grid);
+    const Camera camera = cameraAlong(volume, kSlanted, 60, 25, {90, 70});
+    const Image expected = castRays(volume, fullLook(), camera, {});
+    for (const auto& same : {mirrored, turned}) {
+        const Image image = castRays(TextureVolume(*same, *same), fullLook(), camera, {});
+        EXPECT_LT(difference(image, expected), 1e-3f);
+    }
+}
+
+TEST(RayCaster, TurningAndScalingVolumeAndCameraChangesNothing)
+{
+    const auto grid = boxGrid("density", boxOf(20, 16, 12), scattered);
+    const TextureVolume volume(*grid, *grid);
+    const Image expected = castRays(volume, fullLook(), cameraAlong(volume, kSlanted, 60, 25, {90, 70}), {});
+
+    openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
+    matrix.setToRotation(Vec3d(0, 0, 1), 0.6); // about the camera's up
+    matrix.postScale(Vec3d(7.3));
+    matrix.postTranslate(Vec3d(1000, -500, 33));
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+    const TextureVolume moved(*grid, *grid);
+    const Vec3d direction = matrix.transform3x3(Vec3d(kSlanted.x, kSlanted.y, kSlanted.z)) / 7.3;
+    const glm::dvec3 along(direction.x(), direction.y(), direction.z());
+    const Image image = castRays(moved, fullLook(), cameraAlong(moved, along, 60 * 7.3, 25, {90, 70}), {});
+    EXPECT_LT(difference(image, expected), 1e-3f);
+}
+
+TEST(RayCaster, PassingOverEmptySpaceChangesNoPixel)
+{
+    for (const Coord& offset : {Coord(0), Coord(100'000, -130'000, 70'000)}) { // exact and coarse in single precision
+        const auto texture = clumps("density", offset);
+        const auto magnitude = clumps("magnitude", offset);
+        for (auto i = magnitude->beginValueOn(); i; ++i) {
+            i.setValue(float(i.getCoord().y() - offset.y() + 9) / 80); // transparent for small y
+        }
+        const TextureVolume volume(*texture, *magnitude);
+        const Look look = fullLook();
+        const std::size_t leaves = volume.domain().leafCount();
+        std::size_t hidden = 0;
+        for (std::size_t leaf = 0; leaf < leaves; ++leaf)
+            hidden += !look.contributes(volume.leafRange(leaf));
+        EXPECT_GT(hidden, leaves / 10);
+        EXPECT_LT(hidden, leaves);
+
+        const VisibleLeaves everything(volume.domain(), std::vector<std::uint8_t>(leaves, 1));
+        for (const glm::dvec3& direction : {kSlanted, glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, 0)}) {
+            const Camera camera = cameraAlong(volume, direction, 500, 35, {121, 81}); // one ray runs along the axis
+            const Image skipped = castRays(volume, look, camera, {});
+            EXPECT_GT(difference(skipped, Image{skipped.size, std::vector<glm::vec4>(skipped.pixels.size())}), 0.05f);
+            EXPECT_TRUE(skipped.pixels == castRays(volume, look, camera, {}, everything).pixels);
+        }
+    }
+}
+
+/// The definition, sample by sample: no bricks, no leaves, no lanes.
+glm::vec4 referencePixel(const openvdb::FloatGrid& texture, const Look& look, const Camera& camera, int x, int y,
+                         double step, const Vec3d& low, const Vec3d& high)
+{
+    const Ray ray = camera.ray({x + 0.5, y + 0.5});
+    const Vec3d origin(ray.origin.x, ray.origin.y, ray.origin.z); // index space is world space here
+    const Vec3d direction(ray.direction.x, ray.direction.y, ray.direction.z);
+    double enter = 0, leave = 1e30;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double a = (low[axis] - origin[axis]) / direction[axis],
+                     b = (high[axis] - origin[axis]) / direction[axis];
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+    }
+    const auto gradient = [&](const Coord& c) {
+        Vec3d g(0);
+        for (int axis = 0; axis < 3; ++axis) {
+            Coord before = c, after = c;
+            if (Coord next = c; (++next[axis], texture.tree().isValueOn(next))) after = next;
+            if (Coord next = c; (--next[axis], texture.tree().isValueOn(next))) before = next;
+            const auto span = float(after[axis] - before[axis]);
+            if (span > 0) g[axis] = (texture.tree().getValue(after) - texture.tree().getValue(before)) / span;
+        }
+        return g;
+    };
+    glm::dvec3 color(0);
+    double transmittance = 1;
+    for (int n = 0;; ++n) {
+        const double distance = enter + (n + double(sampleShift(x, y))) * step;
+        if (distance > leave) break;
+        const Vec3d p = origin + direction * distance;
+        if (!texture.tree().isValueOn(Coord::floor(p + Vec3d(0.5)))) continue;
+        double value = 0, coverage = 0;
+        Vec3d normal(0);
+        for (int corner = 0; corner < 8; ++corner) {
+            const Coord c = Coord::floor(p).offsetBy(corner >> 2, corner >> 1 & 1, corner & 1);
+            if (!texture.tree().isValueOn(c)) continue;
+            double weight = 1;
+            for (int axis = 0; axis < 3; ++axis)
+                weight *= 1 - std::abs(p[axis] - c[axis]);
+            value += weight * double(texture.tree().getValue(c));
+            normal += gradient(c) * weight;
+            coverage += weight;
+        }
+        value /= coverage;
+        normal /= coverage;
+        const auto& entry = look.transfer.table()[look.transfer.entries(broadcast8(float(value)))[0]];
+        const Float8 stretched = look.texture.stretched(broadcast8(float(value)));
+        const double alpha =
+            1 - std::exp(-double(entry.extinction) * double(look.texture.density(stretched)[0]) * step);
+        const Shading& s = look.shading;
+        const double length = normal.length();
+        const double facing = length > 0 ? std::abs(normal.dot(direction)) / length : 0;
+        const double steep = length / double(look.texture.high - look.texture.low);
+        const double surface = steep / (steep + double(s.leastGradient));
+        const double lit = 1 - surface + surface * (double(s.ambient) + double(s.diffuse) * facing);
+        const double n0 = double(s.shininess);
+        const double white = surface * double(s.specular) * facing / (n0 - n0 * facing + facing);
+        const double tint = double(look.texture.brightness(stretched)[0]) * lit;
+        color += transmittance * alpha * (glm::dvec3(entry.red, entry.green, entry.blue) * tint + white);
+        transmittance *= 1 - alpha;
+    }
+    return glm::vec4(color, 1 - transmittance);
+}
+
+TEST(RayCaster, AgreesWithItsDefinition)
+{
+    // Smooth, so that a sample at an entry's edge is no more than an entry off; a hole inside, rims off the leaves'
+    // faces.
+    const auto grid = boxGrid("density", {{1, 2, 3}, {21, 14, 17}}, [](const Coord& c) {
+        return float(0.5 + 0.45 * std::sin(c.x() * 0.7) * std::cos(c.y() * 0.5 + c.z() * 0.4));
+    });
+    for (auto i = CoordBBox({9, 6, 7}, {11, 9, 9}).begin(); i; ++i)
+        grid->tree().setValueOff(*i);
+    const TextureVolume volume(*grid, *grid);
+    const Look look = fullLook();
+    const Camera camera = cameraAlong(volume, kSlanted, 50, 25, {24, 18});
+    const Image image = castRays(volume, look, camera, {.leastTransmittance = 0});
+    for (int y = 0; y < image.size.y; ++y) {
+        for (int x = 0; x < image.size.x; ++x) {
+            const glm::vec4 expected =
+                referencePixel(*grid, look, camera, x, y, 0.5, Vec3d(0.5, 1.5, 2.5), Vec3d(21.5, 14.5, 17.5));
+            const glm::vec4 error = glm::abs(image.at(x, y) - expected);
+            EXPECT_LT(std::max({error.r, error.g, error.b, error.a}), 2e-3f) << x << " " << y;
+        }
+    }
+}
+
+TEST(RayCaster, EndsARayNoEarlierThanAsked)
+{
+    const auto grid = boxGrid("density", boxOf(30, 30, 30), scattered);
+    const TextureVolume volume(*grid, *grid);
+    const Camera camera = cameraAlong(volume, kSlanted, 80, 25, {60, 60});
+    const Image whole = castRays(volume, plainLook(0.4), camera, {.leastTransmittance = 0});
+    const Image ended = castRays(volume, plainLook(0.4), camera, {.leastTransmittance = 0.01});
+    EXPECT_GT(difference(whole, ended), 0.f);
+    EXPECT_LT(difference(whole, ended), 0.01f);
+}
+
+TEST(RayCaster, SeesFromInside)
+{
+    const auto grid = boxGrid("density", boxOf(40, 40, 40), [](const Coord&) { return 1.0f; });
+    const TextureVolume volume(*grid, *grid);
+    const Camera camera({.eye = glm::dvec3(19.5), .target = glm::dvec3(30, 19.5, 19.5)}, volume.corners(), {9, 9});
+    const Image image = castRays(volume, plainLook(0.05), camera, {.step = 0.1});
+    EXPECT_NEAR(std::log(1 - image.at(4, 4).a) / std::log(0.95), 20, 0.1);
+}
+
+TEST(RayCaster, RefusesStepsThatMakeNoSense)
+{
+    for (const double step : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+        EXPECT_THROW((RayCastParams{.step = step}.validate()), ParameterError) << step;
+    }
+    EXPECT_THROW((RayCastParams{.leastTransmittance = 1}.validate()), ParameterError);
+}
+
+} // namespace
+} // namespace vdblic

@@ -1,0 +1,180 @@
+#include "vdblic/render/render_sequence.h"
+
+#include "render/scene.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/io/vdb_file.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <sstream>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+
+struct Recorder : Reporter {
+    void say(std::string_view message) override { said.emplace_back(message); }
+    void warn(std::string_view message) override { warned.emplace_back(message); }
+    void finished(const std::filesystem::path& output) override { outputs.push_back(output.filename().string()); }
+
+    std::vector<std::string> said, warned, outputs;
+};
+
+class RenderSequence : public testing::Test {
+  protected:
+    RenderSequence()
+    {
+        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+        mFolder = std::filesystem::path(testing::TempDir()) / (std::string("vdblic_render_") + info->name());
+        std::filesystem::remove_all(mFolder);
+        std::filesystem::create_directories(mFolder);
+        mParams.input.pattern = mFolder / "lic.%04d.vdb";
+        mParams.output = mFolder / "image.%04d.png";
+        mParams.size = {40, 30};
+    }
+    ~RenderSequence() override { std::filesystem::remove_all(mFolder); }
+
+    std::filesystem::path write(int frame, const openvdb::GridCPtrVec& grids)
+    {
+        const auto path = mFolder / fmt::format("lic.{:04}.vdb", frame);
+        writeVdb(path, grids, {});
+        return path;
+    }
+    void writeBox(int frame, int size)
+    {
+        write(frame, {boxGrid("density", boxOf(size, size, size), scattered),
+                      boxGrid("magnitude", boxOf(size, size, size), [](const Coord& c) { return float(c.x()); })});
+    }
+    Recorder render()
+    {
+        Recorder recorder;
+        renderSequence(mParams, mLines, recorder);
+        return recorder;
+    }
+
+    /// The displayed red, green and blue bytes of an image.
+    std::vector<png_byte> pixels(const std::string& name)
+    {
+        png_image png{};
+        png.version = PNG_IMAGE_VERSION;
+        EXPECT_TRUE(png_image_begin_read_from_file(&png, (mFolder / name).c_str())) << png.message;
+        std::vector<png_byte> bytes(PNG_IMAGE_SIZE(png));
+        EXPECT_TRUE(png_image_finish_read(&png, nullptr, bytes.data(), 0, nullptr)) << png.message;
+        return bytes;
+    }
+
+    std::filesystem::path mFolder;
+    RenderParams mParams;
+    std::istringstream mLines;
+};
+
+TEST_F(RenderSequence, FollowsTheInputsFrames)
+{
+    for (const int frame : {3, 5, 7})
+        writeBox(frame, 12);
+    EXPECT_EQ(render().outputs, (std::vector<std::string>{"image.0003.png", "image.0005.png", "image.0007.png"}));
+    mParams.input.frames = "5";
+    EXPECT_EQ(render().outputs, std::vector<std::string>{"image.0005.png"});
+}
+
+TEST_F(RenderSequence, CameraAndLookStayThoseOfTheFirstFrameThatShowsSomething)
+{
+    write(1, {openvdb::FloatGrid::create()});
+    writeBox(2, 16);
+    writeBox(3, 8);                     // of another size and other magnitudes
+    EXPECT_THROW(render(), InputError); // frame 1 has no grid of the name
+    const auto empty = openvdb::FloatGrid::create();
+    empty->setName("density");
+    write(1, {empty});
+    ASSERT_EQ(render().outputs.size(), 3u);
+
+    const std::vector<png_byte> nothing = pixels("image.0001.png");
+    for (std::size_t i = 0; i < nothing.size(); ++i)
+        EXPECT_EQ(nothing[i], nothing[i % 3]);
+    EXPECT_NE(pixels("image.0002.png"), nothing);
+
+    // Seen by the second frame's camera the third does not fill the picture as it does on its own.
+    const std::vector<png_byte> followed = pixels("image.0003.png");
+    mParams.input.frames = "3";
+    render();
+    EXPECT_NE(followed, pixels("image.0003.png"));
+}
+
+TEST_F(RenderSequence, ReadsPathsFromItsInput)
+{
+    writeBox(4, 10);
+    writeBox(9, 10);
+    mParams.input.pattern = "-";
+    mLines.str(fmt::format("{0}/lic.0009.vdb\n{0}/lic.0004.vdb\n", mFolder.string()));
+    EXPECT_EQ(render().outputs, (std::vector<std::string>{"image.0009.png", "image.0004.png"}));
+}
+
+TEST_F(RenderSequence, OneOutputIsNotWrittenTwice)
+{
+    writeBox(4, 10);
+    writeBox(9, 10);
+    mParams.output = mFolder / "image.png";
+    EXPECT_THROW(render(), ParameterError);
+    EXPECT_FALSE(std::filesystem::exists(mFolder / "image.png"));
+    mParams.input.pattern = "-";
+    mLines.str(fmt::format("{0}/lic.0009.vdb\n{0}/lic.0004.vdb\n", mFolder.string()));
+    EXPECT_THROW(render(), ParameterError);
+}
+
+TEST_F(RenderSequence, SaysOnceThatThereIsNoMagnitude)
+{
+    for (const int frame : {1, 2})
+        write(frame, {boxGrid("fog", boxOf(12, 12, 12), scattered)});
+    mParams.texture = "fog";
+    const Recorder recorder = render();
+    ASSERT_EQ(recorder.said.size(), 1u);
+    EXPECT_NE(recorder.said[0].find("magnitude"), std::string::npos);
+    EXPECT_TRUE(recorder.warned.empty());
+}
+
+TEST_F(RenderSequence, WarnsOfVoxelsThatAreNoNumbers)
+{
+    const auto grid = boxGrid("density", boxOf(12, 12, 12), scattered);
+    grid->tree().setValueOn({4, 4, 4}, std::nanf(""));
+    write(1, {grid});
+    const Recorder recorder = render();
+    ASSERT_EQ(recorder.warned.size(), 1u);
+    EXPECT_NE(recorder.warned[0].find("1 voxels"), std::string::npos);
+}
+
+TEST_F(RenderSequence, NamesFileAndGridOfABadInput)
+{
+    const auto grid = boxGrid("density", boxOf(4, 4, 4), scattered);
+    grid->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(9)), 0.5, 10, 0.1));
+    write(1, {grid});
+    try {
+        render();
+        FAIL() << "a frustum was taken";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("lic.0001.vdb"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("density"), std::string::npos) << error.what();
+    }
+}
+
+TEST_F(RenderSequence, RefusesBadParametersBeforeAnyWork)
+{
+    const auto refuses = [&](auto change) {
+        RenderParams params = mParams;
+        change(params);
+        EXPECT_THROW(params.validate(), ParameterError);
+    };
+    refuses([](RenderParams& p) { p.output = "image.jpg"; });
+    refuses([](RenderParams& p) { p.size = {0, 10}; });
+    refuses([](RenderParams& p) { p.size = {10, 100000}; });
+    refuses([](RenderParams& p) { p.look.textureStrength = -0.1; });
+    refuses([](RenderParams& p) { p.look.shading.ambient = std::nanf(""); });
+    refuses([](RenderParams& p) { p.rays.step = 0; });
+    refuses([](RenderParams& p) { p.camera.fieldOfView = 400; });
+    refuses([](RenderParams& p) { p.background.alpha = 2; });
+}
+
+} // namespace
+} // namespace vdblic

@@ -1,0 +1,73 @@
+#pragma once
+
+#include "vdblic/render/ray_caster.h"
+
+#include <openvdb/openvdb.h>
+
+#include <functional>
+#include <string>
+
+namespace vdblic {
+
+/// A float grid with the voxels of a box active, both corners included.
+inline openvdb::FloatGrid::Ptr boxGrid(const std::string& name, const openvdb::CoordBBox& box,
+                                       const std::function<float(const openvdb::Coord&)>& value)
+{
+    auto grid = openvdb::FloatGrid::create();
+    grid->setName(name);
+    auto accessor = grid->getAccessor();
+    for (auto i = box.begin(); i; ++i)
+        accessor.setValueOn(*i, value(*i));
+    return grid;
+}
+
+inline openvdb::CoordBBox boxOf(int x, int y, int z)
+{
+    return {openvdb::Coord(0), openvdb::Coord(x - 1, y - 1, z - 1)};
+}
+
+/// A number from 0 to 1 that looks random, by voxel.
+inline float scattered(const openvdb::Coord& c)
+{
+    unsigned h = unsigned(c.x()) * 73856093u ^ unsigned(c.y()) * 19349663u ^ unsigned(c.z()) * 83492791u;
+    h = (h ^ (h >> 15)) * 2246822519u;
+    return float((h ^ (h >> 13)) >> 8) * 0x1p-24f;
+}
+
+/// White at one opacity, whatever texture, gradient and magnitude are.
+inline Look plainLook(double opacity)
+{
+    TransferFunction white("gray", {{0, opacity}}, {-2, -1});
+    return {white, {0, 1, 0}, {.ambient = 1, .diffuse = 0, .specular = 0}};
+}
+
+/// A look that uses everything there is.
+inline Look fullLook()
+{
+    TransferFunction transfer("turbo", {{0, 0}, {0.3, 0}, {0.6, 0.2}, {1, 0.7}}, {0, 1});
+    return {transfer, {0.2f, 0.9f, 0.8f}, {}};
+}
+
+/// A camera that looks straight at the middle of a volume along a world direction.
+inline Camera cameraAlong(const TextureVolume& volume, const glm::dvec3& direction, double distance, double fieldOfView,
+                          const glm::ivec2& size)
+{
+    glm::dvec3 middle(0);
+    for (const glm::dvec3& corner : volume.corners())
+        middle += corner / 8.0;
+    return Camera({.eye = middle - direction * distance, .target = middle, .fieldOfView = fieldOfView},
+                  volume.corners(), size);
+}
+
+/// The largest difference of any channel of any pixel.
+inline float difference(const Image& a, const Image& b)
+{
+    float most = a.size == b.size ? 0 : 1;
+    for (std::size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i) {
+        const glm::vec4 d = glm::abs(a.pixels[i] - b.pixels[i]);
+        most = std::max({most, d.r, d.g, d.b, d.a});
+    }
+    return most;
+}
+
+} // namespace vdblic

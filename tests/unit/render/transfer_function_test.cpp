@@ -1,0 +1,110 @@
+#include "vdblic/render/transfer_function.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/render/color_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace vdblic {
+namespace {
+
+void expectColor(const glm::dvec3& color, double red, double green, double blue, double tolerance)
+{
+    EXPECT_NEAR(color.r, red, tolerance);
+    EXPECT_NEAR(color.g, green, tolerance);
+    EXPECT_NEAR(color.b, blue, tolerance);
+}
+
+TEST(ColorMap, HasThePublishedColors)
+{
+    // matplotlib's viridis to half a step of eight bits; turbo's and Moreland's ends and middle.
+    expectColor(colorMap("viridis", 0), 0.267004, 0.004874, 0.329415, 0.003);
+    expectColor(colorMap("viridis", 0.5), 0.127568, 0.566949, 0.550556, 0.003);
+    expectColor(colorMap("viridis", 1), 0.993248, 0.906157, 0.143936, 0.003);
+    expectColor(colorMap("turbo", 0), 0.18995, 0.07176, 0.23217, 0.003);
+    expectColor(colorMap("turbo", 1), 0.47960, 0.01583, 0.01055, 0.006);
+    expectColor(colorMap("coolwarm", 0), 59 / 255., 76 / 255., 192 / 255., 1e-12);
+    expectColor(colorMap("coolwarm", 0.5), 221 / 255., 221 / 255., 221 / 255., 1e-12);
+    expectColor(colorMap("coolwarm", 1), 180 / 255., 4 / 255., 38 / 255., 1e-12);
+    expectColor(colorMap("gray", 0.25), 0.25, 0.25, 0.25, 1e-12);
+    expectColor(colorMap("gray", 7), 1, 1, 1, 1e-12);
+    EXPECT_THROW((void)colorMap("rainbow", 0), ParameterError);
+}
+
+TEST(ColorMap, ConvertsBetweenDisplayAndLinearLight)
+{
+    EXPECT_NEAR(linearFromDisplay(0.5), 0.214041, 1e-6);
+    EXPECT_NEAR(linearFromDisplay(0.04), 0.04 / 12.92, 1e-12);
+    for (const double value : {0.0, 0.002, 0.04, 0.3, 1.0}) {
+        EXPECT_NEAR(displayFromLinear(linearFromDisplay(value)), value, 1e-7);
+    }
+}
+
+TEST(TransferFunction, TabulatesColorAndExtinction)
+{
+    const TransferFunction transfer("gray", {{0.25, 0}, {0.75, 0.5}}, {10, 20});
+    const auto at = [&](float magnitude) { return transfer.table()[transfer.entries(broadcast8(magnitude))[0]]; };
+    // Opacity is constant before the first point and after the last, linear between.
+    EXPECT_EQ(at(12).extinction, 0);
+    EXPECT_NEAR(at(15).extinction, -std::log(0.75), 1e-3);
+    EXPECT_NEAR(at(19).extinction, std::log(2.0), 1e-6);
+    // Display gray of one half is 0.214 of the light.
+    EXPECT_NEAR(at(15).red, 0.214, 1e-3);
+    EXPECT_NEAR(at(20).blue, 1, 1e-6);
+}
+
+TEST(TransferFunction, KeepsToItsTableForAnyMagnitude)
+{
+    const TransferFunction transfer("gray", {{0, 0.5}}, {10, 20});
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const Int8 entries = transfer.entries(Float8{-kInfinity, -1e30f, 10, 20, 1e30f, kInfinity, 15, 9.99f});
+    const int expected[] = {0, 0, 0, 1023, 1023, 1023, 512, 0};
+    for (int i = 0; i < 8; ++i)
+        EXPECT_EQ(entries[i], expected[i]) << i;
+    const int entry = transfer.entries(broadcast8(std::numeric_limits<float>::quiet_NaN()))[0];
+    EXPECT_TRUE(entry >= 0 && entry < TransferFunction::kEntries) << entry;
+}
+
+TEST(TransferFunction, AFullOpacityIsFinite)
+{
+    const TransferFunction transfer("gray", {{0, 1}}, {0, 1});
+    EXPECT_TRUE(std::isfinite(transfer.table()[0].extinction));
+    EXPECT_GT(transfer.table()[0].extinction, 10);
+}
+
+TEST(TransferFunction, KnowsWhichMagnitudesContribute)
+{
+    const TransferFunction transfer("gray", {{0, 0}, {0.4, 0}, {0.5, 1}, {0.6, 0}}, {0, 1});
+    EXPECT_FALSE(transfer.contributes(-3, 0.39f));
+    EXPECT_FALSE(transfer.contributes(0.61f, 5));
+    EXPECT_TRUE(transfer.contributes(0.1f, 0.9f));
+    EXPECT_TRUE(transfer.contributes(0.5f, 0.5f));
+    EXPECT_TRUE(transfer.contributes(0.41f, 0.42f));
+}
+
+TEST(TransferFunction, ReadsAndWritesOpacityPoints)
+{
+    const std::vector<OpacityPoint> points = parseOpacity("0:0,0.25:0.1,1:0.8");
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_EQ(points[1].position, 0.25);
+    EXPECT_EQ(points[1].opacity, 0.1);
+    EXPECT_EQ(opacityText(points), "0:0,0.25:0.1,1:0.8");
+    for (const char* bad : {"", "0", "0:", ":1", "0:0,", "0:0 1:1", "0:nan", "nan:0", "0:1.5", "-1:0", "0.5:0,0.4:1"}) {
+        EXPECT_THROW((void)parseOpacity(bad), ParameterError) << bad;
+    }
+}
+
+TEST(TransferFunction, RefusesARangeThatDoesNotRise)
+{
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& range : {std::array{1.0, 1.0}, {2.0, 1.0}, {kNan, 1.0}, {0.0, kNan}, {0.0, HUGE_VAL}}) {
+        EXPECT_THROW((TransferParams{.range = range}.validate()), ParameterError) << range[0] << " " << range[1];
+    }
+    EXPECT_THROW((TransferParams{.colorMap = "rainbow"}.validate()), ParameterError);
+}
+
+} // namespace
+} // namespace vdblic
