@@ -28,6 +28,7 @@ int main(int argc, char** argv)
         ->delimiter(',')
         ->allow_extra_args(false);
     app.add_option("-o,--output", params.output, "File or pattern to write |A - B| grids to.");
+    tool.skipExisting(params.skipExisting);
     app.add_option("--json", params.json, "File to write the whole report to.");
     app.footer("Exit status: 0 the same within tolerance (warnings included), 1 different, 2 usage, 3 bad input data,\n"
                "4 output could not be written, 5 a bug.\n"

@@ -14,5 +14,6 @@ int main(int argc, char** argv)
         ->type_name("X Y Z")
         ->excludes(like);
     tool.option("--seed", params.seed, "Another seed gives other noise.");
+    tool.skipExisting(params.skipExisting);
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) { vdblic::makeNoiseFile(params, reporter); });
 }

@@ -33,6 +33,7 @@ int main(int argc, char** argv)
     vdblic::cli::Tool tool("vdblic_render", "Ray cast flow textures into images.");
     CLI::App& app = tool.app();
     tool.inputSequence("TEXTURE", params.input, "Texture volumes.");
+    tool.skipExisting(params.skipExisting);
     tool.output(params.output, "Image or pattern of images, .exr (half float, linear) or .png (8 bit, opaque).");
     tool.option("--texture", params.texture, "Float grid that holds the texture.");
     app.add_option_function<std::vector<int>>(

@@ -53,6 +53,11 @@ void Tool::output(std::string& target, const std::string& help)
     mApp.add_option("-o,--output", target, help)->required();
 }
 
+void Tool::skipExisting(bool& target)
+{
+    mApp.add_flag("--skip-existing", target, "Leave outputs that are there as they are, and print their paths.");
+}
+
 int Tool::run(int argc, char** argv, const std::function<void(Reporter&)>& job)
 {
     return run(argc, argv, std::function<ExitStatus(Reporter&)>([&](Reporter& reporter) {
@@ -65,6 +70,8 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
 {
     // A closed pipe is met where it is written to, not by dying in the middle of a file.
     std::signal(SIGPIPE, SIG_IGN);
+    // So is a file that grew too large.
+    std::signal(SIGXFSZ, SIG_IGN);
     try {
         mApp.parse(argc, argv);
     } catch (const CLI::Success& asked) { // --help, --version

@@ -30,6 +30,9 @@ class Tool {
     /// The required `-o,--output`.
     void output(std::string& target, const std::string& help);
 
+    /// `--skip-existing`, for stages whose frames do not depend on each other.
+    void skipExisting(bool& target);
+
     CLI::App& app() { return mApp; }
 
     /// Parse, run the job, report what it throws.

@@ -41,7 +41,7 @@ struct CompareParams {
 
 /// Compare two grids, whatever they are called.
 ///
-/// Float, double, int32, int64, bool, mask, string, Vec3 of float, double and int32, and point data. Tiles and
+/// Float, double, int32, int64, bool, mask, Vec3 of float, double and int32, and point data. Tiles and
 /// voxels that mean the same are the same. Leaf by leaf in parallel; the result, sums included, is bit-identical for
 /// any number of threads. The grids are only read, and are not to be changed meanwhile.
 /// @throws ParameterError, or InputError if the grids are of a type that cannot be compared
@@ -53,7 +53,7 @@ struct CompareParams {
 /// Float for float, bool and mask; double for double, int32 and int64; vectors component by component, of single
 /// precision for single precision and else of double. Values that are both not-a-number or the same infinity give 0,
 /// one that is finite against one that is not gives infinity.
-/// @return null for strings, points, and grids of two types
+/// @return null for points, and grids of two types
 [[nodiscard]] std::shared_ptr<openvdb::GridBase> differenceGrid(const openvdb::GridBase& a, const openvdb::GridBase& b);
 
 /// Compare two files: file metadata, and grids matched by name and, among equal names, by order.
@@ -63,10 +63,11 @@ struct CompareParams {
 
 /// What to compare, and where the results go.
 struct CompareSequencesParams {
-    std::string a, b;   ///< two files or two patterns
-    std::string frames; ///< a frame list; empty for every frame found on either side
-    std::string output; ///< file or pattern for |A − B|; empty for none
-    std::string json;   ///< file for the report; empty for none
+    std::string a, b;          ///< two files or two patterns
+    std::string frames;        ///< a frame list; empty for every frame found on either side
+    std::string output;        ///< file or pattern for |A − B|; empty for none
+    bool skipExisting = false; ///< leave out frames whose output is there
+    std::string json;          ///< file for the report; empty for none
     CompareParams compare;
 
     /// @throws ParameterError on contradictions

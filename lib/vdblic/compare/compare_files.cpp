@@ -169,6 +169,7 @@ void writeText(const std::filesystem::path& path, const std::string& text)
 void CompareSequencesParams::validate() const
 {
     compare.validate();
+    if (skipExisting && output.empty()) throw ParameterError("--skip-existing needs --output to look for");
     if (compare.firstOnly && !output.empty()) {
         throw ParameterError("--first stops before every difference is known; leave out --output or --first");
     }
@@ -196,8 +197,12 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
 
     SequenceDifference result{params.a, params.b, {}, false};
     for (FrameDifference frame : frames) {
+        const auto path = output ? std::optional(output->path(frame.frame)) : std::nullopt;
+        if (params.skipExisting && isFinished(*path)) {
+            reporter.finished(*path);
+            continue;
+        }
         if (frame.inA && frame.inB) {
-            const auto path = output ? std::optional(output->path(frame.frame)) : std::nullopt;
             frame.files = compareRead(frame, params.compare, path, reporter);
         }
         const bool differs = frame.verdict() == Verdict::kDiffers;

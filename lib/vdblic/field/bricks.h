@@ -55,14 +55,8 @@ class Bricks {
         Int4 base = floorToInt(position);
         int leaf = mDomain->findLeaf(base);
         if (__builtin_expect(leaf < 0, 0)) {
-            // The half voxel below a leaf that has no leaf before it: continue the first voxels' values.
-            leaf = mDomain->findLeaf(voxelOf(position));
+            leaf = clampToLeaf(position, base);
             if (leaf < 0) return {nullptr, position};
-            const openvdb::Coord origin = mDomain->origin(std::size_t(leaf));
-            const Int4 low = {origin[0], origin[1], origin[2], base[3]};
-            const Float4 lowest = __builtin_convertvector(low, Float4);
-            position = position < lowest ? lowest : position;
-            base = base < low ? low : base;
         }
         const int record = ((base[0] & 7) * kDim + (base[1] & 7)) * kDim + (base[2] & 7);
         return {mRecords.get() + std::size_t(leaf) * kSize + std::size_t(record),
@@ -86,6 +80,27 @@ class Bricks {
     [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mDomain; }
 
   private:
+    /// In the half voxel below a leaf that has no leaf before it, the first voxels' values go on: move the position up
+    /// to them, along as few axes as will do. @return the leaf then, or −1
+    [[gnu::noinline]] int clampToLeaf(Float4& position, Int4& base) const
+    {
+        const Int4 nearest = voxelOf(position);
+        for (int axes : {1, 2, 4, 3, 5, 6, 7}) {
+            Int4 moved = base;
+            for (int axis = 0; axis < 3; ++axis) {
+                if (axes >> axis & 1) moved[axis] = nearest[axis];
+            }
+            const int leaf = mDomain->findLeaf(moved);
+            if (leaf < 0) continue;
+            for (int axis = 0; axis < 3; ++axis) {
+                if (moved[axis] != base[axis]) position[axis] = float(moved[axis]);
+            }
+            base = moved;
+            return leaf;
+        }
+        return -1;
+    }
+
     std::shared_ptr<const Domain> mDomain;
     std::unique_ptr<Record[]> mRecords;
     std::size_t mCapacity = 0;

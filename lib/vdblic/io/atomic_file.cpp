@@ -39,6 +39,12 @@ std::filesystem::path folderOf(const std::filesystem::path& path)
 
 } // namespace
 
+bool isFinished(const std::filesystem::path& output)
+{
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(output, ignored);
+}
+
 AtomicFile::AtomicFile(std::filesystem::path final) : mFinal(std::move(final))
 {
     std::error_code ignored;

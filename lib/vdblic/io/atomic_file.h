@@ -4,6 +4,9 @@
 
 namespace vdblic {
 
+/// Whether an output is there, and so finished: outputs have their final names only when they are complete.
+[[nodiscard]] bool isFinished(const std::filesystem::path& output);
+
 /// An output that appears under its final name complete or not at all.
 ///
 /// Write to temporary(), then commit(): the data is flushed to disk, the file renamed, the folder flushed.

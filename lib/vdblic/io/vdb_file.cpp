@@ -66,8 +66,8 @@ void stampIdentity(std::fstream& file)
     }
     const std::string text = fmt::format("{:016x}{:016x}", hash[0], hash[1]);
     file.seekp(kIdentity);
-    file << text.substr(0, 8) << '-' << text.substr(8, 4) << '-' << text.substr(12, 4) << '-' << text.substr(16, 4) << '-'
-         << text.substr(20);
+    file << text.substr(0, 8) << '-' << text.substr(8, 4) << '-' << text.substr(12, 4) << '-' << text.substr(16, 4)
+         << '-' << text.substr(20);
 }
 
 } // namespace
@@ -98,7 +98,7 @@ VdbFile readVdb(const std::filesystem::path& path)
         result.metadata = *input.getMetadata();
         return result;
     } catch (const std::ios::failure&) {
-        const std::string reason = stream.eof()  ? "it ends too early"
+        const std::string reason = stream.eof() ? "it ends too early"
                                    : errno != 0 ? std::generic_category().message(errno)
                                                 : "it is damaged";
         throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), reason));

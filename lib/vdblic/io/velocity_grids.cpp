@@ -29,9 +29,11 @@ template<typename Single, typename Double>
 typename Single::Ptr narrowed(const Double& wide)
 {
     using Value = typename Single::ValueType;
-    auto tree = std::make_shared<typename Single::TreeType>(wide.tree(), openvdb::zeroVal<Value>(), openvdb::TopologyCopy());
+    auto tree =
+        std::make_shared<typename Single::TreeType>(wide.tree(), openvdb::zeroVal<Value>(), openvdb::TopologyCopy());
     const auto source = wide.getConstAccessor();
-    for (auto value = tree->beginValueOn(); value; ++value) value.setValue(Value(source.getValue(value.getCoord())));
+    for (auto value = tree->beginValueOn(); value; ++value)
+        value.setValue(Value(source.getValue(value.getCoord())));
     auto grid = Single::create(tree);
     grid->insertMeta(wide); // name and class are metadata too
     grid->setTransform(wide.transform().copy());

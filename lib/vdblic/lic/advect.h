@@ -26,7 +26,7 @@ struct AdvectParams {
     ScatterParams scatter;
     FeedbackParams feedback;
     std::string noise;          ///< FILE or FILE:GRID; empty: generated from the seed
-    std::uint32_t seed = 0;     ///< of the generated noise
+    std::uint32_t seed = 1;     ///< of the generated noise
     std::optional<int> preroll; ///< steps on the frozen first frame before it is written; nothing: the life span
     std::string textureName = "density";
 

@@ -196,7 +196,8 @@ void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
     }
     if (!mGrid) return;
     if (const auto* leaf = mGrid->tree().probeConstLeaf(origin)) {
-        for (auto value = leaf->cbeginValueOn(); value; ++value) values[value.pos()] = toFixed(*value);
+        for (auto value = leaf->cbeginValueOn(); value; ++value)
+            values[value.pos()] = toFixed(*value);
     } else if (float tile = 0; mGrid->tree().probeValue(origin, tile)) {
         std::fill_n(values, Domain::kLeafVoxels, toFixed(tile));
     }

@@ -29,8 +29,8 @@ struct FeedbackParams {
 
 /// The original noise: values 0 to 65535 for every voxel of index space.
 ///
-/// Where a grid has an active voxel its value in [0, 1] counts, elsewhere the noise is generated from the seed. Immutable;
-/// any number of threads may read.
+/// Where a grid has an active voxel its value in [0, 1] counts, elsewhere the noise is generated from the seed.
+/// Immutable; any number of threads may read.
 class NoiseField {
   public:
     explicit NoiseField(std::uint32_t seed, openvdb::FloatGrid::ConstPtr grid = nullptr)

@@ -1,6 +1,7 @@
 #include "vdblic/lic/noise_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/noise.h"
@@ -45,6 +46,10 @@ void NoiseParams::validate() const
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
 {
     params.validate();
+    if (params.skipExisting && isFinished(params.output)) {
+        reporter.finished(params.output);
+        return;
+    }
     openvdb::FloatGrid::Ptr noise;
     if (params.size) {
         const auto transform = openvdb::math::Transform::createLinearTransform(kDefaultVoxelSize);

@@ -15,6 +15,7 @@ struct NoiseParams {
     std::string like;            ///< FILE or FILE:GRID whose active voxels and transform to take
     std::optional<BoxSize> size; ///< voxels of a box, with voxels of kDefaultVoxelSize
     std::uint32_t seed = 1;
+    bool skipExisting = false; ///< leave an output that is there as it is
 
     /// @throws ParameterError
     void validate() const;

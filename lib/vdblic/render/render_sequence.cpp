@@ -1,6 +1,7 @@
 #include "vdblic/render/render_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
 #include "vdblic/io/vdb_file.h"
 
 namespace vdblic {
@@ -31,10 +32,13 @@ TextureVolume readVolume(const RenderParams& params, const std::filesystem::path
     }
 }
 
-Scene chooseScene(const RenderParams& params, const TextureVolume& volume, const std::filesystem::path& path)
+/// The camera and the look that show a volume well; nothing if it is empty.
+std::optional<Scene> chooseScene(const RenderParams& params, const TextureVolume& volume,
+                                 const std::filesystem::path& path)
 {
+    if (volume.empty()) return std::nullopt;
     try {
-        return {chooseLook(params.look, volume), Camera(params.camera, volume.corners(), params.size)};
+        return Scene{chooseLook(params.look, volume), Camera(params.camera, volume.corners(), params.size)};
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     }
@@ -63,6 +67,18 @@ ImageHeader imageHeader(const RenderParams& params, const Scene& scene, const Fr
         {"textureStrength", look.texture.strength},
     };
     return header;
+}
+
+/// The scene as the first frame on disk gives it, whichever frames are selected.
+std::optional<Scene> sceneOfSequence(const RenderParams& params)
+{
+    if (params.input.pattern == "-") return std::nullopt;
+    SequenceParams all = params.input;
+    if (const FramePattern pattern(all.pattern); pattern.hasField())
+        all.frames = std::to_string(pattern.framesOnDisk().at(0));
+    const std::filesystem::path path = selectFrames(all).front().path;
+    bool hasMagnitude = false;
+    return chooseScene(params, readVolume(params, path, hasMagnitude), path);
 }
 
 void describe(const Scene& scene, Reporter& reporter)
@@ -100,11 +116,18 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
     const FrameSource source = openSequence(params.input, lines, total);
     if (total > 0) checkOutputPattern(output, total);
 
-    std::optional<Scene> scene;
+    std::optional<Scene> scene = sceneOfSequence(params);
+    if (scene) describe(*scene, reporter);
     bool saidNoMagnitude = false;
     reporter.progress(0, total);
     while (const std::optional<FrameFile> file = source()) {
         if (done == 1) checkOutputPattern(output, 2); // paths from standard input: there is a second one
+        const std::filesystem::path path = output.path(file->frame);
+        if (params.skipExisting && isFinished(path)) {
+            reporter.finished(path);
+            reporter.progress(++done, total);
+            continue;
+        }
         bool hasMagnitude = false;
         const TextureVolume volume = readVolume(params, file->path, hasMagnitude);
         if (!hasMagnitude && !saidNoMagnitude) {
@@ -116,9 +139,9 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
             reporter.warn(fmt::format("{}: {} voxels are not finite numbers and are left out", file->path.string(),
                                       volume.unusableVoxels()));
         }
-        if (!scene && !volume.empty()) {
+        if (!scene) {
             scene = chooseScene(params, volume, file->path);
-            describe(*scene, reporter);
+            if (scene) describe(*scene, reporter);
         }
 
         Image image{params.size, std::vector<glm::vec4>(std::size_t(params.size.x) * params.size.y, glm::vec4(0))};
@@ -127,7 +150,6 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
             image = castRays(volume, scene->look, scene->camera, params.rays);
             header = imageHeader(params, *scene, *file);
         }
-        const std::filesystem::path path = output.path(file->frame);
         writeImage(path, image, header, params.background);
         reporter.finished(path);
         reporter.progress(++done, total);

@@ -25,7 +25,8 @@ openvdb::MaskTree::Ptr everything()
     return topology;
 }
 
-std::shared_ptr<const Domain> cut(const DomainParams& params, const Transform& transform = *Transform::createLinearTransform())
+std::shared_ptr<const Domain> cut(const DomainParams& params,
+                                  const Transform& transform = *Transform::createLinearTransform())
 {
     return makeDomain(everything(), transform, params, 7);
 }
@@ -42,7 +43,10 @@ class MaskFile : public testing::Test {
     TemporaryFolder mFolder;
 };
 
-TEST(MakeDomain, WithoutParametersIsEveryActiveVoxel) { EXPECT_EQ(cut({})->voxelCount(), kBox.volume()); }
+TEST(MakeDomain, WithoutParametersIsEveryActiveVoxel)
+{
+    EXPECT_EQ(cut({})->voxelCount(), kBox.volume());
+}
 
 TEST(MakeDomain, CutsByABoxOfVoxels)
 {
@@ -88,7 +92,8 @@ TEST_F(MaskFile, CutsByEveryTypeThatMasks)
     const auto check = [&](auto grid, auto in, auto out, const char* type) {
         grid->setName("mask");
         auto values = grid->getAccessor();
-        for (auto at = kBox.begin(); at; ++at) values.setValue(*at, inside.isInside(*at) ? in : out);
+        for (auto at = kBox.begin(); at; ++at)
+            values.setValue(*at, inside.isInside(*at) ? in : out);
         DomainParams params;
         params.mask = write("mask.vdb", {grid});
         EXPECT_EQ(cut(params)->voxelCount(), inside.volume()) << type;

@@ -158,7 +158,7 @@ TEST(VelocityField, ContinuesTheLastVoxelsOverTheRim)
     // A voxel reaches half a voxel beyond its centre, at both ends; velocity is that of the nearest centre.
     for (const auto& [place, clamped] :
          {std::pair(7.25, 7.0), std::pair(7.49, 7.0), std::pair(-8.25, -8.0), std::pair(-8.5, -8.0)}) {
-        for (const double other : {-8.0, -3.5, 0.0, 6.75}) {
+        for (const double other : {-8.0, -3.5, -0.25, 0.0, 6.75}) { // −0.25: where two leaves meet
             expectNear(field.sample(at(place, other, 1), 0, kOutside), linearFlow(openvdb::Vec3d(clamped, other, 1)),
                        1e-5f, "x");
             expectNear(field.sample(at(other, place, 1), 0, kOutside), linearFlow(openvdb::Vec3d(other, clamped, 1)),

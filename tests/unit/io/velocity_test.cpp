@@ -44,7 +44,8 @@ typename GridT::Ptr makeGrid(const std::string& name, const CoordBBox& box, cons
     auto grid = GridT::create();
     grid->setName(name);
     auto accessor = grid->getAccessor();
-    for (auto at = box.begin(); at; ++at) accessor.setValue(*at, value(*at));
+    for (auto at = box.begin(); at; ++at)
+        accessor.setValue(*at, value(*at));
     return grid;
 }
 
@@ -82,7 +83,10 @@ Vec3SGrid::Ptr vectors(const std::string& name = "velocity")
 }
 
 /// Component `axis` on the faces at index − ½.
-double face(const Coord& at, int axis) { return linear(shifted(at, axis, -0.5))[axis]; }
+double face(const Coord& at, int axis)
+{
+    return linear(shifted(at, axis, -0.5))[axis];
+}
 
 void expectLinear(const VelocityFrame& frame, const CoordBBox& box, double tolerance = 1e-6)
 {
@@ -93,12 +97,16 @@ void expectLinear(const VelocityFrame& frame, const CoordBBox& box, double toler
     }
 }
 
-CoordBBox withoutLast(CoordBBox box) { return {box.min(), box.max().offsetBy(-1)}; }
+CoordBBox withoutLast(CoordBBox box)
+{
+    return {box.min(), box.max().offsetBy(-1)};
+}
 
 TEST_F(VelocityFile, FindsAVectorGridByEachNameAndType)
 {
     for (const char* name : {"velocity", "vel", "v", "wind"}) {
-        const VelocityFrame frame = read({makeGrid<FloatGrid>("density", kBox, [](auto&) { return 1.0f; }), vectors(name)});
+        const VelocityFrame frame =
+            read({makeGrid<FloatGrid>("density", kBox, [](auto&) { return 1.0f; }), vectors(name)});
         EXPECT_EQ(frame.gridName, name);
         expectLinear(frame, kBox);
     }
@@ -118,9 +126,9 @@ TEST_F(VelocityFile, FindsThreeScalarsByEachNamingPattern)
         for (const char* joint : {".", "_", ""}) {
             openvdb::GridCPtrVec grids;
             for (int axis = 2; axis >= 0; --axis) { // in any order in the file
-                grids.push_back(makeGrid<FloatGrid>(std::string(name) + joint + "xyz"[axis], kBox, [&](const Coord& at) {
-                    return float(linear(at.asVec3d())[axis]);
-                }));
+                grids.push_back(
+                    makeGrid<FloatGrid>(std::string(name) + joint + "xyz"[axis], kBox,
+                                        [&](const Coord& at) { return float(linear(at.asVec3d())[axis]); }));
             }
             expectLinear(read(grids), kBox);
         }
@@ -130,7 +138,9 @@ TEST_F(VelocityFile, FindsThreeScalarsByEachNamingPattern)
 TEST_F(VelocityFile, ComponentsThatWereDroppedForBeingZeroCountAsZero)
 {
     const auto x = makeGrid<FloatGrid>("vel.x", kBox, [](auto&) { return 3.0f; });
-    const auto empty = [](const char* name) { return makeGrid<FloatGrid>(name, CoordBBox(), [](auto&) { return 0.0f; }); };
+    const auto empty = [](const char* name) {
+        return makeGrid<FloatGrid>(name, CoordBBox(), [](auto&) { return 0.0f; });
+    };
     const VelocityFrame frame = read({x, empty("vel.y"), empty("vel.z")});
     EXPECT_EQ(frame.values->activeVoxelCount(), kBox.volume());
     EXPECT_EQ(frame.values->tree().getValue({0, 5, 0}), Vec3f(3, 0, 0));
@@ -173,8 +183,8 @@ TEST_F(VelocityFile, StaggeredScalarsOnOneTransformAreExactOnALinearField)
 {
     openvdb::GridCPtrVec grids;
     for (int axis = 0; axis < 3; ++axis) {
-        const auto grid =
-            makeGrid<FloatGrid>(std::string("vel.") + "xyz"[axis], kBox, [&](const Coord& at) { return float(face(at, axis)); });
+        const auto grid = makeGrid<FloatGrid>(std::string("vel.") + "xyz"[axis], kBox,
+                                              [&](const Coord& at) { return float(face(at, axis)); });
         grid->setGridClass(openvdb::GRID_STAGGERED);
         grids.push_back(grid);
     }
@@ -223,7 +233,11 @@ TEST_F(VelocityFile, TurnsWorldVelocitiesIntoVoxelsThroughAnyTransformWithRightA
         {"scaled", [](Transform& t) { t.preScale(0.25); }},
         {"scaled per axis", [](Transform& t) { t.preScale(Vec3d(0.25, 2, 0.5)); }},
         {"translated", [](Transform& t) { t.postTranslate(Vec3d(100, -3, 7)); }},
-        {"rotated", [](Transform& t) { t.preScale(Vec3d(0.25, 2, 0.5)), t.postRotate(0.7, openvdb::math::Z_AXIS), t.postRotate(-0.4, openvdb::math::X_AXIS); }},
+        {"rotated",
+         [](Transform& t) {
+             t.preScale(Vec3d(0.25, 2, 0.5)), t.postRotate(0.7, openvdb::math::Z_AXIS),
+                 t.postRotate(-0.4, openvdb::math::X_AXIS);
+         }},
         {"mirrored", [](Transform& t) { t.preScale(Vec3d(-0.5, 0.5, 0.5)); }},
     };
     for (const Case& c : cases) {
