@@ -162,6 +162,36 @@ float jitterBits(float texture, float noise)
     return value > 0.9f ? 1.0f : value < 0.1f ? 0.0f : value;
 }
 
+/// Trilinear interpolation of a domain's values, over the corners that are in the domain.
+class Interpolator {
+  public:
+    Interpolator(const Domain& domain, const LeafValues<float>& values) : mDomain(domain), mValues(values) {}
+
+    /// @param nearest value where there is no corner
+    [[nodiscard]] float at(Float4 position, float nearest) const
+    {
+        const Int4 base = floorToInt(position);
+        const Float4 fraction = position - __builtin_convertvector(base, Float4);
+        float sum = 0, coverage = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
+            float weight = 1;
+            for (int axis = 0; axis < 3; ++axis)
+                weight *= step[axis] ? fraction[axis] : 1 - fraction[axis];
+            const Int4 voxel = base + step;
+            const int leaf = weight > 0 ? mDomain.findLeaf(voxel) : -1;
+            if (leaf < 0 || !mDomain.isActive(leaf, Domain::offset(voxel))) continue;
+            sum += weight * mValues[std::size_t(leaf)][Domain::offset(voxel)];
+            coverage += weight;
+        }
+        return coverage > 0 ? sum / coverage : nearest;
+    }
+
+  private:
+    const Domain& mDomain;
+    const LeafValues<float>& mValues;
+};
+
 } // namespace
 
 Jitter parseJitter(std::string_view text)
@@ -232,11 +262,12 @@ LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>&
     return texture;
 }
 
-LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture, const Domain& next,
+LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& output, const Domain& next,
                                      const NoiseField& noise, const FeedbackParams& params, std::uint64_t step)
 {
     const Domain& domain = field.domain();
-    const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
+    const LeafValues<float> sharp = sharpened(domain, output, params.sharpen);
+    const Interpolator texture(domain, sharp);
     const std::vector<Moments> moments = momentsOf(domain, sharp);
 
     LeafValues<std::int32_t> input(next, 0);
@@ -250,10 +281,10 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
         for (auto voxel = domain.mask(std::size_t(from)).beginOn(); voxel; ++voxel) {
             const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             const Float4 centreOfVoxel = {float(at[0]), float(at[1]), float(at[2]), 0};
-            const Float4 cameFrom = centreOfVoxel - field.sample(centreOfVoxel, 1, Float4{});
-            const float value = sharp[std::size_t(from)][voxel.pos()];
+            const Float4 way = field.sample(centreOfVoxel, 1, Float4{});
+            const float value = texture.at(centreOfVoxel - way * 0.5f, sharp[std::size_t(from)][voxel.pos()]);
             const float original = float(values[voxel.pos()]) / kFull;
-            if (!domain.contains(cameFrom)) {
+            if (!domain.contains(centreOfVoxel - way)) {
                 values[voxel.pos()] = noise.entering(at, step);
             } else if (params.jitter == Jitter::kBits) {
                 values[voxel.pos()] = toFixed(jitterBits(value, original));

@@ -56,7 +56,11 @@ class NoiseField {
 [[nodiscard]] LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
                                          const LeafValues<std::int32_t>& input);
 
-/// The next step's input: the texture sharpened and jittered.
+/// The next step's input: the texture sharpened, carried on to the next frame's time, and jittered.
+///
+/// The texture is the mean over a step, so what it shows stands where the fluid was half a step before the next frame:
+/// the input of a voxel is the sharpened texture half a step upstream. Fed back in place, features would lag behind the
+/// flow (docs/algorithm.md).
 ///
 /// A voxel that is new in the next domain takes the original noise. A voxel whose fluid was outside the domain a
 /// step ago takes noise that is new in every step: nothing flows to it but its own values, and fed back they would

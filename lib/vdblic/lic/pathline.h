@@ -125,7 +125,7 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const PathlineParams
     }
 }
 
-/// Visit the samples of a segment, evenly spaced along its length; its start is one, its end is the next segment's.
+/// Visit the samples of a segment: the middles of even pieces of its length, so that their mean is the segment's.
 ///
 /// @param visit called with blocks of up to eight samples in order; returns whether to go on
 /// @return whether every block was visited
@@ -147,7 +147,7 @@ VDBLIC_INLINE bool visitSamples(const Segment& segment, float spacing, const Vis
     const float arcStep = arc / float(count);
     const Float8 first = {0, 1, 2, 3, 4, 5, 6, 7};
     for (int done = 0; done < count; done += 8) {
-        const Float8 s = (first + float(done)) * arcStep;
+        const Float8 s = (first + (float(done) + 0.5f)) * arcStep;
         const Float8 square = s * (2 * (speed1 - speed0)) + speed0 * speed0;
         Float8 root;
         for (int i = 0; i < 8; ++i)

@@ -42,6 +42,14 @@ VDBLIC_INLINE bool TileScatter::scatterPath(const std::vector<Segment>& path, bo
     std::uint64_t alive = mParticle.alive;
     std::uint32_t taken = 0;
     std::size_t deposits = 0, hits = 0;
+    const auto takeUp = [&](unsigned offset) {
+        if (!mOpen.isOn(offset) || Generation::count(taken) == Generation::kMaxCount) return;
+        mOpen.setOff(offset);
+        const auto value = std::uint32_t(mTileInput[offset]);
+        taken = Generation::add(taken, value);
+        alive += Hits::pack(value, 1);
+    };
+    if (mayTakeUp) takeUp(Domain::offset(voxelOf(path.front().start)));
     bool inside = true;
     for (const Segment& segment : path) {
         inside = visitSamples(segment, mParams->pathline.sampleSpacing, [&](const SampleBlock& block) {
@@ -50,13 +58,7 @@ VDBLIC_INLINE bool TileScatter::scatterPath(const std::vector<Segment>& path, bo
                 const int leaf = mDomain->findLeaf(voxel);
                 const unsigned offset = Domain::offset(voxel);
                 if (leaf < 0 || !mDomain->isActive(leaf, offset)) return false;
-                if (mayTakeUp && leaf == mLeaf && block.time[i] < window && mOpen.isOn(offset) &&
-                    Generation::count(taken) < Generation::kMaxCount) {
-                    mOpen.setOff(offset);
-                    const auto value = std::uint32_t(mTileInput[offset]);
-                    taken = Generation::add(taken, value);
-                    alive += Hits::pack(value, 1);
-                }
+                if (mayTakeUp && leaf == mLeaf && block.time[i] < window) takeUp(offset);
                 deposit<kShared>((*mAccumulator)[std::size_t(leaf)][offset], alive);
                 ++deposits;
                 hits += Hits::count(alive);

@@ -15,11 +15,11 @@ struct Tile {
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).
 ///
 /// A voxel is *open* until a seed has been released in it during this step, then *closed*. First the tile's
-/// particles of earlier steps are advanced, oldest first: one that passes an open voxel within the release window
-/// closes it and takes up its value (pathline reuse, and pathline copying for every further voxel). Then each voxel
-/// that is still open, in scan order, releases a particle of its own, which likewise takes up the open voxels it
-/// passes. A particle that took up nothing in a step is blocked: it takes up no more and ends when the values it
-/// carries have expired. With UFLIC every voxel releases a particle, and none takes up a second value.
+/// particles of earlier steps are advanced, oldest first: one that starts in an open voxel, or passes one within the
+/// release window, closes it and takes up its value (pathline reuse, and pathline copying for every further voxel).
+/// Then each voxel that is still open, in scan order, releases a particle of its own, which likewise takes up the open
+/// voxels it passes. A particle that took up nothing in a step is blocked: it takes up no more and ends when the values
+/// it carries have expired. With UFLIC every voxel releases a particle, and none takes up a second value.
 ///
 /// One object serves one thread; what it writes is its own but for the accumulator.
 class TileScatter {

@@ -22,7 +22,8 @@ struct Sample {
 struct Path {
     std::uint64_t releaseStep, releaseRank;
     std::size_t firstStep;
-    std::vector<std::vector<Sample>> samples; // of step firstStep + i
+    std::vector<Coord> starts;                // where step firstStep + i began
+    std::vector<std::vector<Sample>> samples; // and what it passed
     bool ended = false;                       // left the domain in the last of them
     Float4 position, slope;
 
@@ -102,7 +103,7 @@ class LiteralLic {
     Path start(std::size_t k, const Coord& voxel, std::uint64_t rank) const
     {
         const Float4 centre = {float(voxel[0]), float(voxel[1]), float(voxel[2]), 0};
-        return {k, rank, k, {}, false, centre, mFields[k].sample(centre, 0, Float4{})};
+        return {k, rank, k, {}, {}, false, centre, mFields[k].sample(centre, 0, Float4{})};
     }
 
     /// Integrate a path up to, not including, a step; steps that are never shown are left out.
@@ -110,6 +111,7 @@ class LiteralLic {
     {
         while (!path.ended && path.nextStep() < std::min(end, mFields.size())) {
             const std::size_t step = path.nextStep();
+            path.starts.push_back(voxelAt(path.position));
             path.samples.emplace_back();
             if (!inDomain(step, voxelAt(path.position))) {
                 path.ended = true;
@@ -153,7 +155,9 @@ class LiteralLic {
     /// Release a seed in every open voxel the path passes within the release window; false if there was none.
     bool releaseAlong(std::size_t k, const Path& path, const Coord& tile, std::set<Coord>& open)
     {
-        bool released = false;
+        const Coord& start = path.starts[k - path.firstStep];
+        bool released = inDomain(k, start) && tileOf(start) == tile && open.erase(start) > 0;
+        if (released) scatterSeed(k, path, 0, inputAt(k, start));
         const auto& samples = path.samples[k - path.firstStep];
         for (std::size_t i = 0; i < samples.size(); ++i) {
             const Coord& voxel = samples[i].voxel;
@@ -178,9 +182,8 @@ class LiteralLic {
         for (Path& path : mSaved) {
             if (path.ended && path.nextStep() <= k) continue;
             extend(path, k + 1);
-            const auto& samples = path.samples[k - path.firstStep];
-            if (samples.empty()) continue;
-            const Coord tile = tileOf(samples.front().voxel);
+            const Coord tile = tileOf(path.starts[k - path.firstStep]);
+            if (!inDomain(k, path.starts[k - path.firstStep])) continue;
             extend(path, end);
             if (releaseAlong(k, path, tile, open[tile])) saved.push_back(path);
         }

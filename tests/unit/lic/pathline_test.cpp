@@ -151,13 +151,13 @@ TEST(Pathline, SamplesAreEvenlySpacedAndCarryTheirTime)
         });
     }
     ASSERT_GE(times.size(), 12u);
-    EXPECT_EQ(times.front(), 0);
+    EXPECT_GT(times.front(), 0);
     EXPECT_LT(times.back(), 1);
-    double last = -8 - 0.25;
+    double last = -8 - 0.125; // the first sample is the middle of the first piece
     for (std::size_t i = 0; i < times.size(); ++i) {
         const double t = times[i], x = -8 + t + 2 * t * t;
         EXPECT_NEAR(x - last, 0.25, 0.02);
-        EXPECT_EQ(voxels[i], int(std::floor(x + 0.5 + 1e-4 * (i == 0))));
+        EXPECT_EQ(voxels[i], int(std::floor(x + 0.5)));
         last = x;
     }
 }
