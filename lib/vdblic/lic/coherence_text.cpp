@@ -1,24 +1,32 @@
 #include "vdblic/lic/coherence_report.h"
 
+#include <cmath>
+
 namespace vdblic {
 namespace {
 
+/// A number with its digits after the point, or a dash for one that could not be had.
+std::string number(double value, int width, int digits)
+{
+    return std::isnan(value) ? fmt::format("{:>{}}", '-', width) : fmt::format("{:{}.{}f}", value, width, digits);
+}
+
 std::string both(const FrameCoherence& frame, double CoherenceFigures::*figure)
 {
-    return fmt::format("{:7.3f} |{:7.3f}", frame.raw.*figure, frame.smoothed.*figure);
+    return number(frame.raw.*figure, 7, 3) + " |" + number(frame.smoothed.*figure, 7, 3);
 }
 
 std::string estimateText(const Estimate& estimate)
 {
-    return fmt::format("{:8.4f} ± {:6.4f}", estimate.mean, estimate.halfWidth);
+    return number(estimate.mean, 8, 4) + " ± " + number(estimate.halfWidth, 6, 4);
 }
 
 } // namespace
 
 std::string frameHeading()
 {
-    return fmt::format("{:>7} {:>7}  {:<16}  {:<16}  {:<16}  {:<16}  {:<16}", "frame", "points", "       temporal",
-                       "     same place", "   along [voxel]", "  across [voxel]", "      deviation");
+    return fmt::format("{:>7} {:>7}  {:<16}  {:<16}  {:<16}  {:<16}  raw | smoothed", "frame", "points",
+                       "       temporal", "     same place", "   along [voxel]", "  across [voxel]", "      deviation");
 }
 
 std::string frameLine(const FrameCoherence& frame)
