@@ -7,8 +7,6 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
 
-#include <cerrno>
-#include <fstream>
 #include <map>
 #include <set>
 #include <system_error>
@@ -150,20 +148,6 @@ void checkNotInput(const std::filesystem::path& output, const std::vector<FrameD
     }
 }
 
-void writeText(const std::filesystem::path& path, const std::string& text)
-{
-    AtomicFile output(path);
-    errno = 0;
-    std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
-    stream << text;
-    stream.close();
-    if (!stream) {
-        throw OutputError(
-            fmt::format("{}: cannot be written: {}", path.string(), std::generic_category().message(errno)));
-    }
-    output.commit();
-}
-
 } // namespace
 
 void CompareSequencesParams::validate() const
@@ -218,7 +202,7 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
         }
     }
     if (!params.json.empty()) {
-        writeText(params.json, toJson(result, params.compare));
+        writeTextFile(params.json, toJson(result, params.compare));
         reporter.finished(params.json);
     }
     return result;

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <fcntl.h>
+#include <fstream>
 #include <system_error>
 #include <unistd.h>
 
@@ -73,6 +74,17 @@ void AtomicFile::commit()
     if (::rename(mTemporary.c_str(), mFinal.c_str()) != 0) fail(mFinal, "cannot be renamed into place");
     mCommitted = true;
     flush(folderOf(mFinal), true, mFinal);
+}
+
+void writeTextFile(const std::filesystem::path& path, std::string_view text)
+{
+    AtomicFile output(path);
+    errno = 0;
+    std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
+    stream << text;
+    stream.close();
+    if (!stream) fail(path, "cannot be written");
+    output.commit();
 }
 
 } // namespace vdblic

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace vdblic {
 
@@ -29,5 +30,8 @@ class AtomicFile {
     std::filesystem::path mFinal, mTemporary;
     bool mCommitted = false;
 };
+
+/// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason
+void writeTextFile(const std::filesystem::path& path, std::string_view text);
 
 } // namespace vdblic

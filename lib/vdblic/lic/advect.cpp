@@ -3,69 +3,15 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/flow_texture.h"
 
-#include <cmath>
 #include <future>
-#include <set>
 
 namespace vdblic {
 namespace {
 
-constexpr double kDefaultFps = 24;
 constexpr int kMaxPreroll = 10000;
-
-/// A frame that was read, with the domain it is computed on.
-struct LoadedFrame {
-    VelocityFrame velocity;
-    FlowFrame flow;
-};
-
-LoadedFrame load(const FrameFile& file, const AdvectParams& params)
-{
-    LoadedFrame frame;
-    frame.velocity = readVelocity(file, params.velocity);
-    const openvdb::Vec3SGrid& values = *frame.velocity.values;
-    auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
-    frame.flow.velocities = frame.velocity.values;
-    try {
-        frame.flow.domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame);
-    } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
-    }
-    return frame;
-}
-
-/// Reads one frame ahead of the one that is asked for.
-class FrameReader {
-  public:
-    FrameReader(FrameSource source, const AdvectParams& params) : mSource(std::move(source)), mParams(params)
-    {
-        readAhead();
-    }
-
-    std::optional<LoadedFrame> next()
-    {
-        if (!mAhead.valid()) return std::nullopt;
-        std::optional<LoadedFrame> frame = mAhead.get();
-        if (frame) readAhead();
-        return frame;
-    }
-
-  private:
-    void readAhead()
-    {
-        mAhead = std::async(std::launch::async, [this]() -> std::optional<LoadedFrame> {
-            const std::optional<FrameFile> file = mSource();
-            if (!file) return std::nullopt;
-            return load(*file, mParams);
-        });
-    }
-
-    FrameSource mSource;
-    const AdvectParams& mParams;
-    std::future<std::optional<LoadedFrame>> mAhead;
-};
 
 /// Writes one file while the next is computed.
 class FrameWriter {
@@ -151,6 +97,11 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, int preroll)
     return metadata;
 }
 
+FlowSequenceParams flowParams(const AdvectParams& params)
+{
+    return {params.input, params.velocity, params.frameSpacing, params.domain};
+}
+
 /// The whole run: state that outlives a frame.
 class Advection {
   public:
@@ -158,14 +109,14 @@ class Advection {
         : mParams(params), mReporter(reporter), mPattern(params.output),
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise))),
-          mReader(openSequence(params.input, lines, mTotal), params), mWriter(reporter, mTotal)
+          mFlow(flowParams(params), lines, reporter), mWriter(reporter, mFlow.total())
     {
-        if (mTotal > 0) checkOutputPattern(mPattern, mTotal);
+        if (mFlow.total() > 0) checkOutputPattern(mPattern, mFlow.total());
     }
 
     void run()
     {
-        std::optional<LoadedFrame> current = mReader.next();
+        std::optional<LoadedFrame> current = mFlow.next();
         if (!current) {
             mReporter.warn("no frames on standard input; nothing was computed");
             return;
@@ -173,24 +124,19 @@ class Advection {
         const int preroll = mParams.preroll.value_or(mParams.scatter.lifeSpan);
         mParameters = parameterMetadata(mParams, preroll);
         mTime = current->velocity.time.value_or(0);
-        sayRemarks(current->velocity);
-        std::optional<LoadedFrame> next = mReader.next();
-        Interval interval = intervalAfter(*current, next ? &*next : nullptr);
-        describe(current->velocity, interval);
+        std::optional<LoadedFrame> next = mFlow.next();
+        FrameInterval interval = mFlow.intervalAfter(*current, next ? &*next : nullptr);
+        mFlow.describe(*current, interval);
         for (int i = 0; i < preroll; ++i)
             advance(*current, *current, interval.seconds);
 
         while (current) {
-            if (next) {
-                checkSuccession(*current, *next);
-                sayRemarks(next->velocity);
-                interval = intervalAfter(*current, &*next);
-            }
+            if (next) interval = mFlow.intervalAfter(*current, &*next);
             // The last frame's flow is taken to go on as it is.
             write(*current, advance(*current, next ? *next : *current, interval.seconds), interval.seconds);
             mTime += interval.seconds;
             current = std::move(next);
-            next = current ? mReader.next() : std::nullopt;
+            next = current ? mFlow.next() : std::nullopt;
         }
         mWriter.finish();
     }
@@ -205,71 +151,6 @@ class Advection {
     }
 
   private:
-    /// Time between two frames, and where it was taken from.
-    struct Interval {
-        double seconds;
-        const char* source;
-    };
-
-    Interval intervalAfter(const LoadedFrame& current, const LoadedFrame* next)
-    {
-        const VelocityFrame& velocity = current.velocity;
-        // A spacing is that of the frames on disk; where frames are left out more time passes.
-        double skipped = 1;
-        if (next) {
-            const std::int64_t difference = next->velocity.file.frame - velocity.file.frame;
-            if (mSpacing == 0) mSpacing = mParams.input.pattern == "-" ? difference : frameSpacing(mParams.input);
-            if (difference > 0 && mSpacing > 0) skipped = double(difference) / double(mSpacing);
-        }
-        if (mParams.frameSpacing) return {*mParams.frameSpacing * skipped, "as given"};
-        if (next && velocity.time && next->velocity.time) {
-            const double seconds = *next->velocity.time - *velocity.time;
-            if (seconds > 0 && std::isfinite(seconds)) return {seconds, "by the files' times"};
-            throw InputError(
-                fmt::format("{}: its time {} does not come after the time {} of the frame before; give the "
-                            "frame spacing with --dt or --fps",
-                            next->velocity.file.path.string(), *next->velocity.time, *velocity.time));
-        }
-        if (velocity.dt && *velocity.dt > 0 && std::isfinite(*velocity.dt))
-            return {*velocity.dt * skipped, "by the file's dt"};
-        sayOnce(fmt::format(
-            "no time or dt in the files: taking {} frames a second; give --dt or --fps if it is another", kDefaultFps));
-        return {skipped / kDefaultFps, "by default"};
-    }
-
-    void sayOnce(const std::string& message)
-    {
-        if (mSaid.insert(message).second) mReporter.say(message);
-    }
-
-    void sayRemarks(const VelocityFrame& velocity)
-    {
-        for (const std::string& remark : velocity.remarks)
-            sayOnce(remark);
-    }
-
-    void describe(const VelocityFrame& velocity, const Interval& interval)
-    {
-        const bool given = mParams.velocity.unit.has_value();
-        mReporter.detail(
-            fmt::format("velocity: grid {}; unit {} x {} ({}); {} s between frames ({}); at most {:.2f} voxels a step",
-                        velocity.gridName, toString(velocity.unit), velocity.scale,
-                        given                ? "as given"
-                        : velocity.mantaflow ? "a Mantaflow cache"
-                                             : "by default",
-                        interval.seconds, interval.source, velocity.largestDisplacement(interval.seconds)));
-    }
-
-    static void checkSuccession(const LoadedFrame& current, const LoadedFrame& next)
-    {
-        if (current.velocity.values->transform() == next.velocity.values->transform()) return;
-        throw InputError(fmt::format("{}: grid {}: the transform differs from that of the frame before; {}",
-                                     next.velocity.file.path.string(), next.velocity.gridName,
-                                     next.velocity.mantaflow
-                                         ? "switch off the adaptive domain in Blender and bake again"
-                                         : "resample the sequence onto one grid"));
-    }
-
     FlowTextureStep advance(LoadedFrame& start, LoadedFrame& end, double seconds)
     {
         start.flow.toWorldPerSecond = start.velocity.toWorldPerSecond(seconds);
@@ -327,27 +208,20 @@ class Advection {
     Reporter& mReporter;
     FramePattern mPattern;
     FlowTexture mTexture;
-    std::size_t mTotal = 0;
-    FrameReader mReader;
+    FlowSequence mFlow;
     FrameWriter mWriter;
     openvdb::MetaMap mParameters;
     double mTime = 0;
-    std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
     bool mWarnedOfDisplacement = false;
-    std::set<std::string> mSaid;
 };
 
 } // namespace
 
 void AdvectParams::validate() const
 {
-    velocity.validate();
+    flowParams(*this).validate();
     scatter.validate();
     feedback.validate();
-    domain.validate();
-    if (frameSpacing && !(*frameSpacing > 0 && std::isfinite(*frameSpacing))) {
-        throw ParameterError(fmt::format("the frame spacing of {} s must be above 0", *frameSpacing));
-    }
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
     }

@@ -1,6 +1,7 @@
 #include "vdblic/lic/feedback.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/lic/neighbourhood.h"
 #include "vdblic/lic/noise.h"
 #include "vdblic/lic/scatter.h"
 
@@ -13,7 +14,6 @@ namespace vdblic {
 namespace {
 
 constexpr int kDim = Domain::Leaf::DIM;
-constexpr int kPadded = kDim + 2;
 constexpr float kFull = float(kNoiseMax);
 constexpr float kMaxGain = 16;
 
@@ -22,63 +22,17 @@ std::int32_t toFixed(float value)
     return std::int32_t(std::clamp(value, 0.0f, 1.0f) * kFull + 0.5f);
 }
 
-/// Values and validity (1 or 0) of a leaf's voxels and all their neighbours, x slowest.
-struct Neighbourhood {
-    std::array<float, kPadded * kPadded * kPadded> value, valid;
-};
-
-constexpr int padded(int x, int y, int z)
-{
-    return (x * kPadded + y) * kPadded + z;
-}
-
-void gather(const Domain& domain, const LeafValues<float>& texture, const openvdb::Coord& origin, Neighbourhood& out)
-{
-    // Along each axis: the last plane of the leaf before, the leaf itself, the first plane of the leaf after.
-    constexpr std::array<std::array<int, 2>, 3> kRange = {{{-1, 0}, {0, kDim}, {kDim, kDim + 1}}};
-    for (int part = 0; part < 27; ++part) {
-        const auto &rx = kRange[std::size_t(part / 9)], &ry = kRange[std::size_t(part / 3 % 3)],
-                   &rz = kRange[std::size_t(part % 3)];
-        const int leaf = domain.findLeaf(Int4{origin[0] + rx[0], origin[1] + ry[0], origin[2] + rz[0], 0});
-        for (int x = rx[0]; x < rx[1]; ++x) {
-            for (int y = ry[0]; y < ry[1]; ++y) {
-                for (int z = rz[0]; z < rz[1]; ++z) {
-                    const unsigned offset = Domain::offset(Int4{x, y, z, 0});
-                    const bool valid = leaf >= 0 && domain.isActive(leaf, offset);
-                    const auto to = std::size_t(padded(x + 1, y + 1, z + 1));
-                    out.valid[to] = valid ? 1 : 0;
-                    out.value[to] = valid ? texture[std::size_t(leaf)][offset] : 0;
-                }
-            }
-        }
-    }
-}
-
-/// Replace each number by the sum over its 3³ neighbourhood, one axis after the other.
-void sumNeighbours(std::array<float, kPadded * kPadded * kPadded>& numbers)
-{
-    for (const int stride : {1, kPadded, kPadded * kPadded}) {
-        const auto source = numbers;
-        const int last = int(source.size()) - stride;
-        for (int i = stride; i < last; ++i) {
-            numbers[std::size_t(i)] =
-                source[std::size_t(i - stride)] + source[std::size_t(i)] + source[std::size_t(i + stride)];
-        }
-    }
-}
-
 /// c + s (c − mean of the valid neighbours) for every voxel.
 LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength)
 {
     LeafValues<float> result(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        Neighbourhood around;
-        gather(domain, texture, domain.origin(leaf), around);
+        Neighbourhood around = gatherNeighbourhood(domain, texture, domain.origin(leaf));
         sumNeighbours(around.value);
         sumNeighbours(around.valid);
         for (int i = 0; i < Domain::kLeafVoxels; ++i) {
             const int x = i >> 6, y = i >> 3 & 7, z = i & 7;
-            const auto at = std::size_t(padded(x + 1, y + 1, z + 1));
+            const auto at = Neighbourhood::index(x, y, z);
             const float centre = texture[leaf][i];
             const float neighbours = around.valid[at] - 1;
             const float mean = neighbours > 0 ? (around.value[at] - centre) / neighbours : centre;

@@ -1,0 +1,82 @@
+#include "vdblic/lic/coherence_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value)
+{
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json numbers(const std::array<double, kLagCount>& values)
+{
+    Json result = Json::array();
+    for (const double value : values)
+        result.push_back(number(value));
+    return result;
+}
+
+Json ofFigures(const CoherenceFigures& figures)
+{
+    Json result;
+    for (const NamedFigure& figure : kNamedFigures)
+        result[figure.name] = number(figures.*figure.value);
+    result["along"] = numbers(figures.along);
+    result["across"] = numbers(figures.across);
+    return result;
+}
+
+Json ofFrame(const FrameCoherence& frame)
+{
+    Json result = {{"frame", frame.frame},
+                   {"points", frame.points},
+                   {"temporal_points", frame.temporalPoints},
+                   {"raw", ofFigures(frame.raw)},
+                   {"smoothed", ofFigures(frame.smoothed)}};
+    if (frame.hits) result["hits"] = {{"mean", frame.hits->mean}, {"zero_share", frame.hits->zeroShare}};
+    return result;
+}
+
+Json ofMeans(const MeanFigures& means)
+{
+    Json result;
+    for (std::size_t i = 0; i < kNamedFigures.size(); ++i) {
+        const Estimate& estimate = means.figures[i];
+        result[kNamedFigures[i].name] = {
+            {"mean", number(estimate.mean)}, {"half_width", number(estimate.halfWidth)}, {"frames", estimate.frames}};
+    }
+    result["along"] = numbers(means.along);
+    result["across"] = numbers(means.across);
+    return result;
+}
+
+} // namespace
+
+std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params)
+{
+    Json lags = Json::array();
+    for (int lag = 1; lag <= kLagCount; ++lag)
+        lags.push_back(double(kLagSpacing) * lag);
+    Json frames = Json::array();
+    for (const FrameCoherence& frame : coherence.frames)
+        frames.push_back(ofFrame(frame));
+    const Json report = {{"velocity", params.flow.input.pattern},
+                         {"texture", params.texture},
+                         {"parameters",
+                          {{"texture_name", params.textureName},
+                           {"samples", params.coherence.samples},
+                           {"least_motion", params.coherence.leastMotion}}},
+                         {"lags", lags},
+                         {"frames", frames},
+                         {"mean", {{"raw", ofMeans(coherence.raw)}, {"smoothed", ofMeans(coherence.smoothed)}}}};
+    // Names of files need not be valid UTF-8; JSON has to be.
+    return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+} // namespace vdblic

@@ -1,0 +1,240 @@
+#include "vdblic/lic/coherence.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/coherence_report.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace vdblic {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// Of Student's distribution: 95 % of it lie between −t and t.
+double studentQuantile(int freedom)
+{
+    constexpr std::array<double, 9> kTable = {12.706205, 4.302653, 3.182446, 2.776445, 2.570582,
+                                              2.446912,  2.364624, 2.306004, 2.262157};
+    if (freedom <= int(kTable.size())) return kTable[std::size_t(freedom - 1)];
+    const double z = 1.959964, zz = z * z, n = freedom;
+    return z + z * (zz + 1) / (4 * n) + z * ((5 * zz + 16) * zz + 3) / (96 * n * n) +
+           z * (((3 * zz + 19) * zz + 17) * zz - 15) / (384 * n * n * n);
+}
+
+MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures FrameCoherence::*version)
+{
+    const auto estimate = [&](const auto& figure) {
+        std::vector<double> values;
+        for (const FrameCoherence& frame : frames)
+            values.push_back(figure(frame.*version));
+        return estimateMean(values);
+    };
+    MeanFigures means{};
+    for (std::size_t i = 0; i < kNamedFigures.size(); ++i)
+        means.figures[i] = estimate([i](const CoherenceFigures& figures) { return figures.*kNamedFigures[i].value; });
+    for (std::size_t lag = 0; lag < kLagCount; ++lag) {
+        means.along[lag] = estimate([lag](const CoherenceFigures& figures) { return figures.along[lag]; }).mean;
+        means.across[lag] = estimate([lag](const CoherenceFigures& figures) { return figures.across[lag]; }).mean;
+    }
+    return means;
+}
+
+/// A texture that was read.
+struct LoadedTexture {
+    std::filesystem::path path;
+    SmoothedTexture texture;
+    openvdb::math::Transform::ConstPtr transform;
+    std::optional<HitFigures> hits;
+};
+
+template<typename GridT>
+std::optional<HitFigures> hitsOf(const VdbFile& file)
+{
+    const auto grid = file.find<GridT>("hits");
+    if (!grid) return std::nullopt;
+    double count = 0, sum = 0, zeros = 0;
+    for (auto value = grid->cbeginValueOn(); value; ++value) {
+        const double voxels = double(value.getVoxelCount());
+        count += voxels;
+        sum += voxels * double(*value);
+        zeros += *value == 0 ? voxels : 0;
+    }
+    if (count == 0) return std::nullopt;
+    return HitFigures{sum / count, zeros / count};
+}
+
+LoadedTexture readTexture(const std::filesystem::path& path, const std::string& name)
+{
+    const VdbFile file = readVdb(path);
+    const auto grid = file.find<openvdb::FloatGrid>(name);
+    if (!grid) {
+        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with --texture", path.string(),
+                                     name, file.contents()));
+    }
+    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
+    if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
+    if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);
+    if (loaded.texture.domain().voxelCount() > 0 && !std::isfinite(loaded.texture.rawContrast().deviation)) {
+        throw InputError(fmt::format(
+            "{}: grid {}: there are values that are not finite numbers; make the texture again", path.string(), name));
+    }
+    return loaded;
+}
+
+/// Where the texture of a velocity's frame is.
+class TextureFiles {
+  public:
+    explicit TextureFiles(const SequenceCoherenceParams& params) : mPattern(params.texture)
+    {
+        const FramePattern velocity(params.flow.input.pattern);
+        if (velocity.hasField() != mPattern.hasField()) {
+            const auto& [file, pattern] = velocity.hasField() ? std::tie(mPattern.text(), velocity.text())
+                                                              : std::tie(velocity.text(), mPattern.text());
+            throw ParameterError(fmt::format("'{}' is one file and '{}' is a pattern; give a file with a file and a "
+                                             "sequence with a sequence",
+                                             file, pattern));
+        }
+        const std::vector<FrameFile> velocities = selectFrames(params.flow.input);
+        for (const FrameFile& file : velocities) {
+            std::error_code ignored;
+            if (std::filesystem::exists(path(file.frame), ignored)) continue;
+            throw InputError(
+                fmt::format("{}: the texture of frame {} is missing, its velocity is {}; choose frames that "
+                            "both have with --frames",
+                            path(file.frame).string(), file.frame, file.path.string()));
+        }
+        if (!mPattern.hasField() || !params.flow.input.frames.empty()) return;
+        for (const std::int64_t frame : mPattern.framesOnDisk()) {
+            std::error_code ignored;
+            if (std::filesystem::exists(velocity.path(frame), ignored)) continue;
+            throw InputError(
+                fmt::format("{}: the velocity of frame {} is missing, its texture is {}; choose frames that "
+                            "both have with --frames",
+                            velocity.path(frame).string(), frame, path(frame).string()));
+        }
+    }
+
+    [[nodiscard]] std::filesystem::path path(std::int64_t frame) const
+    {
+        return mPattern.hasField() ? mPattern.path(frame) : std::filesystem::path(mPattern.text());
+    }
+
+  private:
+    FramePattern mPattern;
+};
+
+/// The texture of a velocity's frame, on its transform.
+LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
+{
+    const VelocityFrame& velocity = frame.velocity;
+    LoadedTexture loaded = readTexture(files.path(velocity.file.frame), name);
+    if (*loaded.transform == velocity.values->transform()) return loaded;
+    throw InputError(fmt::format("{}: grid {}: its transform is not that of grid {} of {}; give the velocity that the "
+                                 "texture was made from",
+                                 loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
+}
+
+void checkNotInput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
+{
+    if (output.empty()) return;
+    for (const FrameFile& velocity : selectFrames(params.flow.input)) {
+        for (const std::filesystem::path& input : {velocity.path, textures.path(velocity.frame)}) {
+            std::error_code ignored;
+            if (!std::filesystem::equivalent(output, input, ignored)) continue;
+            throw ParameterError(fmt::format("output '{}' would replace an input; name another file", output));
+        }
+    }
+}
+
+} // namespace
+
+Estimate estimateMean(const std::vector<double>& values)
+{
+    Estimate result{kNone, kNone, 0};
+    double sum = 0, squares = 0;
+    for (const double value : values) {
+        if (std::isnan(value)) continue;
+        sum += value;
+        ++result.frames;
+    }
+    if (result.frames == 0) return result;
+    result.mean = sum / result.frames;
+    if (result.frames == 1) return result;
+    for (const double value : values) {
+        if (!std::isnan(value)) squares += (value - result.mean) * (value - result.mean);
+    }
+    const double variance = squares / (result.frames - 1);
+    result.halfWidth = studentQuantile(result.frames - 1) * std::sqrt(variance / result.frames);
+    return result;
+}
+
+void SequenceCoherenceParams::validate() const
+{
+    flow.validate();
+    coherence.validate();
+    if (flow.input.pattern == "-" || texture == "-")
+        throw ParameterError("paths on standard input cannot be matched by frame; name a file or a pattern");
+    if (textureName.empty()) throw ParameterError("the texture's name must not be empty");
+    if (!json.empty() && json == plot) {
+        throw ParameterError(fmt::format("'{}' cannot be both the figures and the plot; name two files", json));
+    }
+}
+
+SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter)
+{
+    params.validate();
+    const TextureFiles files(params);
+    checkNotInput(params.json, params, files);
+    checkNotInput(params.plot, params, files);
+    std::istringstream noLines;
+    FlowSequence flow(params.flow, noLines, reporter);
+
+    SequenceCoherence result;
+    reporter.say(frameHeading());
+    std::optional<LoadedFrame> current = flow.next(), next;
+    std::optional<LoadedTexture> texture, nextTexture;
+    if (current) texture = textureOf(*current, files, params.textureName);
+    for (; current; current = std::move(next), texture = std::move(nextTexture)) {
+        next = flow.next();
+        nextTexture.reset();
+        if (next) nextTexture = textureOf(*next, files, params.textureName);
+        const LoadedFrame& end = next ? *next : *current;
+        const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
+        if (result.frames.empty()) flow.describe(*current, interval);
+        VelocityField field;
+        field.build(current->flow.domain,
+                    {current->flow.velocities->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},
+                    {end.flow.velocities->tree(), end.velocity.toVoxelsPerStep(interval.seconds)});
+        FrameCoherence frame = measureCoherence(texture->texture, nextTexture ? &nextTexture->texture : nullptr, field,
+                                                params.coherence, current->velocity.file.frame);
+        frame.hits = texture->hits;
+        reporter.say(frameLine(frame));
+        if (frame.points == 0) {
+            reporter.warn(fmt::format("frame {}: nowhere inside does the flow move by {} voxels a step; check unit and "
+                                      "frame spacing",
+                                      frame.frame, params.coherence.leastMotion));
+        }
+        result.frames.push_back(std::move(frame));
+        reporter.progress(result.frames.size(), flow.total());
+    }
+    result.raw = meanOf(result.frames, &FrameCoherence::raw);
+    result.smoothed = meanOf(result.frames, &FrameCoherence::smoothed);
+    for (const std::string& line : meanLines(result))
+        reporter.say(line);
+
+    if (!params.json.empty()) {
+        writeTextFile(params.json, toJson(result, params));
+        reporter.finished(params.json);
+    }
+    if (!params.plot.empty()) {
+        writeTextFile(params.plot, toSvg(result));
+        reporter.finished(params.plot);
+    }
+    return result;
+}
+
+} // namespace vdblic

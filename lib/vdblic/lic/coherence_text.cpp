@@ -1,0 +1,50 @@
+#include "vdblic/lic/coherence_report.h"
+
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+/// A number with its digits after the point, or a dash for one that could not be had.
+std::string number(double value, int width, int digits)
+{
+    return std::isnan(value) ? fmt::format("{:>{}}", '-', width) : fmt::format("{:{}.{}f}", value, width, digits);
+}
+
+std::string both(const FrameCoherence& frame, double CoherenceFigures::*figure)
+{
+    return number(frame.raw.*figure, 7, 3) + " |" + number(frame.smoothed.*figure, 7, 3);
+}
+
+std::string estimateText(const Estimate& estimate)
+{
+    return number(estimate.mean, 8, 4) + " ± " + number(estimate.halfWidth, 6, 4);
+}
+
+} // namespace
+
+std::string frameHeading()
+{
+    return fmt::format("{:>7} {:>7}  {:<16}  {:<16}  {:<16}  {:<16}  raw | smoothed", "frame", "points",
+                       "       temporal", "     same place", "   along [voxel]", "  across [voxel]", "      deviation");
+}
+
+std::string frameLine(const FrameCoherence& frame)
+{
+    return fmt::format("{:7} {:7}  {}  {}  {}  {}  {}", frame.frame, frame.points,
+                       both(frame, &CoherenceFigures::temporal), both(frame, &CoherenceFigures::samePlace),
+                       both(frame, &CoherenceFigures::alongLength), both(frame, &CoherenceFigures::acrossLength),
+                       both(frame, &CoherenceFigures::deviation));
+}
+
+std::vector<std::string> meanLines(const SequenceCoherence& coherence)
+{
+    std::vector<std::string> lines = {fmt::format("{:<14} {:^17}   {:^17}", "mean, 95 %", "raw", "smoothed")};
+    for (std::size_t i = 0; i < kNamedFigures.size(); ++i) {
+        lines.push_back(fmt::format("{:<14} {}   {}", kNamedFigures[i].name, estimateText(coherence.raw.figures[i]),
+                                    estimateText(coherence.smoothed.figures[i])));
+    }
+    return lines;
+}
+
+} // namespace vdblic

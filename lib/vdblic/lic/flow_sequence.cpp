@@ -1,0 +1,118 @@
+#include "vdblic/lic/flow_sequence.h"
+
+#include "vdblic/core/errors.h"
+
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+constexpr double kDefaultFps = 24;
+
+LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
+{
+    LoadedFrame frame;
+    frame.velocity = readVelocity(file, params.velocity);
+    const openvdb::Vec3SGrid& values = *frame.velocity.values;
+    auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
+    frame.flow.velocities = frame.velocity.values;
+    try {
+        frame.flow.domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
+    }
+    return frame;
+}
+
+} // namespace
+
+void FlowSequenceParams::validate() const
+{
+    velocity.validate();
+    domain.validate();
+    if (frameSpacing && !(*frameSpacing > 0 && std::isfinite(*frameSpacing))) {
+        throw ParameterError(fmt::format("the frame spacing of {} s must be above 0", *frameSpacing));
+    }
+}
+
+FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter)
+    : mParams(std::move(params)), mReporter(reporter), mSource(openSequence(mParams.input, lines, mTotal))
+{
+    readAhead();
+}
+
+std::optional<LoadedFrame> FlowSequence::next()
+{
+    if (!mAhead.valid()) return std::nullopt;
+    std::optional<LoadedFrame> frame = mAhead.get();
+    if (!frame) return frame;
+    readAhead();
+    checkSuccession(frame->velocity);
+    mLast = frame->velocity.values;
+    for (const std::string& remark : frame->velocity.remarks)
+        sayOnce(remark);
+    return frame;
+}
+
+FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const LoadedFrame* next)
+{
+    const VelocityFrame& velocity = current.velocity;
+    // A spacing is that of the frames on disk; where frames are left out more time passes.
+    double skipped = 1;
+    if (next) {
+        const std::int64_t difference = next->velocity.file.frame - velocity.file.frame;
+        if (mSpacing == 0) mSpacing = mParams.input.pattern == "-" ? difference : frameSpacing(mParams.input);
+        if (difference > 0 && mSpacing > 0) skipped = double(difference) / double(mSpacing);
+    }
+    if (mParams.frameSpacing) return {*mParams.frameSpacing * skipped, "as given"};
+    if (next && velocity.time && next->velocity.time) {
+        const double seconds = *next->velocity.time - *velocity.time;
+        if (seconds > 0 && std::isfinite(seconds)) return {seconds, "by the files' times"};
+        throw InputError(fmt::format("{}: its time {} does not come after the time {} of the frame before; give the "
+                                     "frame spacing with --dt or --fps",
+                                     next->velocity.file.path.string(), *next->velocity.time, *velocity.time));
+    }
+    if (velocity.dt && *velocity.dt > 0 && std::isfinite(*velocity.dt))
+        return {*velocity.dt * skipped, "by the file's dt"};
+    sayOnce(fmt::format("no time or dt in the files: taking {} frames a second; give --dt or --fps if it is another",
+                        kDefaultFps));
+    return {skipped / kDefaultFps, "by default"};
+}
+
+void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& interval)
+{
+    const VelocityFrame& velocity = frame.velocity;
+    const bool given = mParams.velocity.unit.has_value();
+    mReporter.detail(
+        fmt::format("velocity: grid {}; unit {} x {} ({}); {} s between frames ({}); at most {:.2f} voxels a step",
+                    velocity.gridName, toString(velocity.unit), velocity.scale,
+                    given                ? "as given"
+                    : velocity.mantaflow ? "a Mantaflow cache"
+                                         : "by default",
+                    interval.seconds, interval.source, velocity.largestDisplacement(interval.seconds)));
+}
+
+void FlowSequence::readAhead()
+{
+    mAhead = std::async(std::launch::async, [this]() -> std::optional<LoadedFrame> {
+        const std::optional<FrameFile> file = mSource();
+        if (!file) return std::nullopt;
+        return load(*file, mParams);
+    });
+}
+
+void FlowSequence::checkSuccession(const VelocityFrame& velocity) const
+{
+    if (!mLast || mLast->transform() == velocity.values->transform()) return;
+    throw InputError(fmt::format("{}: grid {}: the transform differs from that of the frame before; {}",
+                                 velocity.file.path.string(), velocity.gridName,
+                                 velocity.mantaflow ? "switch off the adaptive domain in Blender and bake again"
+                                                    : "resample the sequence onto one grid"));
+}
+
+void FlowSequence::sayOnce(const std::string& message)
+{
+    if (mSaid.insert(message).second) mReporter.say(message);
+}
+
+} // namespace vdblic

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "vdblic/core/reporter.h"
+#include "vdblic/field/domain_mask.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/io/velocity.h"
+#include "vdblic/lic/flow_texture.h"
+
+#include <future>
+#include <iosfwd>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace vdblic {
+
+/// A velocity sequence and how to understand it.
+struct FlowSequenceParams {
+    SequenceParams input;
+    VelocityParams velocity;
+    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
+    DomainParams domain;
+
+    void validate() const; ///< @throws ParameterError
+};
+
+/// A frame that was read, with the domain it is computed on.
+struct LoadedFrame {
+    VelocityFrame velocity;
+    FlowFrame flow;
+};
+
+/// Time between two frames, and where it was taken from.
+struct FrameInterval {
+    double seconds;
+    const char* source;
+};
+
+/// Reads a velocity sequence frame by frame, one ahead of the one that is asked for.
+///
+/// Choices made for the user are said to the reporter, each once.
+class FlowSequence {
+  public:
+    /// @param lines source of the paths if the input is `-`
+    /// @throws InputError, ParameterError
+    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter);
+
+    /// The number of frames; 0 if it is not known.
+    [[nodiscard]] std::size_t total() const { return mTotal; }
+
+    /// The next frame, or nothing at the end.
+    /// @throws InputError if it cannot be read or its transform is not that of the frame before
+    std::optional<LoadedFrame> next();
+
+    /// @param next the frame after it, or null. @throws InputError if the files' times do not ascend
+    FrameInterval intervalAfter(const LoadedFrame& current, const LoadedFrame* next);
+
+    /// Give the details of what was found in a frame.
+    void describe(const LoadedFrame& frame, const FrameInterval& interval);
+
+  private:
+    void readAhead();
+    void checkSuccession(const VelocityFrame& velocity) const;
+    void sayOnce(const std::string& message);
+
+    FlowSequenceParams mParams;
+    Reporter& mReporter;
+    std::size_t mTotal = 0;
+    FrameSource mSource;
+    openvdb::Vec3SGrid::ConstPtr mLast; // the velocity of the frame before
+    std::int64_t mSpacing = 0;          // of the frame numbers on disk; 0 until known
+    std::set<std::string> mSaid;
+    std::future<std::optional<LoadedFrame>> mAhead; // last: it uses the others
+};
+
+} // namespace vdblic

@@ -1,0 +1,237 @@
+#include "vdblic/lic/coherence.h"
+
+#include "lic/test_flow.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/lic/coherence_report.h"
+#include "vdblic/lic/noise.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <functional>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3f;
+
+const CoherenceParams kFewer{.samples = 30'000};
+const openvdb::CoordBBox kBox({-3, 5, 2}, {76, 52, 49});
+
+/// A texture from its value at a voxel.
+SmoothedTexture textureOf(const std::function<float(const Coord&)>& value, const openvdb::CoordBBox& box = kBox)
+{
+    openvdb::FloatTree tree(0);
+    for (auto voxel = box.begin(); voxel; ++voxel)
+        tree.setValue(*voxel, value(*voxel));
+    return SmoothedTexture(tree);
+}
+
+float whiteNoise(const Coord& at, std::uint32_t seed)
+{
+    return float(noiseValue(at[0], at[1], at[2], seed)) / float(kNoiseMax);
+}
+
+/// A sum of many waves of lengths from 8 to 16 voxels: smooth, and uncorrelated over longer ways.
+float smoothField(const openvdb::Vec3d& at)
+{
+    double sum = 0;
+    for (int wave = 0; wave < 20; ++wave) {
+        const auto random = [&](int i) { return double(noiseValue(wave, i, 0, 3)) / kNoiseMax; };
+        openvdb::Vec3d direction(random(0) - 0.5, random(1) - 0.5, random(2) - 0.5);
+        direction.normalize();
+        sum += std::sin(2 * M_PI * (direction.dot(at) / (8 + 8 * random(3)) + random(4)));
+    }
+    return float(0.5 + 0.06 * sum);
+}
+
+VelocityField uniformFlow(const Vec3f& velocity)
+{
+    const auto frames = test::makeFrames(kBox, 2, [&](const Coord&, int) { return velocity; });
+    VelocityField field;
+    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
+                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    return field;
+}
+
+TEST(Coherence, OfATextureThatMovesWithTheFlowIsOne)
+{
+    const auto before = textureOf([](const Coord& at) { return smoothField(at.asVec3d()); });
+    for (const Vec3f& velocity : {Vec3f(5, -2, 3), Vec3f(4.5f, 1.5f, -3.5f)}) {
+        const auto after = textureOf([&](const Coord& at) { return smoothField(at.asVec3d() - velocity); });
+        const FrameCoherence found = measureCoherence(before, &after, uniformFlow(velocity), kFewer, 1);
+        EXPECT_GT(found.temporalPoints, 15000u);
+        for (const CoherenceFigures& figures : {found.raw, found.smoothed}) {
+            EXPECT_GT(figures.temporal, 0.985);
+            EXPECT_LT(figures.samePlace, 0.5);
+            EXPECT_DOUBLE_EQ(figures.gain, figures.temporal - figures.samePlace);
+        }
+    }
+}
+
+// Shifted by whole voxels, white noise is interpolated alike at both ends of every path.
+TEST(Coherence, OfWhiteNoiseMovedByWholeVoxelsIsOneAndElseNothing)
+{
+    const auto before = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
+    const auto moved = textureOf([](const Coord& at) { return whiteNoise(at - Coord(2, 1, 0), 1); });
+    const auto other = textureOf([](const Coord& at) { return whiteNoise(at, 2); });
+    const VelocityField field = uniformFlow(Vec3f(2, 1, 0));
+    const FrameCoherence carried = measureCoherence(before, &moved, field, {}, 1);
+    EXPECT_NEAR(carried.raw.temporal, 1, 1e-4);
+    EXPECT_NEAR(carried.raw.samePlace, 0, 0.04); // neighbours share corners of cells, 60 % of them none
+    const FrameCoherence unrelated = measureCoherence(before, &other, field, {}, 1);
+    EXPECT_NEAR(unrelated.raw.temporal, 0, 0.02);
+    EXPECT_NEAR(unrelated.smoothed.temporal, 0, 0.04);
+}
+
+TEST(Coherence, OfWhiteNoiseIsNothingAlongAndAcross)
+{
+    const auto texture = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
+    const FrameCoherence found = measureCoherence(texture, nullptr, uniformFlow(Vec3f(1, 1, 0.5f)), {}, 1);
+    // Interpolated values more than a cell's diagonal and one voxel apart share no voxel; smoothed, two more.
+    for (std::size_t lag = 7; lag < kLagCount; ++lag) {
+        EXPECT_NEAR(found.raw.along[lag], 0, 0.03) << lag;
+        EXPECT_NEAR(found.raw.across[lag], 0, 0.03) << lag;
+    }
+    EXPECT_NEAR(found.raw.lengthRatio, 1, 0.2);
+    EXPECT_LT(found.raw.alongLength, 1.5);
+    EXPECT_GT(found.smoothed.alongLength, found.raw.alongLength);
+    EXPECT_EQ(found.temporalPoints, 0u);
+    EXPECT_TRUE(std::isnan(found.raw.temporal));
+}
+
+// The mean of n voxels of white noise along x has the autocorrelation max(0, 1 − lag / n). Interpolation along x takes
+// a share of 1 / (3n) off the variance and leaves the covariance at the lags between as it is.
+TEST(Coherence, FindsTheLengthATextureWasStretchedTo)
+{
+    constexpr int kLength = 8;
+    const auto texture = textureOf([](const Coord& at) {
+        float sum = 0;
+        for (int i = 0; i < kLength; ++i)
+            sum += whiteNoise(at.offsetBy(i, 0, 0), 5);
+        return sum / kLength;
+    });
+    CoherenceParams params;
+    params.samples = 300'000;
+    const FrameCoherence found = measureCoherence(texture, nullptr, uniformFlow(Vec3f(2, 0, 0)), params, 1);
+    const double variance = 1 - 1 / (3.0 * kLength);
+    for (const int lag : {2, 4, 6}) {
+        EXPECT_NEAR(found.raw.along[std::size_t(2 * lag - 1)], (1 - double(lag) / kLength) / variance, 0.03) << lag;
+    }
+    EXPECT_NEAR(found.raw.along[19], 0, 0.05);
+    EXPECT_NEAR(found.raw.alongLength, kLength * (1 - variance / M_E), 0.25);
+    EXPECT_LT(found.raw.acrossLength, 1.5);
+    EXPECT_GT(found.raw.lengthRatio, 3.5);
+}
+
+// A texture that is constant on circles about an axis, in a flow that turns about it.
+TEST(Coherence, FollowsTheStreamline)
+{
+    const auto radius = [](const Coord& at) { return std::hypot(at[0] - 36.5, at[1] - 28.5); };
+    const auto frames = test::makeFrames(kBox, 2, [&](const Coord& at, int) {
+        return Vec3f(float(28.5 - at[1]) * 0.2f, float(at[0] - 36.5) * 0.2f, 0);
+    });
+    VelocityField field;
+    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
+                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    const auto texture = textureOf([&](const Coord& at) { return float(0.5 + 0.4 * std::sin(radius(at))); });
+    const FrameCoherence found = measureCoherence(texture, &texture, field, kFewer, 1);
+    EXPECT_GT(found.raw.temporal, 0.99);
+    EXPECT_GT(found.raw.along[kLagCount - 1], 0.98);
+    EXPECT_EQ(found.raw.alongLength, kLongestLag);
+    EXPECT_LT(found.raw.acrossLength, 4);
+}
+
+TEST(Coherence, DoesNotDependOnThreads)
+{
+    const auto before = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
+    const auto after = textureOf([](const Coord& at) { return whiteNoise(at - Coord(1, 0, 0), 1); });
+    const VelocityField field = uniformFlow(Vec3f(1.2f, 0.3f, 0));
+    CoherenceParams params;
+    params.samples = 5000;
+    std::vector<std::string> reports;
+    for (const std::size_t threads : {1, 2, 7}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        SequenceCoherence coherence;
+        coherence.frames.push_back(measureCoherence(before, &after, field, params, 4));
+        reports.push_back(toJson(coherence, {}));
+    }
+    EXPECT_EQ(reports[0], reports[1]);
+    EXPECT_EQ(reports[0], reports[2]);
+}
+
+TEST(Coherence, TakesPointsWhereTheFlowMovesOnly)
+{
+    const auto texture = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
+    const FrameCoherence still = measureCoherence(texture, &texture, uniformFlow(Vec3f(0.3f, 0.3f, 0)), kFewer, 1);
+    EXPECT_EQ(still.points, 0u);
+    EXPECT_TRUE(std::isnan(still.raw.temporal));
+    EXPECT_TRUE(std::isnan(still.raw.alongLength));
+    EXPECT_GT(measureCoherence(texture, &texture, uniformFlow(Vec3f(0.4f, 0.4f, 0)), kFewer, 1).points, 20000u);
+}
+
+TEST(SmoothedTexture, ContrastOfKnownTextures)
+{
+    const auto uniform = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
+    EXPECT_NEAR(uniform.rawContrast().deviation, std::sqrt(1 / 12.0), 0.002);
+    EXPECT_NEAR(uniform.rawContrast().saturated, 1 / 255.0, 0.0005);
+    // The weights' squares sum to (1 + 4 + 1)³ / 4⁶; at the rim there are fewer.
+    EXPECT_NEAR(uniform.smoothedContrast().deviation, std::sqrt(1 / 12.0 * 216 / 4096), 0.004);
+    const auto checker = textureOf([](const Coord& at) { return float((at[0] + at[1] + at[2]) & 1); });
+    EXPECT_DOUBLE_EQ(checker.rawContrast().deviation, 0.5);
+    EXPECT_DOUBLE_EQ(checker.rawContrast().saturated, 1);
+    EXPECT_EQ(checker.smoothedContrast().saturated, 0);
+    const auto grey = textureOf([](const Coord&) { return 0.25f; });
+    EXPECT_EQ(grey.rawContrast().deviation, 0);
+    EXPECT_EQ(grey.rawContrast().saturated, 0);
+}
+
+TEST(SmoothedTexture, WeighsTheVoxelsThatAreThere)
+{
+    openvdb::FloatTree tree(0);
+    tree.setValue({7, 0, 0}, 1);
+    tree.setValue({8, 0, 0}, 0.25f); // in the next leaf
+    tree.setValue({8, 1, 1}, 0.5f);
+    const SmoothedTexture texture(tree);
+    const auto at = [&](float x, float y, float z) { return texture.sample(Float4{x, y, z, 0}); };
+    EXPECT_FALSE(at(7.5f, 0, 0.5f).inside);
+    EXPECT_FALSE(at(6, 0, 0).inside);
+    EXPECT_FALSE(at(7.5f, -0.25f, 0).inside); // below the first leaf
+    ASSERT_TRUE(at(7.5f, 0, 0).inside);
+    EXPECT_FLOAT_EQ(at(7.5f, 0, 0).raw, 0.625f);
+    EXPECT_FLOAT_EQ(at(7, 0, 0).smoothed, (8 * 1 + 4 * 0.25f + 1 * 0.5f) / 13);
+    EXPECT_FLOAT_EQ(at(8, 0, 0).smoothed, (4 * 1 + 8 * 0.25f + 2 * 0.5f) / 14);
+}
+
+TEST(EstimateMean, HasStudentsInterval)
+{
+    const Estimate three = estimateMean({1, NAN, 2, 3});
+    EXPECT_EQ(three.frames, 3);
+    EXPECT_DOUBLE_EQ(three.mean, 2);
+    EXPECT_NEAR(three.halfWidth, 4.302653 / std::sqrt(3), 1e-6);
+    std::vector<double> many; // 21 values with deviation 1: quantile 2.085963
+    for (int i = 0; i < 21; ++i)
+        many.push_back(i % 2 ? 1 : -1);
+    const Estimate estimate = estimateMean(many);
+    const double deviation = std::sqrt((21 - 1 / 21.0) / 20);
+    EXPECT_NEAR(estimate.halfWidth, 2.085963 * deviation / std::sqrt(21), 1e-5);
+    EXPECT_TRUE(std::isnan(estimateMean({0.5}).halfWidth));
+    EXPECT_TRUE(std::isnan(estimateMean({}).mean));
+}
+
+TEST(CoherenceParams, AreChecked)
+{
+    for (const float motion : {0.0f, -1.0f, NAN, INFINITY}) {
+        CoherenceParams params;
+        params.leastMotion = motion;
+        EXPECT_THROW(params.validate(), ParameterError) << motion;
+    }
+    CoherenceParams params;
+    params.samples = 0;
+    EXPECT_THROW(params.validate(), ParameterError);
+}
+
+} // namespace
+} // namespace vdblic
