@@ -121,8 +121,11 @@ class Interpolator {
   public:
     Interpolator(const Domain& domain, const LeafValues<float>& values) : mDomain(domain), mValues(values) {}
 
-    /// @param nearest value where there is no corner
-    [[nodiscard]] float at(Float4 position, float nearest) const
+    struct Sample {
+        float value;    ///< mean of the corners in the domain; 0 if there are none
+        float coverage; ///< their share of the weights
+    };
+    [[nodiscard]] Sample at(Float4 position) const
     {
         const Int4 base = floorToInt(position);
         const Float4 fraction = position - __builtin_convertvector(base, Float4);
@@ -138,7 +141,7 @@ class Interpolator {
             sum += weight * mValues[std::size_t(leaf)][Domain::offset(voxel)];
             coverage += weight;
         }
-        return coverage > 0 ? sum / coverage : nearest;
+        return {coverage > 0 ? sum / coverage : 0, coverage};
     }
 
   private:
@@ -187,10 +190,17 @@ void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
     }
 }
 
-std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const
+std::int32_t NoiseField::ofStep(const openvdb::Coord& voxel, std::uint64_t number) const
 {
-    const auto seedOfStep = std::uint32_t(mixBits(std::uint64_t(mSeed) << 32 ^ (step + 1)) >> 32);
-    return noiseValue(voxel[0], voxel[1], voxel[2], seedOfStep);
+    const auto seed = std::uint32_t(mixBits(std::uint64_t(mSeed) << 32 ^ (number + 1)) >> 32);
+    return noiseValue(voxel[0], voxel[1], voxel[2], seed);
+}
+
+std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const { return ofStep(voxel, 2 * step); }
+
+bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const
+{
+    return (float(ofStep(voxel, 2 * step + 1)) + 0.5f) / (kFull + 1) > stayed;
 }
 
 LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise)
@@ -236,9 +246,12 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
             const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             const Float4 centreOfVoxel = {float(at[0]), float(at[1]), float(at[2]), 0};
             const Float4 way = field.sample(centreOfVoxel, 1, Float4{});
-            const float value = texture.at(centreOfVoxel - way * 0.5f, sharp[std::size_t(from)][voxel.pos()]);
             const float original = float(values[voxel.pos()]) / kFull;
-            if (!domain.contains(centreOfVoxel - way)) {
+            // The part of the voxel's fluid that was in the domain a step ago.
+            const float stayed = texture.at(centreOfVoxel - way).coverage;
+            const auto [there, known] = texture.at(centreOfVoxel - way * 0.5f);
+            const float value = known > 0 ? there : sharp[std::size_t(from)][voxel.pos()];
+            if (noise.fromOutside(at, step, stayed)) {
                 values[voxel.pos()] = noise.entering(at, step);
             } else if (params.jitter == Jitter::kBits) {
                 values[voxel.pos()] = toFixed(jitterBits(value, original));

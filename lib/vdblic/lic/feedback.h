@@ -41,10 +41,15 @@ class NoiseField {
     /// The 512 values of a leaf, x slowest.
     void fill(const openvdb::Coord& origin, std::int32_t* values) const;
 
-    /// What the fluid that fills a voxel in a step brings with it: noise that is new in every step.
+    /// What fluid that enters the domain in a voxel brings with it: noise that is new in every step.
     [[nodiscard]] std::int32_t entering(const openvdb::Coord& voxel, std::uint64_t step) const;
+    /// Whether a voxel takes it in a step: at random, as often as fluid comes from outside.
+    /// @param stayed the part of the voxel's fluid, 0 to 1, that was inside a step ago
+    [[nodiscard]] bool fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const;
 
   private:
+    [[nodiscard]] std::int32_t ofStep(const openvdb::Coord& voxel, std::uint64_t number) const;
+
     std::uint32_t mSeed;
     openvdb::FloatGrid::ConstPtr mGrid;
 };
@@ -62,9 +67,9 @@ class NoiseField {
 /// the input of a voxel is the sharpened texture half a step upstream. Fed back in place, features would lag behind the
 /// flow (docs/algorithm.md).
 ///
-/// A voxel that is new in the next domain takes the original noise. A voxel whose fluid was outside the domain a
-/// step ago takes noise that is new in every step: nothing flows to it but its own values, and fed back they would
-/// freeze into streaks as long as the domain.
+/// A voxel that is new in the next domain takes the original noise. Where fluid enters the
+/// domain it brings noise that is new in every step; a voxel takes it as often as its fluid was outside a step ago.
+/// Nothing flows there but the voxel's own values, and fed back they would freeze into streaks as long as the domain.
 ///
 /// @param field   velocity over the step that made the texture
 /// @param texture in [0, 1], on the field's domain

@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""The tables of docs/quality.md: what each setting of vdblic_advect does to the coherence of its textures.
+
+    tests/bench/quality.py TOOLS TITLE VELOCITY FRAMES      e.g. build/ci/tools Wake 'wake.%04d.vdb' 1-16
+
+TOOLS is the folder of the built tools. Prints Markdown on standard output.
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+METHODS = [("UFLIC", life, None) for life in (4, 8)] + [("AUFLIC", life, window) for life in (4, 8, 16)
+                                                        for window in (0.125, 0.25, 0.5, 1)]
+FILTERS = [("mix", share, sharpen) for sharpen in (0.5, 1, 2) for share in (0.05, 0.1, 0.2)] + \
+          [("bits", None, sharpen) for sharpen in (0.5, 1, 2)]
+HEADER = "| {} | temporal | same place | along [voxels] | across [voxels] | deviation |\n|---|---|---|---|---|---|"
+
+
+def measure(tools, velocity, frames, options):
+    """The means over the frames, of textures made with some options."""
+    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+        textures, figures = f"{folder}/lic.%04d.vdb", pathlib.Path(folder) / "figures.json"
+        run = lambda *command: subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        run(tools / "vdblic_advect", velocity, "-o", textures, "--frames", frames, "-q", *map(str, options))
+        run(tools / "vdblic_coherence", velocity, textures, "--frames", frames, "--samples", "50000", "-q",
+            "--json", str(figures))
+        return json.loads(figures.read_text())["mean"]
+
+
+def row(name, mean):
+    pair = lambda key, digits: " / ".join(f"{mean[kind][key]['mean']:.{digits}f}" for kind in ("raw", "smoothed"))
+    return (f"| {name} | {pair('temporal', 3)} | {pair('same_place', 3)} | {pair('along_length', 1)} | "
+            f"{pair('across_length', 2)} | {mean['raw']['deviation']['mean']:.3f} |")
+
+
+def main():
+    tools, title, velocity, frames = pathlib.Path(sys.argv[1]), *sys.argv[2:]
+    print(f"{title}, by method, life span L and release window δ:\n\n{HEADER.format('method')}")
+    for method, life, window in METHODS:
+        options = ["--method", method.lower(), "--life", life]
+        name = f"{method}, L {life}"
+        if window:
+            options += ["--release-window", window]
+            name += f", δ {window}"
+        print(row(name, measure(tools, velocity, frames, options)), flush=True)
+    print(f"\n{title}, by feedback filter:\n\n{HEADER.format('jitter')}")
+    for jitter, share, sharpen in FILTERS:
+        options = ["--jitter", jitter, "--sharpen", sharpen] + (["--noise-share", share] if share else [])
+        name = jitter + (f", noise {share}" if share else "") + f", sharpen {sharpen}"
+        print(row(name, measure(tools, velocity, frames, options)), flush=True)
+
+
+if __name__ == "__main__":
+    main()
