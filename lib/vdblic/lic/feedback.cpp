@@ -42,36 +42,52 @@ LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& textu
     return result;
 }
 
-/// Number, sum and sum of squares of a leaf's values.
+// Contrast is taken over blocks of 4³ voxels and their neighbours: wide enough to tell contrast, narrow enough that no
+// feature grows broader than a few voxels.
+constexpr int kBlock = 4;
+constexpr int kBlocks = kDim / kBlock; // of a leaf, along each axis
+
+/// Number, sum and sum of squares of a block's values.
 struct Moments {
     double count = 0, sum = 0, squares = 0;
 };
+using LeafMoments = std::array<Moments, kBlocks * kBlocks * kBlocks>;
 
-std::vector<Moments> momentsOf(const Domain& domain, const LeafValues<float>& values)
+constexpr int blockOf(int x, int y, int z)
 {
-    std::vector<Moments> moments(domain.leafCount());
+    return (x / kBlock * kBlocks + y / kBlock) * kBlocks + z / kBlock;
+}
+
+std::vector<LeafMoments> momentsOf(const Domain& domain, const LeafValues<float>& values)
+{
+    std::vector<LeafMoments> moments(domain.leafCount());
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const double value = values[leaf][voxel.pos()];
-            moments[leaf].count += 1;
-            moments[leaf].sum += value;
-            moments[leaf].squares += value * value;
+            const int offset = int(voxel.pos());
+            Moments& block = moments[leaf][std::size_t(blockOf(offset >> 6, offset >> 3 & 7, offset & 7))];
+            block.count += 1;
+            block.sum += value;
+            block.squares += value * value;
         }
     });
     return moments;
 }
 
-/// Mean and standard deviation around a voxel: the moments of the nearest leaves, weighted linearly by the distance
-/// of their centres.
+/// Mean and standard deviation around a voxel: the moments of the nearest blocks, weighted linearly by the distance of
+/// their centres.
 class LocalContrast {
   public:
-    LocalContrast(const Domain& domain, const std::vector<Moments>& moments, const openvdb::Coord& origin)
+    LocalContrast(const Domain& domain, const std::vector<LeafMoments>& moments, const openvdb::Coord& origin)
     {
-        for (int part = 0; part < 27; ++part) {
-            const Int4 there = {origin[0] + (part / 9 - 1) * kDim, origin[1] + (part / 3 % 3 - 1) * kDim,
-                                origin[2] + (part % 3 - 1) * kDim, 0};
-            if (const int leaf = domain.findLeaf(there); leaf >= 0)
-                mAround[std::size_t(part)] = moments[std::size_t(leaf)];
+        for (int part = 0; part < kAround * kAround * kAround; ++part) {
+            const Int4 there = {origin[0] + (part / (kAround * kAround) - 1) * kBlock,
+                                origin[1] + (part / kAround % kAround - 1) * kBlock,
+                                origin[2] + (part % kAround - 1) * kBlock, 0};
+            if (const int leaf = domain.findLeaf(there); leaf >= 0) {
+                mAround[std::size_t(part)] =
+                    moments[std::size_t(leaf)][std::size_t(blockOf(there[0] & 7, there[1] & 7, there[2] & 7))];
+            }
         }
     }
 
@@ -84,29 +100,31 @@ class LocalContrast {
         Moments m;
         for (int corner = 0; corner < 8; ++corner) {
             const int i = corner >> 2, j = corner >> 1 & 1, k = corner & 1;
-            const Moments& leaf = mAround[std::size_t(((x.first + i) * 3 + y.first + j) * 3 + z.first + k)];
+            const Moments& block =
+                mAround[std::size_t(((x.first + i) * kAround + y.first + j) * kAround + z.first + k)];
             const double weight = x.weight[i] * y.weight[j] * z.weight[k];
-            m.count += weight * leaf.count;
-            m.sum += weight * leaf.sum;
-            m.squares += weight * leaf.squares;
+            m.count += weight * block.count;
+            m.sum += weight * block.sum;
+            m.squares += weight * block.squares;
         }
         const double mean = m.sum / m.count;
         return {float(mean), float(std::sqrt(std::max(0.0, m.squares / m.count - mean * mean)))};
     }
 
   private:
-    /// The two leaves whose centres enclose a voxel along one axis.
+    static constexpr int kAround = kBlocks + 2; // the leaf's blocks and one before and after, along each axis
+
+    /// The two blocks whose centres enclose a voxel along one axis.
     struct Axis {
-        explicit Axis(int voxel) : first(voxel < kDim / 2 ? 0 : 1)
+        explicit Axis(int voxel) : first((voxel + kBlock / 2) / kBlock)
         {
-            const double place = (voxel + 0.5) / kDim + (first == 0 ? 0.5 : -0.5);
-            weight[0] = 1 - place;
-            weight[1] = place;
+            weight[1] = (voxel + 0.5 + kBlock / 2) / kBlock - first;
+            weight[0] = 1 - weight[1];
         }
         int first;
         double weight[2];
     };
-    std::array<Moments, 27> mAround{};
+    std::array<Moments, kAround * kAround * kAround> mAround{};
 };
 
 /// The top bit from the texture, the rest from the noise; values near the ends are stretched to them.
@@ -196,7 +214,10 @@ std::int32_t NoiseField::ofStep(const openvdb::Coord& voxel, std::uint64_t numbe
     return noiseValue(voxel[0], voxel[1], voxel[2], seed);
 }
 
-std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const { return ofStep(voxel, 2 * step); }
+std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const
+{
+    return ofStep(voxel, 2 * step);
+}
 
 bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const
 {
@@ -232,7 +253,7 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
     const Domain& domain = field.domain();
     const LeafValues<float> sharp = sharpened(domain, output, params.sharpen);
     const Interpolator texture(domain, sharp);
-    const std::vector<Moments> moments = momentsOf(domain, sharp);
+    const std::vector<LeafMoments> moments = momentsOf(domain, sharp);
 
     LeafValues<std::int32_t> input(next, 0);
     tbb::parallel_for(std::size_t(0), next.leafCount(), [&](std::size_t leaf) {
