@@ -13,10 +13,10 @@ using Int8 = std::int32_t __attribute__((vector_size(32)));
 /// Functions that hot loops are made of: always merged into their caller, so that they take on its instruction set.
 #define VDBLIC_INLINE [[gnu::always_inline]] inline
 
-/// Functions that hold a hot loop: compiled for AVX2 besides the baseline, the version chosen when the program is
-/// loaded. Both give equal bits: nothing in this project may be contracted or reassociated.
+/// Functions that hold a hot loop: compiled for AVX2 and AVX-512 besides the baseline, the version chosen when the
+/// program is loaded. All give equal bits: nothing in this project may be contracted or reassociated.
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define VDBLIC_KERNEL [[gnu::flatten, gnu::target_clones("avx2", "default")]]
+#define VDBLIC_KERNEL [[gnu::flatten, gnu::target_clones("avx512f", "avx2", "default")]]
 #else
 #define VDBLIC_KERNEL
 #endif

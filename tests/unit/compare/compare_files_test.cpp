@@ -6,21 +6,15 @@
 
 #include <gtest/gtest.h>
 
+#include "temporary_folder.h"
+
 #include <fstream>
-#include <unistd.h>
 
 namespace vdblic {
 namespace {
 
 class CompareFiles : public testing::Test {
   protected:
-    CompareFiles()
-    {
-        std::string name = (std::filesystem::temp_directory_path() / "vdblic_compare_XXXXXX").string();
-        mFolder = ::mkdtemp(name.data());
-    }
-    ~CompareFiles() override { std::filesystem::remove_all(mFolder); }
-
     [[nodiscard]] std::string in(const std::string& name) const { return (mFolder / name).string(); }
 
     static openvdb::FloatGrid::Ptr grid(const std::string& name, float value)
@@ -32,7 +26,7 @@ class CompareFiles : public testing::Test {
     }
     void write(const std::string& name, const openvdb::GridCPtrVec& grids) const { writeVdb(in(name), grids, {}); }
 
-    std::filesystem::path mFolder;
+    TemporaryFolder mFolder;
 };
 
 TEST_F(CompareFiles, OrderOfGridsDoesNotMatterButOrderOfEqualNamesDoes)
