@@ -13,8 +13,6 @@
 namespace vdblic {
 namespace {
 
-constexpr int kIdVoxelBits = 40;
-
 /// The hits in an accumulator, to be compared with the hits that were deposited.
 std::size_t countHits(const LeafValues<std::int64_t>& accumulator, std::size_t leaves)
 {
@@ -78,7 +76,7 @@ ScatterStats Scatter::step(const VelocityField& field, const LeafValues<std::int
         [&] { return TileScatter(field, input, accumulator, mParams, mStep); });
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
         const Tile tile{int(leaf), mSorted, mTileBegin[leaf], mTileBegin[leaf + 1],
-                        mStep << kIdVoxelBits | firstRank[leaf]};
+                        mStep << Particle::kRankBits | firstRank[leaf]};
         workers.local().run(tile, shared);
     });
 

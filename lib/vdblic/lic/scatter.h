@@ -57,10 +57,12 @@ struct Generation {
 
 /// A pathline in the making: where it is now, and the values it carries.
 struct Particle {
+    static constexpr int kRankBits = 40; // of the id
+
     std::array<float, 3> position; ///< index space, voxel centres at integers
     std::array<float, 3> slope;    ///< velocity there, voxels per time step
     std::uint64_t alive;           ///< Hits of the values that are still within their life span
-    std::uint64_t id;              ///< step of release << 40 | rank of the release voxel in the domain's scan order
+    std::uint64_t id; ///< step of release << kRankBits | rank of the release voxel in the domain's scan order
 };
 
 /// Particles and, `lifeSpan` words for each, the generations they carry (AUFLIC only).

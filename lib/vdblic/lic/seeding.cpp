@@ -78,7 +78,7 @@ VDBLIC_INLINE bool TileScatter::scatterPath(const std::vector<Segment>& path, bo
 VDBLIC_INLINE void TileScatter::keep(const PathBatch& batch, std::size_t lane)
 {
     if (mGenerations.empty()) {
-        const std::uint64_t age = mStep - (mParticle.id >> 40);
+        const std::uint64_t age = mStep - (mParticle.id >> Particle::kRankBits);
         if (age + 1 >= std::uint64_t(mParams->lifeSpan)) return;
     } else {
         std::uint32_t& expiring = mGenerations[(mStep + 1) % mGenerations.size()];
