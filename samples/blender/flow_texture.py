@@ -2,7 +2,7 @@
 
     blender --python flow_texture.py -- lic.0001.vdb                            a new scene, in the window
     blender shot.blend --python flow_texture.py -- lic.0001.vdb                 into a scene of yours
-    blender -b --python flow_texture.py -o //image.#### -f 12 -- lic.0001.vdb   frame 12 without a window; -a: all
+    blender -b --python flow_texture.py -o image.#### -f 12 -- lic.0001.vdb     frame 12 without a window; -a: all
 
 Any file of the sequence names it; scene frame 12 shows the file of number 12. After `--` also: --help.
 From the Text editor, without a file: shades the volume that is selected (File > Import, or Add > Volume, beforehand).
@@ -260,6 +260,13 @@ def add_camera(corners):
     bpy.context.view_layer.update()
     coordinates = [coordinate for corner in corners for coordinate in corner]
     camera.location, _ = camera.camera_fit_coords(bpy.context.evaluated_depsgraph_get(), coordinates)
+    bpy.context.view_layer.update()
+
+    # Eevee draws volumes only in a range of distances, 0.1 to 100 unless it is told.
+    distances = [-(camera.matrix_world.inverted() @ corner).z for corner in corners]
+    eevee = scene.eevee
+    eevee.volumetric_start, eevee.volumetric_end = max(min(distances), size / 100), max(distances)
+    eevee.volumetric_tile_size, eevee.volumetric_samples = "2", 128
 
 
 def set_up_new_scene(volume):
