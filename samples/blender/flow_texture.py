@@ -5,11 +5,12 @@
     blender -b --python flow_texture.py -o image.#### -f 12 -- lic.0001.vdb     frame 12 without a window; -a: all
 
 Any file of the sequence names it; scene frame 12 shows the file of number 12. After `--` also: --help.
-From the Text editor, without a file: shades the volume that is selected (File > Import, or Add > Volume, beforehand).
+From the Text editor, without a file: shades the selected volume (Add > Volume > Import OpenVDB beforehand).
 
 Grid `density`, the texture, becomes streaks; grid `magnitude`, the speed, chooses their colour and opacity. All of it
-is nodes of one material, "Flow texture", that can be changed afterwards. A camera, a light and the frame range are
-set only where the scene has none of its own: Blender's startup scene counts as empty.
+is nodes of one material, "Flow texture", that can be changed afterwards. A camera and a light are added where the
+scene has none. Frame range, world and render settings are set in a new scene only: Blender's startup scene, whose
+cube, lamp and camera make way.
 """
 
 import argparse

@@ -25,10 +25,13 @@ SAMPLE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/blender/flow_textu
 UNIFORM = [[0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [0, 0, 0, 1]]
 
 
-def blender(script, *arguments, options=()):
-    """Run a script in Blender's background mode; returns the finished process, whatever its exit status is."""
-    command = ["blender", "-b", "--factory-startup", "-t", "1", "--python-exit-code", "9", "--python", str(script),
-               *map(str, options), "--", *map(str, arguments)]
+def blender(script, *arguments, before=(), options=()):
+    """Run a script in Blender's background mode; returns the finished process, whatever its exit status is.
+
+    Blender does its options in order: `before` the script, and the other `options` after it.
+    """
+    command = ["blender", "-b", "--factory-startup", "-t", "1", "--python-exit-code", "9", *before, "--python",
+               str(script), *map(str, options), "--", *map(str, arguments)]
     return subprocess.run(command, text=True, capture_output=True, timeout=300)
 
 
@@ -180,6 +183,24 @@ class Blender(ToolTest):
         self.assertIn(f"shown 12 14 {files[2]}", printed)
         self.assertGreater(pixels.std(axis=0).min(), 0.03)  # not blank, and bright and dark in each colour,
         self.assertLess(likeness(pixels[:, 0], pixels[:, 2]), 0.8)  # which are not shades of one
+
+    def test_the_sample_leaves_a_scene_as_it_is_and_stands_on_a_domain(self):
+        file, = self.velocities("swirl", UNIFORM)
+        domain = ("import bpy; box = bpy.data.objects['Cube']; box.name = 'Smoke box'; box.location = 1, 2, 3; "
+                  "box.scale = 2, 2, 3; box.rotation_euler.z = 0.5")
+        report = ("import bpy, json; things = bpy.context.scene.objects; print('things', json.dumps(["
+                  "sorted(thing.type for thing in things), bpy.context.scene.frame_end, "
+                  "[list(row) for row in bpy.context.object.matrix_world]]))")
+        done = blender(SAMPLE, file, "--domain", "Smoke box", "--y-up", before=("--python-expr", domain),
+                       options=("--python-expr", report))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        line, = (line for line in done.stdout.splitlines() if line.startswith("things"))
+        kinds, last_frame, matrix = json.loads(line.removeprefix("things"))
+        self.assertEqual((kinds, last_frame), (["CAMERA", "LIGHT", "MESH", "VOLUME"], 250))
+        c, s = math.cos(0.5), math.sin(0.5)
+        x, y, z = (c, s, 0), (0, 0, 1), (s, -c, 0)  # where the volume's axes point: turned with the box, y upwards
+        corner = 1 - 2 * c + 2 * s, 2 - 2 * s - 2 * c, 0
+        numpy.testing.assert_allclose(numpy.array(matrix)[:3].T, (x, y, z, corner), atol=1e-5)
 
     def test_the_sample_names_what_is_wrong(self):
         file, = self.velocities("swirl", UNIFORM)
