@@ -47,6 +47,10 @@ int main(int argc, char** argv)
     tool.option("--carry", params.velocity.carry, "Other grids of the files to copy into the outputs, NAME,NAME.")
         ->delimiter(',');
     tool.option(
+            "--with", params.derived,
+            "Further grids computed from the velocity: vorticity (|curl v|, 1/s) and q (Q criterion, 1/s2), NAME,NAME.")
+        ->delimiter(',');
+    tool.option(
         "--mask", params.domain.mask,
         "Compute only where a grid is above 0 (a level set: below): FILE or FILE:GRID, the file one or a sequence.");
     tool.option("--bbox", params.domain.box, "Compute only in a box of voxels: first and last, X Y Z X Y Z.");
