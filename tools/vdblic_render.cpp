@@ -102,6 +102,7 @@ int main(int argc, char** argv)
     app.add_option("--aov", layers,
                    "Further channels of .exr: depth, normal, magnitude, texture, samples, or all; NAME,NAME.")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->type_name("NAME");
     tool.option("--precision", params.exr.precision, "Of colour and alpha in .exr: half or float.");
     tool.option("--compression", params.exr.compression,

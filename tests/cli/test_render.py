@@ -110,7 +110,7 @@ class Render(ToolTest):
             values = self.pixels("aov.exr", channel)[seen]
             self.assertTrue((values > 0).all() and (values < 1).all())
         self.assertGreater(self.pixels("aov.exr", "samples")[seen].min(), 0)
-        self.renders(*base, "-o", "one.exr", "--aov", "depth,samples")
+        self.renders("-o", "one.exr", "--aov", "depth,samples", *base)  # the option leaves the input alone
         self.assertNotIn("texture,", self.header("one.exr"))
         self.refuses(2, *base, "-o", "a.png", "--aov", "depth")
 
@@ -244,7 +244,8 @@ class Render(ToolTest):
                     ["--colormap", "rainbow"], ["--modulate", 2], ["--eye", 1, 2], ["--up", 0, 0, 0],
                     ["--background", 0, 0, 7], ["--threads", 0], ["--frames", "1-3"], ["--unknown"],
                     ["--projection", "fisheye"], ["--view-height", 2], ["--orbit", "nan"], ["--orbit", 1],
-                    ["--orbit-frames", 10], ["--scale", 0], ["--scale", "nan"], ["--scale", 1e308], ["--samples", 0], ["--orbit", 1, "--orbit-frames", 0], ["--eye", 1e308, 0, 0],
+                    ["--orbit-frames", 10], ["--scale", 0], ["--scale", "nan"], ["--scale", 1e308], ["--samples", 0],
+                    ["--orbit", ""], ["--view-height", ""], ["--modulate", ""], ["--eye", "", "", ""], ["--orbit", 1, "--orbit-frames", 0], ["--eye", 1e308, 0, 0],
                     ["--compression", "lzw"], ["--precision", "double"], ["--aov", "albedo"], ["--aov", ""],
                     ["--projection", "orthographic", "--view-height", 0], ["--orbit", 1e308, "--orbit-frames", 2]):
             with self.subTest(bad=bad):
