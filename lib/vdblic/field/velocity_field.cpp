@@ -5,6 +5,7 @@ namespace vdblic {
 void VelocityField::build(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end)
 {
     const Domain& leaves = *domain;
+    std::vector<Float4> largest(leaves.leafCount(), Float4{});
     mBricks.fill(std::move(domain), [&](std::size_t leaf, Record* records) {
         const auto fillLevel = [&](const VelocityLevel& level, int lane) {
             const openvdb::Mat3s m(level.toStep);
@@ -13,12 +14,18 @@ void VelocityField::build(std::shared_ptr<const Domain> domain, const VelocityLe
             visitBrick(level.velocities, leaves.origin(leaf),
                        [&](int record, const openvdb::Vec3f& value, bool active) {
                            const Float4 step = x * value[0] + y * value[1] + z * value[2] + covered;
-                           *reinterpret_cast<Float4*>(records[record].values + lane) = active ? step : Float4{};
+                           const Float4 velocity = active ? step : Float4{};
+                           *reinterpret_cast<Float4*>(records[record].values + lane) = velocity;
+                           const Float4 amount = velocity < 0 ? -velocity : velocity;
+                           largest[leaf] = amount > largest[leaf] ? amount : largest[leaf];
                        });
         };
         fillLevel(start, 0);
         fillLevel(end, 4);
     });
+    mLargest = Float4{};
+    for (const Float4& amount : largest)
+        mLargest = amount > mLargest ? amount : mLargest;
 }
 
 } // namespace vdblic

@@ -67,6 +67,9 @@ class VelocityField {
         return Float4{record[4], record[5], record[6], 0};
     }
 
+    /// The largest amount of the velocity at any voxel, along each axis [voxels per step].
+    [[nodiscard]] Float4 largest() const { return mLargest; }
+
     [[nodiscard]] const Domain& domain() const { return mBricks.domain(); }
     [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mBricks.sharedDomain(); }
 
@@ -77,6 +80,7 @@ class VelocityField {
         return mBricks.record(leaf, place)->values;
     }
     Bricks mBricks;
+    Float4 mLargest{};
 };
 
 } // namespace vdblic

@@ -1,6 +1,7 @@
 #include "vdblic/lic/particle_bins.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vdblic {
 
@@ -15,6 +16,8 @@ void ParticleBins::add(std::size_t tile, const Particle& particle, const std::ui
     chunk.particles[chunk.count] = particle;
     std::copy_n(generations, mGenerations, chunk.generations.get() + chunk.count * mGenerations);
     ++chunk.count;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        mLargestSlope[axis] = std::max(mLargestSlope[axis], std::abs(particle.slope[axis]));
 }
 
 void ParticleBins::take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations)

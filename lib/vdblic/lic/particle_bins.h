@@ -30,6 +30,9 @@ class ParticleBins {
 
     void add(std::size_t tile, const Particle& particle, const std::uint32_t* generations);
 
+    /// The largest amount of any particle's slope that was added, along each axis.
+    [[nodiscard]] const std::array<float, 3>& largestSlope() const { return mLargestSlope; }
+
     /// Append a tile's particles, in the order they were added, and their generations; the bin is empty then.
     void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations);
 
@@ -57,6 +60,7 @@ class ParticleBins {
 
     std::size_t mGenerations = 0;
     std::vector<Bin> mBins;
+    std::array<float, 3> mLargestSlope{};
 };
 
 } // namespace vdblic

@@ -1,0 +1,64 @@
+#include "vdblic/lic/tile_schedule.h"
+
+namespace vdblic {
+namespace {
+
+constexpr std::size_t kGroupLeaves = 8; // as many as to make handing out cheap, and as few as to end together
+
+} // namespace
+
+TileSchedule::TileSchedule(const Domain& domain, const openvdb::Coord& reach, std::size_t threads)
+    : mApart(2 * reach[0], 2 * reach[1], 2 * reach[2]), mCursor(threads), mBusy(threads)
+{
+    for (std::size_t begin = 0; begin < domain.leafCount(); begin += kGroupLeaves) {
+        Group group{begin, std::min(begin + kGroupLeaves, domain.leafCount()), {}};
+        for (std::size_t leaf = group.begin; leaf < group.end; ++leaf) {
+            const openvdb::Coord origin = domain.origin(leaf);
+            group.box.expand(openvdb::Coord(origin[0] >> 3, origin[1] >> 3, origin[2] >> 3));
+        }
+        mGroups.push_back(group);
+    }
+    mTaken.assign(mGroups.size(), false);
+    mLeft = mGroups.size();
+    for (std::size_t thread = 0; thread < threads; ++thread) // far from each other
+        mCursor[thread] = mGroups.size() * thread / threads;
+}
+
+bool TileSchedule::isFree(const Group& group) const
+{
+    for (const std::optional<std::size_t>& busy : mBusy) {
+        if (!busy) continue;
+        const openvdb::CoordBBox& other = mGroups[*busy].box;
+        bool near = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            near = near && group.box.min()[axis] - other.max()[axis] <= mApart[axis] &&
+                   other.min()[axis] - group.box.max()[axis] <= mApart[axis];
+        }
+        if (near) return false;
+    }
+    return true;
+}
+
+std::optional<TileSchedule::Group> TileSchedule::next(std::size_t thread)
+{
+    std::unique_lock lock(mMutex);
+    if (mBusy[thread]) {
+        mBusy[thread].reset();
+        mFreed.notify_all();
+    }
+    while (mLeft > 0) {
+        for (std::size_t i = 0; i < mGroups.size(); ++i) {
+            const std::size_t group = (mCursor[thread] + i) % mGroups.size();
+            if (mTaken[group] || !isFree(mGroups[group])) continue;
+            mTaken[group] = true;
+            mBusy[thread] = group;
+            mCursor[thread] = group;
+            if (--mLeft == 0) mFreed.notify_all();
+            return mGroups[group];
+        }
+        mFreed.wait(lock);
+    }
+    return std::nullopt;
+}
+
+} // namespace vdblic

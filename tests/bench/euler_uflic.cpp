@@ -1,0 +1,81 @@
+#include "bench/euler_uflic.h"
+
+namespace vdblic::bench {
+
+void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fields, Float4 position,
+                             std::uint64_t value)
+{
+    constexpr float kLeast = 1e-3f;         // of a step: gets a particle over the face it was clamped to
+    constexpr float kLengthUnits = 16;      // weights are sixteenths of a voxel
+    constexpr int kMostSteps = 400;
+    float time = 0;
+    for (int steps = 0; time < float(mLifeSpan) - kLeast && steps < kMostSteps; ++steps) {
+        const auto s = std::size_t(time);
+        const VelocityField& field = fields[k + s];
+        const Int4 voxel = voxelOf(position);
+        const int leaf = field.domain().findLeaf(voxel);
+        if (leaf < 0 || !field.domain().isActive(leaf, Domain::offset(voxel))) return;
+        const Float4 velocity = field.sample(position, time - float(s), Float4{});
+        float duration = float(s + 1) - time;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float face = float(voxel[axis]) + (velocity[axis] > 0 ? 0.5f : -0.5f);
+            if (std::abs(velocity[axis]) > 1e-6f)
+                duration = std::min(duration, (face - position[axis]) / velocity[axis] + kLeast);
+        }
+        duration = std::max(duration, kLeast);
+        const float length = duration * pathline::length(velocity);
+        const auto weight = std::uint64_t(std::max(1, int(length * kLengthUnits + 0.5f)));
+        mBuckets[(k + s) % mLifeSpan][std::size_t(leaf)][Domain::offset(voxel)] +=
+            std::int64_t(weight * Hits::pack(value, 1));
+        ++mStats.steps;
+        ++mStats.deposits;
+        mStats.hits += weight;
+        position += velocity * duration;
+        time += duration;
+        if (float(s + 1) - time < 1e-4f) time = float(s + 1);
+    }
+}
+
+LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields)
+{
+    const Domain& domain = fields[k].domain();
+    if (mBuckets.empty()) {
+        mInput = noiseInput(domain, mNoise);
+        for (std::size_t i = 0; i < mLifeSpan; ++i)
+            mBuckets.push_back(makeAccumulator(domain));
+    }
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+            scatterSeed(k, fields, Float4{float(at[0]), float(at[1]), float(at[2]), 0},
+                        Input::value(mInput[leaf][voxel.pos()]));
+            ++mStats.released;
+        }
+    }
+    LeafValues<std::int64_t>& bucket = mBuckets[k % mLifeSpan];
+    LeafValues<float> texture = convolve(domain, bucket, mInput);
+    bucket = makeAccumulator(domain);
+    mInput = feedForward(fields[k], texture, domain, mNoise, FeedbackParams{}, k);
+    return texture;
+}
+
+VDBLIC_KERNEL void advanceAll(const VelocityField& field, const PathlineParams& params, PathBatch& batch, double& sink)
+{
+    const Domain& domain = field.domain();
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+        const openvdb::Coord origin = domain.origin(leaf);
+        const LeafWindow window(domain, origin);
+        for (int row = 0; row < 64; ++row) {
+            batch.lanes = domain.mask(leaf).getWord<std::uint8_t>(openvdb::Index(row));
+            if (batch.lanes == 0) continue;
+            batch.position = {broadcast8(float(origin[0] + (row >> 3))), broadcast8(float(origin[1] + (row & 7))),
+                              Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(origin[2])};
+            for (int z = 0; z < 8; ++z)
+                batch.slope.setLane(z, field.startAt(int(leaf), unsigned(8 * row + z)));
+            advancePaths(field, window, params, batch);
+            sink += double(batch.position.x[0]);
+        }
+    }
+}
+
+} // namespace vdblic::bench

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "vdblic/lic/feedback.h"
+#include "vdblic/lic/scatter.h"
+
+#include <vector>
+
+namespace vdblic::bench {
+
+/// UFLIC as Shen & Kao 1998 and Table 1 of Liu & Moorhead 2004 describe it: a seed from every voxel's centre, Euler steps
+/// clamped to the faces of voxels, values weighted by the length of the way through each voxel, one scattering process
+/// after the other into a ring of buckets. On one thread.
+class EulerUflic {
+  public:
+    EulerUflic(int lifeSpan, const NoiseField& noise) : mLifeSpan(std::size_t(lifeSpan)), mNoise(noise) {}
+
+    /// @param fields the velocity over each step, as many as the life span beyond k
+    LeafValues<float> scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields);
+
+    [[nodiscard]] const ScatterStats& stats() const { return mStats; }
+
+  private:
+    void scatterSeed(std::size_t k, const std::vector<VelocityField>& fields, Float4 position, std::uint64_t value);
+
+    std::size_t mLifeSpan;
+    NoiseField mNoise;
+    std::vector<LeafValues<std::int64_t>> mBuckets;
+    LeafValues<std::int32_t> mInput;
+    ScatterStats mStats;
+};
+
+/// Advance a particle from the centre of every voxel by one step, eight at a time. @param sink takes something of each
+void advanceAll(const VelocityField& field, const PathlineParams& params, PathBatch& batch, double& sink);
+
+} // namespace vdblic::bench
