@@ -4,8 +4,6 @@
 
 #include <fmt/ranges.h>
 
-#include <iostream>
-
 namespace {
 
 using Numbers = std::vector<double>;
@@ -82,8 +80,9 @@ int main(int argc, char** argv)
         ->expected(3, 4)
         ->allow_extra_args(false)
         ->type_name("R G B [A]");
+    tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         if (!opacity.empty()) params.look.transfer.opacity = vdblic::parseOpacity(opacity);
-        vdblic::renderSequence(params, std::cin, reporter);
+        vdblic::renderSequence(params, tool.standardInput(), reporter);
     });
 }

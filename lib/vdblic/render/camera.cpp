@@ -17,9 +17,12 @@ namespace {
 constexpr double kAzimuth = 30, kElevation = 25; // degrees
 constexpr double kMargin = 1.04;
 
+// Beyond it squares of lengths leave single precision.
+constexpr double kFarthest = 1e18;
+
 bool finite(const glm::dvec3& v)
 {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    return std::abs(v.x) <= kFarthest && std::abs(v.y) <= kFarthest && std::abs(v.z) <= kFarthest;
 }
 
 bool parallel(const glm::dvec3& a, const glm::dvec3& b)
@@ -64,7 +67,7 @@ void CameraParams::validate() const
 {
     const auto check = [](const char* name, const std::optional<glm::dvec3>& v) {
         if (v && !finite(*v))
-            throw ParameterError(fmt::format("camera {} {} {} {} must be finite", name, v->x, v->y, v->z));
+            throw ParameterError(fmt::format("camera {} {} {} {} must be at most {}", name, v->x, v->y, v->z, kFarthest));
     };
     check("eye", eye);
     check("target", target);

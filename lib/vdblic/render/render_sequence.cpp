@@ -122,7 +122,9 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
     reporter.progress(0, total);
     while (const std::optional<FrameFile> file = source()) {
         if (done == 1) checkOutputPattern(output, 2); // paths from standard input: there is a second one
+        reporter.checkStop();
         const std::filesystem::path path = output.path(file->frame);
+        checkNotInput(path, file->path);
         if (params.skipExisting && isFinished(path)) {
             reporter.finished(path);
             reporter.progress(++done, total);
@@ -154,6 +156,7 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
         reporter.finished(path);
         reporter.progress(++done, total);
     }
+    reporter.checkStop(); // it may have ended standard input
     if (done == 0) throw InputError("no frame to render: standard input named none");
 }
 
