@@ -5,7 +5,8 @@
 namespace vdblic::cli {
 
 /// From here on, a crash, an abort or an endless loop while a thread has a file parsed (core/hazard.h) ends the process
-/// with a message naming the file and the status of bad input. So does a crash, anywhere, for want of memory. Anywhere else a crash is one.
+/// with a message naming the file and the status of bad input. So does one for want of memory, wherever it is, with a
+/// message that says so. Any other crash stays one.
 ///
 /// Nothing is undone, and nothing has to be: outputs get their names when they are complete (io/atomic_file.h).
 /// @param tool its name, for the message
