@@ -56,8 +56,8 @@ class Originals:
         self.files = {}
         for name, content in grids().items():
             vdb.write(str(folder / f"{name}.vdb"), grids=content, metadata={"note": "a test"})
-        subprocess.run([f"{SUPPORT}/write_points", str(folder / "points.vdb")], check=True)
-        for name in "fog", "flow", "points":  # uncompressed, where a flip stays a flip
+        subprocess.run([f"{SUPPORT}/write_points", folder / "points.vdb", folder / "points_none.vdb"], check=True)
+        for name in "fog", "flow":  # uncompressed, where a flip stays a flip
             self.recode(folder, name, "none")
         self.recode(folder, "fog", "zip")
         subprocess.run([BIN / "vdblic_synth", "abc", "-o", "ours.vdb", "--size", "16", "8", "8", "--frames", "1"],
@@ -68,7 +68,7 @@ class Originals:
     @staticmethod
     def recode(folder, name, codec):
         command = ["vdb_tool", "-read", f"{name}.vdb", "-write", f"codec={codec}", f"{name}_{codec}.vdb"]
-        subprocess.run(command, cwd=folder, capture_output=True, check=False)
+        subprocess.run(command, cwd=folder, capture_output=True, check=True)
 
     def mutated(self, number):
         """The damaged file of a number: its kind, and its bytes."""

@@ -1,4 +1,5 @@
-/// Writes a PointDataGrid as Houdini would: `write_points FILE`. pyopenvdb cannot.
+/// Writes a PointDataGrid, compressed and not: `write_points COMPRESSED PLAIN`. pyopenvdb cannot, and vdb_tool writes
+/// points that have no values.
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointConversion.h>
 
@@ -7,8 +8,8 @@
 
 int main(int argc, char** argv)
 {
-    if (argc != 2) {
-        std::fprintf(stderr, "usage: write_points FILE\n");
+    if (argc != 3) {
+        std::fprintf(stderr, "usage: write_points COMPRESSED PLAIN\n");
         return 2;
     }
     openvdb::initialize();
@@ -29,4 +30,7 @@ int main(int argc, char** argv)
                                        openvdb::points::PointAttributeVector<float>(masses));
     grid->setName("points");
     openvdb::io::File(argv[1]).write({grid});
+    openvdb::io::File plain(argv[2]);
+    plain.setCompression(openvdb::io::COMPRESS_NONE);
+    plain.write({grid});
 }
