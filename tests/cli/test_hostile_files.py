@@ -8,6 +8,7 @@ import concurrent.futures
 import os
 import pathlib
 import random
+import signal
 import subprocess
 import tempfile
 import threading
@@ -127,7 +128,7 @@ class HostileFiles(ToolTest):
             with open(folder / "messages", "w+", encoding="utf-8", errors="replace") as messages:
                 process = subprocess.Popen([BIN / command[0], *command[1:], "--threads", "1", *limits], cwd=folder,
                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=messages)
-                killer = threading.Timer(4 * LIMIT, process.kill)
+                killer = threading.Timer(12 * LIMIT, os.kill, (process.pid, signal.SIGKILL))
                 killer.start()
                 _, status, usage = os.wait4(process.pid, 0)
                 process.returncode = status
