@@ -6,11 +6,17 @@
 
 namespace {
 
-vdblic::ScatterMethod parseMethod(const std::string& text)
+void setMethod(vdblic::AdvectParams& params, const std::string& method, const std::string& kernel)
 {
-    if (text == "auflic") return vdblic::ScatterMethod::kAuflic;
-    if (text == "uflic") return vdblic::ScatterMethod::kUflic;
-    throw vdblic::ParameterError(fmt::format("method '{}' is neither auflic nor uflic", text));
+    if (method == "auflic") {
+        params.scatter.method = vdblic::ScatterMethod::kAuflic;
+    } else if (method == "uflic") {
+        params.scatter.method = vdblic::ScatterMethod::kUflic;
+    } else if (method == "lic") {
+        params.steady = vdblic::parseLicKernel(kernel);
+    } else {
+        throw vdblic::ParameterError(fmt::format("method '{}' is none of auflic, uflic and lic", method));
+    }
 }
 
 vdblic::NonFinite parseNonFinite(const std::string& text)
@@ -26,14 +32,16 @@ int main(int argc, char** argv)
 {
     using namespace vdblic;
     AdvectParams params;
-    std::string method = "auflic", nonFinite = "refuse", unit, jitter(toString(params.feedback.jitter));
+    std::string method = "auflic", kernel = "hann", nonFinite = "refuse", unit, jitter(toString(params.feedback.jitter));
     std::optional<double> fps;
 
     cli::Tool tool("vdblic_advect", "Compute flow textures from a velocity sequence.");
     tool.inputSequence("VELOCITY", params.input, "Velocity sequence.");
     tool.output(params.output, "Texture files, such as lic.%04d.vdb.");
-    tool.option("--method", method, "auflic: accelerated UFLIC; uflic: a seed for every voxel and step.");
-    tool.option("--life", params.scatter.lifeSpan, "Life span of a seed [frames].");
+    tool.option("--method", method, 
+                "auflic: accelerated UFLIC; uflic: a seed for every voxel and step; lic: each frame on its own.");
+    tool.option("--kernel", kernel, "lic: weights along a streamline, hann or box.");
+    tool.option("--life", params.scatter.lifeSpan, "Life span of a seed, with lic the length of the kernel [frames].");
     tool.option("--velocity", params.velocity.grid, "Name of the velocity grid, or of three scalar grids.");
     tool.option("--velocity-unit", unit,
                 "world/s, world/frame, voxel/s or voxel/frame; world/s unless the file is known.");
@@ -43,7 +51,13 @@ int main(int argc, char** argv)
     tool.option("--fps", fps, "Frames per second, instead of --dt.")->excludes(dt);
     tool.option("--nonfinite", nonFinite, "Velocities that are not finite numbers: refuse, or zero.");
     tool.option("--carry", params.velocity.carry, "Other grids of the files to copy into the outputs, NAME,NAME.")
-        ->delimiter(',');
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    tool.option(
+            "--with", params.derived,
+            "Further grids computed from the velocity: vorticity (|curl v|, 1/s) and q (Q criterion, 1/s2), NAME,NAME.")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     tool.option(
         "--mask", params.domain.mask,
         "Compute only where a grid is above 0 (a level set: below): FILE or FILE:GRID, the file one or a sequence.");
@@ -65,7 +79,7 @@ int main(int argc, char** argv)
 
     tool.verifies([&] { return std::vector<SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](Reporter& reporter) {
-        params.scatter.method = parseMethod(method);
+        setMethod(params, method, kernel);
         params.feedback.jitter = parseJitter(jitter);
         if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
         if (fps) params.frameSpacing = 1 / *fps;

@@ -10,7 +10,7 @@ struct Stopped {};
 
 /// What a long computation tells its caller while it runs, and asks it; the default listens to nothing and never stops.
 ///
-/// Called from one thread at a time, the one that called the library; stopRequested() from any.
+/// Called from one thread at a time; stopRequested() from any.
 class Reporter {
   public:
     virtual ~Reporter() = default;

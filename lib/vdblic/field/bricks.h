@@ -9,21 +9,36 @@
 
 namespace vdblic {
 
-/// Eight numbers stored at a voxel, loaded and interpolated together.
-struct alignas(32) Record {
-    float values[8];
+namespace bricks {
+
+template<int kNumbers>
+struct Numbers;
+template<>
+struct Numbers<4> {
+    using Vector = Float4;
 };
+template<>
+struct Numbers<8> {
+    using Vector = Float8;
+};
+
+} // namespace bricks
 
 /// What fast sampling is made of: for each leaf a brick of 9³ records, its 8³ voxels and the next voxel in each
 /// positive direction, so that a cell's eight corners always lie in one brick.
 ///
-/// Records are premultiplied by their voxel's coverage (1 if it has a value, 0 if not), and the coverage is one of
-/// the eight numbers: the interpolated values over the interpolated coverage are then the mean over the corners
+/// A record is four or eight numbers, loaded and interpolated together. Records are premultiplied by their voxel's
+/// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: the interpolated values over the interpolated coverage are then the mean over the corners
 /// that have values. At the rim of a domain this continues the values of the last voxels, as clamping does.
 ///
 /// Filling is done once; any number of threads may sample.
-class Bricks {
+template<int kNumbers>
+class BricksOf {
   public:
+    using Vector = typename bricks::Numbers<kNumbers>::Vector;
+    struct alignas(sizeof(Vector)) Record {
+        float values[kNumbers];
+    };
     static constexpr int kDim = 9;
     static constexpr int kSize = kDim * kDim * kDim;
 
@@ -58,22 +73,62 @@ class Bricks {
             leaf = clampToLeaf(position, base);
             if (leaf < 0) return {nullptr, position};
         }
-        const int record = ((base[0] & 7) * kDim + (base[1] & 7)) * kDim + (base[2] & 7);
-        return {mRecords.get() + std::size_t(leaf) * kSize + std::size_t(record),
+        return {record(leaf, ((base[0] & 7) * kDim + (base[1] & 7)) * kDim + (base[2] & 7)),
                 position - __builtin_convertvector(base, Float4)};
     }
 
-    /// Trilinear interpolation of the eight premultiplied numbers.
-    [[nodiscard]] VDBLIC_INLINE static Float8 interpolate(const Cell& cell)
+    /// locate(), kept out of line: for the rare position that is not where it was expected.
+    [[nodiscard]] [[gnu::noinline]] Cell locateAnywhere(Float4 position) const { return locate(position); }
+
+    /// A record of a leaf's brick, by its place among the kSize.
+    [[nodiscard]] VDBLIC_INLINE const Record* record(int leaf, int place) const
     {
-        const Float8 z = broadcast8(cell.fraction[2]);
-        const Float8 y = broadcast8(cell.fraction[1]);
-        const Float8 x = broadcast8(cell.fraction[0]);
-        const auto corner = [&](int i) { return *reinterpret_cast<const Float8*>(cell.corner[i].values); };
-        const auto mix = [](Float8 a, Float8 b, Float8 t) { return a + (b - a) * t; };
+        return mRecords.get() + std::size_t(leaf) * kSize + std::size_t(place);
+    }
+
+    /// Trilinear interpolation of the eight premultiplied numbers.
+    [[nodiscard]] VDBLIC_INLINE static Vector interpolate(const Cell& cell)
+    {
+        return interpolate(cell.corner, cell.fraction[0], cell.fraction[1], cell.fraction[2]);
+    }
+    [[nodiscard]] VDBLIC_INLINE static Vector interpolate(const Record* lowest, float x, float y, float z)
+    {
+        const auto corner = [&](int i) { return *reinterpret_cast<const Vector*>(lowest[i].values); };
+        const auto mix = [](Vector a, Vector b, Vector t) { return a + (b - a) * t; };
+        const Vector tx = Vector{} + x, ty = Vector{} + y, tz = Vector{} + z;
         constexpr int kY = kDim, kX = kDim * kDim;
-        return mix(mix(mix(corner(0), corner(1), z), mix(corner(kY), corner(kY + 1), z), y),
-                   mix(mix(corner(kX), corner(kX + 1), z), mix(corner(kX + kY), corner(kX + kY + 1), z), y), x);
+        return mix(mix(mix(corner(0), corner(1), tz), mix(corner(kY), corner(kY + 1), tz), ty),
+                   mix(mix(corner(kX), corner(kX + 1), tz), mix(corner(kX + kY), corner(kX + kY + 1), tz), ty), tx);
+    }
+
+    /// Interpolate at eight positions.
+    /// @param window the leaf in and around which they are expected; elsewhere it takes longer
+    /// @param lanes  those to interpolate; the other rows are zero, and so are those outside every brick
+    VDBLIC_INLINE void interpolate(const LeafWindow& window, const Vector8& position, unsigned lanes,
+                                   Vector (&rows)[8]) const
+    {
+        const Int8 x = floorToInt(position.x), y = floorToInt(position.y), z = floorToInt(position.z);
+        const auto nine = [](Int8 n) { return (n << 3) + n; };
+        alignas(32) int places[8], records[8];
+        alignas(32) float fractions[3][8];
+        const auto store = [](auto& to, auto values) { __builtin_memcpy(&to, &values, sizeof values); };
+        store(places, window.place(x, y, z));
+        store(records, nine(nine(x & 7) + (y & 7)) + (z & 7));
+        store(fractions[0], position.x - __builtin_convertvector(x, Float8));
+        store(fractions[1], position.y - __builtin_convertvector(y, Float8));
+        store(fractions[2], position.z - __builtin_convertvector(z, Float8));
+        for (int i = 0; i < 8; ++i) {
+            Vector row{};
+            if (lanes >> i & 1) {
+                const int leaf = window.leaves[std::size_t(places[i])];
+                if (__builtin_expect(leaf >= 0, 1)) {
+                    row = interpolate(record(leaf, records[i]), fractions[0][i], fractions[1][i], fractions[2][i]);
+                } else if (const Cell cell = locateAnywhere(position.lane(i)); cell.corner) {
+                    row = interpolate(cell);
+                }
+            }
+            rows[i] = row;
+        }
     }
 
     [[nodiscard]] const Domain& domain() const { return *mDomain; }
@@ -106,6 +161,31 @@ class Bricks {
     std::size_t mCapacity = 0;
 };
 
+using Bricks = BricksOf<8>;
+using Record = Bricks::Record;
+
+/// Visit the 9³ voxels of a leaf's brick in its domain: visit(record index, leaf, offset), the leaf −1 where there is no
+/// voxel of the domain.
+template<typename Visit>
+void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
+{
+    const openvdb::Coord origin = domain.origin(leaf);
+    for (int part = 0; part < 8; ++part) {
+        const Int4 begin = {part & 4 ? 8 : 0, part & 2 ? 8 : 0, part & 1 ? 8 : 0, 0};
+        const Int4 end = begin + (begin == 0 ? Int4{8, 8, 8, 8} : Int4{1, 1, 1, 1});
+        const int there = domain.findLeaf(begin + Int4{origin[0], origin[1], origin[2], 0});
+        const Domain::Mask* mask = there < 0 ? nullptr : &domain.mask(std::size_t(there));
+        for (int x = begin[0]; x < end[0]; ++x) {
+            for (int y = begin[1]; y < end[1]; ++y) {
+                for (int z = begin[2]; z < end[2]; ++z) {
+                    const unsigned offset = Domain::offset(Int4{x, y, z, 0});
+                    visit((x * Bricks::kDim + y) * Bricks::kDim + z, mask && mask->isOn(offset) ? there : -1, offset);
+                }
+            }
+        }
+    }
+}
+
 /// Visit the 9³ voxels of a brick in a tree: visit(record index, value, active), values as the tree has them.
 template<typename TreeT, typename Visit>
 void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& visit)
@@ -114,6 +194,7 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
         const openvdb::Coord begin((part >> 2) & 1 ? 8 : 0, (part >> 1) & 1 ? 8 : 0, part & 1 ? 8 : 0);
         const openvdb::Coord end(begin[0] ? 9 : 8, begin[1] ? 9 : 8, begin[2] ? 9 : 8);
         const auto* leaf = tree.probeConstLeaf(origin + begin);
+        const auto* values = leaf ? leaf->buffer().data() : nullptr;
         typename TreeT::ValueType tile{};
         const bool tileActive = !leaf && tree.probeValue(origin + begin, tile);
         for (int x = begin[0]; x < end[0]; ++x) {
@@ -122,7 +203,7 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
                     const unsigned offset = Domain::offset(Int4{x, y, z, 0});
                     const int record = (x * Bricks::kDim + y) * Bricks::kDim + z;
                     if (leaf) {
-                        visit(record, leaf->getValue(offset), leaf->isValueOn(offset));
+                        visit(record, values[offset], leaf->isValueOn(offset));
                     } else {
                         visit(record, tile, tileActive);
                     }

@@ -4,11 +4,13 @@
 
 namespace vdblic {
 
-/// Short vectors of the compiler's vector extension: arithmetic and comparison act per lane, on any processor.
+/// Short vectors of the compiler's vector extension: arithmetic and comparison act per lane, on any processor. Those of
+/// 32 bytes are aligned to that, which the baseline would not ask for but kernels for AVX do.
 using Float4 = float __attribute__((vector_size(16)));
-using Float8 = float __attribute__((vector_size(32)));
+using Float8 = float __attribute__((vector_size(32), aligned(32)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
-using Int8 = std::int32_t __attribute__((vector_size(32)));
+using Int8 = std::int32_t __attribute__((vector_size(32), aligned(32)));
+using Unsigned8 = std::uint32_t __attribute__((vector_size(32), aligned(32)));
 
 /// Functions that hot loops are made of: always merged into their caller, so that they take on its instruction set.
 #define VDBLIC_INLINE [[gnu::always_inline]] inline
@@ -40,6 +42,103 @@ VDBLIC_INLINE Int8 floorToInt(Float8 x)
 {
     const Int8 truncated = __builtin_convertvector(x, Int8);
     return truncated + (x < __builtin_convertvector(truncated, Float8));
+}
+
+/// Whether a lane of a comparison's result holds true.
+VDBLIC_INLINE bool anyOf(Int8 mask)
+{
+    using Long4 = std::int64_t __attribute__((vector_size(32)));
+    const auto words = reinterpret_cast<Long4>(mask);
+    return (words[0] | words[1] | words[2] | words[3]) != 0;
+}
+
+/// A comparison's result that holds true in the lanes whose bits are set.
+VDBLIC_INLINE Int8 maskOf(unsigned lanes)
+{
+    const int bits = int(lanes);
+    const Int8 all = {bits, bits, bits, bits, bits, bits, bits, bits};
+    return (all & Int8{1, 2, 4, 8, 16, 32, 64, 128}) != 0;
+}
+
+VDBLIC_INLINE Float8 squareRoots(Float8 x)
+{
+    Float8 root;
+    for (int lane = 0; lane < 8; ++lane)
+        root[lane] = __builtin_sqrtf(x[lane]);
+    return root;
+}
+
+/// Eight vectors, lane by lane.
+struct Vector8 {
+    Float8 x, y, z;
+
+    [[nodiscard]] VDBLIC_INLINE Float4 lane(int i) const { return Float4{x[i], y[i], z[i], 0}; }
+    VDBLIC_INLINE void setLane(int i, Float4 v)
+    {
+        x[i] = v[0];
+        y[i] = v[1];
+        z[i] = v[2];
+    }
+};
+VDBLIC_INLINE Vector8 operator+(const Vector8& a, const Vector8& b)
+{
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+VDBLIC_INLINE Vector8 operator-(const Vector8& a, const Vector8& b)
+{
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+VDBLIC_INLINE Vector8 operator*(const Vector8& a, Float8 scale)
+{
+    return {a.x * scale, a.y * scale, a.z * scale};
+}
+VDBLIC_INLINE Vector8 operator*(const Vector8& a, float scale)
+{
+    return {a.x * scale, a.y * scale, a.z * scale};
+}
+VDBLIC_INLINE Vector8 select(Int8 mask, const Vector8& a, const Vector8& b)
+{
+    return {mask ? a.x : b.x, mask ? a.y : b.y, mask ? a.z : b.z};
+}
+VDBLIC_INLINE Float8 squaredLength(const Vector8& a)
+{
+    return a.x * a.x + a.y * a.y + a.z * a.z;
+}
+
+/// Rows become columns: lane j of the i-th becomes lane i of the j-th.
+VDBLIC_INLINE void transpose(Float8 (&rows)[8])
+{
+    Float8 pairs[8], quads[8];
+    for (int i = 0; i < 8; i += 2) {
+        pairs[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        pairs[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (int i = 0; i < 8; i += 4) {
+        for (int j = 0; j < 2; ++j) {
+            quads[i + 2 * j] = __builtin_shufflevector(pairs[i + j], pairs[i + j + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            quads[i + 2 * j + 1] = __builtin_shufflevector(pairs[i + j], pairs[i + j + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+    }
+    for (int i = 0; i < 4; ++i) {
+        rows[i] = __builtin_shufflevector(quads[i], quads[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        rows[i + 4] = __builtin_shufflevector(quads[i], quads[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+/// Of rows of four.
+VDBLIC_INLINE void transpose(const Float4 (&rows)[8], Float8 (&columns)[4])
+{
+    Float8 pairs[4], quads[4];
+    for (int i = 0; i < 4; ++i)
+        pairs[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    for (int i = 0; i < 2; ++i) {
+        quads[i] = __builtin_shufflevector(pairs[2 * i], pairs[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        quads[i + 2] = __builtin_shufflevector(pairs[2 * i], pairs[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (int i = 0; i < 2; ++i) {
+        columns[2 * i] = __builtin_shufflevector(quads[2 * i], quads[2 * i + 1], 0, 1, 8, 9, 4, 5, 12, 13);
+        columns[2 * i + 1] = __builtin_shufflevector(quads[2 * i], quads[2 * i + 1], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
 }
 
 /// The voxel a position lies in; centres are at integers, so voxel i covers [i − ½, i + ½).

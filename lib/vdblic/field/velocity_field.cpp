@@ -7,14 +7,13 @@ void VelocityField::build(std::shared_ptr<const Domain> domain, const VelocityLe
     const Domain& leaves = *domain;
     mBricks.fill(std::move(domain), [&](std::size_t leaf, Record* records) {
         const auto fillLevel = [&](const VelocityLevel& level, int lane) {
-            const openvdb::Mat3s toStep(level.toStep);
+            const openvdb::Mat3s m(level.toStep);
+            const Float4 x = {m(0, 0), m(1, 0), m(2, 0), 0}, y = {m(0, 1), m(1, 1), m(2, 1), 0},
+                         z = {m(0, 2), m(1, 2), m(2, 2), 0}, covered = {0, 0, 0, 1};
             visitBrick(level.velocities, leaves.origin(leaf),
                        [&](int record, const openvdb::Vec3f& value, bool active) {
-                           float* numbers = records[record].values + lane;
-                           const openvdb::Vec3f step = active ? toStep * value : openvdb::Vec3f(0);
-                           for (int axis = 0; axis < 3; ++axis)
-                               numbers[axis] = step[axis];
-                           numbers[3] = active ? 1 : 0;
+                           const Float4 step = x * value[0] + y * value[1] + z * value[2] + covered;
+                           *reinterpret_cast<Float4*>(records[record].values + lane) = active ? step : Float4{};
                        });
         };
         fillLevel(start, 0);

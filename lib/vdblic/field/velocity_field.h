@@ -38,9 +38,44 @@ class VelocityField {
         return velocity;
     }
 
+    /// Sample eight positions at once.
+    /// @param window the leaf in and around which they are expected; elsewhere sampling is slower
+    /// @param lanes  those to sample; the others' results have no meaning
+    [[nodiscard]] VDBLIC_INLINE Vector8 sample(const LeafWindow& window, const Vector8& position, Float8 time,
+                                               const Vector8& outside, unsigned lanes) const
+    {
+        Float8 rows[8];
+        mBricks.interpolate(window, position, lanes, rows);
+        transpose(rows);
+        const auto between = [&](int number) { return rows[number] + (rows[number + 4] - rows[number]) * time; };
+        const Float8 coverage = between(3);
+        const Vector8 velocity = {between(0) / coverage, between(1) / coverage, between(2) / coverage};
+        return select(coverage > 0, velocity, outside);
+    }
+
+    /// The velocity at the centre of a voxel of the domain at the step's start; 0 where only the other frame has one.
+    [[nodiscard]] VDBLIC_INLINE Float4 startAt(int leaf, unsigned offset) const
+    {
+        const float* record = recordOf(leaf, offset);
+        return Float4{record[0], record[1], record[2], 0};
+    }
+
+    /// And at its end.
+    [[nodiscard]] VDBLIC_INLINE Float4 endAt(int leaf, unsigned offset) const
+    {
+        const float* record = recordOf(leaf, offset);
+        return Float4{record[4], record[5], record[6], 0};
+    }
+
     [[nodiscard]] const Domain& domain() const { return mBricks.domain(); }
+    [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mBricks.sharedDomain(); }
 
   private:
+    VDBLIC_INLINE const float* recordOf(int leaf, unsigned offset) const
+    {
+        const int place = (int(offset >> 6) * Bricks::kDim + int(offset >> 3 & 7)) * Bricks::kDim + int(offset & 7);
+        return mBricks.record(leaf, place)->values;
+    }
     Bricks mBricks;
 };
 

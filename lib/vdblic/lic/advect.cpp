@@ -1,6 +1,7 @@
 #include "vdblic/lic/advect.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/derived_grids.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
@@ -81,15 +82,21 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, int preroll)
 {
     openvdb::MetaMap metadata;
     const bool auflic = params.scatter.method == ScatterMethod::kAuflic;
-    metadata.insertMeta("method", openvdb::StringMetadata(auflic ? "auflic" : "uflic"));
+    metadata.insertMeta("method", openvdb::StringMetadata(params.steady ? "lic" : auflic ? "auflic" : "uflic"));
+    if (params.steady) metadata.insertMeta("kernel", openvdb::StringMetadata(std::string(toString(*params.steady))));
     metadata.insertMeta("life_span", openvdb::Int32Metadata(params.scatter.lifeSpan));
-    if (auflic) metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
+    if (auflic && !params.steady) {
+        metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
+        metadata.insertMeta("history", openvdb::BoolMetadata(params.scatter.history));
+    }
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(params.scatter.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(params.scatter.pathline.tolerance));
-    metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
-    metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
-    metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
-    metadata.insertMeta("preroll", openvdb::Int32Metadata(preroll));
+    if (!params.steady) {
+        metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
+        metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
+        metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
+        metadata.insertMeta("preroll", openvdb::Int32Metadata(preroll));
+    }
     if (params.noise.empty()) {
         metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));
     } else {
@@ -109,7 +116,7 @@ class Advection {
     Advection(const AdvectParams& params, std::istream& lines, Reporter& reporter)
         : mParams(params), mReporter(reporter), mPattern(params.output),
           mTexture(params.scatter, params.feedback,
-                   NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise))),
+                   NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
           mFlow(flowParams(params), lines, reporter), mWriter(reporter, mFlow.total())
     {
         if (mFlow.total() > 0) checkOutputPattern(mPattern, mFlow.total());
@@ -123,7 +130,7 @@ class Advection {
             mReporter.warn("no frames on standard input; nothing was computed");
             return;
         }
-        const int preroll = mParams.preroll.value_or(mParams.scatter.lifeSpan);
+        const int preroll = mParams.preroll.value_or(mParams.steady ? 0 : mParams.scatter.lifeSpan);
         mParameters = parameterMetadata(mParams, preroll);
         mTime = current->velocity.time.value_or(0);
         checkOutput(*current);
@@ -187,6 +194,9 @@ class Advection {
             grid->setGridClass(openvdb::GRID_FOG_VOLUME);
         }
         openvdb::GridCPtrVec grids = {texture, magnitude};
+        for (auto& grid :
+             derivedGrids(mParams.derived, *frame.flow.domain, *frame.velocity.values, frame.flow.toWorldPerSecond))
+            grids.push_back(std::move(grid));
         grids.insert(grids.end(), frame.velocity.carried.begin(), frame.velocity.carried.end());
         openvdb::MetaMap metadata = mParameters;
         if (!frame.velocity.sourceCreator.empty()) {
@@ -196,10 +206,11 @@ class Advection {
         metadata.insertMeta("time", openvdb::DoubleMetadata(mTime));
         metadata.insertMeta("dt", openvdb::DoubleMetadata(seconds));
         mReporter.detail(fmt::format(
-            "frame {}: {} voxels, {} particles, {} released, {} reused, {} copied, {} steps, {} "
-            "deposits",
-            frame.velocity.file.frame, frame.flow.domain->voxelCount(), step.stats.particles, step.stats.released,
-            step.stats.reused, step.stats.copied, step.stats.steps, step.stats.deposits));
+            "frame {}: {} voxels; particles: {} went on, {} blocked, {} released; seeds: {} reused, {} copied; {} steps, {} "
+            "deposits; seconds: load {:.3f}, scatter {:.3f}, convolve {:.3f}, filter {:.3f}",
+            frame.velocity.file.frame, frame.flow.domain->voxelCount(), step.stats.particles, step.stats.blocked,
+            step.stats.released, step.stats.reused, step.stats.copied, step.stats.steps, step.stats.deposits,
+            step.times.load, step.times.scatter, step.times.convolve, step.times.filter));
         mWriter.write(mPattern.path(frame.velocity.file.frame), std::move(grids), std::move(metadata));
     }
 
@@ -242,13 +253,18 @@ void AdvectParams::validate() const
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
     }
-    if (textureName.empty() || textureName == "magnitude") {
+    checkDerivedNames(derived);
+    const auto isOutput = [&](const std::string& name) {
+        return name == "magnitude" || std::find(derived.begin(), derived.end(), name) != derived.end();
+    };
+    if (textureName.empty() || isOutput(textureName)) {
         throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
     }
     for (const std::string& name : velocity.carry) {
-        if (name != textureName && name != "magnitude") continue;
-        throw ParameterError(
-            fmt::format("the grid '{}' to carry along has the name of an output; give --texture-name another", name));
+        if (name != textureName && !isOutput(name)) continue;
+        throw ParameterError(fmt::format("the grid '{}' to carry along has the name of an output; leave one of the two "
+                                         "out, or give --texture-name another",
+                                         name));
     }
 }
 

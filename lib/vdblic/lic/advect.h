@@ -6,6 +6,7 @@
 #include "vdblic/io/velocity.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/scatter.h"
+#include "vdblic/lic/steady_lic.h"
 
 #include <iosfwd>
 #include <optional>
@@ -25,16 +26,18 @@ struct AdvectParams {
     DomainParams domain;
     ScatterParams scatter;
     FeedbackParams feedback;
+    std::optional<LicKernel> steady; ///< LIC of each frame on its own, instead of scatter.method
     std::string noise;          ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;     ///< of the generated noise
-    std::optional<int> preroll; ///< steps on the frozen first frame before it is written; nothing: the life span
+    std::optional<int> preroll; ///< steps on the frozen first frame before it is written; nothing: the life span, 0 for LIC
     std::string textureName = "density";
+    std::vector<std::string> derived{}; ///< further grids made of the velocity, by kDerivedNames
 
     void validate() const; ///< @throws ParameterError
 };
 
-/// Compute and write the texture of every frame, with `density`, `magnitude` and what is carried along; reading ahead,
-/// computing and writing overlap.
+/// Compute and write the texture of every frame: `density`, `magnitude`, derived grids, what is carried along; reading
+/// ahead, computing and writing overlap.
 ///
 /// @param lines source of the paths if the input is `-`
 /// @throws ParameterError, InputError, OutputError; outputs written before stay

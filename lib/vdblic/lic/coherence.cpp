@@ -126,18 +126,20 @@ std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
 void addTemporal(const Scene& scene, const std::vector<Point>& points, BlockSums& sums)
 {
     PathBatch batch;
+    const LeafWindow anywhere;
     for (std::size_t first = 0; first < points.size(); first += kLanes) {
-        batch.count = int(std::min<std::size_t>(kLanes, points.size() - first));
-        for (std::size_t lane = 0; lane < std::size_t(batch.count); ++lane) {
-            batch.position[lane] = points[first + lane].position;
-            batch.slope[lane] = points[first + lane].velocity;
+        const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
+        batch.lanes = (1u << count) - 1;
+        for (int lane = 0; lane < count; ++lane) {
+            batch.position.setLane(lane, points[first + std::size_t(lane)].position);
+            batch.slope.setLane(lane, points[first + std::size_t(lane)].velocity);
         }
-        advancePaths(scene.field, scene.params.pathline, batch);
-        for (std::size_t lane = 0; lane < std::size_t(batch.count); ++lane) {
-            const Segment& last = batch.path[lane].back();
-            const Point& point = points[first + lane];
-            const auto there = scene.next->sample(batch.position[lane]), same = scene.next->sample(point.position);
-            if (last.duration < 1 - last.time || !there.inside || !same.inside) continue;
+        advancePaths(scene.field, anywhere, scene.params.pathline, batch);
+        for (int lane = 0; lane < count; ++lane) {
+            const Point& point = points[first + std::size_t(lane)];
+            const auto there = scene.next->sample(batch.position.lane(lane)),
+                       same = scene.next->sample(point.position);
+            if (!(batch.arrived >> lane & 1) || !there.inside || !same.inside) continue;
             sums.raw.temporal.add(point.here.raw, there.raw);
             sums.raw.samePlace.add(point.here.raw, same.raw);
             sums.smoothed.temporal.add(point.here.smoothed, there.smoothed);

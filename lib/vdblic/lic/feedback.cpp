@@ -1,6 +1,7 @@
 #include "vdblic/lic/feedback.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/lic/local_contrast.h"
 #include "vdblic/lic/neighbourhood.h"
 #include "vdblic/lic/noise.h"
 #include "vdblic/lic/scatter.h"
@@ -13,7 +14,6 @@
 namespace vdblic {
 namespace {
 
-constexpr int kDim = Domain::Leaf::DIM;
 constexpr float kFull = float(kNoiseMax);
 constexpr float kMaxGain = 16;
 
@@ -22,110 +22,33 @@ std::int32_t toFixed(float value)
     return std::int32_t(std::clamp(value, 0.0f, 1.0f) * kFull + 0.5f);
 }
 
+VDBLIC_INLINE Float8 clampToUnit(Float8 value)
+{
+    const Float8 atLeast0 = value > 0 ? value : Float8{};
+    return atLeast0 < 1 ? atLeast0 : broadcast8(1);
+}
+VDBLIC_INLINE Int8 toFixed(Float8 value)
+{
+    return __builtin_convertvector(clampToUnit(value) * kFull + 0.5f, Int8);
+}
+
 /// c + s (c − mean of the valid neighbours) for every voxel.
 LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength)
 {
     LeafValues<float> result(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        Neighbourhood around = gatherNeighbourhood(domain, texture, domain.origin(leaf));
-        sumNeighbours(around.value);
-        sumNeighbours(around.valid);
+        const NeighbourSums sums = sumNeighbours(domain, texture, leaf, 1);
+        const Domain::Mask& mask = domain.mask(leaf);
         for (int i = 0; i < Domain::kLeafVoxels; ++i) {
-            const int x = i >> 6, y = i >> 3 & 7, z = i & 7;
-            const auto at = Neighbourhood::index(x, y, z);
+            if (!mask.isOn(openvdb::Index(i))) continue;
             const float centre = texture[leaf][i];
-            const float neighbours = around.valid[at] - 1;
-            const float mean = neighbours > 0 ? (around.value[at] - centre) / neighbours : centre;
+            const float neighbours = sums.weight[std::size_t(i)] - 1;
+            const float mean = neighbours > 0 ? (sums.value[std::size_t(i)] - centre) / neighbours : centre;
             result[leaf][i] = centre + strength * (centre - mean);
         }
     });
     return result;
 }
-
-// Contrast is taken over blocks of 4³ voxels and their neighbours: wide enough to tell contrast, narrow enough that no
-// feature grows broader than a few voxels.
-constexpr int kBlock = 4;
-constexpr int kBlocks = kDim / kBlock; // of a leaf, along each axis
-
-/// Number, sum and sum of squares of a block's values.
-struct Moments {
-    double count = 0, sum = 0, squares = 0;
-};
-using LeafMoments = std::array<Moments, kBlocks * kBlocks * kBlocks>;
-
-constexpr int blockOf(int x, int y, int z)
-{
-    return (x / kBlock * kBlocks + y / kBlock) * kBlocks + z / kBlock;
-}
-
-std::vector<LeafMoments> momentsOf(const Domain& domain, const LeafValues<float>& values)
-{
-    std::vector<LeafMoments> moments(domain.leafCount());
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
-            const double value = values[leaf][voxel.pos()];
-            const int offset = int(voxel.pos());
-            Moments& block = moments[leaf][std::size_t(blockOf(offset >> 6, offset >> 3 & 7, offset & 7))];
-            block.count += 1;
-            block.sum += value;
-            block.squares += value * value;
-        }
-    });
-    return moments;
-}
-
-/// Mean and standard deviation around a voxel: the moments of the nearest blocks, weighted linearly by the distance of
-/// their centres.
-class LocalContrast {
-  public:
-    LocalContrast(const Domain& domain, const std::vector<LeafMoments>& moments, const openvdb::Coord& origin)
-    {
-        for (int part = 0; part < kAround * kAround * kAround; ++part) {
-            const Int4 there = {origin[0] + (part / (kAround * kAround) - 1) * kBlock,
-                                origin[1] + (part / kAround % kAround - 1) * kBlock,
-                                origin[2] + (part % kAround - 1) * kBlock, 0};
-            if (const int leaf = domain.findLeaf(there); leaf >= 0) {
-                mAround[std::size_t(part)] =
-                    moments[std::size_t(leaf)][std::size_t(blockOf(there[0] & 7, there[1] & 7, there[2] & 7))];
-            }
-        }
-    }
-
-    struct Contrast {
-        float mean, deviation;
-    };
-    [[nodiscard]] Contrast at(int offset) const
-    {
-        const Axis x(offset >> 6), y(offset >> 3 & 7), z(offset & 7);
-        Moments m;
-        for (int corner = 0; corner < 8; ++corner) {
-            const int i = corner >> 2, j = corner >> 1 & 1, k = corner & 1;
-            const Moments& block =
-                mAround[std::size_t(((x.first + i) * kAround + y.first + j) * kAround + z.first + k)];
-            const double weight = x.weight[i] * y.weight[j] * z.weight[k];
-            m.count += weight * block.count;
-            m.sum += weight * block.sum;
-            m.squares += weight * block.squares;
-        }
-        const double mean = m.sum / m.count;
-        return {float(mean), float(std::sqrt(std::max(0.0, m.squares / m.count - mean * mean)))};
-    }
-
-  private:
-    static constexpr int kAround = kBlocks + 2; // the leaf's blocks and one before and after, along each axis
-
-    /// The two blocks whose centres enclose a voxel along one axis.
-    struct Axis {
-        explicit Axis(int voxel) : first((voxel + kBlock / 2) / kBlock)
-        {
-            weight[1] = (voxel + 0.5 + kBlock / 2) / kBlock - first;
-            weight[0] = 1 - weight[1];
-        }
-        int first;
-        double weight[2];
-    };
-    std::array<Moments, kAround * kAround * kAround> mAround{};
-};
 
 /// The top bit from the texture, the rest from the noise; values near the ends are stretched to them.
 float jitterBits(float texture, float noise)
@@ -134,38 +57,71 @@ float jitterBits(float texture, float noise)
     return value > 0.9f ? 1.0f : value < 0.1f ? 0.0f : value;
 }
 
-/// Trilinear interpolation of a domain's values, over the corners that are in the domain.
-class Interpolator {
+/// A texture as it is and sharpened, to be sampled between voxels.
+class TextureBricks {
   public:
-    Interpolator(const Domain& domain, const LeafValues<float>& values) : mDomain(domain), mValues(values) {}
-
-    struct Sample {
-        float value;    ///< mean of the corners in the domain; 0 if there are none
-        float coverage; ///< their share of the weights
-    };
-    [[nodiscard]] Sample at(Float4 position) const
+    TextureBricks(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture,
+                  const LeafValues<float>& sharp)
     {
-        const Int4 base = floorToInt(position);
-        const Float4 fraction = position - __builtin_convertvector(base, Float4);
-        float sum = 0, coverage = 0;
-        for (int corner = 0; corner < 8; ++corner) {
-            const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
-            float weight = 1;
-            for (int axis = 0; axis < 3; ++axis)
-                weight *= step[axis] ? fraction[axis] : 1 - fraction[axis];
-            const Int4 voxel = base + step;
-            const int leaf = weight > 0 ? mDomain.findLeaf(voxel) : -1;
-            if (leaf < 0 || !mDomain.isActive(leaf, Domain::offset(voxel))) continue;
-            sum += weight * mValues[std::size_t(leaf)][Domain::offset(voxel)];
-            coverage += weight;
-        }
-        return {coverage > 0 ? sum / coverage : 0, coverage};
+        const Domain& leaves = *domain;
+        mBricks.fill(std::move(domain), [&](std::size_t leaf, BricksOf<4>::Record* records) {
+            visitBrick(leaves, leaf, [&](int record, int there, unsigned offset) {
+                const auto at = std::size_t(there);
+                records[record] = there < 0 ? BricksOf<4>::Record{}
+                                            : BricksOf<4>::Record{{texture[at][offset], sharp[at][offset], 1, 0}};
+            });
+        });
+    }
+
+    /// Means over the corners in the domain, and their share of the weights; the means mean nothing where that is 0.
+    struct Samples {
+        Float8 texture, sharp, coverage;
+    };
+    [[nodiscard]] VDBLIC_INLINE Samples at(const LeafWindow& window, const Vector8& position, unsigned lanes) const
+    {
+        Float4 rows[8];
+        mBricks.interpolate(window, position, lanes, rows);
+        Float8 columns[4];
+        transpose(rows, columns);
+        return {columns[0] / columns[2], columns[1] / columns[2], columns[2]};
     }
 
   private:
-    const Domain& mDomain;
-    const LeafValues<float>& mValues;
+    BricksOf<4> mBricks;
 };
+
+/// The domain's share of the trilinear weights at a position.
+float coverageAt(const Domain& domain, Float4 position)
+{
+    const Int4 base = floorToInt(position);
+    const Float4 fraction = position - __builtin_convertvector(base, Float4);
+    float coverage = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
+        const int leaf = domain.findLeaf(base + step);
+        if (leaf < 0 || !domain.isActive(leaf, Domain::offset(base + step))) continue;
+        float weight = 1;
+        for (int axis = 0; axis < 3; ++axis)
+            weight *= step[axis] ? fraction[axis] : 1 - fraction[axis];
+        coverage += weight;
+    }
+    return coverage;
+}
+
+/// Whether every voxel within 8 of a leaf's is in the domain.
+bool isDeepInside(const Domain& domain, const LeafWindow& window)
+{
+    return std::all_of(window.leaves.begin(), window.leaves.begin() + LeafWindow::kElsewhere,
+                       [&](int leaf) { return leaf >= 0 && domain.mask(std::size_t(leaf)).isOn(); });
+}
+
+/// What nothing was before: the noise, which is its own history.
+void fillWithNoise(const NoiseField& noise, const openvdb::Coord& origin, std::int32_t* input)
+{
+    noise.fill(origin, input);
+    for (int i = 0; i < Domain::kLeafVoxels; ++i)
+        input[i] = Input::pack(std::uint32_t(input[i]), std::uint32_t(input[i]));
+}
 
 } // namespace
 
@@ -195,9 +151,10 @@ void FeedbackParams::validate() const
 
 void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
 {
-    for (int i = 0; i < Domain::kLeafVoxels; ++i) {
-        const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(openvdb::Index(i));
-        values[i] = noiseValue(at[0], at[1], at[2], mSeed);
+    for (int row = 0; row < 64; ++row) {
+        const std::uint64_t column = noiseColumn(origin[0] + (row >> 3), origin[1] + (row & 7), mSeed);
+        for (int z = 0; z < 8; ++z)
+            values[row << 3 | z] = noiseInColumn(column, origin[2] + z);
     }
     if (!mGrid) return;
     if (const auto* leaf = mGrid->tree().probeConstLeaf(origin)) {
@@ -228,7 +185,7 @@ LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& nois
 {
     LeafValues<std::int32_t> input(domain, 0);
     tbb::parallel_for(std::size_t(0), domain.leafCount(),
-                      [&](std::size_t leaf) { noise.fill(domain.origin(leaf), input[leaf]); });
+                      [&](std::size_t leaf) { fillWithNoise(noise, domain.origin(leaf), input[leaf]); });
     return input;
 }
 
@@ -237,53 +194,127 @@ LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>&
 {
     LeafValues<float> texture(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
-            const auto hits = std::uint64_t(accumulator[leaf][voxel.pos()]);
-            const float value = Hits::count(hits) > 0 ? float(double(Hits::sum(hits)) / double(Hits::count(hits)))
-                                                      : float(input[leaf][voxel.pos()]);
-            texture[leaf][voxel.pos()] = value / kFull;
+        for (int i = 0; i < Domain::kLeafVoxels; ++i) {
+            const std::int64_t word = accumulator[leaf][i];
+            if (word < 0) continue;
+            const std::uint64_t sum = Hits::sum(std::uint64_t(word)), count = Hits::count(std::uint64_t(word));
+            const float value =
+                count > 0 ? float(double(sum) / double(count)) : float(Input::value(input[leaf][i]));
+            texture[leaf][i] = value / kFull;
         }
     });
     return texture;
 }
 
-LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& output, const Domain& next,
+namespace {
+
+/// What filters one leaf after another; only reads.
+struct FeedForward {
+    const VelocityField& field;
+    const Domain& domain;
+    const TextureBricks& texture;
+    const LocalContrast& contrast;
+    const NoiseField& noise;
+    const FeedbackParams& params;
+    std::uint64_t step;
+
+    VDBLIC_INLINE void filterLeaf(std::size_t leaf, std::int32_t* input) const
+    {
+        const openvdb::Coord origin = domain.origin(leaf);
+        const LeafWindow window(domain, origin);
+        const LocalContrast::Leaf around(contrast, origin);
+        const bool deepInside = isDeepInside(domain, window);
+        const Domain::Mask& mask = domain.mask(leaf);
+        for (int row = 0; row < 64; ++row) {
+            const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
+            if (lanes == 0) continue;
+            Vector8 centre, way;
+            centre.x = broadcast8(float(origin[0] + (row >> 3)));
+            centre.y = broadcast8(float(origin[1] + (row & 7)));
+            centre.z = Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(origin[2]);
+            for (int z = 0; z < 8; ++z)
+                way.setLane(z, field.endAt(int(leaf), unsigned(row << 3 | z)));
+            TextureBricks::Samples upstream = texture.at(window, centre - way * 0.5f, lanes);
+            if (anyOf(maskOf(lanes) & !(upstream.coverage > 0))) {
+                const TextureBricks::Samples here = texture.at(window, centre, lanes);
+                const Int8 known = upstream.coverage > 0;
+                upstream.texture = known ? upstream.texture : here.texture;
+                upstream.sharp = known ? upstream.sharp : here.sharp;
+            }
+
+            Int8 value = filtered(around, row, upstream.sharp, input + 8 * row);
+            const Float8 reach2 = squaredLength(way);
+            if (!deepInside || anyOf(maskOf(lanes) & (reach2 >= float(Domain::Leaf::DIM * Domain::Leaf::DIM)))) {
+                renewEntering(window, centre, way, lanes, value);
+            }
+            const Int8 history = toFixed(upstream.texture);
+            for (int z = 0; z < 8; ++z) {
+                if (lanes >> z & 1)
+                    input[8 * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));
+            }
+        }
+    }
+
+    /// Restore contrast and add noise. @param input the original noise of the row
+    [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, int row, Float8 sharp,
+                                              const std::int32_t* input) const
+    {
+        Float8 original;
+        for (int z = 0; z < 8; ++z)
+            original[z] = float(Input::value(input[z])) / kFull;
+        if (params.jitter == Jitter::kBits) {
+            Float8 jittered;
+            for (int z = 0; z < 8; ++z)
+                jittered[z] = jitterBits(sharp[z], original[z]);
+            return toFixed(jittered);
+        }
+        // Where there is next to no contrast there is none to restore.
+        const LocalContrast::Row local = around.row(row >> 3, row & 7);
+        const Float8 least = broadcast8(params.deviation / kMaxGain);
+        const Float8 gain = params.deviation / (local.deviation > least ? local.deviation : least);
+        const Float8 restored = clampToUnit(0.5f + gain * (sharp - local.mean));
+        return toFixed(restored + params.noiseShare * (original - restored));
+    }
+
+    /// Where fluid came into the domain during the step, new noise comes with it.
+    [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& way,
+                                         unsigned lanes, Int8& value) const
+    {
+        const Vector8 before = centre - way;
+        const TextureBricks::Samples there = texture.at(window, before, lanes);
+        for (int z = 0; z < 8; ++z) {
+            if (!(lanes >> z & 1)) continue;
+            // Bricks go on below the domain with its first values; here that is outside.
+            const bool inBrick = domain.findLeaf(floorToInt(before.lane(z))) >= 0;
+            const float stayed = inBrick ? there.coverage[z] : coverageAt(domain, before.lane(z));
+            const openvdb::Coord at(int(centre.x[z]), int(centre.y[z]), int(centre.z[z]));
+            if (stayed < 1 && noise.fromOutside(at, step, stayed)) value[z] = noise.entering(at, step);
+        }
+    }
+};
+
+VDBLIC_KERNEL void filterLeaf(const FeedForward& filter, std::size_t leaf, std::int32_t* input)
+{
+    filter.filterLeaf(leaf, input);
+}
+
+} // namespace
+
+LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture, const Domain& next,
                                      const NoiseField& noise, const FeedbackParams& params, std::uint64_t step)
 {
     const Domain& domain = field.domain();
-    const LeafValues<float> sharp = sharpened(domain, output, params.sharpen);
-    const Interpolator texture(domain, sharp);
-    const std::vector<LeafMoments> moments = momentsOf(domain, sharp);
+    const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
+    const TextureBricks bricks(field.sharedDomain(), texture, sharp);
+    const LocalContrast contrast(domain, sharp);
+    const FeedForward filter{field, domain, bricks, contrast, noise, params, step};
 
     LeafValues<std::int32_t> input(next, 0);
     tbb::parallel_for(std::size_t(0), next.leafCount(), [&](std::size_t leaf) {
-        std::int32_t* values = input[leaf];
         const openvdb::Coord origin = next.origin(leaf);
-        noise.fill(origin, values);
+        fillWithNoise(noise, origin, input[leaf]);
         const int from = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-        if (from < 0) return;
-        const LocalContrast contrast(domain, moments, origin);
-        for (auto voxel = domain.mask(std::size_t(from)).beginOn(); voxel; ++voxel) {
-            const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
-            const Float4 centreOfVoxel = {float(at[0]), float(at[1]), float(at[2]), 0};
-            const Float4 way = field.sample(centreOfVoxel, 1, Float4{});
-            const float original = float(values[voxel.pos()]) / kFull;
-            // The part of the voxel's fluid that was in the domain a step ago.
-            const float stayed = texture.at(centreOfVoxel - way).coverage;
-            const auto [there, known] = texture.at(centreOfVoxel - way * 0.5f);
-            const float value = known > 0 ? there : sharp[std::size_t(from)][voxel.pos()];
-            if (noise.fromOutside(at, step, stayed)) {
-                values[voxel.pos()] = noise.entering(at, step);
-            } else if (params.jitter == Jitter::kBits) {
-                values[voxel.pos()] = toFixed(jitterBits(value, original));
-            } else {
-                const auto [mean, deviation] = contrast.at(int(voxel.pos()));
-                // Where there is next to no contrast there is none to restore.
-                const float gain = params.deviation / std::max(deviation, params.deviation / kMaxGain);
-                const float restored = std::clamp(0.5f + gain * (value - mean), 0.0f, 1.0f);
-                values[voxel.pos()] = toFixed(restored + params.noiseShare * (original - restored));
-            }
-        }
+        if (from >= 0) filterLeaf(filter, std::size_t(from), input[leaf]);
     });
     return input;
 }

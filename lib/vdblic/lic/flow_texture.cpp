@@ -1,28 +1,70 @@
 #include "vdblic/lic/flow_texture.h"
 
-namespace vdblic {
+#include <chrono>
 
-FlowTexture::FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise)
-    : mFeedback(feedback), mNoise(std::move(noise)), mScatter(scatter)
+namespace vdblic {
+namespace {
+
+/// Gives the seconds since it was last asked.
+class Stopwatch {
+  public:
+    double lap()
+    {
+        const auto now = std::chrono::steady_clock::now();
+        const std::chrono::duration<double> passed = now - mLast;
+        mLast = now;
+        return passed.count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point mLast = std::chrono::steady_clock::now();
+};
+
+} // namespace
+
+StageTimes& StageTimes::operator+=(const StageTimes& other)
+{
+    load += other.load;
+    scatter += other.scatter;
+    convolve += other.convolve;
+    filter += other.filter;
+    return *this;
+}
+
+FlowTexture::FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
+                         std::optional<LicKernel> steady)
+    : mParams(scatter), mFeedback(feedback), mNoise(std::move(noise)), mSteady(steady), mScatter(scatter)
 {
     feedback.validate();
 }
 
 FlowTextureStep FlowTexture::advance(const FlowStep& step)
 {
+    Stopwatch watch;
+    FlowTextureStep result;
+    if (mSteady) {
+        result.texture =
+            steadyLic(step.start, step.startToStep, mParams.lifeSpan, *mSteady, mParams.pathline, mNoise);
+        result.times.convolve = watch.lap();
+        return result;
+    }
     const Domain& domain = *step.start.domain;
     if (!mInput) mInput = noiseInput(domain, mNoise);
-
     mField.build(step.start.domain, {step.start.velocities->tree(), step.startToStep},
                  {step.end.velocities->tree(), step.endToStep});
-    const LeafValues<std::int64_t> accumulator(domain, 0);
+    result.times.load = watch.lap();
+
+    const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
     const double slopeScale = mLastInterval > 0 ? step.interval / mLastInterval : 1;
     mLastInterval = step.interval;
+    result.stats = mScatter.step(mField, *mInput, accumulator, *step.end.domain, float(slopeScale));
+    result.times.scatter = watch.lap();
 
-    FlowTextureStep result;
-    result.stats = mScatter.step(mField, *mInput, accumulator, float(slopeScale));
     result.texture = convolve(domain, accumulator, *mInput);
+    result.times.convolve = watch.lap();
+
     mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep++);
+    result.times.filter = watch.lap();
     return result;
 }
 

@@ -1,19 +1,14 @@
 #pragma once
 
 #include "vdblic/lic/feedback.h"
+#include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/scatter.h"
+#include "vdblic/lic/steady_lic.h"
 
 #include <memory>
 #include <optional>
 
 namespace vdblic {
-
-/// One frame of the flow: its domain, and its velocity over the steps that begin or end there.
-struct FlowFrame {
-    std::shared_ptr<const Domain> domain;
-    openvdb::Vec3SGrid::ConstPtr velocities;
-    openvdb::Mat3d toWorldPerSecond; ///< stored value → world units per second
-};
 
 /// A step between two frames.
 struct FlowStep {
@@ -23,25 +18,42 @@ struct FlowStep {
     double interval = 1;                   ///< seconds
 };
 
+/// Seconds spent, in the parts of the paper's Table 2.
+struct StageTimes {
+    double load = 0;     ///< building the field from what was read
+    double scatter = 0;  ///< advancing pathlines and depositing values
+    double convolve = 0; ///< dividing sums by hits
+    double filter = 0;   ///< sharpening, contrast and noise
+
+    StageTimes& operator+=(const StageTimes& other);
+};
+
 /// A texture and what it took to make it.
 struct FlowTextureStep {
     LeafValues<float> texture; ///< in [0, 1], on the domain of the step's first frame
     ScatterStats stats;
+    StageTimes times;
 };
 
-/// The UFLIC pipeline: scatter, convolve, filter, feed forward (Liu & Moorhead 2004, Figure 1a).
+/// The UFLIC pipeline: scatter, convolve, filter, feed forward (Liu & Moorhead 2004, Figure 1a); or steadyLic() of each
+/// frame on its own.
 class FlowTexture {
   public:
+    /// @param steady if it has a value, every frame is convolved on its own with this kernel, and of `scatter` only the
+    ///               life span and the pathlines' parameters count
     /// @throws ParameterError
-    FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise);
+    FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
+                std::optional<LicKernel> steady = std::nullopt);
 
     /// Compute the texture of the frame a step starts from. Steps must follow each other: each starts from the frame
     /// that the one before ended at.
     FlowTextureStep advance(const FlowStep& step);
 
   private:
+    ScatterParams mParams;
     FeedbackParams mFeedback;
     NoiseField mNoise;
+    std::optional<LicKernel> mSteady;
     Scatter mScatter;
     VelocityField mField;
     std::optional<LeafValues<std::int32_t>> mInput;

@@ -1,43 +1,92 @@
 #include "vdblic/lic/neighbourhood.h"
 
 namespace vdblic {
+namespace {
 
-Neighbourhood gatherNeighbourhood(const Domain& domain, const LeafValues<float>& values, const openvdb::Coord& origin)
+constexpr int kLeafDim = Domain::Leaf::DIM;
+constexpr int kDim = kLeafDim + 2; // the leaf and the voxels around it
+
+/// A number for each voxel of a leaf and those around it, x slowest.
+using Numbers = float[kDim][kDim][kDim];
+
+/// Copy numbers together: row(leaf, x, y) gives the 8 of a leaf's row, the leaf −1 where there is none.
+template<typename RowOf>
+VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Numbers& numbers)
 {
-    // Along each axis: the last plane of the leaf before, the leaf itself, the first plane of the leaf after.
-    constexpr int kLeafDim = Domain::Leaf::DIM;
-    constexpr std::array<std::array<int, 2>, 3> kRange = {{{-1, 0}, {0, kLeafDim}, {kLeafDim, kLeafDim + 1}}};
-    Neighbourhood result;
-    for (int part = 0; part < 27; ++part) {
-        const auto &rx = kRange[std::size_t(part / 9)], &ry = kRange[std::size_t(part / 3 % 3)],
-                   &rz = kRange[std::size_t(part % 3)];
-        const int leaf = domain.findLeaf(Int4{origin[0] + rx[0], origin[1] + ry[0], origin[2] + rz[0], 0});
-        for (int x = rx[0]; x < rx[1]; ++x) {
-            for (int y = ry[0]; y < ry[1]; ++y) {
-                for (int z = rz[0]; z < rz[1]; ++z) {
-                    const unsigned offset = Domain::offset(Int4{x, y, z, 0});
-                    const bool valid = leaf >= 0 && domain.isActive(leaf, offset);
-                    const std::size_t to = Neighbourhood::index(x, y, z);
-                    result.valid[to] = valid ? 1 : 0;
-                    result.value[to] = valid ? values[std::size_t(leaf)][offset] : 0;
-                }
-            }
+    for (int x = -1; x <= kLeafDim; ++x) {
+        for (int y = -1; y <= kLeafDim; ++y) {
+            float* to = numbers[x + 1][y + 1];
+            const int* leaves = &window.leaves[std::size_t((((x + 8) >> 3) * 3 + ((y + 8) >> 3)) * 3)];
+            to[0] = row(leaves[0], x & 7, y & 7)[7];
+            const Float8 middle = row(leaves[1], x & 7, y & 7);
+            __builtin_memcpy(to + 1, &middle, sizeof middle);
+            to[kDim - 1] = row(leaves[2], x & 7, y & 7)[0];
         }
     }
-    return result;
 }
 
-void sumNeighbours(Neighbourhood::Numbers& numbers, float centre)
+VDBLIC_INLINE void sum(const Numbers& numbers, float centre, float* sums)
 {
-    constexpr int kDim = Neighbourhood::kDim;
-    for (const int stride : {1, kDim, kDim * kDim}) {
-        const auto source = numbers;
-        const int last = int(source.size()) - stride;
-        for (int i = stride; i < last; ++i) {
-            numbers[std::size_t(i)] =
-                source[std::size_t(i - stride)] + centre * source[std::size_t(i)] + source[std::size_t(i + stride)];
+    const auto load = [](const float* from) {
+        Float8 row;
+        __builtin_memcpy(&row, from, sizeof row);
+        return row;
+    };
+    Float8 planes[kDim][kLeafDim];
+    for (int x = 0; x < kDim; ++x) {
+        Float8 rows[kDim];
+        for (int y = 0; y < kDim; ++y) {
+            const float* row = numbers[x][y];
+            rows[y] = load(row) + load(row + 1) * centre + load(row + 2);
+        }
+        for (int y = 0; y < kLeafDim; ++y)
+            planes[x][y] = rows[y] + rows[y + 1] * centre + rows[y + 2];
+    }
+    for (int x = 0; x < kLeafDim; ++x) {
+        for (int y = 0; y < kLeafDim; ++y) {
+            const Float8 total = planes[x][y] + planes[x + 1][y] * centre + planes[x + 2][y];
+            __builtin_memcpy(sums + (x * kLeafDim + y) * kLeafDim, &total, sizeof total);
         }
     }
+}
+
+VDBLIC_KERNEL void sumLeaf(const Domain& domain, const LeafValues<float>& values, const LeafWindow& window,
+                           float centre, NeighbourSums& sums)
+{
+    alignas(32) Numbers numbers;
+    const auto valueRow = [&](int leaf, int x, int y) {
+        Float8 row{};
+        if (leaf >= 0) __builtin_memcpy(&row, values[std::size_t(leaf)] + (x * kLeafDim + y) * kLeafDim, sizeof row);
+        return row;
+    };
+    gather(window, valueRow, numbers);
+    sum(numbers, centre, sums.value.data());
+
+    bool whole = true;
+    for (int place = 0; place < LeafWindow::kElsewhere; ++place) {
+        const int leaf = window.leaves[std::size_t(place)];
+        whole = whole && leaf >= 0 && domain.mask(std::size_t(leaf)).isOn();
+    }
+    if (whole) {
+        sums.weight.fill((2 + centre) * (2 + centre) * (2 + centre));
+        return;
+    }
+    const auto maskRow = [&](int leaf, int x, int y) {
+        const int bits = leaf < 0 ? 0 : domain.mask(std::size_t(leaf)).getWord<std::uint8_t>(openvdb::Index(x * kLeafDim + y));
+        const Int8 on = maskOf(unsigned(bits));
+        return on ? broadcast8(1) : Float8{};
+    };
+    gather(window, maskRow, numbers);
+    sum(numbers, centre, sums.weight.data());
+}
+
+} // namespace
+
+NeighbourSums sumNeighbours(const Domain& domain, const LeafValues<float>& values, std::size_t leaf, float centre)
+{
+    NeighbourSums sums;
+    sumLeaf(domain, values, LeafWindow(domain, domain.origin(leaf)), centre, sums);
+    return sums;
 }
 
 } // namespace vdblic

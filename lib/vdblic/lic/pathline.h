@@ -3,8 +3,7 @@
 #include "vdblic/field/velocity_field.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <bit>
 #include <vector>
 
 namespace vdblic {
@@ -17,30 +16,25 @@ struct PathlineParams {
     void validate() const; ///< @throws ParameterError
 };
 
-/// One integration step as a cubic Hermite curve.
-struct Segment {
-    Float4 start, end;           ///< index space, voxel centres at integers
-    Float4 startSlope, endSlope; ///< velocity there, voxels per time step
-    float time, duration;        ///< of the whole time step, 0 to 1
-};
-
-/// Samples on a segment, eight at a time.
-struct SampleBlock {
-    Int8 x, y, z; ///< the voxels they lie in
-    Float8 time;  ///< as fractions of the time step
-    int count;    ///< how many of the eight are samples
-};
-
 /// How many particles are advanced side by side: enough loads in flight to hide the memory's latency.
 inline constexpr int kLanes = 8;
 
+/// One integration step of up to eight particles, each a cubic Hermite curve.
+struct Segment {
+    Vector8 start, end;           ///< index space, voxel centres at integers
+    Vector8 startSlope, endSlope; ///< velocity there, voxels per time step
+    Float8 time, duration;        ///< of the whole time step, 0 to 1
+    unsigned lanes;               ///< whose bits are set took this step
+};
+
 /// Particles to advance together, and the paths they took.
 struct PathBatch {
-    int count = 0;
-    std::array<Float4, kLanes> position; ///< index space, fourth lane 0; updated
-    std::array<Float4, kLanes> slope;    ///< velocity there at the step's start; updated to that at its end
-    std::array<std::vector<Segment>, kLanes> path;
-    std::size_t steps = 0; ///< integration steps tried since the batch was made
+    unsigned lanes = 0;            ///< whose bits are set hold a particle
+    Vector8 position{};            ///< index space; updated
+    Vector8 slope{};               ///< velocity there at the step's start; updated to that at its end
+    unsigned arrived = 0;          ///< lanes whose path lasts to the end of the time step
+    std::vector<Segment> segments; ///< in order of time, for every lane
+    std::size_t steps = 0;         ///< integration steps tried since the batch was made
 };
 
 namespace pathline {
@@ -65,102 +59,158 @@ VDBLIC_INLINE float strideLimit(Float4 slope)
 /// Advance every particle of a batch by one time step.
 ///
 /// Classical RK4 whose end slope serves as the next step's first (FSAL) and gives the embedded third-order error
-/// estimate |h/6 (k4 − k5)|; the duration is halved and grown to keep it under the tolerance. Fourth order in
+/// estimate |h/6 (k4 − k5)|; the duration is cut and grown to keep it under the tolerance. Fourth order in
 /// space, second in time, where the velocity is linear between frames (Liu & Moorhead 2004, Table 1). A stage that
 /// falls where the field has no value goes straight on. A path stops after the segment that left the domain.
 /// Each lane is a pure function of its own position and slope. Hairer, Nørsett & Wanner, Solving ODEs I, II.4.
-VDBLIC_INLINE void advancePaths(const VelocityField& field, const PathlineParams& params, PathBatch& batch)
+///
+/// @param window of the leaf the particles are in; it makes a difference to the time taken only
+VDBLIC_INLINE void advancePaths(const VelocityField& field, const LeafWindow& window, const PathlineParams& params,
+                                PathBatch& batch)
 {
-    std::array<int, kLanes> lanes;
-    std::array<float, kLanes> time, duration;
-    std::array<Float4, kLanes> k2, k3, k4, end;
-    for (int m = 0; m < batch.count; ++m) {
-        lanes[std::size_t(m)] = m;
-        time[std::size_t(m)] = 0;
-        duration[std::size_t(m)] = pathline::strideLimit(batch.slope[std::size_t(m)]);
-        batch.path[std::size_t(m)].clear();
+    const float tolerance2 = params.tolerance * params.tolerance;
+    batch.segments.clear();
+    batch.arrived = 0;
+    Float8 time{}, duration = broadcast8(1);
+    if (anyOf(squaredLength(batch.slope) > pathline::kMaxStride * pathline::kMaxStride)) {
+        for (int i = 0; i < kLanes; ++i)
+            duration[i] = pathline::strideLimit(batch.slope.lane(i));
     }
-    std::size_t active = std::size_t(batch.count);
-    while (active > 0) {
-        batch.steps += active;
-        for (std::size_t i = 0; i < active; ++i) {
-            const auto m = std::size_t(lanes[i]);
-            const float half = 0.5f * duration[m];
-            k2[m] = field.sample(batch.position[m] + batch.slope[m] * half, time[m] + half, batch.slope[m]);
-        }
-        for (std::size_t i = 0; i < active; ++i) {
-            const auto m = std::size_t(lanes[i]);
-            const float half = 0.5f * duration[m];
-            k3[m] = field.sample(batch.position[m] + k2[m] * half, time[m] + half, k2[m]);
-        }
-        for (std::size_t i = 0; i < active; ++i) {
-            const auto m = std::size_t(lanes[i]);
-            k4[m] = field.sample(batch.position[m] + k3[m] * duration[m], time[m] + duration[m], k3[m]);
-            end[m] = batch.position[m] + (batch.slope[m] + (k2[m] + k3[m]) * 2.0f + k4[m]) * (duration[m] * (1.0f / 6));
-        }
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < active; ++i) {
-            const auto m = std::size_t(lanes[i]);
-            const Float4 k5 = field.sample(end[m], time[m] + duration[m], k4[m]);
-            const float error = pathline::length(k4[m] - k5) * duration[m] * (1.0f / 6);
-            // The estimate shrinks with the fourth power of the duration; aim a little below the tolerance.
-            const float ratio = params.tolerance / std::max(error, 1e-6f * params.tolerance);
-            const float factor = std::clamp(0.9f * __builtin_sqrtf(__builtin_sqrtf(ratio)), 0.2f, 4.0f);
-            if (error > params.tolerance && duration[m] > pathline::kMinDuration) {
-                duration[m] = std::max(duration[m] * factor, pathline::kMinDuration);
-                lanes[kept++] = int(m);
-                continue;
+    for (unsigned active = batch.lanes; active != 0;) {
+        batch.steps += std::size_t(std::popcount(active));
+        const Vector8 start = batch.position, k1 = batch.slope;
+        const Float8 half = duration * 0.5f;
+        const Vector8 k2 = field.sample(window, start + k1 * half, time + half, k1, active);
+        const Vector8 k3 = field.sample(window, start + k2 * half, time + half, k2, active);
+        const Vector8 k4 = field.sample(window, start + k3 * duration, time + duration, k3, active);
+        const Vector8 end = start + (k1 + (k2 + k3) * 2.0f + k4) * (duration * (1.0f / 6));
+        const Vector8 k5 = field.sample(window, end, time + duration, k4, active);
+
+        const Float8 error2 = squaredLength(k4 - k5) * (duration * duration * (1.0f / 36));
+        const Int8 rejected = (error2 > tolerance2) & (duration > pathline::kMinDuration);
+        const Int8 unfinished = duration < 1 - time;
+        unsigned accepted = active;
+        unsigned next = 0;
+        Float8 nextTime = time, nextDuration = duration;
+        if (__builtin_expect(anyOf((rejected | unfinished) & maskOf(active)), 0)) {
+            for (int i = 0; i < kLanes; ++i) {
+                const unsigned lane = 1u << i;
+                if (!(active & lane)) continue;
+                // The estimate shrinks with the fourth power of the duration; aim a little below the tolerance.
+                const float ratio2 = tolerance2 / std::max(error2[i], 1e-12f * tolerance2);
+                const float root = __builtin_sqrtf(__builtin_sqrtf(__builtin_sqrtf(ratio2)));
+                const float wanted = duration[i] * std::clamp(0.9f * root, 0.2f, 4.0f);
+                if (rejected[i]) {
+                    accepted &= ~lane;
+                    next |= lane;
+                    nextDuration[i] = std::max(wanted, pathline::kMinDuration);
+                } else if (!unfinished[i]) {
+                    batch.arrived |= lane;
+                } else if (field.domain().contains(end.lane(i))) {
+                    next |= lane;
+                    nextTime[i] = time[i] + duration[i];
+                    nextDuration[i] =
+                        std::min(std::max(std::min(wanted, pathline::strideLimit(k5.lane(i))), pathline::kMinDuration),
+                                 1 - nextTime[i]);
+                }
             }
-            batch.path[m].push_back({batch.position[m], end[m], batch.slope[m], k5, time[m], duration[m]});
-            batch.position[m] = end[m];
-            batch.slope[m] = k5;
-            const float rest = 1 - time[m];
-            if (duration[m] >= rest || !field.domain().contains(end[m])) continue;
-            time[m] += duration[m];
-            const float wanted = std::min(duration[m] * factor, pathline::strideLimit(k5));
-            duration[m] = std::min(std::max(wanted, pathline::kMinDuration), 1 - time[m]);
-            lanes[kept++] = int(m);
+        } else {
+            batch.arrived |= active;
         }
-        active = kept;
+        if (accepted != 0) {
+            batch.segments.push_back({start, end, k1, k5, time, duration, accepted});
+            batch.position = select(maskOf(accepted), end, start);
+            batch.slope = select(maskOf(accepted), k5, k1);
+        }
+        time = nextTime;
+        duration = nextDuration;
+        active = next;
     }
 }
 
-/// Visit the samples of a segment: the middles of even pieces of its length, so that their mean is the segment's.
+/// The voxels that the paths of a batch lead through, at the middles of even pieces of each segment's length, so that
+/// their mean is the segment's.
+struct PathSamples {
+    /// One sample of each lane, as a code: place in the window · 512 + offset in the leaf; −1 − n for far voxel n.
+    struct Row {
+        Int8 code;
+    };
+    /// The samples on a segment: those of lane m are rows[firstRow + j].code[m], j from 0 to count[m].
+    struct Run {
+        unsigned lanes;
+        std::size_t firstRow;
+        Int8 count;
+        Int8 early; ///< how many of them lie before a given time
+    };
+    /// A voxel that is not in the window.
+    struct FarVoxel {
+        int leaf; ///< −1 where there is none
+        unsigned offset;
+    };
+
+    std::vector<Run> runs;
+    std::vector<Row> rows;
+    std::vector<FarVoxel> far;
+};
+
+/// Sample the paths of a batch.
 ///
-/// @param visit called with blocks of up to eight samples in order; returns whether to go on
-/// @return whether every block was visited
+/// @param window the codes' places refer to
+/// @param until  samples before this time count as early, as a fraction of the time step
 /// Cubic Hermite dense output: Hairer, Nørsett & Wanner, Solving ODEs I, II.6. Even arc length takes the speed to
 /// change linearly over the segment.
-template<typename Visit>
-VDBLIC_INLINE bool visitSamples(const Segment& segment, float spacing, const Visit& visit)
+VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, const LeafWindow& window, float spacing,
+                               float until, PathSamples& samples)
 {
-    // Per segment instead of per time step; the least speed keeps a path at rest from dividing by zero.
-    constexpr float kLeastSpeed = 1e-3f;
-    const Float4 m0 = segment.startSlope * segment.duration, m1 = segment.endSlope * segment.duration;
-    const Float4 chord = segment.end - segment.start;
-    const Float4 c2 = chord * 3.0f - m0 * 2.0f - m1, c3 = m0 + m1 - chord * 2.0f;
-    const float speed0 = pathline::length(m0) + kLeastSpeed, speed1 = pathline::length(m1) + kLeastSpeed;
-    const float arc = 0.5f * (speed0 + speed1);
-    const float longest = std::max(arc, pathline::length(chord));
-    constexpr float kMostSamples = 1e6f; // only a velocity that overflowed asks for more
-    const int count = std::max(1, int(std::ceil(std::min(kMostSamples, longest / spacing))));
-    const float arcStep = arc / float(count);
-    const Float8 first = {0, 1, 2, 3, 4, 5, 6, 7};
-    for (int done = 0; done < count; done += 8) {
-        const Float8 s = (first + (float(done) + 0.5f)) * arcStep;
-        const Float8 square = s * (2 * (speed1 - speed0)) + speed0 * speed0;
-        Float8 root;
-        for (int i = 0; i < 8; ++i)
-            root[i] = __builtin_sqrtf(square[i] > 0 ? square[i] : 0);
-        const Float8 u = s * 2.0f / (root + speed0);
-        const auto voxels = [&](int axis) {
-            return floorToInt(((u * c3[axis] + c2[axis]) * u + m0[axis]) * u + (segment.start[axis] + 0.5f));
-        };
-        const SampleBlock block{voxels(0), voxels(1), voxels(2), u * segment.duration + segment.time,
-                                std::min(8, count - done)};
-        if (!visit(block)) return false;
+    // The least speed keeps a path at rest from dividing by zero; only a velocity that overflowed asks for more samples.
+    constexpr float kLeastSpeed = 1e-3f, kMostSamples = 1024;
+    samples.runs.clear();
+    samples.far.clear();
+    std::size_t rows = 0;
+    for (const Segment& segment : batch.segments) {
+        const Vector8 m0 = segment.startSlope * segment.duration, m1 = segment.endSlope * segment.duration;
+        const Vector8 chord = segment.end - segment.start;
+        const Vector8 c2 = chord * 3.0f - m0 * 2.0f - m1, c3 = m0 + m1 - chord * 2.0f;
+        const Vector8 c0 = {segment.start.x + 0.5f, segment.start.y + 0.5f, segment.start.z + 0.5f};
+        const Float8 speed0 = squareRoots(squaredLength(m0)) + kLeastSpeed;
+        const Float8 speed1 = squareRoots(squaredLength(m1)) + kLeastSpeed;
+        const Float8 arc = (speed0 + speed1) * 0.5f, chordLength = squareRoots(squaredLength(chord));
+        const Float8 wanted = (arc > chordLength ? arc : chordLength) * (1 / spacing);
+        const Float8 pieces = wanted < kMostSamples ? wanted : broadcast8(kMostSamples);
+        const Int8 whole = __builtin_convertvector(pieces, Int8);
+        const Int8 taken = maskOf(segment.lanes);
+        const Int8 count = (whole - (__builtin_convertvector(whole, Float8) < pieces)) & taken; // a true one is −1
+        const Float8 pieceLength = arc / __builtin_convertvector(count, Float8);
+        const Float8 square0 = speed0 * speed0, gain = (speed1 - speed0) * 2.0f;
+
+        int most = 0;
+        for (int i = 0; i < kLanes; ++i)
+            most = std::max(most, count[i]);
+        if (samples.rows.size() < rows + std::size_t(most)) samples.rows.resize(2 * (rows + std::size_t(most)));
+        Int8 early{};
+        for (int j = 0; j < most; ++j) {
+            const Float8 s = pieceLength * (float(j) + 0.5f);
+            const Float8 u = s * 2.0f / (squareRoots(square0 + gain * s) + speed0);
+            const Int8 x = floorToInt(((u * c3.x + c2.x) * u + m0.x) * u + c0.x);
+            const Int8 y = floorToInt(((u * c3.y + c2.y) * u + m0.y) * u + c0.y);
+            const Int8 z = floorToInt(((u * c3.z + c2.z) * u + m0.z) * u + c0.z);
+            const Int8 valid = count > j;
+            const Int8 place = window.place(x, y, z);
+            Int8 code = place << 9 | (x & 7) << 6 | (y & 7) << 3 | (z & 7);
+            early -= valid & (u * segment.duration + segment.time < until);
+            if (__builtin_expect(anyOf(valid & (place == LeafWindow::kElsewhere)), 0)) {
+                for (int i = 0; i < kLanes; ++i) {
+                    if (!valid[i] || place[i] != LeafWindow::kElsewhere) continue;
+                    const Int4 voxel = {x[i], y[i], z[i], 0};
+                    code[i] = -1 - int(samples.far.size());
+                    samples.far.push_back({domain.findLeaf(voxel), Domain::offset(voxel)});
+                }
+            }
+            samples.rows[rows + std::size_t(j)].code = code;
+        }
+        samples.runs.push_back({segment.lanes, rows, count, early});
+        rows += std::size_t(most);
     }
-    return true;
 }
 
 } // namespace vdblic

@@ -4,6 +4,7 @@
 #include "vdblic/lic/seeding.h"
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
@@ -14,13 +15,13 @@ namespace vdblic {
 namespace {
 
 /// The hits in an accumulator, to be compared with the hits that were deposited.
-std::size_t countHits(const LeafValues<std::int64_t>& accumulator, std::size_t leaves)
+std::size_t countHits(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
 {
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, leaves), std::size_t(0),
+        tbb::blocked_range<std::size_t>(0, domain.leafCount()), std::size_t(0),
         [&](const tbb::blocked_range<std::size_t>& range, std::size_t hits) {
             for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-                for (int i = 0; i < Domain::kLeafVoxels; ++i)
+                for (int i = 0; i < Domain::kLeafVoxels; ++i) // what is outside counts nothing
                     hits += Hits::count(std::uint64_t(accumulator[leaf][i]));
             }
             return hits;
@@ -45,6 +46,7 @@ void ScatterParams::validate() const
 ScatterStats& ScatterStats::operator+=(const ScatterStats& other)
 {
     particles += other.particles;
+    blocked += other.blocked;
     released += other.released;
     reused += other.reused;
     copied += other.copied;
@@ -59,103 +61,47 @@ Scatter::Scatter(const ScatterParams& params) : mParams(params)
     params.validate();
 }
 
+LeafValues<std::int64_t> makeAccumulator(const Domain& domain)
+{
+    LeafValues<std::int64_t> accumulator(domain, 0);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        for (auto voxel = domain.mask(leaf).beginOff(); voxel; ++voxel)
+            accumulator[leaf][voxel.pos()] = Hits::kOutside;
+    });
+    return accumulator;
+}
+
 ScatterStats Scatter::step(const VelocityField& field, const LeafValues<std::int32_t>& input,
-                           const LeafValues<std::int64_t>& accumulator, float slopeScale)
+                           const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale)
 {
     const Domain& domain = field.domain();
-    sortIntoTiles(domain, slopeScale);
-
-    std::vector<std::uint64_t> firstRank(domain.leafCount() + 1, 0);
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
-        firstRank[leaf + 1] = firstRank[leaf] + domain.mask(leaf).countOn();
-    }
+    ScatterScene scene{mParams, mStep, slopeScale, field, input, accumulator, next, mBins, {0}};
+    scene.firstRank.reserve(domain.leafCount() + 1);
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        scene.firstRank.push_back(scene.firstRank.back() + domain.mask(leaf).countOn());
 
     // Deposits of neighbouring tiles may meet in a voxel; integer additions commute, so their order is free.
-    const bool shared = tbb::this_task_arena::max_concurrency() > 1;
-    tbb::enumerable_thread_specific<TileScatter> workers(
-        [&] { return TileScatter(field, input, accumulator, mParams, mStep); });
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        const Tile tile{int(leaf), mSorted, mTileBegin[leaf], mTileBegin[leaf + 1],
-                        mStep << Particle::kRankBits | firstRank[leaf]};
-        workers.local().run(tile, shared);
-    });
+    const bool shared = std::min(std::size_t(tbb::this_task_arena::max_concurrency()),
+                                 tbb::global_control::active_value(
+                                     tbb::global_control::max_allowed_parallelism)) > 1;
+    tbb::enumerable_thread_specific<TileScatter> workers([&] { return TileScatter(scene); });
+    tbb::parallel_for(std::size_t(0), domain.leafCount(),
+                      [&](std::size_t leaf) { workers.local().run(leaf, shared); });
 
     ScatterStats stats;
-    mMoved.clear();
+    mBins.clear();
     for (TileScatter& worker : workers) {
         stats += worker.stats();
-        mMoved.push_back(std::move(worker.moved()));
+        mBins.push_back(std::move(worker.leaving()));
     }
-    mSorted = {};
     ++mStep;
-    if (countHits(accumulator, domain.leafCount()) != stats.hits) {
+    if (countHits(domain, accumulator) != stats.hits) {
         throw InputError(
             fmt::format("a voxel collected more than {} hits in one step: the flow has a sink that swallows "
                         "the domain; use a shorter life span or mask the sink",
                         Hits::kCountMask));
     }
     return stats;
-}
-
-void Scatter::sortIntoTiles(const Domain& domain, float slopeScale)
-{
-    struct Source {
-        std::uint64_t id;
-        std::uint32_t store, index;
-    };
-    constexpr int kOutside = -1;
-
-    // Which tile each particle is in now; those outside the domain end here.
-    std::vector<std::vector<int>> tileOf(mMoved.size());
-    mTileBegin.assign(domain.leafCount() + 1, 0);
-    for (std::size_t store = 0; store < mMoved.size(); ++store) {
-        const std::vector<Particle>& particles = mMoved[store].particles;
-        if (particles.size() > std::numeric_limits<std::uint32_t>::max()) throw std::length_error("too many particles");
-        tileOf[store].resize(particles.size());
-        tbb::parallel_for(std::size_t(0), particles.size(), [&](std::size_t i) {
-            const auto& p = particles[i].position;
-            const Float4 position = {p[0], p[1], p[2], 0};
-            tileOf[store][i] = domain.contains(position) ? domain.findLeaf(voxelOf(position)) : kOutside;
-        });
-        for (const int leaf : tileOf[store]) {
-            if (leaf != kOutside) ++mTileBegin[std::size_t(leaf) + 1];
-        }
-    }
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
-        mTileBegin[leaf + 1] += mTileBegin[leaf];
-
-    std::vector<Source> sources(mTileBegin.back());
-    std::vector<std::size_t> next(mTileBegin.begin(), mTileBegin.end() - 1);
-    for (std::size_t store = 0; store < mMoved.size(); ++store) {
-        for (std::size_t i = 0; i < tileOf[store].size(); ++i) {
-            if (const int leaf = tileOf[store][i]; leaf != kOutside) {
-                sources[next[std::size_t(leaf)]++] = {mMoved[store].particles[i].id, std::uint32_t(store),
-                                                      std::uint32_t(i)};
-            }
-        }
-    }
-
-    // The order of visits inside a tile depends on the particles alone: oldest first, then by release voxel.
-    const bool hasGenerations = mParams.method == ScatterMethod::kAuflic;
-    const auto lifeSpan = std::size_t(mParams.lifeSpan);
-    mSorted.particles.resize(sources.size());
-    mSorted.generations.resize(hasGenerations ? sources.size() * lifeSpan : 0);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        std::sort(sources.begin() + std::ptrdiff_t(mTileBegin[leaf]),
-                  sources.begin() + std::ptrdiff_t(mTileBegin[leaf + 1]),
-                  [](const Source& a, const Source& b) { return a.id < b.id; });
-        for (std::size_t to = mTileBegin[leaf]; to < mTileBegin[leaf + 1]; ++to) {
-            const ParticleStore& from = mMoved[sources[to].store];
-            Particle& particle = mSorted.particles[to] = from.particles[sources[to].index];
-            for (float& slope : particle.slope)
-                slope *= slopeScale;
-            if (hasGenerations) {
-                std::copy_n(from.generations.begin() + std::ptrdiff_t(sources[to].index * lifeSpan), lifeSpan,
-                            mSorted.generations.begin() + std::ptrdiff_t(to * lifeSpan));
-            }
-        }
-    });
-    mMoved.clear();
 }
 
 } // namespace vdblic

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "vdblic/lic/particle_bins.h"
 #include "vdblic/lic/pathline.h"
 
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 namespace vdblic {
@@ -15,6 +15,10 @@ struct ScatterParams {
     ScatterMethod method = ScatterMethod::kAuflic;
     int lifeSpan = 4;            ///< time steps over which a seed scatters its value
     float releaseWindow = 0.25f; ///< AUFLIC: the part of a step, from its start, in which a seed may be released
+    /// AUFLIC: a pathline that is blocked ends at once, its values going to the one that began the step in the same voxel
+    /// if there is one; and a new pathline starts with the values that one through its voxel would carry. Without, both are as in the paper: what a blocked pathline carries goes on to the end of its
+    /// life span, and a new one carries nothing but its own seeds.
+    bool history = true;
     PathlineParams pathline;
 
     void validate() const; ///< @throws ParameterError
@@ -22,7 +26,8 @@ struct ScatterParams {
 
 /// What one step did; every figure is the same for any number of threads.
 struct ScatterStats {
-    std::size_t particles = 0; ///< live at the start of the step, inside the domain
+    std::size_t particles = 0; ///< pathlines of earlier steps that went on
+    std::size_t blocked = 0;   ///< pathlines of earlier steps that ended because their voxel had its seed
     std::size_t released = 0;  ///< new particles: pathlines advected from scratch
     std::size_t reused = 0;    ///< seeds released onto particles of earlier steps: pathline reuse
     std::size_t copied = 0;    ///< seeds released downstream on a pathline of this step: pathline copying
@@ -34,11 +39,13 @@ struct ScatterStats {
 };
 
 /// Values and their number, packed into one word so that one addition scatters both: the sum of the 16-bit texture
-/// values in the upper 40 bits, the number of hits in the lower 24. Words add like the pairs they stand for as long
-/// as a voxel collects fewer than 2²⁴ hits a step; Scatter::step() checks that none collected more.
+/// values in 40 bits, the number of hits in the lower 23. Words add like the pairs they stand for as long
+/// as a voxel collects fewer than 2²³ hits a step; Scatter::step() checks that none collected more.
 struct Hits {
-    static constexpr int kCountBits = 24;
+    static constexpr int kCountBits = 23;
     static constexpr std::uint64_t kCountMask = (std::uint64_t(1) << kCountBits) - 1;
+    /// What an accumulator holds where there is no voxel of the domain: the one negative word.
+    static constexpr std::int64_t kOutside = std::numeric_limits<std::int64_t>::min();
 
     static constexpr std::uint64_t pack(std::uint64_t sum, std::uint64_t count) { return sum << kCountBits | count; }
     static constexpr std::uint64_t sum(std::uint64_t word) { return word >> kCountBits; }
@@ -55,21 +62,19 @@ struct Generation {
     static constexpr std::uint64_t hits(std::uint32_t word) { return Hits::pack(word >> 8, word & 255); }
 };
 
-/// A pathline in the making: where it is now, and the values it carries.
-struct Particle {
-    static constexpr int kRankBits = 40; // of the id
-
-    std::array<float, 3> position; ///< index space, voxel centres at integers
-    std::array<float, 3> slope;    ///< velocity there, voxels per time step
-    std::uint64_t alive;           ///< Hits of the values that are still within their life span
-    std::uint64_t id; ///< step of release << kRankBits | rank of the release voxel in the domain's scan order
+/// What a step starts from at a voxel, packed into one word: the value that its seed takes up, and the texture that was
+/// there before it was filtered, which is what a pathline through the voxel carries. Both 0 to 65535.
+struct Input {
+    static constexpr std::int32_t pack(std::uint32_t value, std::uint32_t history)
+    {
+        return std::int32_t(history << 16 | value);
+    }
+    static constexpr std::uint32_t value(std::int32_t word) { return std::uint32_t(word) & 65535; }
+    static constexpr std::uint32_t history(std::int32_t word) { return std::uint32_t(word) >> 16; }
 };
 
-/// Particles and, `lifeSpan` words for each, the generations they carry (AUFLIC only).
-struct ParticleStore {
-    std::vector<Particle> particles;
-    std::vector<std::uint32_t> generations; ///< slot s of a particle: scattering process k with k mod lifeSpan = s
-};
+/// An accumulator for a step on a domain: no hits yet.
+[[nodiscard]] LeafValues<std::int64_t> makeAccumulator(const Domain& domain);
 
 /// The value scattering of UFLIC and AUFLIC in streaming form (docs/algorithm.md).
 ///
@@ -86,21 +91,18 @@ class Scatter {
     /// Carry every particle over one time step, releasing seeds as the method does.
     ///
     /// @param field       velocity over the step, on its domain
-    /// @param input       texture values 0 to 65535 at the step's start, on the field's domain
-    /// @param accumulator receives Hits, on the same domain; to be zero before
+    /// @param input       Input words of the step's start, on the field's domain
+    /// @param accumulator of makeAccumulator(), on the same domain; receives Hits
+    /// @param next        domain of the step to come; particles that are outside it then end
     /// @param slopeScale  duration of this step over that of the step before, which slopes were measured in
-    /// @throws InputError if a voxel collected 2²⁴ hits or more
+    /// @throws InputError if a voxel collected 2²³ hits or more
     ScatterStats step(const VelocityField& field, const LeafValues<std::int32_t>& input,
-                      const LeafValues<std::int64_t>& accumulator, float slopeScale = 1);
+                      const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale = 1);
 
   private:
-    void sortIntoTiles(const Domain& domain, float slopeScale);
-
     ScatterParams mParams;
     std::uint64_t mStep = 0;
-    std::vector<ParticleStore> mMoved; // by the last step, in any order
-    ParticleStore mSorted;             // by tile, then by id
-    std::vector<std::size_t> mTileBegin;
+    std::vector<ParticleBins> mBins; // of the particles that go on, one for each thread that moved some
 };
 
 } // namespace vdblic

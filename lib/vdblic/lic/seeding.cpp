@@ -14,176 +14,301 @@ VDBLIC_INLINE std::array<float, 3> toArray(Float4 v)
     return {v[0], v[1], v[2]};
 }
 
+/// The accumulator of a leaf that is not there.
+std::int64_t* nowhere()
+{
+    static std::array<std::int64_t, Domain::kLeafVoxels> words = [] {
+        std::array<std::int64_t, Domain::kLeafVoxels> all;
+        all.fill(Hits::kOutside);
+        return all;
+    }();
+    return words.data(); // never written to: deposit() leaves what is outside alone
+}
+
+/// Add hits to a voxel. @return false if it is outside the domain
 template<bool kShared>
-VDBLIC_INLINE void deposit(std::int64_t& voxel, std::uint64_t hits)
+VDBLIC_INLINE bool deposit(std::int64_t& voxel, std::uint64_t hits)
 {
     if constexpr (kShared) {
-        std::atomic_ref(voxel).fetch_add(std::int64_t(hits), std::memory_order_relaxed);
+        const std::atomic_ref shared(voxel);
+        if (shared.load(std::memory_order_relaxed) < 0) return false;
+        shared.fetch_add(std::int64_t(hits), std::memory_order_relaxed);
     } else {
+        if (voxel < 0) return false;
         voxel += std::int64_t(hits);
     }
+    return true;
 }
 
 } // namespace
 
-TileScatter::TileScatter(const VelocityField& field, const LeafValues<std::int32_t>& input,
-                         const LeafValues<std::int64_t>& accumulator, const ScatterParams& params, std::uint64_t step)
-    : mField(&field), mDomain(&field.domain()), mInput(&input), mAccumulator(&accumulator), mParams(&params),
-      mStep(step), mGenerations(params.method == ScatterMethod::kAuflic ? std::size_t(params.lifeSpan) : 0)
+TileScatter::TileScatter(const ScatterScene& scene)
+    : mScene(scene), mDomain(scene.field.domain()), mAuflic(scene.params.method == ScatterMethod::kAuflic),
+      mHistory(mAuflic && scene.params.history), mGenerationCount(mAuflic ? std::size_t(scene.params.lifeSpan) : 0),
+      mGenerations(mGenerationCount), mLeaving(scene.next.leafCount(), mGenerationCount)
 {
 }
 
 /// Carry the values of the particle at work along its path, taking up those of open voxels on the way.
 /// @return whether the particle stayed inside the domain
 template<bool kShared>
-VDBLIC_INLINE bool TileScatter::scatterPath(const std::vector<Segment>& path, bool mayTakeUp)
+VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
 {
-    const float window = mParams->releaseWindow;
     std::uint64_t alive = mParticle.alive;
     std::uint32_t taken = 0;
     std::size_t deposits = 0, hits = 0;
     const auto takeUp = [&](unsigned offset) {
         if (!mOpen.isOn(offset) || Generation::count(taken) == Generation::kMaxCount) return;
         mOpen.setOff(offset);
-        const auto value = std::uint32_t(mTileInput[offset]);
+        const std::uint32_t value = Input::value(mInput[offset]);
         taken = Generation::add(taken, value);
         alive += Hits::pack(value, 1);
     };
-    if (mayTakeUp) takeUp(Domain::offset(voxelOf(path.front().start)));
+    const auto add = [&](int code) {
+        if (__builtin_expect(code >= 0, 1)) return deposit<kShared>(mTarget[std::size_t(code >> 9)][code & 511], alive);
+        const PathSamples::FarVoxel& voxel = mSamples.far[std::size_t(-1 - code)];
+        return voxel.leaf >= 0 && deposit<kShared>(mScene.accumulator[std::size_t(voxel.leaf)][voxel.offset], alive);
+    };
+    if (mayTakeUp) takeUp(Domain::offset(voxelOf(mBatch.segments.front().start.lane(lane))));
     bool inside = true;
-    for (const Segment& segment : path) {
-        inside = visitSamples(segment, mParams->pathline.sampleSpacing, [&](const SampleBlock& block) {
-            for (int i = 0; i < block.count; ++i) {
-                const Int4 voxel = {block.x[i], block.y[i], block.z[i], 0};
-                const int leaf = mDomain->findLeaf(voxel);
-                const unsigned offset = Domain::offset(voxel);
-                if (leaf < 0 || !mDomain->isActive(leaf, offset)) return false;
-                if (mayTakeUp && leaf == mLeaf && block.time[i] < window) takeUp(offset);
-                deposit<kShared>((*mAccumulator)[std::size_t(leaf)][offset], alive);
-                ++deposits;
-                hits += Hits::count(alive);
+    for (const PathSamples::Run& run : mSamples.runs) {
+        if (!(run.lanes >> lane & 1)) continue;
+        const PathSamples::Row* row = &mSamples.rows[run.firstRow];
+        const int early = mayTakeUp ? run.early[lane] : 0, count = run.count[lane];
+        int i = 0;
+        for (; inside && i < early; ++i) {
+            const int code = row[i].code[lane];
+            if (code >> 9 == LeafWindow::kCentre && mDomain.isActive(int(mLeaf), unsigned(code & 511))) {
+                takeUp(unsigned(code & 511));
             }
-            return true;
-        });
+            inside = add(code);
+            if (inside) hits += Hits::count(alive);
+        }
+        const int first = i;
+        for (; inside && i < count; ++i)
+            inside = add(row[i].code[lane]);
+        if (!inside) --i; // the one that was not added
+        deposits += std::size_t(i);
+        if (i > first) hits += std::size_t(i - first) * Hits::count(alive);
         if (!inside) break;
     }
     mStats.deposits += deposits;
     mStats.hits += hits;
     mParticle.alive = alive;
-    if (!mGenerations.empty()) mGenerations[mStep % mGenerations.size()] = taken;
+    if (mAuflic) mGenerations[mScene.step % mGenerationCount] = taken;
     return inside;
 }
 
 /// Keep the particle at work for the next step, unless all its values expire with this one.
-VDBLIC_INLINE void TileScatter::keep(const PathBatch& batch, std::size_t lane)
+VDBLIC_INLINE void TileScatter::keep(int lane)
 {
-    if (mGenerations.empty()) {
-        const std::uint64_t age = mStep - (mParticle.id >> Particle::kRankBits);
-        if (age + 1 >= std::uint64_t(mParams->lifeSpan)) return;
+    if (!mAuflic) {
+        const std::uint64_t age = mScene.step - (mParticle.id >> Particle::kRankBits);
+        if (age + 1 >= std::uint64_t(mScene.params.lifeSpan)) return;
     } else {
-        std::uint32_t& expiring = mGenerations[(mStep + 1) % mGenerations.size()];
+        std::uint32_t& expiring = mGenerations[(mScene.step + 1) % mGenerationCount];
         mParticle.alive -= Generation::hits(expiring);
         expiring = 0;
         if (Hits::count(mParticle.alive) == 0) return;
     }
-    mParticle.position = toArray(batch.position[lane]);
-    mParticle.slope = toArray(batch.slope[lane]);
-    mMoved.particles.push_back(mParticle);
-    mMoved.generations.insert(mMoved.generations.end(), mGenerations.begin(), mGenerations.end());
+    const Float4 position = mBatch.position.lane(lane);
+    const Int4 voxel = voxelOf(position);
+    const int leaf = mScene.next.findLeaf(voxel);
+    if (leaf < 0 || !mScene.next.isActive(leaf, Domain::offset(voxel))) return;
+    mParticle.position = toArray(position);
+    mParticle.slope = toArray(mBatch.slope.lane(lane));
+    mLeaving.add(std::size_t(leaf), mParticle, mGenerations.data());
+}
+
+/// Advance the batch by the step, and find the voxels its paths lead through.
+VDBLIC_INLINE void TileScatter::trace()
+{
+    const PathlineParams& params = mScene.params.pathline;
+    advancePaths(mScene.field, mWindow, params, mBatch);
+    samplePaths(mBatch, mDomain, mWindow, params.sampleSpacing, mScene.params.releaseWindow, mSamples);
+}
+
+/// The tile's particles of earlier steps and the order of their turns.
+void TileScatter::takeArriving()
+{
+    mParticles.clear();
+    mParticleGenerations.clear();
+    for (ParticleBins& bins : mScene.arriving)
+        bins.take(mLeaf, mParticles, mParticleGenerations);
+    mTurns.clear();
+    for (std::size_t i = 0; i < mParticles.size(); ++i) {
+        const unsigned voxel = Domain::offset(voxelOf(toVector(mParticles[i].position)));
+        mTurns.push_back({mParticles[i].id, std::uint32_t(i), voxel});
+    }
+    if (mHistory) coalesce();
+    sortTurns();
+}
+
+/// Of all particles in a voxel only the oldest will find it open: it takes over the values of the others.
+void TileScatter::coalesce()
+{
+    constexpr Turn kNone{~std::uint64_t(0), 0, 0};
+    std::array<Turn, Domain::kLeafVoxels> oldest;
+    oldest.fill(kNone);
+    for (const Turn& turn : mTurns) {
+        if (turn.id < oldest[turn.voxel].id) oldest[turn.voxel] = turn;
+    }
+    mStats.blocked += std::erase_if(mTurns, [&](const Turn& turn) {
+        const std::uint32_t heir = oldest[turn.voxel].particle;
+        if (heir == turn.particle) return false;
+        for (std::size_t i = 0; i < mGenerationCount; ++i) {
+            std::uint32_t& to = mParticleGenerations[heir * mGenerationCount + i];
+            const std::uint32_t from = mParticleGenerations[turn.particle * mGenerationCount + i];
+            if (Generation::count(to) + Generation::count(from) > Generation::kMaxCount) continue;
+            to += from;
+            mParticles[heir].alive += Generation::hits(from);
+        }
+        return true;
+    });
+}
+
+/// Sort by id. Particles come in few runs that are sorted already, one from each tile around: merge those.
+void TileScatter::sortTurns()
+{
+    const auto older = [](const Turn& a, const Turn& b) { return a.id < b.id; };
+    mRuns.assign(1, 0);
+    for (std::size_t i = 1; i < mTurns.size(); ++i) {
+        if (older(mTurns[i], mTurns[i - 1])) mRuns.push_back(i);
+    }
+    mRuns.push_back(mTurns.size());
+    while (mRuns.size() > 2) {
+        mMerged.resize(mTurns.size());
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i + 1 < mRuns.size(); i += 2) {
+            const std::size_t middle = mRuns[i + 1], end = i + 2 < mRuns.size() ? mRuns[i + 2] : middle;
+            const auto at = [&](std::size_t n) { return mTurns.begin() + std::ptrdiff_t(n); };
+            std::merge(at(mRuns[i]), at(middle), at(middle), at(end), mMerged.begin() + std::ptrdiff_t(mRuns[i]), older);
+            mRuns[kept++] = mRuns[i];
+        }
+        mRuns[kept++] = mTurns.size();
+        mRuns.resize(kept);
+        mTurns.swap(mMerged);
+    }
 }
 
 template<bool kShared>
-VDBLIC_INLINE void TileScatter::advanceLive(const Tile& tile)
+VDBLIC_INLINE void TileScatter::advanceLive()
 {
-    const std::size_t lifeSpan = mGenerations.size();
-    mStats.particles += tile.end - tile.begin;
-    for (std::size_t begin = tile.begin; begin < tile.end; begin += kLanes) {
-        mBatch.count = int(std::min<std::size_t>(kLanes, tile.end - begin));
-        for (std::size_t lane = 0; lane < std::size_t(mBatch.count); ++lane) {
-            const Particle& particle = tile.particles.particles[begin + lane];
-            mBatch.position[lane] = toVector(particle.position);
-            mBatch.slope[lane] = toVector(particle.slope);
+    std::array<const Turn*, kLanes> turns;
+    auto turn = mTurns.begin();
+    while (turn != mTurns.end()) {
+        int count = 0;
+        for (; turn != mTurns.end() && count < kLanes; ++turn) {
+            if (mHistory && !mOpen.isOn(turn->voxel)) {
+                ++mStats.blocked;
+                continue;
+            }
+            const Particle& particle = mParticles[turn->particle];
+            mBatch.position.setLane(count, toVector(particle.position));
+            mBatch.slope.setLane(count, toVector(particle.slope) * mScene.slopeScale);
+            turns[std::size_t(count++)] = &*turn;
         }
-        advancePaths(*mField, mParams->pathline, mBatch);
-        for (std::size_t lane = 0; lane < std::size_t(mBatch.count); ++lane) {
-            mParticle = tile.particles.particles[begin + lane];
-            std::copy_n(tile.particles.generations.begin() + std::ptrdiff_t((begin + lane) * lifeSpan), lifeSpan,
-                        mGenerations.begin());
-            // It was blocked if it took up nothing in the step before.
-            const bool mayTakeUp = lifeSpan > 0 && Generation::count(mGenerations[(mStep - 1) % lifeSpan]) > 0;
-            const bool inside = scatterPath<kShared>(mBatch.path[lane], mayTakeUp);
+        mBatch.lanes = (1u << count) - 1;
+        trace();
+        for (int lane = 0; lane < count; ++lane) {
+            const Turn& mine = *turns[std::size_t(lane)];
+            if (mHistory && !mOpen.isOn(mine.voxel)) { // closed by one of the batch
+                ++mStats.blocked;
+                continue;
+            }
+            mParticle = mParticles[mine.particle];
+            std::copy_n(mParticleGenerations.begin() + std::ptrdiff_t(mine.particle * mGenerationCount),
+                        mGenerationCount, mGenerations.begin());
+            // Without history: it was blocked if it took up nothing in the step before.
+            const bool mayTakeUp =
+                mAuflic &&
+                (mHistory || Generation::count(mGenerations[(mScene.step - 1) % mGenerationCount]) > 0);
+            const bool inside = scatterPath<kShared>(lane, mayTakeUp);
+            ++mStats.particles;
             if (mayTakeUp) {
-                const std::uint32_t taken = Generation::count(mGenerations[mStep % lifeSpan]);
+                const std::uint32_t taken = Generation::count(mGenerations[mScene.step % mGenerationCount]);
                 mStats.reused += taken > 0;
                 mStats.copied += taken > 0 ? taken - 1 : 0;
             }
-            if (inside) keep(mBatch, lane);
+            if (inside) keep(lane);
         }
     }
 }
 
 template<bool kShared>
-VDBLIC_INLINE void TileScatter::releaseNew(const Tile& tile)
+VDBLIC_INLINE void TileScatter::releaseNew()
 {
-    const bool takesUp = !mGenerations.empty();
-    const openvdb::Coord origin = mDomain->origin(std::size_t(tile.leaf));
-    const Domain::Mask& voxels = mDomain->mask(std::size_t(tile.leaf));
-    std::uint64_t nextId = tile.firstId;
-    auto voxel = voxels.beginOn();
+    const openvdb::Coord origin = mDomain.origin(mLeaf);
+    const std::uint64_t firstId = mScene.step << Particle::kRankBits | mScene.firstRank[mLeaf];
+    std::uint64_t nextId = firstId;
+    auto voxel = mDomain.mask(mLeaf).beginOn();
     while (voxel) {
         std::array<unsigned, kLanes> offsets;
         std::array<std::uint64_t, kLanes> ids;
-        mBatch.count = 0;
-        for (; voxel && mBatch.count < kLanes; ++voxel, ++nextId) {
+        int count = 0;
+        for (; voxel && count < kLanes; ++voxel, ++nextId) {
             if (!mOpen.isOn(voxel.pos())) continue;
-            const auto lane = std::size_t(mBatch.count++);
-            offsets[lane] = voxel.pos();
-            ids[lane] = nextId;
+            offsets[std::size_t(count)] = voxel.pos();
+            ids[std::size_t(count)] = nextId;
             const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
-            const Float4 centre = {float(at[0]), float(at[1]), float(at[2]), 0};
-            mBatch.position[lane] = centre;
-            mBatch.slope[lane] = mField->sample(centre, 0, Float4{});
+            mBatch.position.setLane(count, Float4{float(at[0]), float(at[1]), float(at[2]), 0});
+            mBatch.slope.setLane(count, mScene.field.startAt(int(mLeaf), voxel.pos()));
+            ++count;
         }
-        advancePaths(*mField, mParams->pathline, mBatch);
-        for (std::size_t lane = 0; lane < std::size_t(mBatch.count); ++lane) {
+        mBatch.lanes = (1u << count) - 1;
+        trace();
+        for (int lane = 0; lane < count; ++lane) {
+            const unsigned offset = offsets[std::size_t(lane)];
             // A particle before it in the batch may have closed the voxel meanwhile.
-            if (!mOpen.isOn(offsets[lane])) continue;
-            mParticle.id = ids[lane];
-            mParticle.alive = takesUp ? 0 : Hits::pack(std::uint64_t(mTileInput[offsets[lane]]), 1);
-            std::fill(mGenerations.begin(), mGenerations.end(), 0u);
-            const bool inside = scatterPath<kShared>(mBatch.path[lane], takesUp);
+            if (!mOpen.isOn(offset)) continue;
+            mParticle.id = ids[std::size_t(lane)];
+            mParticle.alive = mAuflic ? 0 : Hits::pack(Input::value(mInput[offset]), 1);
+            if (mHistory) {
+                const std::uint32_t before = Generation::add(0, Input::history(mInput[offset]));
+                std::fill(mGenerations.begin(), mGenerations.end(), before);
+                mParticle.alive = (mGenerationCount - 1) * Generation::hits(before);
+            } else {
+                std::fill(mGenerations.begin(), mGenerations.end(), 0u);
+            }
+            const bool inside = scatterPath<kShared>(lane, mAuflic);
             ++mStats.released;
-            if (takesUp) mStats.copied += Generation::count(mGenerations[mStep % mGenerations.size()]) - 1;
-            if (inside) keep(mBatch, lane);
+            if (mAuflic) mStats.copied += Generation::count(mGenerations[mScene.step % mGenerationCount]) - 1;
+            if (inside) keep(lane);
         }
     }
 }
 
 template<bool kShared>
-VDBLIC_INLINE void TileScatter::runTile(const Tile& tile)
+VDBLIC_INLINE void TileScatter::runTile()
 {
-    mLeaf = tile.leaf;
-    mTileInput = (*mInput)[std::size_t(tile.leaf)];
-    mOpen = mDomain->mask(std::size_t(tile.leaf));
     const std::size_t stepsBefore = mBatch.steps;
-    advanceLive<kShared>(tile);
-    releaseNew<kShared>(tile);
+    advanceLive<kShared>();
+    releaseNew<kShared>();
     mStats.steps += mBatch.steps - stepsBefore;
 }
 
 // The two kernels, each compiled for every instruction set.
-VDBLIC_KERNEL void runShared(TileScatter& self, const Tile& tile)
+VDBLIC_KERNEL void runShared(TileScatter& self)
 {
-    self.runTile<true>(tile);
+    self.runTile<true>();
 }
-VDBLIC_KERNEL void runAlone(TileScatter& self, const Tile& tile)
+VDBLIC_KERNEL void runAlone(TileScatter& self)
 {
-    self.runTile<false>(tile);
+    self.runTile<false>();
 }
 
-void TileScatter::run(const Tile& tile, bool shared)
+void TileScatter::run(std::size_t leaf, bool shared)
 {
-    shared ? runShared(*this, tile) : runAlone(*this, tile);
+    mLeaf = leaf;
+    mWindow = LeafWindow(mDomain, mDomain.origin(leaf));
+    for (std::size_t place = 0; place < mTarget.size(); ++place) {
+        const int there = mWindow.leaves[place];
+        mTarget[place] = there >= 0 ? mScene.accumulator[std::size_t(there)] : nowhere();
+    }
+    mInput = mScene.input[leaf];
+    mOpen = mDomain.mask(leaf);
+    takeArriving();
+    shared ? runShared(*this) : runAlone(*this);
 }
 
 } // namespace vdblic

@@ -4,12 +4,17 @@
 
 namespace vdblic {
 
-/// One tile's share of a step.
-struct Tile {
-    int leaf;
-    const ParticleStore& particles; ///< sorted; the tile's are [begin, end)
-    std::size_t begin, end;
-    std::uint64_t firstId; ///< of the tile's first voxel in scan order
+/// What the tiles of a step work on.
+struct ScatterScene {
+    const ScatterParams& params;
+    std::uint64_t step;
+    float slopeScale;
+    const VelocityField& field;
+    const LeafValues<std::int32_t>& input;
+    const LeafValues<std::int64_t>& accumulator;
+    const Domain& next;
+    std::vector<ParticleBins>& arriving;        ///< each tile takes its own particles out of them
+    std::vector<std::uint64_t> firstRank;       ///< of each leaf: its first voxel's place in the domain's scan order
 };
 
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).
@@ -18,54 +23,72 @@ struct Tile {
 /// particles of earlier steps are advanced, oldest first: one that starts in an open voxel, or passes one within the
 /// release window, closes it and takes up its value (pathline reuse, and pathline copying for every further voxel).
 /// Then each voxel that is still open, in scan order, releases a particle of its own, which likewise takes up the open
-/// voxels it passes. A particle that took up nothing in a step is blocked: it takes up no more and ends when the values
-/// it carries have expired. With UFLIC every voxel releases a particle, and none takes up a second value.
+/// voxels it passes.
+///
+/// A particle whose own voxel is closed when its turn comes is blocked. With ScatterParams::history it ends there; of
+/// several that begin the step in one voxel the oldest takes over the values of the others. Without, one that took up nothing in a whole step takes up no more, and ends when the values it carries have
+/// expired. With UFLIC every voxel releases a particle, and none takes up a second value.
 ///
 /// One object serves one thread; what it writes is its own but for the accumulator.
 class TileScatter {
   public:
-    TileScatter(const VelocityField& field, const LeafValues<std::int32_t>& input,
-                const LeafValues<std::int64_t>& accumulator, const ScatterParams& params, std::uint64_t step);
+    explicit TileScatter(const ScatterScene& scene);
 
-    /// @param shared whether other threads add to the accumulator at the same time
-    void run(const Tile& tile, bool shared);
+    /// @param shared whether other threads may add to the same voxels of the accumulator at the same time
+    void run(std::size_t leaf, bool shared);
 
     [[nodiscard]] const ScatterStats& stats() const { return mStats; }
     /// The particles that live on.
-    [[nodiscard]] ParticleStore& moved() { return mMoved; }
+    [[nodiscard]] ParticleBins& leaving() { return mLeaving; }
 
   private:
-    template<bool kShared>
-    void runTile(const Tile& tile);
-    template<bool kShared>
-    void advanceLive(const Tile& tile);
-    template<bool kShared>
-    void releaseNew(const Tile& tile);
-    template<bool kShared>
-    bool scatterPath(const std::vector<Segment>& path, bool mayTakeUp);
-    void keep(const PathBatch& batch, std::size_t lane);
+    /// A particle's turn: the oldest first.
+    struct Turn {
+        std::uint64_t id;
+        std::uint32_t particle; // its place in mParticles
+        std::uint32_t voxel;    // that it is in
+    };
 
-    friend void runShared(TileScatter& self, const Tile& tile);
-    friend void runAlone(TileScatter& self, const Tile& tile);
+    void takeArriving();
+    void coalesce();
+    void sortTurns();
+    template<bool kShared>
+    void runTile();
+    template<bool kShared>
+    void advanceLive();
+    template<bool kShared>
+    void releaseNew();
+    void trace();
+    template<bool kShared>
+    bool scatterPath(int lane, bool mayTakeUp);
+    void keep(int lane);
 
-    const VelocityField* mField;
-    const Domain* mDomain;
-    const LeafValues<std::int32_t>* mInput;
-    const LeafValues<std::int64_t>* mAccumulator;
-    const ScatterParams* mParams;
-    std::uint64_t mStep;
+    friend void runShared(TileScatter& self);
+    friend void runAlone(TileScatter& self);
+
+    const ScatterScene& mScene;
+    const Domain& mDomain;
+    const bool mAuflic, mHistory;
+    const std::size_t mGenerationCount;
 
     // The tile at work.
-    int mLeaf = -1;
-    const std::int32_t* mTileInput = nullptr;
+    std::size_t mLeaf = 0;
+    LeafWindow mWindow, mNextWindow;
+    std::array<std::int64_t*, LeafWindow::kElsewhere> mTarget{}; // the accumulator's leaves in the window
+    const std::int32_t* mInput = nullptr;
     Domain::Mask mOpen;
+    std::vector<Particle> mParticles;
+    std::vector<std::uint32_t> mParticleGenerations;
+    std::vector<Turn> mTurns, mMerged;
+    std::vector<std::size_t> mRuns;
 
-    // The particle at work.
+    // The particles at work, and the one among them.
+    PathBatch mBatch;
+    PathSamples mSamples;
     Particle mParticle{};
     std::vector<std::uint32_t> mGenerations;
 
-    PathBatch mBatch;
-    ParticleStore mMoved;
+    ParticleBins mLeaving;
     ScatterStats mStats;
 };
 

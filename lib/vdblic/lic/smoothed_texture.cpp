@@ -26,14 +26,9 @@ LeafValues<float> smoothed(const Domain& domain, const LeafValues<float>& values
 {
     LeafValues<float> result(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        Neighbourhood around = gatherNeighbourhood(domain, values, domain.origin(leaf));
-        sumNeighbours(around.value, 2);
-        sumNeighbours(around.valid, 2);
-        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
-            const int i = int(voxel.pos());
-            const std::size_t at = Neighbourhood::index(i >> 6, i >> 3 & 7, i & 7);
-            result[leaf][i] = around.value[at] / around.valid[at];
-        }
+        const NeighbourSums sums = sumNeighbours(domain, values, leaf, 2);
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
+            result[leaf][voxel.pos()] = sums.value[voxel.pos()] / sums.weight[voxel.pos()];
     });
     return result;
 }

@@ -18,7 +18,8 @@ RayTask prepareRay(const TextureVolume& volume, const Camera& camera, double ste
     const Ray ray = camera.ray({x + 0.5, y + 0.5});
     const glm::dvec3 origin(volume.worldToIndex() * glm::dvec4(ray.origin, 1));
     const glm::dvec3 perWorld = glm::dmat3(volume.worldToIndex()) * ray.direction;
-    const glm::dvec3 direction = glm::normalize(perWorld);
+    const double voxelsPerWorld = glm::length(perWorld);
+    const glm::dvec3 direction = perWorld / voxelsPerWorld;
 
     double enter = 0, leave = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
@@ -34,6 +35,9 @@ RayTask prepareRay(const TextureVolume& volume, const Camera& camera, double ste
     task.pixel = y * camera.size().x + x;
     task.shift = sampleShift(x, y);
     task.samples = leave > enter ? int((leave - enter) / step) + 1 : 0;
+    const double depthPerWorld = (camera.worldToCamera() * glm::dvec4(ray.direction, 0)).z;
+    task.depthPerVoxel = float(depthPerWorld / voxelsPerWorld);
+    task.entryDepth = float(enter * depthPerWorld / voxelsPerWorld);
     for (int axis = 0; axis < 3; ++axis) {
         task.entry[axis] = float(origin[axis] + direction[axis] * enter);
         task.direction[axis] = float(direction[axis]);
@@ -102,6 +106,7 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     params.validate();
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
+    if (params.layers) image.layers.resize(image.pixels.size());
     const RayKernel kernel(volume, look, params, visible);
     const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
     tbb::parallel_for(0, tilesX * tilesY, [&](int tile) {
@@ -114,7 +119,11 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
                 if (tasks.back().samples == 0) tasks.pop_back();
             }
         }
-        kernel.trace(tasks.data(), int(tasks.size()), image.pixels.data());
+        if (params.layers) {
+            kernel.trace(tasks.data(), int(tasks.size()), image.pixels.data(), image.layers.data());
+        } else {
+            kernel.trace(tasks.data(), int(tasks.size()), image.pixels.data());
+        }
     });
     return image;
 }

@@ -14,6 +14,7 @@ struct RayCastParams {
     double step = 0.5; ///< between samples [voxels along the ray, in index space]
     /// A ray ends when less than this share of the light behind would come through.
     double leastTransmittance = 1.0 / 512;
+    bool layers = false; ///< fill the image's layers too
 
     /// @throws ParameterError
     void validate() const;

@@ -1,5 +1,7 @@
 #include "vdblic/render/ray_kernel.h"
 
+#include <glm/geometric.hpp>
+
 #include <cmath>
 
 namespace vdblic {
@@ -69,6 +71,55 @@ struct RayKernel::Lanes {
     const RayTask* task[kLanes];
 
     [[nodiscard]] VDBLIC_INLINE bool idle(int lane) const { return task[lane] == nullptr; }
+};
+
+/// What each lane's samples add up to, for the layers of its pixel.
+struct RayKernel::LayerSums {
+    PixelLayers* pixels;
+    Float8 position{}, normal[3]{}, magnitude{}, texture{};
+    Int8 samples{};
+
+    VDBLIC_INLINE void start(int lane)
+    {
+        position[lane] = magnitude[lane] = texture[lane] = 0;
+        normal[0][lane] = normal[1][lane] = normal[2][lane] = 0;
+        samples[lane] = 0;
+    }
+    /// @param along of the gradient with the view: the normal is the gradient turned towards the eye
+    VDBLIC_INLINE void add(const Lanes& lanes, Float8 weight, Float8 sampleMagnitude, Float8 sampleTexture,
+                           const Float8* gradient, Float8 along, Float8 length)
+    {
+        position += weight * (__builtin_convertvector(lanes.sample, Float8) + lanes.shift);
+        magnitude += weight * sampleMagnitude;
+        texture += weight * sampleTexture;
+        const Float8 towards = (along > 0 ? -weight : weight) / (length + 1e-20f);
+        for (int axis = 0; axis < 3; ++axis)
+            normal[axis] += towards * gradient[axis];
+        samples += 1;
+    }
+    VDBLIC_INLINE void finish(const Lanes& lanes, int lane, float step) const
+    {
+        const RayTask& ray = *lanes.task[lane];
+        PixelLayers& pixel = pixels[ray.pixel];
+        pixel.samples = float(samples[lane]);
+        const float alpha = 1 - lanes.transmittance[lane];
+        if (!(alpha > 0)) return;
+        pixel.depth = ray.entryDepth + position[lane] / alpha * step * ray.depthPerVoxel;
+        pixel.magnitude = magnitude[lane] / alpha;
+        pixel.texture = texture[lane] / alpha;
+        const glm::vec3 sum(normal[0][lane], normal[1][lane], normal[2][lane]);
+        if (const float length = glm::length(sum); length > 0) pixel.normal = sum / length;
+    }
+};
+
+/// In place of LayerSums where no layer is asked for: costs nothing.
+struct RayKernel::NoLayers {
+    VDBLIC_INLINE void start(int) {}
+    template<typename... Values>
+    VDBLIC_INLINE void add(const Values&...)
+    {
+    }
+    VDBLIC_INLINE void finish(const Lanes&, int, float) const {}
 };
 
 RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params,
@@ -187,7 +238,8 @@ VDBLIC_INLINE void RayKernel::sample(const Lanes& lanes, Float8* samples) const
 }
 
 /// Add a sample of each lane to its ray.
-VDBLIC_INLINE void RayKernel::shade(Lanes& lanes, const Float8* samples) const
+template<typename Layers>
+VDBLIC_INLINE void RayKernel::shade(Lanes& lanes, const Float8* samples, Layers& layers) const
 {
     Float8 numbers[8];
     transpose(samples, numbers);
@@ -195,7 +247,8 @@ VDBLIC_INLINE void RayKernel::shade(Lanes& lanes, const Float8* samples) const
     const Float8 mean = coverage > 0 ? 1 / coverage : Float8{};
 
     // Magnitude chooses colour and extinction.
-    const Int8 entries = mLook.transfer.entries(numbers[TextureVolume::kMagnitude] * mean);
+    const Float8 magnitude = numbers[TextureVolume::kMagnitude] * mean;
+    const Int8 entries = mLook.transfer.entries(magnitude);
     Float4 rows[kLanes];
     for (int i = 0; i < kLanes; ++i)
         rows[i] = *reinterpret_cast<const Float4*>(mLook.transfer.table() + entries[i]);
@@ -208,7 +261,8 @@ VDBLIC_INLINE void RayKernel::shade(Lanes& lanes, const Float8* samples) const
     }
 
     // The texture modulates both.
-    const Float8 stretched = mLook.texture.stretched(numbers[TextureVolume::kTexture] * mean);
+    const Float8 texture = numbers[TextureVolume::kTexture] * mean;
+    const Float8 stretched = mLook.texture.stretched(texture);
     const Float8 depth = extinction * mLook.texture.density(stretched) * mStep;
     const Float8 opacity = coverage > 0 ? 1 - exponential(-depth) : Float8{};
 
@@ -231,10 +285,11 @@ VDBLIC_INLINE void RayKernel::shade(Lanes& lanes, const Float8* samples) const
     lanes.green += weight * (green * tint + white);
     lanes.blue += weight * (blue * tint + white);
     lanes.transmittance -= weight;
+    layers.add(lanes, weight, magnitude, texture, numbers + TextureVolume::kGradientX, along, length);
 }
 
-VDBLIC_KERNEL
-void RayKernel::trace(const RayTask* tasks, int count, glm::vec4* pixels) const
+template<typename Layers>
+VDBLIC_INLINE void RayKernel::traceWith(const RayTask* tasks, int count, glm::vec4* pixels, Layers layers) const
 {
     Lanes lanes;
     const RayTask *next = tasks, *end = tasks + count;
@@ -246,7 +301,7 @@ void RayKernel::trace(const RayTask* tasks, int count, glm::vec4* pixels) const
     Float8 samples[kLanes];
     while (busy > 0) {
         sample(lanes, samples);
-        shade(lanes, samples);
+        shade(lanes, samples, layers);
         lanes.sample += 1;
         const Int8 closed = lanes.transmittance < mLeastTransmittance;
         const Int8 attention = closed | (lanes.sample >= lanes.segmentEnd);
@@ -256,10 +311,24 @@ void RayKernel::trace(const RayTask* tasks, int count, glm::vec4* pixels) const
             if (!closed[lane] && findSegment(lanes, lane)) continue;
             pixels[lanes.task[lane]->pixel] = {lanes.red[lane], lanes.green[lane], lanes.blue[lane],
                                                1 - lanes.transmittance[lane]};
+            layers.finish(lanes, lane, mStep);
+            layers.start(lane);
             refill(lanes, lane, next, end);
             busy -= lanes.idle(lane);
         }
     }
+}
+
+VDBLIC_KERNEL
+void RayKernel::trace(const RayTask* tasks, int count, glm::vec4* pixels) const
+{
+    traceWith(tasks, count, pixels, NoLayers{});
+}
+
+VDBLIC_KERNEL
+void RayKernel::trace(const RayTask* tasks, int count, glm::vec4* pixels, PixelLayers* layers) const
+{
+    traceWith(tasks, count, pixels, LayerSums{layers});
 }
 
 } // namespace vdblic

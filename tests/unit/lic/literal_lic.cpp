@@ -12,10 +12,10 @@ struct Bucket {
     std::map<Coord, std::pair<std::uint64_t, std::uint64_t>> hits; // sum, count
 };
 
-/// A voxel that a pathline is in, and when.
+/// A voxel that a pathline is in.
 struct Sample {
     Coord voxel;
-    float time;
+    bool early; // within the release window
 };
 
 /// A pathline, step by step from the SCAP that started it.
@@ -29,6 +29,62 @@ struct Path {
 
     [[nodiscard]] std::size_t nextStep() const { return firstStep + samples.size(); }
 };
+
+Coord voxelAt(Float4 position)
+{
+    const Int4 voxel = voxelOf(position);
+    return {voxel[0], voxel[1], voxel[2]};
+}
+Coord tileOf(const Coord& voxel)
+{
+    return voxel & ~7;
+}
+Float4 centreOf(const Coord& voxel)
+{
+    return Float4{float(voxel[0]), float(voxel[1]), float(voxel[2]), 0};
+}
+
+/// One particle over one step.
+struct Trace {
+    Float4 position, slope;      // at the end
+    std::vector<Sample> samples; // inside the domain
+    bool ended = false;          // left the domain
+};
+
+Trace trace(const VelocityField& field, const ScatterParams& params, Float4 position, Float4 slope)
+{
+    const Domain& domain = field.domain();
+    const Coord tile = tileOf(voxelAt(position));
+    const LeafWindow window(domain, tile);
+    PathBatch batch;
+    batch.lanes = 1;
+    batch.position.setLane(0, position);
+    batch.slope.setLane(0, slope);
+    advancePaths(field, window, params.pathline, batch);
+    PathSamples samples;
+    samplePaths(batch, domain, window, params.pathline.sampleSpacing, params.releaseWindow, samples);
+    Trace result{batch.position.lane(0), batch.slope.lane(0), {}, false};
+    for (const PathSamples::Run& run : samples.runs) {
+        for (int i = 0; i < run.count[0] && !result.ended; ++i) {
+            const int code = samples.rows[run.firstRow + std::size_t(i)].code[0];
+            int leaf;
+            unsigned offset;
+            if (code >= 0) {
+                leaf = window.leaves[std::size_t(code >> 9)];
+                offset = unsigned(code & 511);
+            } else {
+                const PathSamples::FarVoxel& far = samples.far[std::size_t(-1 - code)];
+                leaf = far.leaf;
+                offset = far.offset;
+            }
+            result.ended = leaf < 0 || !domain.isActive(leaf, offset);
+            if (result.ended) break;
+            const Coord voxel = domain.origin(std::size_t(leaf)) + Domain::Leaf::offsetToLocalCoord(offset);
+            result.samples.push_back({voxel, i < run.early[0]});
+        }
+    }
+    return result;
+}
 
 class LiteralLic {
   public:
@@ -48,7 +104,7 @@ class LiteralLic {
             forEachVoxel(k, [&](const Coord& voxel, std::uint64_t rank) {
                 Path path = start(k, voxel, rank);
                 extend(path, k + std::size_t(mParams.lifeSpan));
-                scatterSeed(k, path, 0, inputAt(k, voxel));
+                scatterSeed(k, path, 0, inputAt(voxel));
             });
         } else {
             seedAlongPathlines(k);
@@ -62,7 +118,7 @@ class LiteralLic {
             for (auto value = leaf->beginValueOn(); value; ++value) {
                 const auto hits = bucket.hits.find(value.getCoord());
                 const float mean = hits == bucket.hits.end()
-                                       ? float(inputAt(k, value.getCoord()))
+                                       ? float(inputAt(value.getCoord()))
                                        : float(double(hits->second.first) / double(hits->second.second));
                 value.setValue(mean / 65535.0f);
             }
@@ -84,17 +140,8 @@ class LiteralLic {
         }
     }
 
-    std::uint32_t inputAt(std::size_t, const Coord& voxel) const
-    {
-        return std::uint32_t(mInput.tree()->getValue(voxel));
-    }
+    std::uint32_t inputAt(const Coord& voxel) const { return Input::value(mInput.tree()->getValue(voxel)); }
 
-    static Coord voxelAt(Float4 position)
-    {
-        const Int4 voxel = voxelOf(position);
-        return {voxel[0], voxel[1], voxel[2]};
-    }
-    static Coord tileOf(const Coord& voxel) { return voxel & ~7; }
     bool inDomain(std::size_t step, const Coord& voxel) const
     {
         return mFields[step].domain().topology().isValueOn(voxel);
@@ -102,8 +149,7 @@ class LiteralLic {
 
     Path start(std::size_t k, const Coord& voxel, std::uint64_t rank) const
     {
-        const Float4 centre = {float(voxel[0]), float(voxel[1]), float(voxel[2]), 0};
-        return {k, rank, k, {}, {}, false, centre, mFields[k].sample(centre, 0, Float4{})};
+        return {k, rank, k, {}, {}, false, centreOf(voxel), mFields[k].sample(centreOf(voxel), 0, Float4{})};
     }
 
     /// Integrate a path up to, not including, a step; steps that are never shown are left out.
@@ -117,24 +163,11 @@ class LiteralLic {
                 path.ended = true;
                 return;
             }
-            PathBatch batch;
-            batch.count = 1;
-            batch.position[0] = path.position;
-            batch.slope[0] = path.slope;
-            advancePaths(mFields[step], mParams.pathline, batch);
-            for (const Segment& segment : batch.path[0]) {
-                if (path.ended) break;
-                visitSamples(segment, mParams.pathline.sampleSpacing, [&](const SampleBlock& block) {
-                    for (int i = 0; i < block.count && !path.ended; ++i) {
-                        const Coord voxel(block.x[i], block.y[i], block.z[i]);
-                        path.ended = !inDomain(step, voxel);
-                        if (!path.ended) path.samples.back().push_back({voxel, block.time[i]});
-                    }
-                    return true;
-                });
-            }
-            path.position = batch.position[0];
-            path.slope = batch.slope[0];
+            Trace oneStep = trace(mFields[step], mParams, path.position, path.slope);
+            path.samples.back() = std::move(oneStep.samples);
+            path.ended = oneStep.ended;
+            path.position = oneStep.position;
+            path.slope = oneStep.slope;
         }
     }
 
@@ -157,13 +190,13 @@ class LiteralLic {
     {
         const Coord& start = path.starts[k - path.firstStep];
         bool released = inDomain(k, start) && tileOf(start) == tile && open.erase(start) > 0;
-        if (released) scatterSeed(k, path, 0, inputAt(k, start));
+        if (released) scatterSeed(k, path, 0, inputAt(start));
         const auto& samples = path.samples[k - path.firstStep];
         for (std::size_t i = 0; i < samples.size(); ++i) {
             const Coord& voxel = samples[i].voxel;
-            if (samples[i].time >= mParams.releaseWindow || tileOf(voxel) != tile || open.erase(voxel) == 0) continue;
+            if (!samples[i].early || tileOf(voxel) != tile || open.erase(voxel) == 0) continue;
             released = true;
-            scatterSeed(k, path, i, inputAt(k, voxel));
+            scatterSeed(k, path, i, inputAt(voxel));
         }
         return released;
     }
@@ -210,7 +243,129 @@ class LiteralLic {
     std::vector<Path> mSaved;
 };
 
+/// With history: particle by particle and deposit by deposit, all in maps.
+class LiteralHistory {
+  public:
+    LiteralHistory(const ScatterParams& params, const Domain& first)
+        : mParams(params), mNoise(7), mInput(noiseInput(first, mNoise))
+    {
+    }
+
+    LeafValues<float> step(std::size_t k, const VelocityField& field, const Domain& next)
+    {
+        const openvdb::MaskTree& domain = field.domain().topology();
+        mHits.clear();
+        mOpen.clear();
+        std::vector<Mote> scan;
+        for (auto leaf = domain.cbeginLeaf(); leaf; ++leaf) {
+            for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
+                const Float4 centre = centreOf(voxel.getCoord());
+                mOpen.insert(voxel.getCoord());
+                scan.push_back({k, scan.size(), centre, field.sample(centre, 0, Float4{}), {}});
+            }
+        }
+
+        // Those in one voxel become one; the oldest go first.
+        std::map<Coord, Mote> byVoxel;
+        std::sort(mMotes.begin(), mMotes.end(), older);
+        for (const Mote& mote : mMotes) {
+            if (!domain.isValueOn(voxelAt(mote.position))) continue;
+            const auto [heir, isOldest] = byVoxel.try_emplace(voxelAt(mote.position), mote);
+            if (isOldest) continue;
+            for (const auto& [process, values] : mote.values) {
+                auto& to = heir->second.values[process];
+                to.insert(to.end(), values.begin(), values.end());
+            }
+        }
+        std::vector<Mote> live;
+        for (const auto& [voxel, mote] : byVoxel)
+            live.push_back(mote);
+        std::sort(live.begin(), live.end(), older);
+
+        mMotes.clear();
+        for (Mote& mote : live)
+            scatter(k, field, mote);
+        for (Mote& mote : scan) {
+            const Coord voxel = voxelAt(mote.position);
+            const std::uint32_t before = Input::history(mInput.tree()->getValue(voxel));
+            for (std::size_t age = 1; age < std::size_t(mParams.lifeSpan); ++age)
+                mote.values[std::int64_t(k) - std::int64_t(age)] = {before};
+            scatter(k, field, mote);
+        }
+
+        LeafValues<float> texture(field.domain(), 0.0f);
+        for (auto value = texture.tree()->beginValueOn(); value; ++value) {
+            const auto hits = mHits.find(value.getCoord());
+            value.setValue((hits == mHits.end()
+                                ? float(Input::value(mInput.tree()->getValue(value.getCoord())))
+                                : float(double(hits->second.first) / double(hits->second.second))) /
+                           65535.0f);
+        }
+        mInput = feedForward(field, texture, next, mNoise, FeedbackParams{}, k);
+        return texture;
+    }
+
+  private:
+    struct Mote {
+        std::size_t releaseStep, rank;
+        Float4 position, slope;
+        std::map<std::int64_t, std::vector<std::uint32_t>> values; // by scattering process
+    };
+    static bool older(const Mote& a, const Mote& b)
+    {
+        return std::pair(a.releaseStep, a.rank) < std::pair(b.releaseStep, b.rank);
+    }
+
+    void scatter(std::size_t k, const VelocityField& field, Mote mote)
+    {
+        const Coord start = voxelAt(mote.position);
+        if (!mOpen.contains(start)) return;
+        const auto takeUp = [&](const Coord& voxel) {
+            if (tileOf(voxel) == tileOf(start) && mOpen.erase(voxel) > 0)
+                mote.values[std::int64_t(k)].push_back(Input::value(mInput.tree()->getValue(voxel)));
+        };
+        takeUp(start);
+        const Trace path = trace(field, mParams, mote.position, mote.slope);
+        for (const Sample& sample : path.samples) {
+            if (sample.early) takeUp(sample.voxel);
+            for (const auto& [process, values] : mote.values) {
+                for (const std::uint32_t value : values) {
+                    mHits[sample.voxel].first += value;
+                    ++mHits[sample.voxel].second;
+                }
+            }
+        }
+        std::erase_if(mote.values,
+                      [&](const auto& of) { return of.first <= std::int64_t(k) + 1 - mParams.lifeSpan; });
+        if (path.ended || mote.values.empty()) return;
+        mote.position = path.position;
+        mote.slope = path.slope;
+        mMotes.push_back(mote);
+    }
+
+    ScatterParams mParams;
+    NoiseField mNoise;
+    LeafValues<std::int32_t> mInput;
+    std::vector<Mote> mMotes;
+    std::set<Coord> mOpen;
+    std::map<Coord, std::pair<std::uint64_t, std::uint64_t>> mHits;
+};
+
 } // namespace
+
+std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<FlowFrame>& frames, int steps,
+                                                          const ScatterParams& scatter)
+{
+    LiteralHistory literal(scatter, *frames[0].domain);
+    std::vector<LeafValues<float>> textures;
+    for (std::size_t k = 0; k < std::size_t(steps); ++k) {
+        VelocityField field;
+        field.build(frames[k].domain, {frames[k].velocities->tree(), openvdb::Mat3d::identity()},
+                    {frames[k + 1].velocities->tree(), openvdb::Mat3d::identity()});
+        textures.push_back(literal.step(k, field, *frames[k + 1].domain));
+    }
+    return textures;
+}
 
 std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
                                                const ScatterParams& scatter)

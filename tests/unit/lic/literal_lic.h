@@ -11,4 +11,8 @@ namespace vdblic::test {
 std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
                                                const ScatterParams& scatter);
 
+/// AUFLIC with history, slowly: particle after particle, each value it carries deposited on its own.
+std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<FlowFrame>& frames, int steps,
+                                                          const ScatterParams& scatter);
+
 } // namespace vdblic::test

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numbers>
 
 namespace vdblic {
@@ -34,11 +35,11 @@ struct Walk {
 
 Walk advanceOne(const VelocityField& field, Walk walk, const PathlineParams& params, PathBatch& batch)
 {
-    batch.count = 1;
-    batch.position[0] = walk.position;
-    batch.slope[0] = walk.slope;
-    advancePaths(field, params, batch);
-    return {batch.position[0], batch.slope[0]};
+    batch.lanes = 1;
+    batch.position.setLane(0, walk.position);
+    batch.slope.setLane(0, walk.slope);
+    advancePaths(field, LeafWindow(field.domain(), {0, 0, 0}), params, batch);
+    return {batch.position.lane(0), batch.slope.lane(0)};
 }
 
 double distance(Float4 a, double x, double y, double z)
@@ -62,7 +63,7 @@ double turningError(int steps)
         });
         walk.slope = turning.field.sample(walk.position, 0, Float4{});
         walk = advanceOne(turning.field, walk, coarse, batch);
-        EXPECT_EQ(batch.path[0].size(), 1u);
+        EXPECT_EQ(batch.segments.size(), 1u);
     }
     const double angle = first + growth / 2;
     return distance(walk.position, radius * std::cos(angle), radius * std::sin(angle), 0);
@@ -104,8 +105,8 @@ TEST(Pathline, KeepsTheErrorUnderTheTolerance)
         const Float4 start = {12, 0, 0, 0};
         const Walk end = advanceOne(turning.field, {start, turning.field.sample(start, 0, Float4{})}, params, batch);
         EXPECT_LT(distance(end.position, 12 * std::cos(2.0), 12 * std::sin(2.0), 0),
-                  double(batch.path[0].size()) * tolerance);
-        EXPECT_GE(batch.path[0].size(), 3u); // 24 voxels of arc
+                  double(batch.segments.size()) * tolerance);
+        EXPECT_GE(batch.segments.size(), 3u); // 24 voxels of arc
     }
 }
 
@@ -115,22 +116,42 @@ TEST(Pathline, LanesDoNotSeeEachOther)
         return Vec3f(float(-0.9 * at[1] + level), float(1.1 * at[0]), 0.1f * float(at[0]));
     });
     PathBatch all, one;
-    all.count = kLanes;
+    all.lanes = 255;
     std::array<Float4, kLanes> starts;
     for (int m = 0; m < kLanes; ++m) {
         starts[std::size_t(m)] = Float4{float(2 * m) - 7, float(m), 0.5f, 0};
-        all.position[std::size_t(m)] = starts[std::size_t(m)];
-        all.slope[std::size_t(m)] = turning.field.sample(starts[std::size_t(m)], 0, Float4{});
+        all.position.setLane(m, starts[std::size_t(m)]);
+        all.slope.setLane(m, turning.field.sample(starts[std::size_t(m)], 0, Float4{}));
     }
-    advancePaths(turning.field, {}, all);
-    for (std::size_t m = 0; m < kLanes; ++m) {
-        const Walk alone =
-            advanceOne(turning.field, {starts[m], turning.field.sample(starts[m], 0, Float4{})}, {}, one);
-        ASSERT_EQ(all.path[m].size(), one.path[0].size());
+    advancePaths(turning.field, LeafWindow(), {}, all); // everything is elsewhere
+    for (int m = 0; m < kLanes; ++m) {
+        const Float4 start = starts[std::size_t(m)];
+        const Walk alone = advanceOne(turning.field, {start, turning.field.sample(start, 0, Float4{})}, {}, one);
+        const auto taken = std::count_if(all.segments.begin(), all.segments.end(),
+                                         [&](const Segment& segment) { return segment.lanes >> m & 1; });
+        ASSERT_EQ(std::size_t(taken), one.segments.size());
         for (int axis = 0; axis < 3; ++axis)
-            EXPECT_EQ(all.position[m][axis], alone.position[axis]);
+            EXPECT_EQ(all.position.lane(m)[axis], alone.position[axis]);
     }
 }
+
+/// The samples of a batch's first particle: their codes, and how many are early.
+struct OneParticlesSamples {
+    std::vector<int> codes;
+    int early = 0;
+
+    OneParticlesSamples(const TestField& field, const PathBatch& batch, float spacing, float until)
+    {
+        PathSamples samples;
+        const Domain& domain = field.field.domain();
+        samplePaths(batch, domain, LeafWindow(domain, {-8, 0, 0}), spacing, until, samples);
+        for (const PathSamples::Run& run : samples.runs) {
+            for (int i = 0; i < run.count[0]; ++i)
+                codes.push_back(samples.rows[run.firstRow + std::size_t(i)].code[0]);
+            early += run.early[0];
+        }
+    }
+};
 
 TEST(Pathline, SamplesAreEvenlySpacedAndCarryTheirTime)
 {
@@ -139,26 +160,35 @@ TEST(Pathline, SamplesAreEvenlySpacedAndCarryTheirTime)
     PathBatch batch;
     const Float4 start = {-8, 0, 0, 0};
     advanceOne(field.field, {start, field.field.sample(start, 0, Float4{})}, {}, batch);
-    std::vector<float> times;
-    std::vector<int> voxels;
-    for (const Segment& segment : batch.path[0]) {
-        visitSamples(segment, 0.25f, [&](const SampleBlock& block) {
-            for (int i = 0; i < block.count; ++i) {
-                times.push_back(block.time[i]);
-                voxels.push_back(block.x[i]);
-            }
-            return true;
-        });
-    }
-    ASSERT_GE(times.size(), 12u);
-    EXPECT_GT(times.front(), 0);
-    EXPECT_LT(times.back(), 1);
-    double last = -8 - 0.125; // the first sample is the middle of the first piece
-    for (std::size_t i = 0; i < times.size(); ++i) {
-        const double t = times[i], x = -8 + t + 2 * t * t;
-        EXPECT_NEAR(x - last, 0.25, 0.02);
-        EXPECT_EQ(voxels[i], int(std::floor(x + 0.5)));
-        last = x;
+    const OneParticlesSamples samples(field, batch, 0.25f, 1);
+    ASSERT_GE(samples.codes.size(), 12u);
+    EXPECT_EQ(std::size_t(samples.early), samples.codes.size());
+    // Samples are the middles of pieces of a quarter voxel, so a third of them lies in each voxel between the path's ends.
+    std::map<int, int> perVoxel;
+    for (const int code : samples.codes)
+        ++perVoxel[code & 511 ? (code >> 6 & 7) - 8 + ((code >> 9) - LeafWindow::kCentre) / 9 * 8 : -8];
+    EXPECT_EQ(perVoxel.begin()->first, -8);
+    EXPECT_NEAR(perVoxel[-7], double(samples.codes.size()) / 3, 1);
+    EXPECT_NEAR(perVoxel[-6], double(samples.codes.size()) / 3, 1);
+    // x(t) = −8 + t + 2 t² has gone half its way of three voxels at t = (√13 − 1) / 4.
+    const float halfway = (std::sqrt(13.0f) - 1) / 4;
+    EXPECT_NEAR(OneParticlesSamples(field, batch, 0.25f, halfway).early, double(samples.codes.size()) / 2, 1);
+}
+
+TEST(Pathline, FindsVoxelsOutsideTheWindow)
+{
+    const TestField field(kBox, [](const Coord&, int) { return Vec3f(7, 0, 0); });
+    PathBatch batch;
+    advanceOne(field.field, {Float4{-14, 0, 0, 0}, Float4{7, 0, 0, 0}}, {}, batch);
+    PathSamples samples;
+    const Domain& domain = field.field.domain();
+    samplePaths(batch, domain, LeafWindow(domain, {8, 0, 0}), 1, 1, samples);
+    ASSERT_EQ(samples.far.size(), std::size_t(samples.runs.at(0).count[0])); // the window begins at x = 0
+    for (const PathSamples::FarVoxel& voxel : samples.far) {
+        ASSERT_GE(voxel.leaf, 0);
+        const int x = domain.origin(std::size_t(voxel.leaf))[0] + int(voxel.offset >> 6);
+        EXPECT_GE(x, -14);
+        EXPECT_LE(x, -7);
     }
 }
 
@@ -168,10 +198,8 @@ TEST(Pathline, AtRestThereIsOneSample)
     PathBatch batch;
     const Walk end = advanceOne(still.field, {Float4{3, 2, 1, 0}, Float4{}}, {}, batch);
     EXPECT_EQ(distance(end.position, 3, 2, 1), 0);
-    ASSERT_EQ(batch.path[0].size(), 1u);
-    int samples = 0;
-    visitSamples(batch.path[0][0], 0.5f, [&](const SampleBlock& block) { return samples += block.count, true; });
-    EXPECT_EQ(samples, 1);
+    ASSERT_EQ(batch.segments.size(), 1u);
+    EXPECT_EQ(OneParticlesSamples(still, batch, 0.5f, 1).codes.size(), 1u);
 }
 
 TEST(Pathline, EndsAfterLeavingTheDomain)

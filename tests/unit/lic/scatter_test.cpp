@@ -31,12 +31,16 @@ class EqualsLiteral : public testing::TestWithParam<ScatterParams> {};
 TEST_P(EqualsLiteral, OnAnUnsteadyFlowWithAMovingHole)
 {
     const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
-    expectEqual(test::streamedTextures(frames, kSteps, GetParam()), test::literalTextures(frames, kSteps, GetParam()));
+    const bool history = GetParam().method == ScatterMethod::kAuflic && GetParam().history;
+    expectEqual(test::streamedTextures(frames, kSteps, GetParam()),
+                history ? test::literalTexturesWithHistory(frames, kSteps, GetParam())
+                        : test::literalTextures(frames, kSteps, GetParam()));
 }
 
-ScatterParams params(ScatterMethod method, int lifeSpan, float window = 0.25f)
+ScatterParams params(ScatterMethod method, int lifeSpan, float window = 0.25f, bool history = false)
 {
     ScatterParams result;
+    result.history = history;
     result.method = method;
     result.lifeSpan = lifeSpan;
     result.releaseWindow = window;
@@ -58,14 +62,21 @@ INSTANTIATE_TEST_SUITE_P(Auflic, EqualsLiteral,
                                          params(ScatterMethod::kAuflic, 7, 0.5f)),
                          nameOf);
 
+INSTANTIATE_TEST_SUITE_P(AuflicWithHistory, EqualsLiteral,
+                         testing::Values(params(ScatterMethod::kAuflic, 1, 0.25f, true),
+                                         params(ScatterMethod::kAuflic, 4, 0.25f, true),
+                                         params(ScatterMethod::kAuflic, 7, 1.0f, true)),
+                         nameOf);
+
 TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
 {
     const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
-    for (const ScatterMethod method : {ScatterMethod::kUflic, ScatterMethod::kAuflic}) {
+    for (const ScatterParams& method : {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
+                                        params(ScatterMethod::kAuflic, 4, 0.5f, true)}) {
         std::vector<std::vector<LeafValues<float>>> runs;
         for (const std::size_t threads : {1, 2, 7}) {
             const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-            runs.push_back(test::streamedTextures(frames, kSteps, params(method, 4)));
+            runs.push_back(test::streamedTextures(frames, kSteps, method));
         }
         expectEqual(runs[0], runs[1]);
         expectEqual(runs[0], runs[2]);
@@ -85,20 +96,21 @@ struct OneStep {
         field.build(step.start.domain, {step.start.velocities->tree(), step.startToStep},
                     {step.end.velocities->tree(), step.endToStep});
         input = noiseInput(*step.start.domain, NoiseField(3));
-        accumulator = LeafValues<std::int64_t>(*step.start.domain, 0);
+        accumulator = makeAccumulator(*step.start.domain);
     }
-    void clear() { accumulator = LeafValues<std::int64_t>(field.domain(), 0); }
+    void clear() { accumulator = makeAccumulator(field.domain()); }
 };
 
 TEST(Scatter, EveryVoxelReleasesExactlyOneSeedAStep)
 {
     OneStep step(test::unsteadyFlowWithHole(2));
     const std::size_t voxels = step.field.domain().voxelCount();
-    for (const ScatterMethod method : {ScatterMethod::kUflic, ScatterMethod::kAuflic}) {
-        Scatter scatter(params(method, 4));
+    for (const ScatterParams& method : {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
+                                        params(ScatterMethod::kAuflic, 4, 0.25f, true)}) {
+        Scatter scatter(method);
         for (int k = 0; k < 6; ++k) {
             step.clear();
-            const ScatterStats stats = scatter.step(step.field, step.input, step.accumulator);
+            const ScatterStats stats = scatter.step(step.field, step.input, step.accumulator, step.field.domain());
             EXPECT_EQ(stats.released + stats.reused + stats.copied, voxels) << "step " << k;
         }
     }
@@ -113,7 +125,7 @@ TEST(Scatter, AuflicKeepsFewerParticlesThanUflic)
         for (int k = 0; k < 10; ++k) {
             step.clear();
             particles[method == ScatterMethod::kAuflic] =
-                scatter.step(step.field, step.input, step.accumulator).particles;
+                scatter.step(step.field, step.input, step.accumulator, step.field.domain()).particles;
         }
     }
     EXPECT_LT(2 * particles[1], particles[0]);
@@ -126,12 +138,12 @@ TEST(Scatter, AtRestEachVoxelIsHitByItsOwnSeedsOnly)
     Scatter scatter(params(ScatterMethod::kUflic, 3));
     for (int k = 0; k < 5; ++k) {
         step.clear();
-        scatter.step(step.field, step.input, step.accumulator);
+        scatter.step(step.field, step.input, step.accumulator, step.field.domain());
         const std::uint64_t expected = std::uint64_t(std::min(k + 1, 3));
         for (auto value = step.accumulator.tree()->cbeginValueOn(); value; ++value) {
             const auto word = std::uint64_t(*value);
             ASSERT_EQ(Hits::count(word), expected);
-            ASSERT_EQ(Hits::sum(word), expected * std::uint64_t(step.input.tree()->getValue(value.getCoord())));
+            ASSERT_EQ(Hits::sum(word), expected * Input::value(step.input.tree()->getValue(value.getCoord())));
         }
     }
 }
@@ -140,7 +152,7 @@ TEST(Scatter, AVoxelThatOverflowsIsReported)
 {
     OneStep step(test::makeFrames({{0, 0, 0}, {3, 3, 3}}, 2, [](auto&, int) { return openvdb::Vec3f(0); }));
     step.accumulator[0][0] = std::int64_t(Hits::pack(0, Hits::kCountMask)); // one hit more carries into the sum
-    EXPECT_THROW(Scatter(params(ScatterMethod::kUflic, 4)).step(step.field, step.input, step.accumulator), InputError);
+    EXPECT_THROW(Scatter(params(ScatterMethod::kUflic, 4)).step(step.field, step.input, step.accumulator, step.field.domain()), InputError);
 }
 
 TEST(Scatter, RefusesParametersOutOfRange)

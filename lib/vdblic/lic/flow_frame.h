@@ -1,0 +1,16 @@
+#pragma once
+
+#include "vdblic/field/domain.h"
+
+#include <memory>
+
+namespace vdblic {
+
+/// One frame of the flow: its domain, and its velocity over the steps that begin or end there.
+struct FlowFrame {
+    std::shared_ptr<const Domain> domain;
+    openvdb::Vec3SGrid::ConstPtr velocities;
+    openvdb::Mat3d toWorldPerSecond; ///< stored value → world units per second
+};
+
+} // namespace vdblic

@@ -1,0 +1,75 @@
+#include "vdblic/lic/local_contrast.h"
+
+#include <tbb/parallel_for.h>
+
+namespace vdblic {
+namespace {
+
+/// The two blocks whose centres enclose a voxel along one axis, counted from the one before the leaf.
+struct Enclosing {
+    int first;
+    float weight; ///< of the second
+};
+constexpr Enclosing enclosing(int voxel)
+{
+    const int first = (voxel + 2) / 4;
+    return {first, (float(voxel) + 2.5f) / 4 - float(first)};
+}
+
+} // namespace
+
+LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& values)
+    : mDomain(domain), mMoments(domain.leafCount())
+{
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        Moments& moments = mMoments[leaf];
+        moments = {};
+        const Domain::Mask& mask = domain.mask(leaf);
+        for (int offset = 0; offset < Domain::kLeafVoxels; ++offset) {
+            if (!mask.isOn(openvdb::Index(offset))) continue;
+            const float value = values[leaf][offset];
+            moments[std::size_t(blockOf(offset >> 6, offset >> 3 & 7, offset & 7))] +=
+                Float4{1, value, value * value, 0};
+        }
+    });
+}
+
+LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& origin)
+{
+    const LeafWindow window(contrast.mDomain, origin);
+    for (int part = 0; part < kAround * kAround * kAround; ++part) {
+        // Block −1 of the window's middle leaf is the last of the leaf before.
+        const int x = (part / (kAround * kAround) + 1) * kBlock, y = (part / kAround % kAround + 1) * kBlock,
+                  z = (part % kAround + 1) * kBlock;
+        const int leaf = window.leaves[std::size_t((x / 8 * 3 + y / 8) * 3 + z / 8)];
+        mMoments[std::size_t(part)] =
+            leaf < 0 ? Float4{} : contrast.mMoments[std::size_t(leaf)][std::size_t(blockOf(x & 7, y & 7, z & 7))];
+    }
+}
+
+LocalContrast::Row LocalContrast::Leaf::row(int x, int y) const
+{
+    const Enclosing inX = enclosing(x), inY = enclosing(y);
+    std::array<Float4, kAround> along; // the moments at this x and y, of each block along z
+    for (int k = 0; k < kAround; ++k) {
+        const auto at = [&](int i, int j) {
+            return mMoments[std::size_t(((inX.first + i) * kAround + inY.first + j) * kAround + k)];
+        };
+        const auto mix = [](Float4 a, Float4 b, float t) { return a + (b - a) * t; };
+        along[std::size_t(k)] = mix(mix(at(0, 0), at(0, 1), inY.weight), mix(at(1, 0), at(1, 1), inY.weight), inX.weight);
+    }
+    Float8 count, sum, squares;
+    for (int z = 0; z < 8; ++z) {
+        const Enclosing inZ = enclosing(z);
+        const Float4 a = along[std::size_t(inZ.first)], b = along[std::size_t(inZ.first + 1)];
+        const Float4 moments = a + (b - a) * inZ.weight;
+        count[z] = moments[0];
+        sum[z] = moments[1];
+        squares[z] = moments[2];
+    }
+    const Float8 mean = sum / count;
+    const Float8 variance = squares / count - mean * mean;
+    return {mean, squareRoots(variance > 0 ? variance : Float8{})};
+}
+
+} // namespace vdblic

@@ -1,0 +1,31 @@
+#include "vdblic/lic/particle_bins.h"
+
+#include <algorithm>
+
+namespace vdblic {
+
+void ParticleBins::add(std::size_t tile, const Particle& particle, const std::uint32_t* generations)
+{
+    Bin& bin = mBins[tile];
+    if (bin.empty() || bin.back()->count == Chunk::kCapacity) {
+        bin.emplace_back(new Chunk); // its particles are left unset
+        bin.back()->generations.reset(new std::uint32_t[Chunk::kCapacity * mGenerations]);
+    }
+    Chunk& chunk = *bin.back();
+    chunk.particles[chunk.count] = particle;
+    std::copy_n(generations, mGenerations, chunk.generations.get() + chunk.count * mGenerations);
+    ++chunk.count;
+}
+
+void ParticleBins::take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations)
+{
+    for (const auto& chunk : mBins[tile]) {
+        const std::uint32_t* words = chunk->generations.get();
+        particles.insert(particles.end(), chunk->particles.begin(),
+                         chunk->particles.begin() + std::ptrdiff_t(chunk->count));
+        generations.insert(generations.end(), words, words + chunk->count * mGenerations);
+    }
+    Bin().swap(mBins[tile]);
+}
+
+} // namespace vdblic

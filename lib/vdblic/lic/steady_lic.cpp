@@ -1,0 +1,119 @@
+#include "vdblic/lic/steady_lic.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/lic/noise.h"
+#include "vdblic/lic/scatter.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace vdblic {
+namespace {
+
+/// Weighted noise along the streamlines of eight voxels at a time.
+struct Convolution {
+    const LeafValues<std::int32_t>& noise;
+    const LicKernel kernel;
+    const PathlineParams& pathline;
+    PathBatch batch{};
+    PathSamples samples{};
+    std::vector<std::int32_t> values{}; // along one half of a streamline
+
+    /// Add one half of the streamlines of voxels in a row, given by the bits of `lanes`.
+    VDBLIC_INLINE void addHalf(const VelocityField& field, const LeafWindow& window, const openvdb::Coord& row,
+                               unsigned lanes, Float8& sum, Float8& weight)
+    {
+        const Domain& domain = field.domain();
+        batch.lanes = lanes;
+        batch.position = {broadcast8(float(row[0])), broadcast8(float(row[1])),
+                          Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(row[2])};
+        batch.slope = field.sample(window, batch.position, Float8{}, Vector8{}, lanes);
+        advancePaths(field, window, pathline, batch);
+        samplePaths(batch, domain, window, pathline.sampleSpacing, 0, samples);
+        for (int lane = 0; lane < kLanes; ++lane) {
+            if (!(lanes >> lane & 1)) continue;
+            collect(domain, window, lane);
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                const float s = (float(i) + 0.5f) / float(values.size());
+                const float share =
+                    kernel == LicKernel::kBox ? 1 : 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> * s);
+                sum[lane] += share * float(values[i]);
+                weight[lane] += share;
+            }
+        }
+    }
+
+    /// The noise along one lane's path, up to where it leaves the domain.
+    void collect(const Domain& domain, const LeafWindow& window, int lane)
+    {
+        values.clear();
+        for (const PathSamples::Run& run : samples.runs) {
+            for (int i = 0; run.lanes >> lane & 1 && i < run.count[lane]; ++i) {
+                const int code = samples.rows[run.firstRow + std::size_t(i)].code[lane];
+                const PathSamples::FarVoxel voxel =
+                    code < 0 ? samples.far[std::size_t(-1 - code)]
+                             : PathSamples::FarVoxel{window.leaves[std::size_t(code >> 9)], unsigned(code & 511)};
+                if (voxel.leaf < 0 || !domain.isActive(voxel.leaf, voxel.offset)) return;
+                values.push_back(std::int32_t(Input::value(noise[std::size_t(voxel.leaf)][voxel.offset])));
+            }
+        }
+    }
+};
+
+VDBLIC_KERNEL void convolveLeaf(Convolution& convolution, const VelocityField& downstream,
+                                const VelocityField& upstream, std::size_t leaf, float* texture)
+{
+    const Domain& domain = downstream.domain();
+    const openvdb::Coord origin = domain.origin(leaf);
+    const LeafWindow window(domain, origin);
+    for (int row = 0; row < 64; ++row) {
+        const unsigned lanes = domain.mask(leaf).getWord<std::uint8_t>(openvdb::Index(row));
+        if (lanes == 0) continue;
+        const openvdb::Coord first = origin + openvdb::Coord(row >> 3, row & 7, 0);
+        Float8 sum{}, weight{};
+        convolution.addHalf(downstream, window, first, lanes, sum, weight);
+        convolution.addHalf(upstream, window, first, lanes, sum, weight);
+        const Float8 mean = sum / weight / float(kNoiseMax);
+        for (int z = 0; z < 8; ++z) {
+            if (lanes >> z & 1) texture[8 * row + z] = mean[z];
+        }
+    }
+}
+
+} // namespace
+
+LicKernel parseLicKernel(std::string_view text)
+{
+    if (text == "hann") return LicKernel::kHann;
+    if (text == "box") return LicKernel::kBox;
+    throw ParameterError(fmt::format("kernel '{}' is neither hann nor box", text));
+}
+
+std::string_view toString(LicKernel kernel)
+{
+    return kernel == LicKernel::kHann ? "hann" : "box";
+}
+
+LeafValues<float> steadyLic(const FlowFrame& frame, const openvdb::Mat3d& toStep, int lifeSpan, LicKernel kernel,
+                            const PathlineParams& pathline, const NoiseField& noise)
+{
+    const auto along = [&](double sign) {
+        const VelocityLevel level{frame.velocities->tree(), toStep * (sign * 0.5 * lifeSpan)};
+        VelocityField field;
+        field.build(frame.domain, level, level);
+        return field;
+    };
+    const VelocityField downstream = along(1), upstream = along(-1);
+    const LeafValues<std::int32_t> input = noiseInput(*frame.domain, noise);
+    LeafValues<float> texture(*frame.domain, 0.0f);
+    tbb::enumerable_thread_specific<Convolution> workers([&] { return Convolution{input, kernel, pathline}; });
+    tbb::parallel_for(std::size_t(0), frame.domain->leafCount(), [&](std::size_t leaf) {
+        convolveLeaf(workers.local(), downstream, upstream, leaf, texture[leaf]);
+    });
+    return texture;
+}
+
+} // namespace vdblic
