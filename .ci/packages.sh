@@ -16,6 +16,7 @@ libopenvdb-dev          header  openvdb/openvdb.h
 libblosc-dev            header  blosc.h
 libboost-iostreams-dev  header  boost/iostreams/stream.hpp
 zlib1g-dev              header  zlib.h
+libxxhash-dev           header  xxhash.h
 libtbb-dev              header  tbb/parallel_for.h
 libopenexr-dev          header  OpenEXR/ImfOutputFile.h
 libpng-dev              header  png.h

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <iostream>
-
 namespace {
 
 void setMethod(vdblic::AdvectParams& params, const std::string& method, const std::string& kernel)
@@ -79,12 +77,13 @@ int main(int argc, char** argv)
     tool.option("--noise-share", params.feedback.noiseShare, "Share of the noise with --jitter mix, 0 to 1.");
     tool.option("--texture-name", params.textureName, "Name of the texture grid.");
 
+    tool.verifies([&] { return std::vector<SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](Reporter& reporter) {
         setMethod(params, method, kernel);
         params.feedback.jitter = parseJitter(jitter);
         if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
         if (fps) params.frameSpacing = 1 / *fps;
         params.velocity.nonFinite = parseNonFinite(nonFinite);
-        advectSequence(params, std::cin, reporter);
+        advectSequence(params, tool.standardInput(), reporter);
     });
 }

@@ -32,6 +32,7 @@ int main(int argc, char** argv)
     app.add_option("-o,--output", params.plot, "SVG file to plot the autocorrelations to.");
     app.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
                "The report goes to standard error; the path of each finished output is printed on standard output.");
+    tool.verifies([&] { return std::vector<SequenceParams>{flow.input, {params.texture, flow.input.frames}}; });
 
     return tool.run(argc, argv, [&](Reporter& reporter) {
         if (!unit.empty()) flow.velocity.unit = parseVelocityUnit(unit);

@@ -1,4 +1,5 @@
 #include "cli/tool.h"
+#include "vdblic/io/grid_reference.h"
 #include "vdblic/lic/noise_file.h"
 
 int main(int argc, char** argv)
@@ -15,5 +16,9 @@ int main(int argc, char** argv)
         ->excludes(like);
     tool.option("--seed", params.seed, "Another seed gives other noise.");
     tool.skipExisting(params.skipExisting);
+    tool.verifies([&] {
+        const auto file = params.like.empty() ? "" : vdblic::parseGridReference(params.like).path.string();
+        return std::vector<vdblic::SequenceParams>(file.empty() ? 0 : 1, {file, ""});
+    });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) { vdblic::makeNoiseFile(params, reporter); });
 }

@@ -4,8 +4,6 @@
 
 #include <fmt/ranges.h>
 
-#include <iostream>
-
 namespace {
 
 using Numbers = std::vector<double>;
@@ -109,11 +107,12 @@ int main(int argc, char** argv)
                 fmt::format("Of .exr: {}.", fmt::join(vdblic::exrCompressions(), ", ")));
     app.add_option("--histogram", params.histogram,
                    "Histograms of texture and magnitude with the transfer function over them, .png or .json.");
+    tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         if (!opacity.empty()) params.look.transfer.opacity = vdblic::parseOpacity(opacity);
         params.camera.projection = vdblic::parseProjection(projection);
         params.exr.layers = vdblic::parseImageLayers(layers);
         params.rays.layers = !params.exr.layers.empty();
-        vdblic::renderSequence(params, std::cin, reporter);
+        vdblic::renderSequence(params, tool.standardInput(), reporter);
     });
 }

@@ -1,8 +1,13 @@
 #include "cli/console.h"
 
+#include "cli/stop_signals.h"
+#include "vdblic/core/errors.h"
+
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <system_error>
 #include <unistd.h>
 
 namespace vdblic::cli {
@@ -10,6 +15,13 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 constexpr Seconds kLineInterval{10};
+
+/// Where nobody listens to messages, the work goes on.
+void toStandardError(const std::string& text)
+{
+    (void)!std::fwrite(text.data(), 1, text.size(), stderr);
+    std::fflush(stderr);
+}
 
 } // namespace
 
@@ -37,13 +49,12 @@ void Console::progress(std::size_t done, std::size_t total)
     if (mTerminal) {
         constexpr std::size_t kWidth = 30;
         const std::size_t filled = total > 0 ? kWidth * done / total : 0;
-        fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] frame {}, {:.0f} s{}", mTool, "", filled, "", kWidth - filled,
-                   count, elapsed, rest);
-        std::fflush(stderr);
+        toStandardError(fmt::format("\r\033[K{} [{:#<{}}{:.<{}}] frame {}, {:.0f} s{}", mTool, "", filled, "",
+                                    kWidth - filled, count, elapsed, rest));
         mBarShown = true;
         if (total > 0 && done == total) clearBar();
     } else if (now - mLastLine >= kLineInterval || (total > 0 && done == total)) {
-        fmt::print(stderr, "{}: frame {}, {:.1f} s{}\n", mTool, count, elapsed, rest);
+        toStandardError(fmt::format("{}: frame {}, {:.1f} s{}\n", mTool, count, elapsed, rest));
         mLastLine = now;
     }
 }
@@ -63,6 +74,11 @@ void Console::warn(std::string_view message)
     print("warning: ", message);
 }
 
+bool Console::stopRequested() const
+{
+    return stopSignal() != 0;
+}
+
 void Console::error(std::string_view message)
 {
     print("error: ", message);
@@ -72,20 +88,21 @@ void Console::finished(const std::filesystem::path& output)
 {
     clearBar();
     const std::string line = output.string() + '\n';
-    if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size() || std::fflush(stdout) != 0) throw ClosedPipe{};
+    if (std::fwrite(line.data(), 1, line.size(), stdout) == line.size() && std::fflush(stdout) == 0) return;
+    if (errno == EPIPE) throw ClosedPipe{};
+    throw OutputError(fmt::format("standard output: cannot be written: {}", std::generic_category().message(errno)));
 }
 
 void Console::print(std::string_view kind, std::string_view message)
 {
     clearBar();
-    fmt::print(stderr, "{}: {}{}\n", mTool, kind, message);
+    toStandardError(fmt::format("{}: {}{}\n", mTool, kind, message));
 }
 
 void Console::clearBar()
 {
     if (!mBarShown) return;
-    fmt::print(stderr, "\r\033[K");
-    std::fflush(stderr);
+    toStandardError("\r\033[K");
     mBarShown = false;
 }
 

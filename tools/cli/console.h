@@ -24,8 +24,9 @@ class Console : public Reporter {
     void detail(std::string_view message) override;
     void say(std::string_view message) override;
     void warn(std::string_view message) override;
-    /// @throws ClosedPipe if standard output cannot be written
+    /// @throws ClosedPipe if nobody reads standard output any more, OutputError if it cannot be written otherwise
     void finished(const std::filesystem::path& output) override;
+    [[nodiscard]] bool stopRequested() const override;
     void error(std::string_view message);
 
   private:

@@ -1,49 +1,82 @@
 #include "cli/tool.h"
 
 #include "cli/console.h"
+#include "cli/crash_guard.h"
+#include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/core/version.h"
+#include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 #include <new>
 #include <optional>
+#include <sys/resource.h>
+#include <system_error>
+#include <unistd.h>
 
 namespace vdblic::cli {
 namespace {
 
 constexpr int kMaxThreads = 1024;
+constexpr std::uint64_t kLeastMemory = std::uint64_t(128) << 20;
 
 int status(ExitStatus value)
 {
     return static_cast<int>(value);
 }
 
-/// An empty argument is no number, though CLI11 takes it for 0; an unset variable in a script makes one.
-void checkValues(const CLI::App& app)
+/// The files of a sequence that are there.
+std::vector<std::filesystem::path> filesOf(const SequenceParams& input)
 {
-    for (const CLI::Option* option : app.get_options()) {
-        if (option->get_type_name() == "TEXT") continue;
-        for (const std::string& value : option->results()) {
-            if (value.empty()) throw CLI::ValidationError(option->get_name(), "needs a value, not an empty text");
-        }
+    if (input.pattern == "-") return {}; // checked as they come
+    const FramePattern pattern(input.pattern);
+    if (!pattern.hasField()) return {pattern.path(1)};
+    std::vector<std::int64_t> frames = pattern.framesOnDisk();
+    if (!input.frames.empty()) {
+        const std::vector<std::int64_t> chosen = parseFrameList(input.frames);
+        std::erase_if(frames, [&](std::int64_t frame) {
+            return !std::binary_search(chosen.begin(), chosen.end(), frame);
+        });
     }
+    std::vector<std::filesystem::path> files;
+    for (const std::int64_t frame : frames)
+        files.push_back(pattern.path(frame));
+    return files;
+}
+
+/// Bytes of this process that count against RLIMIT_DATA.
+std::uint64_t dataHeld()
+{
+    std::ifstream sizes("/proc/self/statm"); // in pages: size, resident, shared, text, 0, data
+    std::uint64_t pages = 0;
+    for (int i = 0; i < 6; ++i)
+        sizes >> pages;
+    return pages * std::uint64_t(::sysconf(_SC_PAGESIZE));
 }
 
 } // namespace
 
-Tool::Tool(std::string name, const std::string& description) : mApp(description, std::move(name))
+Tool::Tool(std::string name, const std::string& description)
+    : mApp(description, std::move(name)), mInput(stoppableInput())
 {
     mApp.set_version_flag("--version", std::string(kVersion));
     mApp.add_option("--threads", mThreads,
                     "Threads to compute with; every core by default. Results do not depend on it.")
         ->check(CLI::Range(1, kMaxThreads));
+    mApp.add_option("--max-memory", mMaxMemory,
+                    "Memory that may be taken, such as 800M or 16G; what the machine has by default.")
+        ->type_name("SIZE");
     CLI::Option* quiet = mApp.add_flag("-q,--quiet", mQuiet, "Print errors and warnings only.");
     mApp.add_flag("-v,--verbose", mVerbose, "Print details.")->excludes(quiet);
-    mApp.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
+    mApp.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug; after a\n"
+                "signal 128 and its number.\n"
                 "The path of each finished output is printed on standard output, messages on standard error.");
 }
 
@@ -69,6 +102,50 @@ void Tool::skipExisting(bool& target)
     mApp.add_flag("--skip-existing", target, "Leave outputs that are there as they are, and print their paths.");
 }
 
+void Tool::verifies(std::function<std::vector<SequenceParams>()> inputs)
+{
+    mInputs = std::move(inputs);
+    mApp.add_flag("--verify", mVerify,
+                  "Check every input file before starting: its header and, where VDBLIC wrote it, its checksums.");
+}
+
+/// The budget is the process's own limit on data: what exceeds it is not allocated, whoever asks.
+void Tool::limitMemory() const
+{
+    const std::uint64_t held = dataHeld(), least = std::max(kLeastMemory, held);
+    const std::uint64_t limit = mMaxMemory.empty() ? memoryLimit() : parseMemory(mMaxMemory);
+    if (!mMaxMemory.empty() && limit < least) {
+        throw ParameterError(fmt::format("--max-memory {} is too little; a tool needs {}", memoryText(double(limit)),
+                                         memoryText(double(least))));
+    }
+    rlimit data{};
+    ::getrlimit(RLIMIT_DATA, &data);
+    if (limit <= held || limit >= data.rlim_cur) return; // sanitizers hold more than there is
+    data.rlim_cur = limit;
+    ::setrlimit(RLIMIT_DATA, &data);
+}
+
+void Tool::verify(Reporter& reporter) const
+{
+    std::size_t files = 0, withChecksums = 0;
+    std::vector<std::string> damaged;
+    for (const SequenceParams& input : mInputs()) {
+        for (const std::filesystem::path& path : filesOf(input)) {
+            reporter.checkStop();
+            ++files;
+            try {
+                withChecksums += verifyVdb(path) ? 1 : 0;
+            } catch (const InputError& error) {
+                damaged.emplace_back(error.what());
+            }
+        }
+    }
+    for (std::size_t i = 0; i + 1 < damaged.size(); ++i)
+        reporter.warn(damaged[i]);
+    if (!damaged.empty()) throw InputError(fmt::format("{}; {} of {} files are damaged", damaged.back(), damaged.size(), files));
+    reporter.say(fmt::format("{} files are in order, {} of them by their checksums", files, withChecksums));
+}
+
 int Tool::run(int argc, char** argv, const std::function<void(Reporter&)>& job)
 {
     return run(argc, argv, std::function<ExitStatus(Reporter&)>([&](Reporter& reporter) {
@@ -83,9 +160,14 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
     std::signal(SIGPIPE, SIG_IGN);
     // So is a file that grew too large.
     std::signal(SIGXFSZ, SIG_IGN);
+    catchStopSignals();
+    guardAgainstCrashes(mApp.get_name());
     try {
+        // An empty value leaves CLI11 with none, and a vector of them at 0; it comes from a variable that is not set.
+        for (int i = 1; i < argc; ++i) {
+            if (*argv[i] == '\0') throw CLI::ValidationError("an argument is empty; leave it out or give it a value");
+        }
         mApp.parse(argc, argv);
-        checkValues(mApp);
     } catch (const CLI::Success& asked) { // --help, --version
         return mApp.exit(asked);
     } catch (const CLI::ParseError& error) {
@@ -99,9 +181,14 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
                                      : mVerbose ? Console::Level::kVerbose
                                                 : Console::Level::kNormal);
     try {
+        limitMemory();
+        if (mVerify) verify(console);
         return status(job(console));
     } catch (const ClosedPipe&) {
-        return status(ExitStatus::kDone);
+        dieBy(SIGPIPE);
+    } catch (const Stopped&) {
+        console.say("stopped");
+        dieBy(stopSignal());
     } catch (const ParameterError& error) {
         console.error(error.what());
         return status(ExitStatus::kUsage);
@@ -112,7 +199,10 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         console.error(error.what());
         return status(ExitStatus::kCannotWrite);
     } catch (const std::bad_alloc&) {
-        console.error("out of memory; use a smaller domain or fewer threads");
+        console.error(fmt::format("this takes more than the {} of memory that may be used: cut the domain, use fewer "
+                                  "threads, or raise --max-memory",
+                                  memoryText(double(memoryLimit()))));
+        return status(ExitStatus::kBadInput);
     } catch (const std::exception& error) {
         console.error(fmt::format("internal error, please report it: {}", error.what()));
     }

@@ -1,20 +1,22 @@
 #pragma once
 
+#include "cli/exit_status.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/io/sequence.h"
 
 #include <CLI/CLI.hpp>
 
 #include <functional>
+#include <istream>
+#include <memory>
 #include <string>
+#include <vector>
 
 namespace vdblic::cli {
 
-/// What a tool's process returns; the same for every tool (docs/formats.md).
-enum class ExitStatus { kDone = 0, kDiffers = 1, kUsage = 2, kBadInput = 3, kCannotWrite = 4, kBug = 5 };
-
-/// A command-line tool: options common to all (`--threads`, `-q`, `-v`, `--version`), its own added by the caller,
-/// errors of the library turned into one message and the documented exit status.
+/// A command-line tool: options common to all (`--threads`, `--max-memory`, `-q`, `-v`, `--version`), its own added by
+/// the caller; errors of the library, signals, crashes on damaged files turned into one message and the documented
+/// exit status.
 class Tool {
   public:
     Tool(std::string name, const std::string& description);
@@ -33,7 +35,12 @@ class Tool {
     /// `--skip-existing`, for stages whose frames do not depend on each other.
     void skipExisting(bool& target);
 
+    /// `--verify`. @param inputs the .vdb files that the job will read, asked for when all options are known
+    void verifies(std::function<std::vector<SequenceParams>()> inputs);
+
     CLI::App& app() { return mApp; }
+    /// Standard input, for the job; it ends when a stop is asked for.
+    std::istream& standardInput() { return *mInput; }
 
     /// Parse, run the job, report what it throws.
     /// @return the process's exit status
@@ -41,9 +48,15 @@ class Tool {
     int run(int argc, char** argv, const std::function<void(Reporter&)>& job);
 
   private:
+    void limitMemory() const;
+    void verify(Reporter& reporter) const;
+
     CLI::App mApp;
+    std::unique_ptr<std::istream> mInput;
+    std::function<std::vector<SequenceParams>()> mInputs;
     int mThreads = 0;
-    bool mQuiet = false, mVerbose = false;
+    std::string mMaxMemory;
+    bool mQuiet = false, mVerbose = false, mVerify = false;
 };
 
 } // namespace vdblic::cli

@@ -135,16 +135,11 @@ std::vector<FrameDifference> matchFrames(const CompareSequencesParams& params)
     return matched;
 }
 
-void checkNotInput(const std::filesystem::path& output, const std::vector<FrameDifference>& frames)
+void checkNoInput(const std::filesystem::path& output, const std::vector<FrameDifference>& frames)
 {
     for (const FrameDifference& frame : frames) {
-        for (const std::string& input : {frame.files.pathA, frame.files.pathB}) {
-            std::error_code ignored;
-            if (std::filesystem::equivalent(output, input, ignored)) {
-                throw ParameterError(
-                    fmt::format("output '{}' would replace an input; name another file", output.string()));
-            }
-        }
+        checkNotInput(output, frame.files.pathA);
+        checkNotInput(output, frame.files.pathB);
     }
 }
 
@@ -175,12 +170,13 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
         output.emplace(params.output);
         checkOutputPattern(*output, frames.size());
         for (const FrameDifference& frame : frames)
-            checkNotInput(output->path(frame.frame), frames);
+            checkNoInput(output->path(frame.frame), frames);
     }
-    if (!params.json.empty()) checkNotInput(params.json, frames);
+    if (!params.json.empty()) checkNoInput(params.json, frames);
 
     SequenceDifference result{params.a, params.b, {}, false};
     for (FrameDifference frame : frames) {
+        reporter.checkStop();
         const auto path = output ? std::optional(output->path(frame.frame)) : std::nullopt;
         if (params.skipExisting && isFinished(*path)) {
             reporter.finished(*path);

@@ -5,9 +5,12 @@
 
 namespace vdblic {
 
-/// What a long computation tells its caller while it runs; the default listens to nothing.
+/// A computation ended because its reporter asked it to. Outputs finished before stay; nothing else was written.
+struct Stopped {};
+
+/// What a long computation tells its caller while it runs, and asks it; the default listens to nothing and never stops.
 ///
-/// Called from one thread at a time.
+/// Called from one thread at a time; stopRequested() from any.
 class Reporter {
   public:
     virtual ~Reporter() = default;
@@ -22,6 +25,14 @@ class Reporter {
     virtual void warn(std::string_view /*message*/) {}
     /// An output file is complete under its final name.
     virtual void finished(const std::filesystem::path& /*output*/) {}
+    /// Whether to give up the frame that is being computed and all that follow.
+    [[nodiscard]] virtual bool stopRequested() const { return false; }
+
+    /// Asked at least once a frame. @throws Stopped if a stop is requested
+    void checkStop() const
+    {
+        if (stopRequested()) throw Stopped{};
+    }
 };
 
 } // namespace vdblic

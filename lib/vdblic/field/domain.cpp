@@ -1,6 +1,7 @@
 #include "vdblic/field/domain.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 
 #include <openvdb/tools/Prune.h>
 
@@ -17,6 +18,7 @@ constexpr int kMaxCoordinate = 1 << 17;
 
 Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
 {
+    checkVoxels(mTopology->activeVoxelCount());
     mTopology->voxelizeActiveTiles();
     mTopology->getNodes(mLeaves);
     // Leaves without an active voxel hold nothing to compute.

@@ -20,7 +20,7 @@ class Domain {
     static constexpr int kLeafVoxels = Leaf::SIZE;
 
     /// @param topology its active voxels and tiles; tiles are expanded to voxels
-    /// @throws InputError if the voxels spread over more index space than the leaf index spans
+    /// @throws InputError if the voxels spread over more index space than the leaf index spans, or exceed the memory
     explicit Domain(openvdb::MaskTree::Ptr topology);
 
     [[nodiscard]] const openvdb::MaskTree& topology() const { return *mTopology; }

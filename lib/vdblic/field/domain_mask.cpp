@@ -1,6 +1,7 @@
 #include "vdblic/field/domain_mask.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 
@@ -47,6 +48,7 @@ openvdb::CoordBBox indexBox(const std::array<double, 6>& world, const openvdb::m
 void cutByWorldBox(openvdb::MaskTree& topology, const std::array<double, 6>& world,
                    const openvdb::math::Transform& transform)
 {
+    checkVoxels(topology.activeVoxelCount());
     topology.voxelizeActiveTiles();
     filterVoxels(topology, [&] {
         return [&](const Coord& voxel) {
@@ -78,6 +80,7 @@ using MaskTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, ope
 void cutByMask(openvdb::MaskTree& topology, const openvdb::math::Transform& transform, const openvdb::GridBase& mask,
                const std::string& where)
 {
+    checkVoxels(topology.activeVoxelCount());
     topology.voxelizeActiveTiles();
     const bool levelSet = mask.getGridClass() == openvdb::GRID_LEVEL_SET;
     const bool known = mask.apply<MaskTypes>([&](const auto& typed) {

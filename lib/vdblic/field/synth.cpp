@@ -63,6 +63,7 @@ void synthSequence(const SynthParams& params, Reporter& reporter)
     const std::vector<std::int64_t> frames = parseFrameList(params.frames);
     std::size_t done = 0;
     for (const std::int64_t frame : frames) {
+        reporter.checkStop();
         reporter.progress(done++, frames.size());
         const double time = timeOf(frame, params.dt);
         const openvdb::Vec3SGrid::Ptr grid = sampleFlow(flow, *domain, *transform, time);

@@ -18,19 +18,13 @@ namespace {
     throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::generic_category().message(errno)));
 }
 
-/// Flush a file or folder to disk; folders of some file systems cannot be flushed, which is no error.
-void flush(const std::filesystem::path& path, bool folder, const std::filesystem::path& final)
+/// Flush a folder to disk; those of some file systems cannot be, which is no error.
+void flushFolder(const std::filesystem::path& folder)
 {
-    const int descriptor = ::open(path.c_str(), folder ? O_RDONLY | O_DIRECTORY : O_RDONLY);
-    if (descriptor < 0) {
-        if (folder) return;
-        fail(final, "cannot be flushed to disk");
-    }
-    const bool failed = ::fsync(descriptor) != 0 && !folder;
-    const int reason = errno;
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    (void)::fsync(descriptor);
     ::close(descriptor);
-    errno = reason;
-    if (failed) fail(final, "cannot be flushed to disk");
 }
 
 std::filesystem::path folderOf(const std::filesystem::path& path)
@@ -46,7 +40,7 @@ bool isFinished(const std::filesystem::path& output)
     return std::filesystem::is_regular_file(output, ignored);
 }
 
-AtomicFile::AtomicFile(std::filesystem::path final) : mFinal(std::move(final))
+AtomicFile::AtomicFile(std::filesystem::path final, Temporary kind) : mFinal(std::move(final))
 {
     std::error_code ignored;
     if (std::filesystem::is_directory(mFinal, ignored)) {
@@ -57,23 +51,47 @@ AtomicFile::AtomicFile(std::filesystem::path final) : mFinal(std::move(final))
         throw OutputError(
             fmt::format("{}: the folder {} does not exist; make it first", mFinal.string(), folder.string()));
     }
-    mTemporary = folder / fmt::format(".{}.part", mFinal.filename().string());
-    const int descriptor = ::open(mTemporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    if (descriptor < 0) fail(mFinal, "cannot be written");
-    ::close(descriptor);
+    mNamed = folder / fmt::format(".{}.part", mFinal.filename().string());
+    if (kind == Temporary::kUnnamedIfPossible) {
+        mDescriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+        mTemporary = fmt::format("/proc/self/fd/{}", mDescriptor);
+        mUnnamed = mDescriptor >= 0 && ::access(mTemporary.c_str(), W_OK) == 0;
+        if (mUnnamed) return;
+        if (mDescriptor >= 0) ::close(mDescriptor); // no /proc
+    }
+    mTemporary = mNamed;
+    mDescriptor = ::open(mNamed.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (mDescriptor < 0) fail(mFinal, "cannot be written");
 }
 
 AtomicFile::~AtomicFile()
 {
-    if (!mCommitted) ::unlink(mTemporary.c_str());
+    if (mDescriptor < 0) return;
+    if (!mUnnamed) ::unlink(mNamed.c_str());
+    ::close(mDescriptor);
 }
 
 void AtomicFile::commit()
 {
-    flush(mTemporary, false, mFinal);
-    if (::rename(mTemporary.c_str(), mFinal.c_str()) != 0) fail(mFinal, "cannot be renamed into place");
-    mCommitted = true;
-    flush(folderOf(mFinal), true, mFinal);
+    if (::fsync(mDescriptor) != 0) fail(mFinal, "cannot be flushed to disk");
+    if (mUnnamed) {
+        ::unlink(mNamed.c_str()); // of a process killed between here and the renaming
+        if (::linkat(AT_FDCWD, mTemporary.c_str(), AT_FDCWD, mNamed.c_str(), AT_SYMLINK_FOLLOW) != 0) {
+            fail(mFinal, "cannot be given a name");
+        }
+        mUnnamed = false;
+    }
+    if (::rename(mNamed.c_str(), mFinal.c_str()) != 0) fail(mFinal, "cannot be renamed into place");
+    ::close(mDescriptor);
+    mDescriptor = -1;
+    flushFolder(folderOf(mFinal));
+}
+
+void checkNotInput(const std::filesystem::path& output, const std::filesystem::path& input)
+{
+    std::error_code ignored;
+    if (!std::filesystem::equivalent(output, input, ignored)) return;
+    throw ParameterError(fmt::format("output '{}' would replace an input; name another file", output.string()));
 }
 
 void writeTextFile(const std::filesystem::path& path, std::string_view text)

@@ -10,26 +10,34 @@ namespace vdblic {
 
 /// An output that appears under its final name complete or not at all.
 ///
-/// Write to temporary(), then commit(): the data is flushed to disk, the file renamed, the folder flushed.
-/// Without commit() the destructor removes the temporary file. The temporary name depends only on the final
-/// one, so what a killed run leaves behind is overwritten by the next.
+/// Write to temporary(), then commit(): the data is flushed to disk, the file renamed, the folder flushed. Without
+/// commit() nothing stays. The temporary file has no name until commit(), so that a killed process leaves none behind.
+/// File systems that cannot do that (NFS) get a hidden one with the name `.FINAL.part`; what a killed process leaves
+/// under it is removed by the next that writes the same output.
 class AtomicFile {
   public:
+    enum class Temporary { kUnnamedIfPossible, kNamed };
+
     /// @throws OutputError if the folder does not exist or is not writable, or the final name is a folder
-    explicit AtomicFile(std::filesystem::path final);
+    explicit AtomicFile(std::filesystem::path final, Temporary kind = Temporary::kUnnamedIfPossible);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
+    /// Where to write, until commit().
     [[nodiscard]] const std::filesystem::path& temporary() const { return mTemporary; }
 
     /// @throws OutputError naming the file and the system's reason; the final name is then as it was
     void commit();
 
   private:
-    std::filesystem::path mFinal, mTemporary;
-    bool mCommitted = false;
+    std::filesystem::path mFinal, mNamed, mTemporary;
+    int mDescriptor = -1;
+    bool mUnnamed = false;
 };
+
+/// Check that writing an output will not replace an input. @throws ParameterError if they are the same file
+void checkNotInput(const std::filesystem::path& output, const std::filesystem::path& input);
 
 /// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason
 void writeTextFile(const std::filesystem::path& path, std::string_view text);

@@ -21,14 +21,59 @@ std::string padded(std::int64_t frame, int width)
     return fmt::format("{:0{}d}", frame, width);
 }
 
-std::int64_t parseFrame(const std::string& digits, std::string_view all)
+// A file name's length; patterns of it are matched by recursion.
+constexpr std::size_t kLongestPattern = 4096;
+
+/// Takes a number off a text's front, if one is there.
+std::optional<std::int64_t> takeNumber(std::string_view& text)
 {
-    std::int64_t frame = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
-    if (error != std::errc{} || end != digits.data() + digits.size() || std::abs(frame) > 1'000'000'000'000) {
-        throw ParameterError(fmt::format("frame list '{}': '{}' is not a usable frame number", all, digits));
+    constexpr std::int64_t kMost = 1'000'000'000'000;
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || number > kMost || number < -kMost) return std::nullopt;
+    text.remove_prefix(std::size_t(end - text.data()));
+    return number;
+}
+
+bool take(std::string_view& text, char expected)
+{
+    if (!text.starts_with(expected)) return false;
+    text.remove_prefix(1);
+    return true;
+}
+
+/// The start of a text, for messages.
+std::string_view shortened(std::string_view text)
+{
+    constexpr std::size_t kLongest = 60;
+    return text.substr(0, kLongest);
+}
+
+/// N, N-M or N-MxSTEP.
+struct FrameRange {
+    std::int64_t first, last, step = 1;
+};
+
+std::optional<FrameRange> parseFrameRange(std::string_view text)
+{
+    while (take(text, ' ')) {
     }
-    return frame;
+    while (text.ends_with(' '))
+        text.remove_suffix(1);
+    const auto first = takeNumber(text);
+    if (!first) return std::nullopt;
+    FrameRange range{*first, *first};
+    if (take(text, '-')) {
+        const auto last = takeNumber(text);
+        if (!last) return std::nullopt;
+        range.last = *last;
+        if (take(text, 'x')) {
+            const auto step = takeNumber(text);
+            if (!step) return std::nullopt;
+            range.step = *step;
+        }
+    }
+    return text.empty() ? std::optional(range) : std::nullopt;
 }
 
 bool isFile(const std::filesystem::path& path)
@@ -64,6 +109,10 @@ std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
 
 FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
 {
+    if (pattern.size() > kLongestPattern) {
+        throw ParameterError(
+            fmt::format("'{}...' has {} characters; no file's name is that long", shortened(pattern), pattern.size()));
+    }
     const std::filesystem::path whole(mText);
     mFolder = whole.parent_path();
     const std::string name = whole.filename().string();
@@ -92,7 +141,8 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
         std::string digits;
         std::copy_if(found.begin(), found.end(), std::back_inserter(digits),
                      [](char c) { return c >= '0' && c <= '9'; });
-        const std::int64_t width = digits.empty() ? 1 : parseFrame(digits, pattern);
+        std::string_view rest = digits;
+        const std::int64_t width = digits.empty() ? 1 : takeNumber(rest).value_or(0);
         if (width < 1 || width > 20) {
             throw ParameterError(fmt::format("'{}': a frame field is 1 to 20 digits wide", pattern));
         }
@@ -132,24 +182,23 @@ std::vector<std::int64_t> FramePattern::framesOnDisk() const
 
 std::vector<std::int64_t> parseFrameList(std::string_view text)
 {
-    static const std::regex item(R"(\s*(-?\d+)(-(-?\d+)(x(\d+))?)?\s*)");
     std::set<std::int64_t> frames;
-    const std::string all(text);
-    for (std::size_t begin = 0; begin <= all.size();) {
-        const std::size_t end = std::min(all.find(',', begin), all.size());
-        const std::string part = all.substr(begin, end - begin);
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::string_view part = text.substr(begin, end - begin);
         begin = end + 1;
-        std::smatch match;
-        if (!std::regex_match(part, match, item)) {
-            throw ParameterError(fmt::format("frame list '{}': '{}' is not N, N-M or N-MxSTEP", all, part));
+        const auto range = parseFrameRange(part);
+        const auto refuse = [&](const std::string& reason) {
+            throw ParameterError(fmt::format("frame list '{}': {}", shortened(text), reason));
+        };
+        if (!range) {
+            refuse(fmt::format("'{}' is not N, N-M or N-MxSTEP, or a number is out of range", shortened(part)));
         }
-        const std::int64_t first = parseFrame(match[1], all);
-        const std::int64_t last = match[3].matched ? parseFrame(match[3], all) : first;
-        const std::int64_t step = match[5].matched ? parseFrame(match[5], all) : 1;
-        if (last < first) throw ParameterError(fmt::format("frame list '{}': {} runs backwards", all, part));
-        if (step < 1) throw ParameterError(fmt::format("frame list '{}': the step must be at least 1", all));
+        const auto [first, last, step] = *range;
+        if (last < first) refuse(fmt::format("{} runs backwards", part));
+        if (step < 1) refuse("the step must be at least 1");
         if (static_cast<std::size_t>((last - first) / step) + frames.size() >= kMaxFrames) {
-            throw ParameterError(fmt::format("frame list '{}' selects more than {} frames", all, kMaxFrames));
+            refuse(fmt::format("it selects more than {} frames", kMaxFrames));
         }
         for (std::int64_t frame = first; frame <= last; frame += step)
             frames.insert(frame);

@@ -1,13 +1,16 @@
 #include "vdblic/io/vdb_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/hazard.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/core/version.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/checksum.h"
+#include "vdblic/io/vdb_layout.h"
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
 
-#include <array>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
@@ -44,31 +47,87 @@ class CheckedArchive : public openvdb::io::Archive {
     }
 };
 
-/// OpenVDB puts a random identifier into each file. Replace it by one made from the content, so that equal content
-/// gives equal files.
-void stampIdentity(std::fstream& file)
+/// Put the checksums, and the identity made from them, into the place that was left for them.
+void stampChecksums(std::fstream& file)
 {
-    constexpr std::streamoff kIdentity = 21, kContent = kIdentity + 36; // after magic, versions and the offset flag
     file.seekg(0, std::ios::end);
-    auto rest = std::size_t(file.tellg() - kContent);
-    file.seekg(kContent);
-    std::array<std::uint64_t, 2> hash = {0x9e3779b97f4a7c15, 0xc2b2ae3d27d4eb4f};
-    std::array<std::uint64_t, 8192> block;
-    while (rest > 0) {
-        const std::size_t size = std::min(rest, sizeof block);
-        block.fill(0);
-        file.read(reinterpret_cast<char*>(block.data()), std::streamsize(size));
-        for (const std::uint64_t word : block) {
-            hash[0] = (hash[0] ^ word) * 0x100000001b3; // FNV-1a, by words
-            hash[1] = (hash[1] ^ (hash[0] >> 29) ^ word) * 0x9e3779b97f4a7c15;
-        }
-        rest -= size;
-    }
-    const std::string text = fmt::format("{:016x}{:016x}", hash[0], hash[1]);
-    file.seekp(kIdentity);
-    file << text.substr(0, 8) << '-' << text.substr(8, 4) << '-' << text.substr(12, 4) << '-' << text.substr(16, 4)
-         << '-' << text.substr(20);
+    const VdbLayout layout = readLayout(file, std::uint64_t(file.tellg()));
+    const std::string checksums = computeChecksums(file, layout);
+    file.seekp(std::streamoff(layout.checksum.offset));
+    file << checksums;
+    file.seekp(std::streamoff(VdbLayout::kIdentityOffset));
+    file << identityOf(checksums);
 }
+
+/// A file that is open for reading, its header checked and, if it has them, its checksums.
+class GuardedFile {
+  public:
+    explicit GuardedFile(const std::filesystem::path& path) : mPath(path), mBuffer(std::size_t(1) << 16)
+    {
+        std::error_code error;
+        if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
+        if (!std::filesystem::is_regular_file(path, error)) {
+            throw InputError(fmt::format("{}: is no regular file; a .vdb file must be one", path.string()));
+        }
+        try {
+            mStream.rdbuf()->pubsetbuf(mBuffer.data(), std::streamsize(mBuffer.size()));
+            errno = 0;
+            mStream.open(path, std::ios::binary);
+            mSize = std::filesystem::file_size(path, error);
+            if (!mStream || error) throw InputError(std::generic_category().message(errno));
+            mLayout = readLayout(mStream, mSize);
+            mHasChecksums = vdblic::hasChecksums(mLayout);
+            if (mHasChecksums) verifyChecksums(mStream, mLayout, mSize);
+        } catch (const InputError& reason) {
+            fail(reason.what());
+        }
+    }
+
+    [[nodiscard]] bool hasChecksums() const { return mHasChecksums; }
+
+    [[nodiscard]] VdbFile read()
+    {
+        double memory = 0;
+        for (const VdbLayout::Grid& grid : mLayout.grids)
+            memory += double(grid.memory);
+        checkMemory(memory, mPath.string(), "take a smaller file");
+        initializeOnce();
+        const Hazard parsing(mPath.string(), mSize);
+        // OpenVDB takes what a failed read leaves behind for data and may loop over it for hours; this stream throws.
+        mStream.exceptions(std::ios::failbit | std::ios::badbit);
+        errno = 0;
+        try {
+            mStream.seekg(0);
+            openvdb::io::Stream input(mStream, /*delayLoad=*/false);
+            VdbFile result;
+            result.grids = *input.getGrids();
+            result.metadata = *input.getMetadata();
+            return result;
+        } catch (const std::ios::failure&) {
+            fail(mStream.eof()  ? "it ends too early"
+                 : errno != 0 ? std::generic_category().message(errno)
+                              : "it is damaged");
+        } catch (const std::bad_alloc&) {
+            fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise --max-memory",
+                             memoryText(double(memoryLimit()))));
+        } catch (const std::exception& e) {
+            fail(e.what());
+        }
+    }
+
+  private:
+    [[noreturn]] void fail(const std::string& reason) const
+    {
+        throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", mPath.string(), clamped(reason)));
+    }
+
+    std::filesystem::path mPath;
+    std::vector<char> mBuffer; // used by the stream
+    std::ifstream mStream;
+    std::uint64_t mSize = 0;
+    VdbLayout mLayout;
+    bool mHasChecksums = false;
+};
 
 } // namespace
 
@@ -83,28 +142,14 @@ std::string VdbFile::contents() const
 
 VdbFile readVdb(const std::filesystem::path& path)
 {
-    initializeOnce();
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
-    // OpenVDB takes what a failed read leaves behind for data and may loop over it for hours; this stream throws.
-    std::ifstream stream;
-    errno = 0;
-    try {
-        stream.exceptions(std::ios::failbit | std::ios::badbit);
-        stream.open(path, std::ios::binary);
-        openvdb::io::Stream input(stream, /*delayLoad=*/false);
-        VdbFile result;
-        result.grids = *input.getGrids();
-        result.metadata = *input.getMetadata();
-        return result;
-    } catch (const std::ios::failure&) {
-        const std::string reason = stream.eof() ? "it ends too early"
-                                   : errno != 0 ? std::generic_category().message(errno)
-                                                : "it is damaged";
-        throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), reason));
-    } catch (const std::exception& e) {
-        throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), clamped(e.what())));
-    }
+    VdbFile file = GuardedFile(path).read();
+    file.metadata.removeMeta("checksum"); // of the bytes on disk, not of what is handed on
+    return file;
+}
+
+bool verifyVdb(const std::filesystem::path& path)
+{
+    return GuardedFile(path).hasChecksums();
 }
 
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata)
@@ -112,6 +157,8 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
     initializeOnce();
     metadata.removeMeta("creator");
     metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
+    metadata.removeMeta("checksum");
+    metadata.insertMeta("checksum", openvdb::StringMetadata(emptyChecksums(grids.size())));
     AtomicFile output(path);
     errno = 0;
     try {
@@ -119,7 +166,7 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(output.temporary(), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
         CheckedArchive().writeTo(stream, grids, metadata);
-        stampIdentity(stream);
+        stampChecksums(stream);
         stream.close();
     } catch (const std::exception& e) {
         // The stream only says that it failed; the system's last error says why.

@@ -30,10 +30,19 @@ struct VdbFile {
     [[nodiscard]] std::string contents() const;
 };
 
-/// Read a whole file at once, never delayed. @throws InputError naming the file and the reason
+/// Read a whole file at once, never delayed: the one door for volumes, whoever made them (docs/survival.md).
+///
+/// The header is checked first, then the checksums if the file is one of ours, then whether the grids fit into memory,
+/// and only then does OpenVDB see it. What OpenVDB does with hostile bytes that get so far is up to HazardHooks.
+/// @throws InputError naming the file and the reason
 [[nodiscard]] VdbFile readVdb(const std::filesystem::path& path);
 
-/// Write grids and file metadata atomically, blosc-compressed; `creator` is added. Equal content gives equal files.
+/// Check a file's header and checksums without reading its grids.
+/// @return whether it has checksums. @throws InputError naming the file and the damaged grid
+bool verifyVdb(const std::filesystem::path& path);
+
+/// Write grids and file metadata atomically, blosc-compressed; `creator` and `checksum` are added. Equal content gives
+/// equal files.
 /// @throws OutputError naming the file and the reason; a full disk is one
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata);
 

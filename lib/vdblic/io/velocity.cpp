@@ -88,8 +88,10 @@ std::string_view toString(VelocityUnit unit)
 
 void VelocityParams::validate() const
 {
-    if (!std::isfinite(scale) || scale == 0) {
-        throw ParameterError(fmt::format("velocity scale {} must be a finite number other than 0", scale));
+    constexpr double kLeast = 1e-18, kMost = 1e18; // velocities are single precision
+    if (!(std::abs(scale) >= kLeast && std::abs(scale) <= kMost)) {
+        throw ParameterError(fmt::format("velocity scale {} must be {} to {}, or the negative of that", scale, kLeast,
+                                         kMost));
     }
 }
 

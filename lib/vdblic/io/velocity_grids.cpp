@@ -1,6 +1,7 @@
 #include "vdblic/io/velocity_grids.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 
 #include <openvdb/tree/LeafManager.h>
 
@@ -140,7 +141,7 @@ Layout layoutOf(const Components& components, const std::string& where)
 
 /// Where a velocity joined from three components has values. Collocated: where any has. Staggered: where all have, for
 /// each has a layer of faces more along its own axis; but a component without any voxel was dropped for being 0.
-void setTopology(Vec3SGrid& vectors, const Components& components, bool staggered)
+void setTopology(Vec3SGrid& vectors, const Components& components, bool staggered, const std::string& where)
 {
     for (const auto& component : components)
         vectors.tree().topologyUnion(component->tree());
@@ -149,6 +150,7 @@ void setTopology(Vec3SGrid& vectors, const Components& components, bool staggere
             if (!component->empty()) vectors.tree().topologyIntersection(component->tree());
         }
     }
+    checkVoxels(vectors.tree().activeVoxelCount(), where);
     vectors.tree().voxelizeActiveTiles();
 }
 
@@ -156,7 +158,7 @@ VelocityGrid joined(const Components& components, const std::string& name, const
 {
     const Layout layout = layoutOf(components, where);
     const auto vectors = Vec3SGrid::create(Vec3f(0));
-    setTopology(*vectors, components, layout.staggered);
+    setTopology(*vectors, components, layout.staggered, where);
     vectors->setTransform(layout.centres);
     for (auto meta = components[0]->beginMeta(); meta != components[0]->endMeta(); ++meta) {
         if (meta->first == "time" || meta->first == "dt") vectors->insertMeta(meta->first, *meta->second);
@@ -183,8 +185,9 @@ VelocityGrid joined(const Components& components, const std::string& name, const
 }
 
 /// Staggered components of a vector grid live on the faces at index − ½; a centre's value is the mean of its two faces.
-Vec3SGrid::Ptr collocated(const Vec3SGrid& faces)
+Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where)
 {
+    checkVoxels(faces.tree().activeVoxelCount(), where);
     auto centres = faces.deepCopy();
     centres->setGridClass(openvdb::GRID_UNKNOWN);
     centres->tree().voxelizeActiveTiles();
@@ -238,10 +241,11 @@ std::vector<std::string> velocityNames(const VdbFile& file)
 VelocityGrid findVelocity(const VdbFile& file, const std::string& name, const std::string& path)
 {
     if (const auto grid = gridOf(file, name, isVector)) {
-        checkTransform(*grid, fmt::format("{}: grid {}", path, name));
+        const std::string where = fmt::format("{}: grid {}", path, name);
+        checkTransform(*grid, where);
         const Vec3SGrid::Ptr vectors = asVectors(grid);
         const bool staggered = vectors->getGridClass() == openvdb::GRID_STAGGERED;
-        return {name, staggered ? collocated(*vectors) : vectors, staggered};
+        return {name, staggered ? collocated(*vectors, where) : vectors, staggered};
     }
     std::string fullName;
     const auto scalars = scalarsOf(file, name, fullName);

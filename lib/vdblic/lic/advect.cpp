@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/derived_grids.h"
+#include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/flow_sequence.h"
@@ -124,6 +125,7 @@ class Advection {
     void run()
     {
         std::optional<LoadedFrame> current = mFlow.next();
+        mReporter.checkStop(); // it may have ended standard input
         if (!current) {
             mReporter.warn("no frames on standard input; nothing was computed");
             return;
@@ -131,6 +133,7 @@ class Advection {
         const int preroll = mParams.preroll.value_or(mParams.steady ? 0 : mParams.scatter.lifeSpan);
         mParameters = parameterMetadata(mParams, preroll);
         mTime = current->velocity.time.value_or(0);
+        checkOutput(*current);
         std::optional<LoadedFrame> next = mFlow.next();
         FrameInterval interval = mFlow.intervalAfter(*current, next ? &*next : nullptr);
         mFlow.describe(*current, interval);
@@ -143,6 +146,7 @@ class Advection {
             write(*current, advance(*current, next ? *next : *current, interval.seconds), interval.seconds);
             mTime += interval.seconds;
             current = std::move(next);
+            if (current) checkOutput(*current);
             next = current ? mFlow.next() : std::nullopt;
         }
         mWriter.finish();
@@ -158,8 +162,21 @@ class Advection {
     }
 
   private:
+    /// What is written must not replace what is read.
+    void checkOutput(const LoadedFrame& frame) const
+    {
+        const std::int64_t number = frame.velocity.file.frame;
+        const std::filesystem::path output = mPattern.path(number);
+        checkNotInput(output, frame.velocity.file.path);
+        for (const std::string& reference : {mParams.noise, mParams.domain.mask}) {
+            if (reference.empty()) continue;
+            checkNotInput(output, FramePattern(parseGridReference(reference).path.string()).path(number));
+        }
+    }
+
     FlowTextureStep advance(LoadedFrame& start, LoadedFrame& end, double seconds)
     {
+        mReporter.checkStop();
         start.flow.toWorldPerSecond = start.velocity.toWorldPerSecond(seconds);
         return mTexture.advance({start.flow, end.flow, start.velocity.toVoxelsPerStep(seconds),
                                  end.velocity.toVoxelsPerStep(seconds), seconds});

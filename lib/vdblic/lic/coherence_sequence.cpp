@@ -138,15 +138,12 @@ LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, con
                                  loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
 }
 
-void checkNotInput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
+void checkNoInput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
 {
     if (output.empty()) return;
     for (const FrameFile& velocity : selectFrames(params.flow.input)) {
-        for (const std::filesystem::path& input : {velocity.path, textures.path(velocity.frame)}) {
-            std::error_code ignored;
-            if (!std::filesystem::equivalent(output, input, ignored)) continue;
-            throw ParameterError(fmt::format("output '{}' would replace an input; name another file", output));
-        }
+        checkNotInput(output, velocity.path);
+        checkNotInput(output, textures.path(velocity.frame));
     }
 }
 
@@ -188,8 +185,8 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
 {
     params.validate();
     const TextureFiles files(params);
-    checkNotInput(params.json, params, files);
-    checkNotInput(params.plot, params, files);
+    checkNoInput(params.json, params, files);
+    checkNoInput(params.plot, params, files);
     std::istringstream noLines;
     FlowSequence flow(params.flow, noLines, reporter);
 
@@ -199,6 +196,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     std::optional<LoadedTexture> texture, nextTexture;
     if (current) texture = textureOf(*current, files, params.textureName);
     for (; current; current = std::move(next), texture = std::move(nextTexture)) {
+        reporter.checkStop();
         next = flow.next();
         nextTexture.reset();
         if (next) nextTexture = textureOf(*next, files, params.textureName);

@@ -30,8 +30,10 @@ void FlowSequenceParams::validate() const
 {
     velocity.validate();
     domain.validate();
-    if (frameSpacing && !(*frameSpacing > 0 && std::isfinite(*frameSpacing))) {
-        throw ParameterError(fmt::format("the frame spacing of {} s must be above 0", *frameSpacing));
+    constexpr double kLeast = 1e-18, kMost = 1e18;
+    if (frameSpacing && !(*frameSpacing >= kLeast && *frameSpacing <= kMost)) {
+        throw ParameterError(
+            fmt::format("the frame spacing of {} s must be above 0, {} to {}", *frameSpacing, kLeast, kMost));
     }
 }
 

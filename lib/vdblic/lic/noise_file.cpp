@@ -56,6 +56,7 @@ void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
         noise = makeNoise(*boxDomain(*params.size), *transform, params.seed);
     } else {
         const GridReference reference = parseGridReference(params.like);
+        checkNotInput(params.output, reference.path);
         const openvdb::GridBase::Ptr grid = findGrid(reference);
         const std::string name = fmt::format("{}: grid '{}'", reference.path.string(), grid->getName());
         const std::uint64_t voxels = grid->activeVoxelCount();

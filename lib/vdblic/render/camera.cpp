@@ -15,9 +15,13 @@ namespace {
 constexpr double kLeastFieldOfView = 0.001; // degrees
 constexpr double kFarthest = 1e7;           // the eye, in diagonals of the box
 
+// Beyond it squares of lengths leave single precision.
+constexpr double kFarthestCoordinate = 1e18;
+
 bool finite(const glm::dvec3& v)
 {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    return std::abs(v.x) <= kFarthestCoordinate && std::abs(v.y) <= kFarthestCoordinate &&
+           std::abs(v.z) <= kFarthestCoordinate;
 }
 
 bool parallel(const glm::dvec3& a, const glm::dvec3& b)
@@ -64,7 +68,8 @@ glm::dvec3 middleOf(const Corners& box)
 void CameraParams::validate() const
 {
     const auto check = [](const char* name, const std::optional<glm::dvec3>& v) {
-        if (v && !finite(*v)) throw ParameterError(fmt::format("camera {} {} must be finite", name, text(*v)));
+        if (v && !finite(*v))
+            throw ParameterError(fmt::format("camera {} {} must be at most {}", name, text(*v), kFarthestCoordinate));
     };
     check("eye", eye);
     check("target", target);

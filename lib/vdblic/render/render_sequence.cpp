@@ -55,6 +55,7 @@ class SequenceRenderer {
         // How many fit side by side is known once one has been seen.
         if (!mScene) runPipeline(1, /*untilScene=*/true);
         runPipeline(framesInFlight(mScene ? mScene->frameBytes : 1), /*untilScene=*/false);
+        mReporter.checkStop(); // it may have ended standard input
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
         if (mParams.histogram.empty()) return;
         if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
@@ -95,8 +96,10 @@ class SequenceRenderer {
     {
         if (mStopped) return false;
         try {
+            mReporter.checkStop();
             const std::optional<FrameFile> file = mSource();
             if (!file) return false;
+            if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // paths of which there is a second one
             task.file = *file;
             if (!mScene) {

@@ -84,8 +84,9 @@ void TransferParams::validate() const
     checkOpacity(opacity);
     if (!range) return;
     const auto& [low, high] = *range;
-    if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
-        throw ParameterError(fmt::format("range {} to {} must be two rising numbers", low, high));
+    constexpr double kMost = 1e30; // magnitudes are single precision
+    if (!(std::abs(low) <= kMost) || !(std::abs(high) <= kMost) || !(low < high)) {
+        throw ParameterError(fmt::format("range {} to {} must be two rising numbers of at most {}", low, high, kMost));
     }
 }
 

@@ -25,8 +25,7 @@ TEST(AtomicFile, AppearsOnlyWhenCommitted)
     {
         AtomicFile file(final);
         std::ofstream(file.temporary()) << "new";
-        EXPECT_FALSE(fs::exists(final));
-        EXPECT_EQ(file.temporary().parent_path(), folder.path());
+        EXPECT_TRUE(folder.empty()); // a process killed here leaves nothing behind
         file.commit();
         EXPECT_FALSE(fs::exists(file.temporary()));
         EXPECT_EQ(textOf(final), "new");
@@ -57,12 +56,47 @@ TEST(AtomicFile, ReplacesAnOlderFileAndWhatAKilledRunLeft)
 {
     const TemporaryFolder folder;
     const fs::path final = folder.add("out.vdb", "old");
-    folder.add(AtomicFile(final).temporary().filename().string(), "left behind, and longer");
-    AtomicFile file(final);
-    std::ofstream(file.temporary(), std::ios::app) << "new";
-    file.commit();
-    EXPECT_EQ(textOf(final), "new");
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+    for (const auto kind : {AtomicFile::Temporary::kUnnamedIfPossible, AtomicFile::Temporary::kNamed}) {
+        folder.add(".out.vdb.part", "left behind, and longer");
+        AtomicFile file(final, kind);
+        std::ofstream(file.temporary(), std::ios::app) << "new";
+        file.commit();
+        EXPECT_EQ(textOf(final), "new");
+        EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+    }
+}
+
+TEST(AtomicFile, HasAHiddenNameWhereItMustHaveOne)
+{
+    const TemporaryFolder folder;
+    {
+        AtomicFile file(folder / "out.vdb", AtomicFile::Temporary::kNamed);
+        EXPECT_EQ(file.temporary(), folder / ".out.vdb.part");
+        EXPECT_TRUE(fs::exists(file.temporary()));
+    }
+    EXPECT_TRUE(folder.empty());
+}
+
+TEST(AtomicFile, OfTwoAtOnceTheLastStaysWhole)
+{
+    const TemporaryFolder folder;
+    AtomicFile first(folder / "out.vdb"), second(folder / "out.vdb");
+    std::ofstream(first.temporary()) << "first";
+    std::ofstream(second.temporary()) << "second";
+    first.commit();
+    second.commit();
+    EXPECT_EQ(textOf(folder / "out.vdb"), "second");
+}
+
+TEST(CheckNotInput, KnowsAFileByAnyName)
+{
+    const TemporaryFolder folder;
+    const fs::path file = folder.add("a.vdb");
+    fs::create_symlink(file, folder / "link.vdb");
+    EXPECT_THROW(checkNotInput(folder / "link.vdb", file), ParameterError);
+    EXPECT_THROW(checkNotInput(folder.path() / "." / "a.vdb", file), ParameterError);
+    EXPECT_NO_THROW(checkNotInput(folder / "b.vdb", file));
+    EXPECT_NO_THROW(checkNotInput(folder / "b.vdb", folder / "none.vdb"));
 }
 
 TEST(AtomicFile, WritesToTheCurrentFolderToo)
@@ -106,6 +140,7 @@ TEST(AtomicFile, SaysWhenItCannotBeRenamed)
     fs::create_directory(folder / "out.vdb"); // meanwhile
     EXPECT_THROW(file.commit(), OutputError);
     EXPECT_TRUE(fs::is_directory(folder / "out.vdb"));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 2); // the hidden name goes with the object
 }
 
 } // namespace

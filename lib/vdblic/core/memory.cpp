@@ -1,0 +1,103 @@
+#include "vdblic/core/memory.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace vdblic {
+namespace {
+
+/// The number a file begins with, or no limit: "max", or no such file.
+std::uint64_t limitIn(const std::string& path)
+{
+    std::uint64_t bytes = 0;
+    return std::ifstream(path) >> bytes ? bytes : UINT64_MAX;
+}
+
+/// The least limit of this process's control groups, of either version, and of all the groups these lie in.
+std::uint64_t groupLimit()
+{
+    std::uint64_t least = UINT64_MAX;
+    std::ifstream groups("/proc/self/cgroup"); // ID:CONTROLLERS:PATH
+    for (std::string line; std::getline(groups, line);) {
+        const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+        if (second == std::string::npos) continue;
+        const std::string controllers = line.substr(first + 1, second - first - 1);
+        const bool unified = controllers.empty();
+        if (!unified && controllers != "memory") continue;
+        const std::string root = unified ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
+        const char* file = unified ? "/memory.max" : "/memory.limit_in_bytes";
+        for (std::string group = line.substr(second + 1);; group.resize(group.rfind('/'))) {
+            if (group == "/") group.clear();
+            least = std::min(least, limitIn(root + group + file));
+            if (group.rfind('/') == std::string::npos) break;
+        }
+    }
+    return least;
+}
+
+} // namespace
+
+std::uint64_t memoryLimit()
+{
+    std::uint64_t least = std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)),
+                                   groupLimit());
+    rlimit own{};
+    if (::getrlimit(RLIMIT_DATA, &own) == 0 && own.rlim_cur != RLIM_INFINITY) {
+        least = std::min(least, std::uint64_t(own.rlim_cur));
+    }
+    return least;
+}
+
+std::uint64_t parseMemory(std::string_view text)
+{
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
+    const std::string_view unit = text.substr(std::size_t(end - text.data()));
+    constexpr std::string_view kUnits = "KMGT", kSmall = "kmgt";
+    if (!unit.empty()) {
+        const std::size_t power = std::min(kUnits.find(unit[0]), kSmall.find(unit[0]));
+        number = power == std::string_view::npos || unit.size() > 1 ? 0 : std::ldexp(number, 10 * int(power + 1));
+    }
+    constexpr double kMost = double(std::uint64_t(1) << 50);
+    if (error != std::errc{} || !(number >= 1 && number <= kMost)) {
+        constexpr std::size_t kLongest = 60;
+        throw ParameterError(
+            fmt::format("'{}' is no size of memory; give one such as 800M or 16G", text.substr(0, kLongest)));
+    }
+    return std::uint64_t(number);
+}
+
+std::string memoryText(double bytes)
+{
+    constexpr std::array<const char*, 5> kUnits = {"B", "KiB", "MiB", "GiB", "TiB"};
+    std::size_t unit = 0;
+    for (; bytes >= 1024 && unit + 1 < kUnits.size(); ++unit)
+        bytes /= 1024;
+    return fmt::format("{:.{}f} {}", bytes, unit == 0 ? 0 : 1, kUnits[unit]);
+}
+
+void checkMemory(double needed, const std::string& what, const std::string& mend)
+{
+    const auto limit = double(memoryLimit());
+    if (needed <= limit) return;
+    throw InputError(fmt::format("{} would take {} of memory or more, and {} may be used: {}, or raise --max-memory",
+                                 what, memoryText(needed), memoryText(limit), mend));
+}
+
+void checkVoxels(std::uint64_t count, const std::string& where)
+{
+    constexpr double kLeast = 16; // bytes a voxel
+    checkMemory(double(count) * kLeast, fmt::format("{}{}{} voxels", where, where.empty() ? "" : ": ", count),
+                "cut the domain with --bbox or --mask");
+}
+
+} // namespace vdblic

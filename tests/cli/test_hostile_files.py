@@ -1,0 +1,179 @@
+"""Every tool on damaged files: no crash, no hang, no more memory than allowed, status 0 or 3, nothing half written.
+
+VDBLIC_ALL_MUTATIONS=1 runs every file through every tool that may read it, and VDBLIC_MUTATIONS says how many files
+there are. The files are the same in every run.
+"""
+
+import concurrent.futures
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy
+import pyopenvdb as vdb
+
+from support import BIN, ToolTest
+
+FILES = int(os.environ.get("VDBLIC_MUTATIONS", 2000))
+ALL = bool(os.environ.get("VDBLIC_ALL_MUTATIONS"))
+LIMIT = 10  # seconds
+MEMORY = 300 << 20
+SUPPORT = os.environ["VDBLIC_TEST_SUPPORT"]
+SANITIZED = os.environ.get("VDBLIC_SANITIZED") == "1"
+
+FORMATS = [b"", b"\0" * 5000, b"#!/bin/sh\necho no volume\n", b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8,
+           b"v/1\x01\x02\0\0\0channels\0chlist\0" + b"\0" * 900, b"\x1f\x8b\x08\0" + b"x" * 700,
+           b"\x7fELF\x02\x01\x01" + b"\0" * 3000, b"NanoVDB0" + b"\x20\x00\x03\x00" * 400]
+
+
+def grids(shape=(18, 13, 11)):
+    """A fog volume with tiles and holes, and a velocity."""
+    x, y, z = numpy.meshgrid(*(numpy.arange(n, dtype=float) for n in shape), indexing="ij")
+    fog = vdb.FloatGrid()
+    fog.name = "density"
+    fog.gridClass = vdb.GridClass.FOG_VOLUME
+    fog.copyFromArray((0.5 + 0.5 * numpy.sin(x * y + z)).astype(numpy.float32), ijk=(-3, 4, 0), tolerance=-1)
+    fog.fill((64, 64, 64), (79, 71, 71), 0.25)
+    flow = vdb.Vec3SGrid()
+    flow.name = "velocity"
+    flow["dt"] = 1.0
+    array = numpy.stack([numpy.sin(y), numpy.cos(x + z), 0.1 * z], axis=-1).astype(numpy.float32)
+    flow.copyFromArray(numpy.ascontiguousarray(array), ijk=(-3, 4, 0), tolerance=(-1, -1, -1))
+    half = flow.deepCopy()
+    half.saveFloatAsHalf = True
+    return {"fog": [fog], "flow": [flow], "half": [half], "both": [flow, fog]}
+
+
+class Originals:
+    """Undamaged files of every kind: name → bytes, and where the header ends that mutations concentrate on."""
+
+    def __init__(self, folder):
+        self.files = {}
+        for name, content in grids().items():
+            vdb.write(str(folder / f"{name}.vdb"), grids=content, metadata={"note": "a test"})
+        subprocess.run([f"{SUPPORT}/write_points", folder / "points.vdb", folder / "points_none.vdb"], check=True)
+        for name in "fog", "flow":  # uncompressed, where a flip stays a flip
+            self.recode(folder, name, "none")
+        self.recode(folder, "fog", "zip")
+        subprocess.run([BIN / "vdblic_synth", "abc", "-o", "ours.vdb", "--size", "16", "8", "8", "--frames", "1"],
+                       cwd=folder, check=True, capture_output=True)
+        for path in sorted(folder.glob("*.vdb")):
+            self.files[path.stem] = path.read_bytes()
+
+    @staticmethod
+    def recode(folder, name, codec):
+        command = ["vdb_tool", "-read", f"{name}.vdb", "-write", f"codec={codec}", f"{name}_{codec}.vdb"]
+        subprocess.run(command, cwd=folder, capture_output=True, check=True)
+
+    def mutated(self, number):
+        """The damaged file of a number: its kind, and its bytes."""
+        choice = random.Random(number)
+        kind = choice.choice(sorted(self.files))
+        data = bytearray(self.files[kind])
+        what = choice.random()
+        header = min(len(data), 1500)
+        if what < 0.2:
+            del data[choice.randrange(len(data)):]
+        elif what < 0.6:
+            data[choice.randrange(header)] ^= choice.randrange(1, 256)
+        elif what < 0.75:
+            data[choice.randrange(len(data))] ^= choice.randrange(1, 256)
+        elif what < 0.85:
+            at = choice.randrange(len(data) - 8) if choice.random() < 0.5 else choice.randrange(header)
+            data[at:at + 4] = choice.choice([b"\xff" * 4, b"\0" * 4, b"\xff\xff\xff\x7f", b"\0\0\0\x80", b"\0\0\x10\0"])
+        elif what < 0.95:
+            other = self.files[choice.choice(sorted(self.files))]
+            cut, begin = choice.randrange(len(data)), choice.randrange(len(other))
+            data[cut:] = other[begin if choice.random() < 0.5 else min(cut, len(other)):]
+        else:
+            data = bytearray(choice.choice(FORMATS))
+        return kind, bytes(data)
+
+
+def commands(kind):
+    """The ways in which a damaged file gets into the tools; `bad` is the file, the others are undamaged."""
+    small = ("--size", "24", "16")
+    flow = ("vdblic_advect", "bad.vdb", "-o", "out.vdb", "--preroll", "1"), ("vdblic_coherence", "bad.vdb", "fog.vdb")
+    fog = (("vdblic_render", "bad.vdb", "-o", "out.png", *small), ("vdblic_coherence", "flow.vdb", "bad.vdb"),
+           ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--preroll", "0", "--mask", "bad.vdb"),
+           ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--preroll", "0", "--noise", "bad.vdb:density"))
+    any_kind = (("vdblic_noise", "-o", "out.vdb", "--like", "bad.vdb"),
+                ("vdblic_diff", "bad.vdb", f"{kind}.vdb", "-o", "out.vdb"))
+    every = any_kind + (fog if "fog" in kind else flow if kind != "both" else flow + fog)
+    return every + fog if "points" in kind else every
+
+
+class HostileFiles(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.originals = Originals(self.folder)
+
+    def complaint(self, command, data):
+        """Run a tool on a damaged file in a folder of its own; returns what is wrong with how it went, or None."""
+        with tempfile.TemporaryDirectory(dir=self.folder) as name:
+            folder = pathlib.Path(name)
+            (folder / "bad.vdb").write_bytes(data)
+            for argument in command:
+                if (self.folder / argument).is_file():
+                    os.link(self.folder / argument, folder / argument)
+            before = set(folder.iterdir())
+            limits = [] if SANITIZED else ["--max-memory", str(MEMORY)]
+            started = time.monotonic()
+            with open(folder / "messages", "w+", encoding="utf-8", errors="replace") as messages:
+                process = subprocess.Popen([BIN / command[0], *command[1:], "--threads", "1", *limits], cwd=folder,
+                                           stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=messages)
+                killer = threading.Timer(12 * LIMIT, os.kill, (process.pid, signal.SIGKILL))
+                killer.start()
+                _, status, usage = os.wait4(process.pid, 0)
+                process.returncode = status
+                killer.cancel()
+                messages.seek(0)
+                said = messages.read()
+            (folder / "messages").unlink()
+            code = os.waitstatus_to_exitcode(status)
+            left = {path.name for path in set(folder.iterdir()) - before}
+            allowed = {0, 1, 3} if command[0] == "vdblic_diff" else {0, 3}
+            if code not in allowed:
+                return f"status {code}: {said}"
+            if usage.ru_utime + usage.ru_stime > LIMIT:
+                return f"{time.monotonic() - started:.1f} s"
+            if usage.ru_maxrss << 10 > MEMORY and not SANITIZED:
+                return f"{usage.ru_maxrss >> 10} MiB"
+            if left and (code == 3 or left - {"out.vdb", "out.png"}):
+                return f"status {code}, left behind: {left}"
+            if code == 3 and ("bad.vdb" not in said or len(said) > 1500):
+                return f"an unhelpful message: {said}"
+            return None
+
+    def test_mutations(self):
+        jobs = []
+        for number in range(FILES):
+            kind, data = self.originals.mutated(number)
+            ways = commands(kind)
+            jobs += [(number, way, data) for way in (ways if ALL else [ways[number % len(ways)]])]
+        complaints = []
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            runs = {pool.submit(self.complaint, way, data): (number, way) for number, way, data in jobs}
+            for run in concurrent.futures.as_completed(runs):
+                if run.result():
+                    complaints.append((*runs[run], run.result()))
+        complaints.sort()
+        self.assertEqual(complaints, [], f"{len(complaints)} of {len(jobs)} runs")
+
+    def test_the_undamaged_files_are_taken(self):
+        self.assertEqual(len(self.originals.files), 10, self.originals.files.keys())
+        for kind, data in self.originals.files.items():
+            (self.folder / "bad.vdb").write_bytes(data)
+            for command in commands(kind)[:2]:
+                done = self.run_tool(*command)
+                self.assertEqual(done.returncode, 0, f"{kind} {command} {done.stderr}")
+
+
+if __name__ == "__main__":
+    unittest.main()

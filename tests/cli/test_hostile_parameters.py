@@ -1,0 +1,137 @@
+"""Every option of every tool, as --help names them, refuses what cannot be: status 2 and a message, at once.
+
+An option that somebody adds is in this test without further ado; what it may legally be given is added to LEGAL.
+"""
+
+import re
+import unittest
+
+from support import ToolTest
+
+NUMBERS = ["0", "-1", "nan", "inf", "-inf", "1e308", "-1e308", "99999999999999999999", "1.5.2", "0x", "9" * 100000, ""]
+TEXTS = ["", "\n", "%s%n"]
+FRAMES = ["", "0x", "1-", "nan", "1e308", "1-1000000", "1-10x0", "5-1", "99999999999999999999", "1-5x-1", "9" * 100000,
+          "1-3," * 30000]
+
+TINY = ["-o", "out.vdb"]
+COMMANDS = {  # that work, but for the option that is tried
+    "vdblic_synth": ["abc", "-o", "out.vdb", "--size", "4", "4", "4", "--frames", "1"],
+    "vdblic_noise": ["-o", "out.vdb", "--size", "4", "4", "4"],
+    "vdblic_advect": ["v.0001.vdb", "-o", "out.vdb", "--preroll", "0"],
+    "vdblic_render": ["n.vdb", "-o", "out.png", "--texture", "noise", "--size", "8", "8"],
+    "vdblic_diff": ["n.vdb", "n.vdb", "-o", "out.vdb"],
+    "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
+}
+# What may be given: to an option of any tool, or of one. Names may be anything but empty, numbers what is listed.
+LEGAL = {
+    "--threads": set(),
+    "--max-memory": set(),
+    "--seed": {"0"},
+    "--dt": set(),
+    "--velocity-scale": {"-1"},
+    "--preroll": {"0"},
+    "--sharpen": {"0"},
+    "--noise-share": {"0"},
+    "--bbox": {"0", "-1"},
+    "--bbox-world": set(NUMBERS) - {"nan", "1.5.2", "0x", ""},  # as far as one likes
+    "--eye": {"0", "-1"},
+    "--target": {"0", "-1"},
+    "--up": {"-1", "0"},  # but not three of that
+    "--modulate": {"0"},
+    "--background": {"0"},
+    "--fail": {"0", "1e308", "99999999999999999999"},
+    "--relative": {"0", "1e308", "99999999999999999999"},
+    "--fail-percent": {"0"},
+    "--hard-fail": {"0", "1e308", "99999999999999999999"},
+    "--warn": {"0", "1e308", "99999999999999999999"},
+    "--range": {"99999999999999999999"},
+}
+NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
+         "--ignore-metadata"}
+
+
+def options(help_text):
+    """The options that take values, longest name first of each: name → (what it takes, how many)."""
+    found = {}
+    for names, rest in re.findall(r"^  (-[\w,-]+)[ \n](.*)", help_text, re.MULTILINE):
+        name = max(names.split(","), key=len)
+        kind = re.match(r" *(\[(?:\w+,?)+\]|(?:[A-Z]+ )*[A-Z]{1,6}(?:\b|:)|POSITION:OPACITY)", rest)
+        if not kind or kind.group(1) in ("E", "P", "A", "D"):
+            continue
+        words = re.findall(r"[A-Z]+", kind.group(1).split(":")[0] if "[" not in kind.group(1) else kind.group(1))
+        if words[0] in ("Excludes", "REQUIRED") or rest.strip()[:1].islower():
+            continue
+        if re.match(r" *[A-Z][a-z]", rest):  # the help text itself
+            continue
+        found[name] = (words[0], len(words))
+    return found
+
+
+class HostileParameters(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 8, 8, 8, "--frames", "1")
+        self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "n.vdb")
+
+    def command(self, tool, option, values):
+        """The tool's command with an option of these values."""
+        words = list(COMMANDS[tool])
+        short = {"--output": "-o"}.get(option, option)
+        if short in words:
+            begin = words.index(short)
+            end = begin + 1
+            while end < len(words) and not words[end].startswith("-"):
+                end += 1
+            del words[begin:end]
+        if option in ("--like",):
+            del words[words.index("--size"):][:4]
+        return [tool, *words, *([f"{option}={values[0]}"] if len(values) == 1 else [option, *values])]
+
+    def assert_refused(self, command):
+        done = self.run_tool(*command, timeout=20)
+        shown = [word[:60] for word in command]
+        self.assertEqual(done.returncode, 2, f"{shown}: status {done.returncode} {done.stderr[:500]}")
+        self.assertNotEqual(done.stderr.strip(), "", shown)
+        self.assertLess(len(done.stderr), 2000 + 2 * sum(map(len, command)), shown)
+        self.assertEqual(done.stdout, "", shown)
+
+    def values(self, name, kind):
+        if name == "--frames":
+            return FRAMES
+        return TEXTS[:1] if name in NAMES else TEXTS if kind in ("TEXT", "POSITION") else NUMBERS
+
+    def test_every_option_of_every_tool(self):
+        seen = 0
+        for tool in COMMANDS:
+            help_text = self.run_tool(tool, "--help").stdout
+            for name, (kind, count) in options(help_text).items():
+                for value in self.values(name, kind):
+                    if value in LEGAL.get(name, ()):
+                        continue
+                    with self.subTest(tool=tool, option=name, value=value[:30]):
+                        self.assert_refused(self.command(tool, name, [value] * count))
+                        if count > 1:
+                            self.assert_refused(self.command(tool, name, ["1"] * (count - 1) + [value]))
+                    seen += 1
+            for positional in re.findall(r"^  ([A-Z]+) TEXT REQUIRED", help_text, re.MULTILINE):
+                words = list(COMMANDS[tool])
+                words[0] = ""
+                with self.subTest(tool=tool, positional=positional):
+                    self.assert_refused([tool, *words])
+        self.assertGreater(seen, 300)
+        self.assertEqual([name for name in self.files() if name.startswith("out")], [])
+
+    def test_what_is_legal_is_taken(self):
+        for tool in COMMANDS:
+            for name, (_, count) in options(self.run_tool(tool, "--help").stdout).items():
+                for value in LEGAL.get(name, ()):
+                    with self.subTest(tool=tool, option=name, value=value):
+                        # Not the same for all: two ends must differ.
+                        done = self.run_tool(*self.command(tool, name, ["0"] * (count - 1) + [value]), timeout=20)
+                        if (name, value) not in (("--up", "0"), ("--bbox", "-1"), ("--bbox-world", "-1"),
+                                                 ("--bbox-world", "-1e308"), ("--bbox-world", "-inf")):
+                            self.assertIn(done.returncode, (0, 1, 3), done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

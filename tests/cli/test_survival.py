@@ -1,0 +1,283 @@
+"""What the tools do when they are interrupted, when a disk is full, when nobody listens, and within what memory."""
+
+import os
+import pathlib
+import random
+import resource
+import signal
+import subprocess
+import time
+import unittest
+
+import numpy
+import pyopenvdb as vdb
+
+from support import BIN, ToolTest
+
+SANITIZED = os.environ.get("VDBLIC_SANITIZED") == "1"
+ROOT = os.geteuid() == 0
+
+
+class Survival(ToolTest):
+    def start(self, tool, *arguments, **options):
+        options = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+        process = subprocess.Popen([BIN / tool, *map(str, arguments)], cwd=self.folder, text=True, **options)
+        for stream in process.stdin, process.stdout, process.stderr:
+            if stream:
+                self.addCleanup(stream.close)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        return process
+
+    def endless_synth(self, **options):
+        return self.start("vdblic_synth", "abc", "-o", "v.%06d.vdb", "--size", 32, 32, 32, "--frames", "1-900000",
+                          **options)
+
+    def synth(self, frames, size=(16, 16, 16)):
+        return self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *size, "--frames", frames)
+
+    def assert_whole(self, names):
+        """Every file in the folder is complete, and there are no others than these."""
+        self.assertEqual(self.files(), sorted(names))
+        for name in names:
+            if name.endswith(".vdb"):
+                self.outputs("vdblic_noise", "--verify", "--like", name, "-o", "checked.vdb")
+        (self.folder / "checked.vdb").unlink(missing_ok=True)
+
+    def test_signals_end_the_run_after_the_frame(self):
+        for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+            run = self.endless_synth()
+            first = run.stdout.readline()
+            run.send_signal(number)
+            rest, messages = run.communicate(timeout=30)
+            self.assertEqual(run.returncode, -number, messages)
+            self.assertIn("stopped", messages)
+            self.assert_whole((first + rest).split())
+            for path in self.folder.iterdir():
+                path.unlink()
+
+    def test_a_shell_sees_128_and_the_signal(self):
+        command = f"{BIN}/vdblic_synth abc -o v.%06d.vdb --size 32 32 32 --frames 1-900000 & sleep 0.3; " \
+                  "kill -TERM $!; wait $!; echo $?"
+        done = subprocess.run(["sh", "-c", command], cwd=self.folder, capture_output=True, text=True, check=True)
+        self.assertEqual(done.stdout.split()[-1], "143")
+
+    def test_a_signal_the_caller_ignores_is_ignored(self):
+        run = self.endless_synth(preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        run.stdout.readline()
+        run.send_signal(signal.SIGHUP)
+        for _ in range(5):
+            self.assertNotEqual(run.stdout.readline(), "")
+        run.terminate()
+        run.communicate(timeout=30)
+        self.assertEqual(run.returncode, -signal.SIGTERM)
+
+    def test_every_tool_stops(self):
+        paths = self.synth("1-60", (64, 32, 32))
+        inputs = len(paths)
+        for command in (("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb"),
+                        ("vdblic_diff", "v.%04d.vdb", "v.%04d.vdb", "-o", "d.%04d.vdb"),
+                        ("vdblic_render", "v.%04d.vdb", "-o", "i.%04d.png", "--texture", "speed"),
+                        ("vdblic_coherence", "v.%04d.vdb", "c.%04d.vdb", "--texture", "speed", "--json", "c.json")):
+            if "speed" in command:
+                self.write_speed()
+                command = [argument.replace("v.%04d", "c.%04d") if command[0] == "vdblic_render" else argument
+                           for argument in command]
+            before = set(self.files())
+            run = self.start(*command)
+            time.sleep(0.4)
+            run.terminate()
+            out, messages = run.communicate(timeout=30)
+            self.assertEqual(run.returncode, -signal.SIGTERM, f"{command} {messages}")
+            self.assertEqual(set(self.files()) - before, set(out.split()), command)
+        self.assertGreaterEqual(len(self.files()), inputs)
+
+    def write_speed(self):
+        x, y, z = numpy.meshgrid(*(numpy.arange(n) for n in (64, 32, 32)), indexing="ij")
+        for frame in range(1, 61):
+            grid = vdb.FloatGrid()
+            grid.name = "speed"
+            grid.copyFromArray(((x * 7 + y * 5 + z * 3 + frame) % 11 / 10).astype(numpy.float32), tolerance=-1)
+            grid.transform = vdb.read(str(self.folder / "v.0001.vdb"), "velocity").transform
+            vdb.write(str(self.folder / f"c.{frame:04}.vdb"), grid)
+
+    def test_waiting_for_paths_stops_too(self):
+        for tool in "vdblic_advect", "vdblic_render":
+            run = self.start(tool, "-", "-o", "out.%04d.png" if "render" in tool else "out.%04d.vdb",
+                             stdin=subprocess.PIPE)
+            time.sleep(0.3)
+            self.assertIsNone(run.poll())
+            run.send_signal(signal.SIGINT)
+            run.wait(timeout=30)
+            self.assertEqual(run.returncode, -signal.SIGINT)
+            self.assertEqual(self.files(), [])
+
+    def test_a_reader_that_leaves_ends_the_run_quietly(self):
+        run = self.endless_synth()
+        run.stdout.readline()
+        run.stdout.close()
+        messages = run.stderr.read()
+        run.wait(timeout=30)
+        self.assertEqual(run.returncode, -signal.SIGPIPE)
+        self.assertEqual(messages, "")
+        self.assert_whole(self.files())
+        self.assertFalse([name for name in self.files() if name.startswith(".")])
+
+    def test_messages_that_nobody_reads_do_not_matter(self):
+        self.synth("1-3")
+        reader, writer = os.pipe()
+        os.close(reader)
+        run = self.start("vdblic_advect", "v.%04d.vdb", "-v", "-o", "lic.%04d.vdb", stderr=writer)
+        os.close(writer)
+        out, _ = run.communicate(timeout=60)
+        self.assertEqual((run.returncode, len(out.split())), (0, 3))
+
+    def test_standard_output_that_cannot_be_written(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            run = self.start("vdblic_synth", "abc", "-o", "v.vdb", "--size", 8, 8, 8, "--frames", 1, stdout=full)
+            self.assertIn("standard output", run.communicate(timeout=30)[1])
+        self.assertEqual(run.returncode, 4)
+
+    def test_kills_leave_no_litter(self):
+        choice = random.Random(7)
+        for _ in range(15):
+            run = self.endless_synth(stdout=subprocess.DEVNULL)
+            time.sleep(choice.uniform(0.02, 0.25))
+            run.kill()
+            run.wait()
+            for path in self.folder.iterdir():
+                self.assertFalse(path.name.startswith("."), path)
+        last = max(self.files(), default=None)
+        if last:
+            self.outputs("vdblic_noise", "--verify", "--like", last, "-o", "checked.vdb")
+
+    def limited(self, size):
+        return {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)), "restore_signals": False}
+
+    def test_files_that_may_not_grow(self):
+        self.synth("1-2", (32, 32, 32))
+        noise, = self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "noise.vdb")
+        before = self.files()
+        for tool, *arguments in (("vdblic_advect", "v.%04d.vdb", "-o", "out.%04d.vdb", "--preroll", 0),
+                                 ("vdblic_noise", "--like", "v.0001.vdb", "-o", "out.vdb"),
+                                 ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "out.vdb"),
+                                 ("vdblic_coherence", "v.0001.vdb", noise, "--texture", "noise", "--json", "out.json"),
+                                 ("vdblic_coherence", "v.0001.vdb", noise, "--texture", "noise", "-o", "out.svg")):
+            message = self.fails(4, tool, *arguments, **self.limited(500))
+            self.assertIn("out.", message)
+            self.assertIn("too large", message)
+            self.assertEqual(self.files(), before)
+
+    @unittest.skipUnless(ROOT, "only root may mount a small file system")
+    def test_a_full_disk(self):
+        small = self.folder / "small"
+        small.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=300k", "none", small], check=False).returncode:
+            self.skipTest("mounting is not allowed here")
+        self.addCleanup(lambda: subprocess.run(["umount", small], check=True))
+        self.synth("1-4", (32, 32, 32))
+        done = self.run_tool("vdblic_advect", "v.%04d.vdb", "-o", "small/lic.%04d.vdb", "--preroll", 0)
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertIn("No space left on device", done.stderr)
+        finished = [pathlib.Path(line).name for line in done.stdout.split()]
+        self.assertLess(len(finished), 4)
+        self.assertEqual(sorted(path.name for path in small.iterdir()), finished)
+
+    def test_a_folder_that_may_not_be_written_to(self):
+        self.synth("1")
+        self.folder.chmod(0o555 if not ROOT else 0o755)
+        self.addCleanup(lambda: self.folder.chmod(0o755))
+        nobody = {"preexec_fn": lambda: os.setuid(65534)} if ROOT else {}
+        before = self.files()
+        for command in (("vdblic_advect", "v.0001.vdb", "-o", "out.vdb"), ("vdblic_noise", "--size", 4, 4, 4, "-o", "n.vdb")):
+            self.assertIn("Permission denied", self.fails(4, *command, **nobody))
+        self.assertEqual(self.files(), before)
+
+    def test_outputs_do_not_replace_inputs(self):
+        self.synth("1-2")
+        self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "noise.vdb")
+        os.symlink("noise.vdb", self.folder / "link.vdb")
+        before = {name: self.contents(name) for name in self.files()}
+        for command in (("vdblic_advect", "v.%04d.vdb", "-o", "v.%04d.vdb"),
+                        ("vdblic_advect", "v.####.vdb", "-o", "./v.$F4.vdb"),
+                        ("vdblic_advect", "v.0001.vdb", "-o", "link.vdb", "--noise", "noise.vdb"),
+                        ("vdblic_advect", "v.0001.vdb", "-o", "noise.vdb", "--mask", "link.vdb"),
+                        ("vdblic_noise", "--like", "noise.vdb", "-o", "link.vdb"),
+                        ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "v.0002.vdb"),
+                        ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "--json", "v.0002.vdb"),
+                        ("vdblic_coherence", "v.0001.vdb", "noise.vdb", "--texture", "noise", "-o", "link.vdb")):
+            self.assertIn("replace an input", self.fails(2, *command))
+        piped = self.run_tool("vdblic_advect", "-", "-o", "v.%04d.vdb", stdin="v.0001.vdb\n")
+        self.assertEqual(piped.returncode, 2, piped.stderr)
+        self.assertEqual({name: self.contents(name) for name in self.files()}, before)
+
+    def test_verify_names_what_is_damaged_before_any_work(self):
+        self.synth("1-4")
+        whole = self.run_tool("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--verify")
+        self.assertEqual(whole.returncode, 0)
+        self.assertIn("4 files are in order, 4 of them by their checksums", whole.stderr)
+        for frame in 2, 4:
+            data = bytearray(self.contents(f"v.{frame:04}.vdb"))
+            data[-20] ^= 4
+            (self.folder / f"v.{frame:04}.vdb").write_bytes(data)
+        for path in self.folder.glob("lic.*"):
+            path.unlink()
+        before = self.files()
+        for command in (("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb"), ("vdblic_diff", "v.%04d.vdb", "v.%04d.vdb"),
+                        ("vdblic_render", "v.%04d.vdb", "-o", "i.%04d.png")):
+            message = self.fails(3, *command, "--verify")
+            for frame in 2, 4:
+                self.assertIn(f"v.000{frame}.vdb: cannot be read as a .vdb file: grid 'velocity' is damaged", message)
+            self.assertEqual(self.files(), before)
+        # Without it, where the frame is met.
+        self.assertIn("grid 'velocity' is damaged", self.fails(3, "vdblic_noise", "--like", "v.0002.vdb", "-o", "n.vdb"))
+
+    def test_sizes_are_checked_before_anything_is_allocated(self):
+        huge = vdb.Vec3SGrid()
+        huge.name = "velocity"
+        huge.fill((0, 0, 0), (4095, 4095, 4095), (1, 0, 0))
+        texture = vdb.FloatGrid()
+        texture.name = "density"
+        texture.fill((0, 0, 0), (4095, 4095, 4095), 0.5)
+        vdb.write(str(self.folder / "huge.vdb"), [huge, texture])
+        components = []
+        for axis in "xyz":
+            grid = vdb.FloatGrid()
+            grid.name = f"v.{axis}"
+            grid.fill((0, 0, 0), (4095, 4095, 4095), 1)
+            components.append(grid)
+        vdb.write(str(self.folder / "joined.vdb"), components)
+        for command in (("vdblic_advect", "huge.vdb", "-o", "out.vdb"), ("vdblic_advect", "joined.vdb", "-o", "out.vdb"),
+                        ("vdblic_render", "huge.vdb", "-o", "out.png"), ("vdblic_coherence", "huge.vdb", "huge.vdb")):
+            started = time.monotonic()
+            message = self.fails(3, *command)
+            self.assertLess(time.monotonic() - started, 10)
+            self.assertRegex(message, r"(huge|joined)\.vdb: .*voxels would take .* of memory or more")
+        # What --bbox leaves of it is fine, and tiles need not be expanded to be compared.
+        self.outputs("vdblic_advect", "huge.vdb", "-o", "out.vdb", "--bbox", 0, 0, 0, 15, 15, 15)
+        self.assertEqual(self.run_tool("vdblic_diff", "huge.vdb", "huge.vdb").returncode, 0)
+
+    @unittest.skipIf(SANITIZED, "sanitizers hold more memory than there is")
+    def test_the_budget_is_kept(self):
+        self.synth("1-2", (200, 200, 200))
+        for command in (("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb"), ("vdblic_noise", "--like", "v.0001.vdb", "-o", "n.vdb"),
+                        ("vdblic_diff", "v.0001.vdb", "v.0002.vdb")):
+            run = self.start(*command, "--max-memory", "150M", "--threads", 1)
+            messages = run.stderr.read()
+            _, status, usage = os.wait4(run.pid, 0)
+            run.returncode = os.waitstatus_to_exitcode(status)
+            self.assertIn(run.returncode, (0, 3), messages)
+            self.assertLess(usage.ru_maxrss, (150 + 40) << 10)  # 40 MiB for code, which is no data
+            if run.returncode == 3:
+                self.assertIn("--max-memory", messages)
+                self.assertEqual([name for name in self.files() if name[0] not in "nv"], [])
+
+    def test_memory_sizes(self):
+        for size in "1K", "0", "-1", "nan", "1e308", "", "8 apples", "99999999999999G":
+            self.fails(2, "vdblic_noise", "--size", 4, 4, 4, "-o", "n.vdb", "--max-memory", size)
+        if not SANITIZED:
+            for size in "300M", "1G", "400000000":
+                self.outputs("vdblic_noise", "--size", 4, 4, 4, "-o", "n.vdb", "--max-memory", size)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,23 @@
+/// Any bytes as a .vdb file's header: refused with a message or taken, and then its parts lie inside and in order.
+#include "vdblic/core/errors.h"
+#include "vdblic/io/checksum.h"
+#include "vdblic/io/vdb_layout.h"
+
+#include <cstdlib>
+#include <sstream>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    std::istringstream stream(std::string(reinterpret_cast<const char*>(data), size));
+    try {
+        const vdblic::VdbLayout layout = vdblic::readLayout(stream, size);
+        std::uint64_t place = layout.headerEnd;
+        for (const vdblic::VdbLayout::Grid& grid : layout.grids) {
+            if (grid.begin != place || grid.end < grid.begin || grid.end > size) std::abort();
+            place = grid.end;
+        }
+        if (vdblic::hasChecksums(layout)) vdblic::verifyChecksums(stream, layout, size);
+    } catch (const vdblic::InputError&) {
+    }
+    return 0;
+}

@@ -1,0 +1,26 @@
+#!/bin/sh
+# Fuzzes the parsers that are ours, with clang's libFuzzer, under its address and undefined-behaviour sanitizers:
+# tests/fuzz/run.sh [SECONDS, 60 by default]. Starts from corpus/; what it finds worth keeping goes to build/fuzz/corpus.
+set -eu
+cd "$(dirname "$0")/../.."
+seconds=${1:-60}
+out=build/fuzz
+command -v clang++ >/dev/null || { echo "clang++ is missing; not fuzzed" >&2; exit 0; }
+
+compile() {
+    target=$1
+    shift
+    clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Ilib \
+        -include algorithm -include vector -include string -include fmt/format.h \
+        "tests/fuzz/$target.cpp" "$@" -lfmt -o "$out/$target"
+}
+
+mkdir -p "$out/corpus/layout" "$out/corpus/text"
+io=lib/vdblic/io render=lib/vdblic/render
+compile fuzz_layout $io/vdb_layout.cpp $io/checksum.cpp &
+compile fuzz_text lib/vdblic/core/memory.cpp $io/sequence.cpp $io/grid_reference.cpp $render/transfer_function.cpp $render/color_map.cpp
+wait $!
+for parser in layout text; do
+    "$out/fuzz_$parser" -max_total_time=$((seconds / 2)) -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \
+        -print_final_stats=1 "$out/corpus/$parser" "tests/fuzz/corpus/$parser"
+done

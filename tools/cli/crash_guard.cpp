@@ -1,0 +1,139 @@
+#include "cli/crash_guard.h"
+
+#include "cli/exit_status.h"
+#include "vdblic/core/hazard.h"
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <fcntl.h>
+#include <new>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace vdblic::cli {
+namespace {
+
+// Processor time after which a file is taken to have none: 5 seconds, and more for large ones. The slowest files, of
+// zip, are read at 50 MB/s.
+constexpr std::uint64_t kSeconds = 5, kBytesPerSecond = 5'000'000;
+
+std::array<char, 64> gTool{};
+
+/// What this thread has parsed. Plain data, to be looked at in a signal handler.
+struct Parsing {
+    volatile sig_atomic_t active = 0;
+    bool timed = false;
+    timer_t timer{};
+    std::array<char, 4200> file{};
+};
+thread_local Parsing tParsing;
+
+/// An allocation failed in this thread; it may then be ended by an exception where none is allowed.
+thread_local volatile sig_atomic_t tMemoryRanOut = 0;
+
+void onNoMemory()
+{
+    tMemoryRanOut = 1;
+    throw std::bad_alloc();
+}
+
+/// Whether the process holds about all the data it may. C libraries crash where an allocation fails.
+bool isMemoryUsedUp()
+{
+    std::array<char, 256> text{};
+    const int statm = ::open("/proc/self/statm", O_RDONLY); // in pages: size, resident, shared, text, 0, data
+    const ssize_t length = statm < 0 ? 0 : ::read(statm, text.data(), text.size() - 1);
+    std::uint64_t pages = 0;
+    int column = 0;
+    for (ssize_t i = 0; i < length; ++i) {
+        if (text[std::size_t(i)] == ' ') {
+            ++column;
+            pages = column == 5 ? 0 : pages;
+        } else if (column == 5 && text[std::size_t(i)] >= '0') {
+            pages = pages * 10 + std::uint64_t(text[std::size_t(i)] - '0');
+        }
+    }
+    rlimit limit{};
+    constexpr std::uint64_t kNear = 16 << 20;
+    return ::getrlimit(RLIMIT_DATA, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+           pages * std::uint64_t(::sysconf(_SC_PAGESIZE)) + kNear > limit.rlim_cur;
+}
+
+void say(const char* text)
+{
+    (void)!::write(STDERR_FILENO, text, std::strlen(text));
+}
+
+extern "C" void onCrash(int signal)
+{
+    const bool memory = (signal == SIGABRT && tMemoryRanOut) || isMemoryUsedUp();
+    if (!tParsing.active && !memory) {
+        std::signal(signal, SIG_DFL);
+        (void)std::raise(signal);
+        return;
+    }
+    if (::isatty(STDERR_FILENO)) say("\r\033[K");
+    say(gTool.data());
+    say(": error: ");
+    if (tParsing.active) {
+        say(tParsing.file.data());
+        say(": cannot be read as a .vdb file: it is damaged");
+        say(memory              ? ", or takes more memory than may be used: raise --max-memory"
+            : signal == SIGXCPU ? "; reading it does not come to an end"
+                                : "; OpenVDB crashed on it");
+    } else {
+        say("this takes more memory than may be used: cut the domain, use fewer threads, or raise --max-memory");
+    }
+    say("\n");
+    ::_exit(static_cast<int>(ExitStatus::kBadInput));
+}
+
+void startTimer(std::uint64_t seconds) noexcept
+{
+    sigevent event{};
+    event.sigev_notify = SIGEV_THREAD_ID;
+    event.sigev_signo = SIGXCPU;
+#ifdef sigev_notify_thread_id
+    event.sigev_notify_thread_id = ::gettid();
+#else
+    event._sigev_un._tid = ::gettid(); // glibc before 2.38 has no name for it
+#endif
+    itimerspec limit{};
+    limit.it_value.tv_sec = time_t(seconds);
+    tParsing.timed = ::timer_create(CLOCK_THREAD_CPUTIME_ID, &event, &tParsing.timer) == 0;
+    if (tParsing.timed) ::timer_settime(tParsing.timer, 0, &limit, nullptr);
+}
+
+void enter(const char* file, std::uint64_t size) noexcept
+{
+    std::snprintf(tParsing.file.data(), tParsing.file.size(), "%s", file);
+    tParsing.active = 1;
+    startTimer(kSeconds + size / kBytesPerSecond);
+}
+
+void leave() noexcept
+{
+    if (tParsing.timed) ::timer_delete(tParsing.timer);
+    tParsing.timed = false;
+    tParsing.active = 0;
+}
+
+} // namespace
+
+void guardAgainstCrashes(const std::string& tool)
+{
+    std::snprintf(gTool.data(), gTool.size(), "%s", tool.c_str());
+    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU}) {
+        struct sigaction action {};
+        action.sa_handler = onCrash;
+        action.sa_flags = SA_NODEFER;
+        ::sigaction(signal, &action, nullptr);
+    }
+    std::set_new_handler(onNoMemory);
+    setHazardHooks({enter, leave});
+}
+
+} // namespace vdblic::cli
