@@ -1,8 +1,7 @@
-#include "cli/tool.h"
-#include "vdblic/render/color_map.h"
+#include "cli/look_options.h"
 #include "vdblic/render/render_sequence.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <iostream>
 
@@ -54,36 +53,11 @@ int main(int argc, char** argv)
     tool.option("--fov", params.camera.fieldOfView, "Vertical field of view [degrees].");
 
     tool.option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.");
-    tool.option("--colormap", params.look.transfer.colorMap,
-                fmt::format("Colours of magnitude: {}.", fmt::join(vdblic::colorMapNames(), ", ")));
-    std::string opacity;
-    app.add_option("--opacity", opacity,
-                   "Opacity of one voxel over the range of magnitudes, e.g. 0:0,0.4:0.05,1:0.8. By default it rises "
-                   "with magnitude, scaled to the first frame so that one sees into the volume.")
-        ->type_name("POSITION:OPACITY,...");
-    app.add_option_function<Numbers>(
-           "--range",
-           [&](const Numbers& range) {
-               params.look.transfer.range = {range[0], range[1]};
-           },
-           "Magnitudes at positions 0 and 1 [world/s]; percentiles of the first frame by default.")
-        ->expected(2)
-        ->allow_extra_args(false)
-        ->type_name("LO HI");
-    tool.option("--modulate", params.look.textureStrength,
-                "How strongly the texture shows in colour and opacity, 0 to 1.");
-    app.add_option_function<Numbers>(
-           "--background",
-           [&](const Numbers& numbers) {
-               params.background = {vector(numbers), numbers.size() > 3 ? numbers[3] : 1};
-           },
-           "Background as displayed, 0 to 1; its alpha, 1 unless given, counts in .exr only. By default dark in .png "
-           "and transparent in .exr.")
-        ->expected(3, 4)
-        ->allow_extra_args(false)
-        ->type_name("R G B [A]");
+    const vdblic::cli::LookOptions look(tool);
+    tool.option("--by", params.by, "Float grid that drives the transfer function.");
+    app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
-        if (!opacity.empty()) params.look.transfer.opacity = vdblic::parseOpacity(opacity);
+        look.apply(params);
         vdblic::renderSequence(params, std::cin, reporter);
     });
 }

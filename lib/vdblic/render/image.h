@@ -5,7 +5,9 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <utility>
 #include <variant>
@@ -13,10 +15,19 @@
 
 namespace vdblic {
 
+/// What a pixel's ray met: means over its samples, weighted by what each contributes to the pixel's alpha.
+struct PixelLayers {
+    float depth = std::numeric_limits<float>::infinity(); ///< along the view axis [world]; infinite where alpha is 0
+    glm::vec3 normal{0};                                  ///< world space, towards the eye, of length 1 or 0
+    float magnitude = 0, texture = 0;                     ///< as the grids have them
+    std::uint32_t samples = 0;                            ///< taken along the ray
+};
+
 /// A picture: rows from the top, linear light, colours premultiplied by alpha.
 struct Image {
     glm::ivec2 size{0, 0};
-    std::vector<glm::vec4> pixels; ///< size.x · size.y of them
+    std::vector<glm::vec4> pixels;     ///< size.x · size.y of them
+    std::vector<PixelLayers> layers{}; ///< as many, or none
 
     [[nodiscard]] const glm::vec4& at(int x, int y) const { return pixels[std::size_t(y) * size.x + x]; }
 };

@@ -1,8 +1,10 @@
 #include "vdblic/render/render_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/domain_mask.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/render/color_map.h"
 
 namespace vdblic {
 namespace {
@@ -15,20 +17,30 @@ struct Scene {
     Camera camera;
 };
 
-TextureVolume readVolume(const RenderParams& params, const std::filesystem::path& path, bool& hasMagnitude)
+TextureVolume readVolume(const RenderParams& params, const FrameFile& frame, bool& hasMagnitude)
 {
-    const VdbFile file = readVdb(path);
-    const auto texture = file.find<openvdb::FloatGrid>(params.texture);
-    if (!texture) {
-        throw InputError(fmt::format("{}: no float grid '{}' to render; the file has {}; choose with --texture",
-                                     path.string(), params.texture, file.contents()));
-    }
-    const auto magnitude = file.find<openvdb::FloatGrid>("magnitude");
-    hasMagnitude = magnitude != nullptr;
+    const VdbFile file = readVdb(frame.path);
+    const auto find = [&](const std::string& name, const char* what, const char* option) {
+        const auto grid = file.find<openvdb::FloatGrid>(name);
+        if (!grid) {
+            throw InputError(fmt::format("{}: no float grid '{}' {}; the file has {}; choose with {}",
+                                         frame.path.string(), name, what, file.contents(), option));
+        }
+        return grid;
+    };
+    const auto texture = find(params.texture, "to render", "--texture");
+    hasMagnitude = params.by != RenderParams{}.by || file.find<openvdb::FloatGrid>(params.by);
+    const auto magnitude = hasMagnitude ? find(params.by, "to drive the transfer function", "--by") : texture;
     try {
-        return {*texture, magnitude ? *magnitude : *texture};
+        TextureVolume volume(*texture, *magnitude);
+        if (!params.region.empty()) {
+            volume.cut(*makeDomain(std::make_shared<openvdb::MaskTree>(volume.domain().topology()),
+                                   texture->transform(), {.mask = params.region}, frame.frame));
+        }
+        if (params.look.shading.model == ShadingModel::kLine) volume.addLines();
+        return volume;
     } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+        throw InputError(fmt::format("{}: {}", frame.path.string(), error.what()));
     }
 }
 
@@ -38,7 +50,9 @@ std::optional<Scene> chooseScene(const RenderParams& params, const TextureVolume
 {
     if (volume.empty()) return std::nullopt;
     try {
-        return Scene{chooseLook(params.look, volume), Camera(params.camera, volume.corners(), params.size)};
+        Look look = chooseLook(params.look, volume);
+        look.background = glm::vec3(linearFromDisplay(params.background.color));
+        return Scene{std::move(look), Camera(params.camera, volume.corners(), params.size)};
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     }
@@ -76,9 +90,9 @@ std::optional<Scene> sceneOfSequence(const RenderParams& params)
     SequenceParams all = params.input;
     if (const FramePattern pattern(all.pattern); pattern.hasField())
         all.frames = std::to_string(pattern.framesOnDisk().at(0));
-    const std::filesystem::path path = selectFrames(all).front().path;
+    const FrameFile file = selectFrames(all).front();
     bool hasMagnitude = false;
-    return chooseScene(params, readVolume(params, path, hasMagnitude), path);
+    return chooseScene(params, readVolume(params, file, hasMagnitude), file.path);
 }
 
 void describe(const Scene& scene, Reporter& reporter)
@@ -129,7 +143,7 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
             continue;
         }
         bool hasMagnitude = false;
-        const TextureVolume volume = readVolume(params, file->path, hasMagnitude);
+        const TextureVolume volume = readVolume(params, *file, hasMagnitude);
         if (!hasMagnitude && !saidNoMagnitude) {
             reporter.say(fmt::format("{}: no float grid 'magnitude'; the texture chooses colour and opacity instead",
                                      file->path.string()));

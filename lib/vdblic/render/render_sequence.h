@@ -18,6 +18,8 @@ struct RenderParams {
     bool skipExisting = false;       ///< leave outputs that are there as they are
     std::string output;              ///< one file or a pattern, .exr or .png; frame numbers are the input's
     std::string texture = "density"; ///< the grid that holds the texture
+    std::string by = "magnitude";    ///< the grid that drives the transfer function
+    std::string region;              ///< FILE or FILE:GRID whose active voxels are all that is shown; empty: everything
     glm::ivec2 size{1024, 1024};     ///< width and height [pixels]
     CameraParams camera;
     LookParams look;
@@ -30,8 +32,8 @@ struct RenderParams {
 
 /// Render each frame of a texture sequence.
 ///
-/// A file holds the texture and, on the same transform, the grid `magnitude` [world/s]; without it the texture
-/// itself is used in its place. Camera and look are chosen once and stay: from the first frame on disk, so that
+/// A file holds the texture and, on the same transform, the grid that drives the transfer function; without a grid
+/// `magnitude` the texture itself is used in its place. Camera and look are chosen once and stay: from the first frame on disk, so that
 /// machines which render some of the frames each make one animation; of paths on standard input, or if that frame is
 /// empty, from the first frame that has an active voxel. Frames without one are all background.
 /// @param lines where paths are read from if the input is `-`
