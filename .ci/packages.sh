@@ -31,6 +31,7 @@ libopenvdb-tools        command vdb_print
 openexr                 command exrheader
 openimageio-tools       command idiff
 ffmpeg                  command ffmpeg
+blender                 command blender
 LIST
 }
 

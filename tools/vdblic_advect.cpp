@@ -45,7 +45,13 @@ int main(int argc, char** argv)
     tool.option("--fps", fps, "Frames per second, instead of --dt.")->excludes(dt);
     tool.option("--nonfinite", nonFinite, "Velocities that are not finite numbers: refuse, or zero.");
     tool.option("--carry", params.velocity.carry, "Other grids of the files to copy into the outputs, NAME,NAME.")
-        ->delimiter(',');
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    tool.option(
+            "--with", params.derived,
+            "Further grids computed from the velocity: vorticity (|curl v|, 1/s) and q (Q criterion, 1/s2), NAME,NAME.")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     tool.option(
         "--mask", params.domain.mask,
         "Compute only where a grid is above 0 (a level set: below): FILE or FILE:GRID, the file one or a sequence.");

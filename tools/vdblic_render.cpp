@@ -1,7 +1,7 @@
 #include "cli/look_options.h"
 #include "vdblic/render/render_sequence.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <iostream>
 
@@ -33,7 +33,10 @@ int main(int argc, char** argv)
     CLI::App& app = tool.app();
     tool.inputSequence("TEXTURE", params.input, "Texture volumes.");
     tool.skipExisting(params.skipExisting);
-    tool.output(params.output, "Image or pattern of images, .exr (half float, linear) or .png (8 bit, opaque).");
+    app.add_option(
+        "-o,--output", params.output,
+        "Image or pattern of images, .exr (linear, premultiplied alpha) or .png (8 bit sRGB, opaque). May be "
+        "left out with --histogram.");
     tool.option("--texture", params.texture, "Float grid that holds the texture.");
     app.add_option_function<std::vector<int>>(
            "--size",
@@ -45,19 +48,46 @@ int main(int argc, char** argv)
         ->allow_extra_args(false)
         ->type_name("W H")
         ->default_str(fmt::format("{} {}", params.size.x, params.size.y));
+    tool.option("--scale", params.scale, "Factor on the size, for previews.");
+    tool.option("--samples", params.samples, "Rays to a pixel, at places of a low-discrepancy pattern.");
 
     vectorOption(app, "--eye", params.camera.eye,
-                 "Place of the camera [world]. By default a three-quarter view that shows all of the first frame.");
+                 "Place of the camera [world]. By default a three-quarter view that shows all of every frame.");
     vectorOption(app, "--target", params.camera.target, "Place the camera looks at [world]; the middle by default.");
     vectorOption(app, "--up", params.camera.up, "Direction that is up in the image; 0 0 1 by default.");
-    tool.option("--fov", params.camera.fieldOfView, "Vertical field of view [degrees].");
+    std::string projection(toString(params.camera.projection));
+    tool.option("--projection", projection, "perspective or orthographic.");
+    tool.option("--fov", params.camera.fieldOfView, "Vertical field of view of a perspective [degrees].");
+    app.add_option("--view-height", params.camera.viewHeight,
+                   "Height of an orthographic picture [world]; by default all is seen.");
+    app.add_option("--orbit", params.motion.orbit,
+                   "Turns of the camera around the target in the course of the sequence; the last frame ends one step "
+                   "before the first begins again.");
+    app.add_option("--orbit-frames", params.motion.orbitFrames,
+                   "Frames that the turns take, instead of those on disk; needed for paths on standard input, where "
+                   "frame 1 is the first.");
+    app.add_option("--camera", params.motion.keys, "JSON file of key frames of the camera (docs/render.md).");
 
     tool.option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.");
     const vdblic::cli::LookOptions look(tool);
     tool.option("--by", params.by, "Float grid that drives the transfer function.");
     app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
+    std::vector<std::string> layers;
+    app.add_option("--aov", layers,
+                   "Further channels of .exr: depth, normal, magnitude, texture, samples, or all; NAME,NAME.")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("NAME");
+    tool.option("--precision", params.exr.precision, "Of colour and alpha in .exr: half or float.");
+    tool.option("--compression", params.exr.compression,
+                fmt::format("Of .exr: {}.", fmt::join(vdblic::exrCompressions(), ", ")));
+    app.add_option("--histogram", params.histogram,
+                   "Histograms of texture and magnitude with the transfer function over them, .png or .json.");
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         look.apply(params);
+        params.camera.projection = vdblic::parseProjection(projection);
+        params.exr.layers = vdblic::parseImageLayers(layers);
+        params.rays.layers = !params.exr.layers.empty();
         vdblic::renderSequence(params, std::cin, reporter);
     });
 }

@@ -44,6 +44,30 @@ class Advect(ToolTest):
         velocity.copyToArray(vectors, ijk=low)
         numpy.testing.assert_allclose(values(paths[2], "magnitude")[0], numpy.linalg.norm(vectors, axis=3), rtol=1e-5)
 
+    def test_vorticity_and_q(self):
+        path = self.outputs("vdblic_advect", "-o", "lic.%04d.vdb", "--frames", "3-4", "--with", "vorticity,q", WAKE)[0]
+        velocity = vdb.read(str(WAKE) % 3, "velocity")
+        vorticity, low = values(path, "vorticity")
+        q = values(path, "q")[0]
+        self.assertEqual(vdb.read(str(path), "q").activeVoxelCount(), velocity.activeVoxelCount())
+        vectors = numpy.zeros([*vorticity.shape, 3], numpy.float64)
+        velocity.copyToArray(vectors, ijk=low)
+        active = values(path)[0] > 0
+        # numpy's derivatives, compared where all neighbours are active.
+        j = numpy.stack([numpy.gradient(vectors, 0.0025, axis=a) for a in range(3)], axis=-1)  # [..., i, a] = dv_i/dx_a
+        curl = numpy.stack([j[..., 2, 1] - j[..., 1, 2], j[..., 0, 2] - j[..., 2, 0], j[..., 1, 0] - j[..., 0, 1]], -1)
+        inside = active.copy()
+        for axis in range(3):
+            for step in (-1, 1):
+                inside &= numpy.roll(active, step, axis)
+        inside[[0, -1]] = inside[:, [0, -1]] = inside[:, :, [0, -1]] = False
+        self.assertGreater(inside.sum(), 50000)  # where no texture is exactly 0
+        numpy.testing.assert_allclose(vorticity[inside], numpy.linalg.norm(curl, axis=-1)[inside], rtol=1e-4, atol=1e-4)
+        expected = -0.5 * numpy.einsum("...ia,...ai->...", j, j)
+        numpy.testing.assert_allclose(q[inside], expected[inside], rtol=1e-3, atol=1e-2)
+        for bad in "helicity", "q,q", "":
+            self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--with", bad)
+
     def test_metadata(self):
         path = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "3-4", "--life", "5", "--seed", "9")[0]
         metadata = vdb.readMetadata(str(path))

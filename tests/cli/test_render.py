@@ -1,79 +1,187 @@
 """vdblic_render as a user runs it: volumes by pyopenvdb, images read by OpenImageIO and exrheader."""
 
-import os
-import pathlib
+import json
+import re
 import resource
 import subprocess
-import tempfile
 import unittest
 
 import numpy
 import pyopenvdb as vdb
 
-BIN = pathlib.Path(os.environ["VDBLIC_BIN"])
+from support import BIN, ToolTest
 
 
-def grid(name, values, voxel_size=0.1):
+def grid(name, values, transform=None):
     result = vdb.FloatGrid()
     result.name = name
     result.fill((0, 0, 0), tuple(s - 1 for s in values.shape), 0.0, True)
     result.copyFromArray(values.astype(numpy.float32))
     result.fill((0, 0, 0), (0, 0, 0), float(values[0, 0, 0]), True)
-    result.transform = vdb.createLinearTransform(voxelSize=voxel_size)
+    result.transform = transform or vdb.createLinearTransform(voxelSize=0.1)
     return result
 
 
-class Render(unittest.TestCase):
+class Render(ToolTest):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="vdblic-")
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        super().setUp()
         random = numpy.random.default_rng(5)
         for frame in (3, 4):
             shape = (20, 16, 12)
             grids = [grid("density", random.random(shape)), grid("magnitude", random.random(shape))]
             vdb.write(str(self.folder / f"lic.{frame:04}.vdb"), grids=grids)
 
-    def run_tool(self, *arguments, **options):
-        return subprocess.run(
-            [str(BIN / "vdblic_render"), *map(str, arguments)],
-            text=True, capture_output=True, cwd=self.folder, timeout=60, **options)
-
     def renders(self, *arguments, **options):
-        done = self.run_tool(*arguments, **options)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.splitlines()
+        return [path.name for path in self.outputs("vdblic_render", *arguments, **options)]
 
-    def fails(self, status, *arguments, **options):
-        before = sorted(self.folder.iterdir())
-        done = self.run_tool(*arguments, **options)
-        self.assertEqual(done.returncode, status, f"{arguments} {done.stderr}")
-        self.assertEqual(done.stdout, "")
-        self.assertEqual(sorted(self.folder.iterdir()), before)
-        return done.stderr
+    def refuses(self, status, *arguments, **options):
+        before = self.files()
+        message = self.fails(status, "vdblic_render", *arguments, **options)
+        self.assertEqual(self.files(), before, arguments)
+        return message
+
+    def run_peer(self, *command):
+        done = subprocess.run(list(map(str, command)), cwd=self.folder, text=True, capture_output=True)
+        self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}\n{done.stderr}")
+        return done.stdout
+
+    def header(self, name):
+        return self.run_peer("exrheader", name)
+
+    def pixels(self, name, channel):
+        """A channel as an array, by OpenImageIO."""
+        self.run_peer("oiiotool", name, "--ch", channel, "-d", "float", "-o", "channel.exr")
+        text = self.run_peer("oiiotool", "--dumpdata", "channel.exr")
+        found = re.findall(r"Pixel \((\d+), (\d+)\): (\S+)", text)
+        return numpy.array([float(value) for _, _, value in found]).reshape(int(found[-1][1]) + 1, -1)
+
+    def matrix(self, header, name):
+        rows = re.search(name + r" \(type m44f\):\s*\(([^()]*)", header).group(1)
+        return numpy.array([float(x) for x in rows.split()]).reshape(4, 4)
 
     def test_exr(self):
         self.assertEqual(self.renders("lic.%04d.vdb", "-o", "image.####.exr", "--size", 64, 48),
                          ["image.0003.exr", "image.0004.exr"])
-        header = subprocess.run(["exrheader", self.folder / "image.0004.exr"], text=True, capture_output=True).stdout
+        header = self.header("image.0004.exr")
         for line in ("R, 16-bit floating-point", "A, 16-bit floating-point", "compression (type compression): zip",
                      "dataWindow (type box2i): (0 0) - (63 47)", 'creator (type string): "VDBLIC',
                      "frame (type int): 4", 'colorMap (type string): "turbo"', "worldToCamera (type m44f)",
-                     "worldToNDC (type m44f)", 'source (type string): "lic.0004.vdb"'):
+                     "worldToNDC (type m44f)", 'source (type string): "lic.0004.vdb"',
+                     'projection (type string): "perspective"', "chromaticities (type chromaticities)"):
             self.assertIn(line, header)
+        self.assertNotIn("Z, ", header)
+
+    def test_scale_and_samples(self):
+        self.renders("lic.0003.vdb", "-o", "a.exr", "--size", 61, 40, "--scale", 0.5, "--samples", 4)
+        header = self.header("a.exr")
+        self.assertIn("dataWindow (type box2i): (0 0) - (30 19)", header)
+        self.assertIn("samples (type int): 4", header)
+
+    def test_exr_variants(self):
+        base = ("lic.0003.vdb", "--size", 40, 30)
+        self.renders(*base, "-o", "half.exr")
+        self.renders(*base, "-o", "float.exr", "--precision", "float", "--compression", "piz")
+        header = self.header("float.exr")
+        self.assertIn("R, 32-bit floating-point", header)
+        self.assertIn("compression (type compression): piz", header)
+        self.run_peer("idiff", "-fail", 5e-4, "-warn", 5e-4, "half.exr", "float.exr")
+
+    def test_aovs(self):
+        base = ("lic.0003.vdb", "--size", 40, 30)
+        self.renders(*base, "-o", "plain.exr")
+        self.renders(*base, "-o", "aov.exr", "--aov", "all")
+        header = self.header("aov.exr")
+        for line in ("Z, 32-bit floating-point", "N.X, 32-bit floating-point", "magnitude, 32-bit floating-point",
+                     "texture, 32-bit floating-point", "samples, 32-bit floating-point"):
+            self.assertIn(line, header)
+        self.run_peer("oiiotool", "aov.exr", "--ch", "R,G,B,A", "-o", "colour.exr")
+        self.run_peer("idiff", "-fail", 0, "-warn", 0, "plain.exr", "colour.exr")
+        alpha, depth = self.pixels("aov.exr", "A"), self.pixels("aov.exr", "Z")
+        seen = alpha > 0.01
+        self.assertTrue(seen.any() and not seen.all())
+        self.assertTrue(numpy.isinf(depth[alpha == 0]).all())
+        # Depths lie between those of the box's nearest and farthest corners.
+        camera = self.matrix(header, "worldToCamera")
+        corners = numpy.array([[x, y, z, 1] for x in (-0.05, 1.95) for y in (-0.05, 1.55) for z in (-0.05, 1.15)])
+        z = (corners @ camera)[:, 2]
+        self.assertGreater(depth[seen].min(), z.min())
+        self.assertLess(depth[seen].max(), z.max())
+        for channel in "magnitude", "texture":
+            values = self.pixels("aov.exr", channel)[seen]
+            self.assertTrue((values > 0).all() and (values < 1).all())
+        self.assertGreater(self.pixels("aov.exr", "samples")[seen].min(), 0)
+        self.renders("-o", "one.exr", "--aov", "depth,samples", *base)  # the option leaves the input alone
+        self.assertNotIn("texture,", self.header("one.exr"))
+        self.refuses(2, *base, "-o", "a.png", "--aov", "depth")
+
+    def test_a_voxel_is_where_the_header_says(self):
+        # Rotated, per-axis scaled, mirrored; one voxel that is seen off the middle.
+        matrix = [[0.0, 0.5, 0.0, 0.0], [-1.5, 0.0, 0.0, 0.0], [0.0, 0.0, -0.25, 0.0], [7.0, -3.0, 11.0, 1.0]]
+        lonely = vdb.FloatGrid()
+        lonely.name = "density"
+        lonely.transform = vdb.createLinearTransform(matrix)
+        lonely.fill((-4, 6, 9), (-4, 6, 9), 0.5)
+        vdb.write(str(self.folder / "voxel.vdb"), grids=[lonely])
+        centre = numpy.array(lonely.transform.indexToWorld((-4, 6, 9)))
+        for projection in ("perspective", "--fov", 3), ("orthographic", "--view-height", 5):
+            self.renders("voxel.vdb", "-o", "voxel.exr", "--size", 120, 100, "--precision", "float", "--modulate", 0,
+                         "--opacity", "0:0.05", "--projection", *projection,
+                         "--target", *(centre + (0.5, 0.2, -0.4)), "--eye", *(centre + (40, -60, 30)))
+            depth = -numpy.log1p(-self.pixels("voxel.exr", "A"))
+            y, x = numpy.mgrid[0:100, 0:120] + 0.5
+            found = numpy.array([(depth * x).sum(), (depth * y).sum()]) / depth.sum()
+            ndc = numpy.append(centre, 1) @ self.matrix(self.header("voxel.exr"), "worldToNDC")
+            expected = ndc[:2] / ndc[3] * (120, 100)
+            numpy.testing.assert_allclose(found, expected, atol=0.3)
+
+    def test_looks_and_options_of_looks(self):
+        images = {}
+        for look in ("flow", "ink", "smoke", "xray"):
+            self.renders("lic.0003.vdb", "-o", f"{look}.png", "--size", 40, 30, "--look", look)
+            images[look] = (self.folder / f"{look}.png").read_bytes()
+        self.assertEqual(len(set(images.values())), 4)
+        (self.folder / "function.json").write_text('{"range": [0, 1], "colormap": "viridis", "opacity": [[0, 0.5]]}')
+        for options in (["--transfer", "function.json"], ["--shading", "lines"], ["--shading", "none"], ["--halo", 2],
+                        ["--light", 0, 0, 1, "--light", 1, 0, 0, "--head-light", 0], ["--depth-cue", 1], ["--ambient", 0],
+                        ["--by", "density"], ["--clip-box", 0, 0, 0, 1, 1, 1], ["--limb-darkening", 0],
+                        ["--clip-plane", 1, 0, 0, 1, 0, 0, "--clip-plane", 0, 1, 0, 0, -1, 0]):
+            self.renders("lic.0003.vdb", "-o", "a.png", "--size", 40, 30, *options)
+            self.assertNotEqual((self.folder / "a.png").read_bytes(), images["flow"], options)
+
+    def test_options_of_numbers_leave_the_input_alone(self):
+        for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],
+                        ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1]):
+            self.renders("-o", "a.png", "--size", 20, 20, *options, "lic.0003.vdb")
+
+    def test_region(self):
+        region = vdb.BoolGrid()
+        region.name = "region"
+        region.fill((0, 0, 0), (9, 15, 11), True, True)
+        region.transform = vdb.createLinearTransform(voxelSize=0.1)
+        vdb.write(str(self.folder / "region.vdb"), grids=[region])
+        view = ["--eye", 0.95, -50, 0.55, "--target", 0.95, 0, 0.55, "--fov", 3, "--size", 40, 40, "--opacity", "0:0.9",
+                "--modulate", 0]
+        self.renders("lic.0003.vdb", "-o", "a.exr", *view, "--roi", "region.vdb:region")
+        shown = subprocess.run(["oiiotool", self.folder / "a.exr", "--ch", "A", "--cut", "20x1+0+20", "--printstats"],
+                               text=True, capture_output=True, check=True).stdout
+        left = float(next(line for line in shown.splitlines() if "Stats Avg" in line).split()[2])
+        shown = subprocess.run(["oiiotool", self.folder / "a.exr", "--ch", "A", "--cut", "20x1+20+20", "--printstats"],
+                               text=True, capture_output=True, check=True).stdout
+        right = float(next(line for line in shown.splitlines() if "Stats Avg" in line).split()[2])
+        self.assertGreater(left, 0.2)
+        self.assertEqual(right, 0)
 
     def test_png_is_the_exr_over_the_background(self):
         for ending in ("exr", "png"):
             self.renders("lic.0003.vdb", "-o", f"a.{ending}", "--size", 40, 30, "--background", 0.2, 0.4, 0.6)
-        run = lambda *command: subprocess.run(command, cwd=self.folder, text=True, capture_output=True)
-        run("oiiotool", "a.exr", "--ch", "R,G,B", "--colorconvert", "linear", "sRGB", "-d", "uint8", "-o", "b.png")
-        same = run("idiff", "-fail", str(1.1 / 255), "-warn", str(1.1 / 255), "a.png", "b.png")
-        self.assertEqual(same.returncode, 0, same.stdout)
+        self.run_peer("oiiotool", "a.exr", "--ch", "R,G,B", "--colorconvert", "linear", "sRGB", "-d", "uint8", "-o",
+                      "b.png")
+        self.run_peer("idiff", "-fail", 1.1 / 255, "-warn", 1.1 / 255, "a.png", "b.png")
         # The volume is seen, and beside it the background.
-        stats = run("oiiotool", "a.png", "--printstats").stdout
+        stats = self.run_peer("oiiotool", "a.png", "--printstats")
         spread = next(line for line in stats.splitlines() if "Stats StdDev" in line).split()[2:5]
         self.assertGreater(max(map(float, spread)), 5)
-        first = run("oiiotool", "--dumpdata", "a.png").stdout.splitlines()[1]
+        first = self.run_peer("oiiotool", "--dumpdata", "a.png").splitlines()[1]
         self.assertIn("Pixel (0, 0): 51 102 153", first)
 
     def test_known_opacity(self):
@@ -82,47 +190,123 @@ class Render(unittest.TestCase):
         self.renders("slab.vdb", "--texture", "fog", "-o", "slab.exr", "--size", 9, 9, "--opacity", "0:0.05,1:0.05",
                      "--modulate", 0, "--range", 0, 1, "--colormap", "gray", "--step", 0.05, "--fov", 0.01,
                      "--eye", -1000, 0.35, 0.35, "--target", 1.55, 0.35, 0.35)
-        shown = subprocess.run(["oiiotool", self.folder / "slab.exr", "--ch", "A", "--printstats"],
-                               text=True, capture_output=True, check=True).stdout
-        average = float(next(line for line in shown.splitlines() if "Stats Avg" in line).split()[2])
-        self.assertAlmostEqual(average, 1 - 0.95 ** 32, delta=2e-3)
+        self.assertAlmostEqual(self.pixels("slab.exr", "A").mean(), 1 - 0.95 ** 32, delta=2e-3)
 
     def test_threads(self):
         images = []
         for threads in (1, 2, 7):
-            (path,) = self.renders("lic.0003.vdb", "-o", f"t{threads}.png", "--size", 70, 50, "--threads", threads)
-            images.append((self.folder / path).read_bytes())
+            names = self.renders("lic.%04d.vdb", "-o", f"t{threads}.%04d.exr", "--size", 70, 50, "--threads", threads,
+                                 "--aov", "all")
+            images.append([self.contents(name) for name in names])
         self.assertEqual(images[0], images[1])
         self.assertEqual(images[0], images[2])
 
+    def test_a_farm_makes_the_same_animation(self):
+        move = ("--size", 40, 30, "--orbit", 0.5)
+        whole = self.renders("lic.%04d.vdb", "-o", "whole.%04d.png", *move)
+        for frame in (4, 3):
+            (name,) = self.renders("lic.%04d.vdb", "-o", "part.%04d.png", "--frames", frame, *move)
+            self.assertEqual(self.contents(name), self.contents(whole[frame - 3]))
+        self.assertNotEqual(self.contents(whole[0]), self.contents(whole[1]))
+
+    def test_camera_key_frames(self):
+        keys = {"keys": [{"frame": 3, "eye": [9, 0, 0.5]}, {"frame": 4, "eye": [0, -9, 0.5], "fov": 50}]}
+        (self.folder / "keys.json").write_text(json.dumps(keys))
+        self.renders("lic.%04d.vdb", "-o", "k.%04d.exr", "--size", 20, 20, "--camera", "keys.json")
+        self.assertIn("eye (type v3f): (9 0 0.5)", self.header("k.0003.exr"))
+        self.assertIn("eye (type v3f): (0 -9 0.5)", self.header("k.0004.exr"))
+        self.assertIn('cameraKeys (type string): "keys.json"', self.header("k.0004.exr"))
+        good = ("lic.%04d.vdb", "-o", "a.%04d.png", "--size", 20, 20)
+        self.assertIn("none.json", self.refuses(3, *good, "--camera", "none.json"))
+        (self.folder / "keys.json").write_text('{"keys": [{"frame": 3, "eyes": [9, 0, 1]}]}')
+        self.assertIn("eyes", self.refuses(3, *good, "--camera", "keys.json"))
+
     def test_standard_input(self):
-        self.assertEqual(self.renders("-", "-o", "image.%04d.png", "--size", 20, 20, input="lic.0004.vdb\nlic.0003.vdb\n"),
-                         ["image.0004.png", "image.0003.png"])
+        self.assertEqual(
+            self.renders("-", "-o", "image.%04d.png", "--size", 20, 20, stdin="lic.0004.vdb\nlic.0003.vdb\n"),
+            ["image.0004.png", "image.0003.png"])
+        # A name that does not tell another frame must not overwrite the first's image in silence.
+        done = self.run_tool("vdblic_render", "-", "-o", "b.%04d.png", "--size", 20, 20,
+                             stdin="lic.0003.vdb\n./lic.0003.vdb\n")
+        self.assertEqual(done.returncode, 3)
+        self.assertEqual(done.stdout, "b.0003.png\n")
+        self.assertIn("frame 3 comes twice", done.stderr)
+
+    def test_an_image_appears_before_the_next_path_is_there(self):
+        for threads in (1, 2):
+            tool = subprocess.Popen([BIN / "vdblic_render", "-", "-o", f"w{threads}.%04d.png", "--size", "20", "20",
+                                     "--threads", str(threads)],
+                                    stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=self.folder)
+            for frame in (3, 4):
+                tool.stdin.write(f"lic.{frame:04}.vdb\n")
+                tool.stdin.flush()
+                self.assertEqual(tool.stdout.readline(), f"w{threads}.{frame:04}.png\n")
+            tool.stdin.close()
+            self.assertEqual(tool.wait(60), 0)
+            tool.stdout.close()
+
+    def test_skip_existing(self):
+        arguments = ("lic.%04d.vdb", "-o", "s.%04d.png", "--size", 20, 20)
+        names = self.renders(*arguments)
+        (self.folder / names[0]).write_bytes(b"finished")
+        second = self.contents(names[1])
+        (self.folder / names[1]).unlink()
+        self.assertEqual(self.renders(*arguments, "--skip-existing"), names)
+        self.assertEqual(self.contents(names[0]), b"finished")
+        self.assertEqual(self.contents(names[1]), second)
+
+    def test_histogram(self):
+        self.assertEqual(self.renders("lic.%04d.vdb", "--histogram", "h.json"), ["h.json"])
+        histogram = json.loads(self.contents("h.json"))
+        self.assertEqual(histogram["voxels"], 2 * 20 * 16 * 12)
+        values = numpy.concatenate([self.values(f"lic.{k:04}.vdb", "magnitude") for k in (3, 4)])
+        magnitude = histogram["magnitude"]
+        counts = numpy.histogram(values, 256, (magnitude["low"], magnitude["high"]))[0]
+        self.assertLess(numpy.abs(counts - magnitude["counts"]).sum(), 8)  # values on the bins' edges
+        self.assertEqual(self.renders("lic.0003.vdb", "-o", "a.png", "--size", 20, 20, "--histogram", "h.png"),
+                         ["a.png", "h.png"])
+        self.assertIn("1240 x  460, 3 channel, uint8 png", self.run_peer("oiiotool", "--info", "h.png"))
+        self.refuses(2, "lic.0003.vdb", "--histogram", "h.svg")
+
+    def values(self, path, name):
+        read = vdb.read(str(self.folder / path), name)
+        array = numpy.zeros((20, 16, 12), numpy.float32)
+        read.copyToArray(array)
+        return array.ravel()
 
     def test_usage(self):
         good = ["lic.0003.vdb", "-o", "a.png"]
         for bad in (["--size", 0, 10], ["--size", 10], ["--fov", "nan"], ["--fov", "inf"], ["--step", 0], ["--step", "x"],
                     ["--range", 2, 1], ["--range", "nan", 1], ["--opacity", "0:2"], ["--opacity", "half"],
                     ["--colormap", "rainbow"], ["--modulate", 2], ["--eye", 1, 2], ["--up", 0, 0, 0],
-                    ["--background", 0, 0, 7], ["--threads", 0], ["--frames", "1-3"], ["--unknown"]):
-            self.fails(2, *good, *bad)
-        self.fails(2, "lic.0003.vdb")
-        self.fails(2, "lic.0003.vdb", "-o", "a.jpg")
-        self.fails(2, "lic.%04d.vdb", "-o", "a.png")
+                    ["--background", 0, 0, 7], ["--background-alpha", 2], ["--look", "sepia"], ["--halo", -1],
+                    ["--shading", "toon"], ["--depth-cue", 2], ["--clip-plane", 0, 0, 0, 0, 0, 0], ["--light", 0, 0, 0],
+                    ["--clip-box", 1, 1, 1, 0, 0, 0], ["--clip-plane", 0, 0, 1], ["--threads", 0], ["--frames", "1-3"], ["--unknown"],
+                    ["--projection", "fisheye"], ["--view-height", 2], ["--orbit", "nan"], ["--orbit", 1],
+                    ["--orbit-frames", 10], ["--scale", 0], ["--scale", "nan"], ["--scale", 1e308], ["--samples", 0],
+                    ["--orbit", ""], ["--view-height", ""], ["--modulate", ""], ["--eye", "", "", ""], ["--orbit", 1, "--orbit-frames", 0], ["--eye", 1e308, 0, 0],
+                    ["--compression", "lzw"], ["--precision", "double"], ["--aov", "albedo"], ["--aov", ""],
+                    ["--projection", "orthographic", "--view-height", 0], ["--orbit", 1e308, "--orbit-frames", 2]):
+            with self.subTest(bad=bad):
+                self.refuses(2, *good, *bad)
+        self.refuses(2, "lic.0003.vdb")
+        self.refuses(2, "lic.0003.vdb", "-o", "a.jpg")
+        self.refuses(2, "lic.%04d.vdb", "-o", "a.png")
+        self.refuses(2, "-", "-o", "a.%04d.png", "--orbit", 1)
 
     def test_bad_input(self):
-        self.assertIn("nothing.vdb", self.fails(3, "nothing.vdb", "-o", "a.png"))
-        self.assertIn("density", self.fails(3, "lic.0003.vdb", "-o", "a.png", "--texture", "smoke"))
-        (self.folder / "broken.vdb").write_bytes((self.folder / "lic.0003.vdb").read_bytes()[:300])
-        self.fails(3, "broken.vdb", "-o", "a.png")
-        self.fails(3, "-", "-o", "a.png", input="")
+        self.assertIn("nothing.vdb", self.refuses(3, "nothing.vdb", "-o", "a.png"))
+        self.assertIn("density", self.refuses(3, "lic.0003.vdb", "-o", "a.png", "--texture", "smoke"))
+        (self.folder / "broken.vdb").write_bytes(self.contents("lic.0003.vdb")[:300])
+        self.refuses(3, "broken.vdb", "-o", "a.png")
+        self.refuses(3, "-", "-o", "a.png", stdin="")
 
     def test_output_cannot_be_written(self):
-        self.fails(4, "lic.0003.vdb", "-o", "missing/a.png")
+        self.refuses(4, "lic.0003.vdb", "-o", "missing/a.png")
         for ending in ("exr", "png"):
             # As on a full disk, the file cannot grow to its size.
-            self.fails(4, "lic.0003.vdb", "-o", f"a.{ending}", restore_signals=False,
-                       preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
+            self.refuses(4, "lic.0003.vdb", "-o", f"a.{ending}", restore_signals=False,
+                         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
 
 
 if __name__ == "__main__":

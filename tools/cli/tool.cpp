@@ -22,6 +22,17 @@ int status(ExitStatus value)
     return static_cast<int>(value);
 }
 
+/// An empty argument is no number, though CLI11 takes it for 0; an unset variable in a script makes one.
+void checkValues(const CLI::App& app)
+{
+    for (const CLI::Option* option : app.get_options()) {
+        if (option->get_type_name() == "TEXT") continue;
+        for (const std::string& value : option->results()) {
+            if (value.empty()) throw CLI::ValidationError(option->get_name(), "needs a value, not an empty text");
+        }
+    }
+}
+
 } // namespace
 
 Tool::Tool(std::string name, const std::string& description) : mApp(description, std::move(name))
@@ -74,6 +85,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
     std::signal(SIGXFSZ, SIG_IGN);
     try {
         mApp.parse(argc, argv);
+        checkValues(mApp);
     } catch (const CLI::Success& asked) { // --help, --version
         return mApp.exit(asked);
     } catch (const CLI::ParseError& error) {

@@ -7,7 +7,7 @@ namespace vdblic {
 
 /// What a long computation tells its caller while it runs; the default listens to nothing.
 ///
-/// Called from one thread at a time: the one that called the library.
+/// Called from one thread at a time.
 class Reporter {
   public:
     virtual ~Reporter() = default;

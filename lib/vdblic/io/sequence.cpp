@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <istream>
+#include <map>
 #include <memory>
 #include <regex>
 #include <set>
@@ -206,13 +207,19 @@ FrameSource openSequence(const SequenceParams& params, std::istream& lines, std:
     if (params.pattern == "-") {
         if (!params.frames.empty()) throw ParameterError("--frames cannot select from paths on standard input");
         count = 0;
-        return [&lines, next = std::int64_t{1}]() mutable -> std::optional<FrameFile> {
+        return [&lines, next = std::int64_t{1},
+                taken = std::map<std::int64_t, std::string>{}]() mutable -> std::optional<FrameFile> {
             std::string line;
             while (std::getline(lines, line)) {
                 if (line.empty()) continue;
                 if (!isFile(line)) throw InputError(fmt::format("{}: no such file (named on standard input)", line));
                 const std::int64_t frame = frameOfName(line).value_or(next);
                 next = frame + 1;
+                // Outputs are named by frame: a second one would overwrite the first's.
+                if (const auto [before, isNew] = taken.emplace(frame, line); !isNew) {
+                    throw InputError(fmt::format("{}: frame {} comes twice on standard input; the first was {}", line,
+                                                 frame, before->second));
+                }
                 return FrameFile{frame, line};
             }
             return std::nullopt;

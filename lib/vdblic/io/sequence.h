@@ -67,7 +67,7 @@ struct SequenceParams {
 [[nodiscard]] std::int64_t frameSpacing(const SequenceParams& params);
 
 /// As selectFrames, but reads paths from `lines`, one a line and as they come, if the pattern is `-`.
-/// `count` receives the number of frames, 0 if it is not known.
+/// `count` receives the number of frames, 0 if it is not known. A frame number that comes twice is an InputError.
 [[nodiscard]] FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count);
 
 /// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one.

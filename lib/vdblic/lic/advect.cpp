@@ -1,6 +1,7 @@
 #include "vdblic/lic/advect.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/derived_grids.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/flow_sequence.h"
@@ -170,6 +171,9 @@ class Advection {
             grid->setGridClass(openvdb::GRID_FOG_VOLUME);
         }
         openvdb::GridCPtrVec grids = {texture, magnitude};
+        for (auto& grid :
+             derivedGrids(mParams.derived, *frame.flow.domain, *frame.velocity.values, frame.flow.toWorldPerSecond))
+            grids.push_back(std::move(grid));
         grids.insert(grids.end(), frame.velocity.carried.begin(), frame.velocity.carried.end());
         openvdb::MetaMap metadata = mParameters;
         if (!frame.velocity.sourceCreator.empty()) {
@@ -225,13 +229,18 @@ void AdvectParams::validate() const
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
     }
-    if (textureName.empty() || textureName == "magnitude") {
+    checkDerivedNames(derived);
+    const auto isOutput = [&](const std::string& name) {
+        return name == "magnitude" || std::find(derived.begin(), derived.end(), name) != derived.end();
+    };
+    if (textureName.empty() || isOutput(textureName)) {
         throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
     }
     for (const std::string& name : velocity.carry) {
-        if (name != textureName && name != "magnitude") continue;
-        throw ParameterError(
-            fmt::format("the grid '{}' to carry along has the name of an output; give --texture-name another", name));
+        if (name != textureName && !isOutput(name)) continue;
+        throw ParameterError(fmt::format("the grid '{}' to carry along has the name of an output; leave one of the two "
+                                         "out, or give --texture-name another",
+                                         name));
     }
 }
 

@@ -29,12 +29,13 @@ struct AdvectParams {
     std::uint32_t seed = 1;     ///< of the generated noise
     std::optional<int> preroll; ///< steps on the frozen first frame before it is written; nothing: the life span
     std::string textureName = "density";
+    std::vector<std::string> derived{}; ///< further grids made of the velocity, by kDerivedNames
 
     void validate() const; ///< @throws ParameterError
 };
 
-/// Compute and write the texture of every frame, with `density`, `magnitude` and what is carried along; reading ahead,
-/// computing and writing overlap.
+/// Compute and write the texture of every frame: `density`, `magnitude`, derived grids, what is carried along; reading
+/// ahead, computing and writing overlap.
 ///
 /// @param lines source of the paths if the input is `-`
 /// @throws ParameterError, InputError, OutputError; outputs written before stay

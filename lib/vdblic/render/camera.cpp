@@ -1,21 +1,19 @@
 #include "vdblic/render/camera.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/render/framing.h"
 
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace vdblic {
 namespace {
 
-// The three-quarter view: from the front, to the right of it and above.
-constexpr double kAzimuth = 30, kElevation = 25; // degrees
-constexpr double kMargin = 1.04;
+constexpr double kLeastFieldOfView = 0.001; // degrees
+constexpr double kFarthest = 1e7;           // the eye, in diagonals of the box
 
 bool finite(const glm::dvec3& v)
 {
@@ -24,100 +22,134 @@ bool finite(const glm::dvec3& v)
 
 bool parallel(const glm::dvec3& a, const glm::dvec3& b)
 {
-    return glm::length(glm::cross(a, b)) < 1e-9 * glm::length(a) * glm::length(b);
+    return glm::length(glm::cross(glm::normalize(a), glm::normalize(b))) < 1e-9;
 }
 
-/// The direction the three-quarter view looks in.
-glm::dvec3 defaultForward(const glm::dvec3& up)
+std::string text(const glm::dvec3& v)
 {
-    const glm::dvec3 top = glm::normalize(up);
-    const glm::dvec3 side = parallel(up, {1, 0, 0}) ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 away = glm::normalize(glm::cross(top, side));
-    const glm::dvec3 right = glm::cross(away, top);
-    const double azimuth = glm::radians(kAzimuth), elevation = glm::radians(kElevation);
-    return std::cos(elevation) * (std::cos(azimuth) * away - std::sin(azimuth) * right) - std::sin(elevation) * top;
+    return fmt::format("{} {} {}", v.x, v.y, v.z);
 }
 
-/// x right, y up, z forward, as the columns of a rotation.
-glm::dmat3 axes(const glm::dvec3& forward, const glm::dvec3& up)
+/// So far away that double precision no longer tells voxels apart, or lengths overflow.
+void checkDistance(const char* name, const glm::dvec3& place, const Corners& box)
 {
-    const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
-    return {right, glm::cross(right, forward), forward};
-}
-
-/// How far back a camera must stand from the target to see every corner.
-double fittingDistance(const glm::dmat3& view, const glm::dvec3& target, const Corners& corners,
-                       const glm::dvec2& halfExtent)
-{
-    double distance = 0;
-    for (const glm::dvec3& corner : corners) {
-        const glm::dvec3 local = glm::transpose(view) * (corner - target);
-        distance = std::max({distance, kMargin * std::abs(local.x) / halfExtent.x - local.z,
-                             kMargin * std::abs(local.y) / halfExtent.y - local.z});
-    }
-    return distance > 0 ? distance : 1;
+    const double diagonal = glm::length(box[7] - box[0]);
+    if (glm::length(place - middleOf(box)) <= kFarthest * std::max(diagonal, 1e-6)) return;
+    throw ParameterError(fmt::format("camera {} {} is too far from the volume around {}; bring it closer", name,
+                                     text(place), text(middleOf(box))));
 }
 
 } // namespace
 
+Projection parseProjection(std::string_view text)
+{
+    if (text == "perspective") return Projection::kPerspective;
+    if (text == "orthographic") return Projection::kOrthographic;
+    throw ParameterError(fmt::format("projection '{}' is neither perspective nor orthographic", text));
+}
+
+std::string_view toString(Projection projection)
+{
+    return projection == Projection::kPerspective ? "perspective" : "orthographic";
+}
+
+glm::dvec3 middleOf(const Corners& box)
+{
+    glm::dvec3 middle(0);
+    for (const glm::dvec3& corner : box)
+        middle += corner / 8.0;
+    return middle;
+}
+
 void CameraParams::validate() const
 {
     const auto check = [](const char* name, const std::optional<glm::dvec3>& v) {
-        if (v && !finite(*v))
-            throw ParameterError(fmt::format("camera {} {} {} {} must be finite", name, v->x, v->y, v->z));
+        if (v && !finite(*v)) throw ParameterError(fmt::format("camera {} {} must be finite", name, text(*v)));
     };
     check("eye", eye);
     check("target", target);
     check("up", up);
-    if (up && !(glm::length(*up) > 0)) throw ParameterError("camera up must not be the zero vector");
-    if (eye && target && *eye == *target) {
-        throw ParameterError(fmt::format("camera eye and target are the same place, {} {} {}", eye->x, eye->y, eye->z));
+    if (up && !(glm::length(*up) > 0 && std::isfinite(glm::length(*up)))) {
+        throw ParameterError(fmt::format("camera up {} must have a direction", text(*up)));
     }
-    if (!(fieldOfView > 0 && fieldOfView < 180)) {
-        throw ParameterError(fmt::format("field of view {} must be between 0 and 180 degrees", fieldOfView));
+    if (eye && target && *eye == *target) {
+        throw ParameterError(fmt::format("camera eye and target are the same place, {}", text(*eye)));
+    }
+    if (!(fieldOfView >= kLeastFieldOfView && fieldOfView < 180)) {
+        throw ParameterError(
+            fmt::format("field of view {} must be at least {} and below 180 degrees", fieldOfView, kLeastFieldOfView));
+    }
+    if (viewHeight && !(*viewHeight > 0 && std::isfinite(*viewHeight))) {
+        throw ParameterError(fmt::format("view height {} must be above 0", *viewHeight));
+    }
+    if (viewHeight && projection == Projection::kPerspective) {
+        throw ParameterError("a view height is for the orthographic projection; a perspective has a field of view");
     }
 }
 
-Camera::Camera(const CameraParams& params, const Corners& corners, const glm::ivec2& size)
-    : mSize(size), mUp(params.up.value_or(glm::dvec3(0, 0, 1))), mFieldOfView(params.fieldOfView)
+Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size, std::span<const glm::dvec3> also)
+    : mSize(size), mProjection(params.projection), mUp(params.up.value_or(glm::dvec3(0, 0, 1))),
+      mFieldOfView(params.fieldOfView)
 {
     params.validate();
-    glm::dvec3 middle(0);
-    for (const glm::dvec3& corner : corners)
-        middle += corner / 8.0;
-    mTarget = params.target.value_or(middle);
-    mHalfExtent.y = std::tan(glm::radians(mFieldOfView) / 2);
+    const bool perspective = mProjection == Projection::kPerspective;
+    mHalfExtent.y = perspective ? std::tan(glm::radians(mFieldOfView) / 2) : params.viewHeight.value_or(2) / 2;
     mHalfExtent.x = mHalfExtent.y * double(size.x) / double(size.y);
+    std::vector<glm::dvec3> points(box.begin(), box.end());
+    points.insert(points.end(), also.begin(), also.end());
 
-    if (params.eye && *params.eye == mTarget) {
-        throw ParameterError("camera eye is the middle of the volume, where it looks by default; give a target too");
+    mTarget = params.target.value_or(middleOf(box));
+    checkDistance("target", mTarget, box);
+    if (params.eye) {
+        mEye = *params.eye;
+        checkDistance("eye", mEye, box);
+        if (mEye == mTarget) {
+            throw ParameterError("camera eye is the middle of the volume, where it looks by default; give a target");
+        }
     }
-    const glm::dvec3 forward = params.eye ? glm::normalize(mTarget - *params.eye) : defaultForward(mUp);
+    const glm::dvec3 forward =
+        params.eye ? glm::normalize(mTarget - mEye) : chooseDirection(mProjection, box, mUp, mHalfExtent);
     if (parallel(forward, mUp)) {
         if (params.up) throw ParameterError("the camera looks along its up direction; choose another up");
         mUp = {0, 1, 0};
     }
-    const glm::dmat3 view = axes(forward, mUp);
-    mEye = params.eye ? *params.eye : mTarget - forward * fittingDistance(view, mTarget, corners, mHalfExtent);
+    const glm::dmat3 axes = viewAxes(forward, mUp);
+    const bool tight = !params.eye && !params.target && also.empty();
+    const Framing framing = tight ? frameTightly(mProjection, axes, points, mHalfExtent)
+                                  : frameAround(mTarget, mProjection, axes, points, mHalfExtent);
+    if (!params.eye) mEye = framing.eye;
+    if (tight) mTarget = mEye + forward * glm::dot(forward, mTarget - mEye);
+    if (!perspective && !params.viewHeight) mHalfExtent = framing.halfExtent;
 
-    mCameraToWorld = glm::dmat4(view);
+    mCameraToWorld = glm::dmat4(axes);
     mCameraToWorld[3] = glm::dvec4(mEye, 1);
-    mWorldToCamera = glm::dmat4(glm::transpose(view));
-    mWorldToCamera[3] = glm::dvec4(-(glm::transpose(view) * mEye), 1);
+    mWorldToCamera = glm::dmat4(glm::transpose(axes));
+    mWorldToCamera[3] = glm::dvec4(-(glm::transpose(axes) * mEye), 1);
 
-    // Columns: x/z from −extent to extent becomes 0 to 1, y the other way round, w is the depth.
+    // Columns: x from −extent to extent becomes 0 to 1, y the other way round; w is the depth of a perspective, else 1.
     glm::dmat4 cameraToNdc(0);
     cameraToNdc[0][0] = 0.5 / mHalfExtent.x;
     cameraToNdc[1][1] = -0.5 / mHalfExtent.y;
-    cameraToNdc[2] = {0.5, 0.5, 1, 1};
-    cameraToNdc[3][2] = -1;
+    const glm::dvec4 perDepth = perspective ? glm::dvec4(0.5, 0.5, 1, 1) : glm::dvec4(0, 0, 1, 0);
+    const glm::dvec4 constant = perspective ? glm::dvec4(0, 0, -1, 0) : glm::dvec4(0.5, 0.5, 0, 1);
+    cameraToNdc[2] = perDepth;
+    cameraToNdc[3] = constant;
     mWorldToNdc = cameraToNdc * mWorldToCamera;
+}
+
+Camera Camera::shifted(const glm::dvec2& pixels) const
+{
+    Camera result = *this;
+    result.mShift += pixels;
+    return result;
 }
 
 Ray Camera::ray(const glm::dvec2& pixel) const
 {
-    const glm::dvec2 place = (pixel / glm::dvec2(mSize) * 2.0 - 1.0) * mHalfExtent;
-    return {mEye, glm::normalize(glm::dmat3(mCameraToWorld) * glm::dvec3(place.x, -place.y, 1))};
+    const glm::dvec2 place = ((pixel + mShift) / glm::dvec2(mSize) * 2.0 - 1.0) * mHalfExtent;
+    const glm::dmat3 axes(mCameraToWorld);
+    if (mProjection == Projection::kOrthographic) return {mEye + axes * glm::dvec3(place.x, -place.y, 0), axes[2]};
+    return {mEye, glm::normalize(axes * glm::dvec3(place.x, -place.y, 1))};
 }
 
 } // namespace vdblic

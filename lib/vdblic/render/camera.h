@@ -6,22 +6,36 @@
 
 #include <array>
 #include <optional>
+#include <span>
+#include <string_view>
 
 namespace vdblic {
 
+enum class Projection { kPerspective, kOrthographic };
+
+/// `perspective` or `orthographic`. @throws ParameterError on anything else
+[[nodiscard]] Projection parseProjection(std::string_view text);
+[[nodiscard]] std::string_view toString(Projection projection);
+
 /// Where the picture is taken from, in world space. What is unset is chosen so that the volume fills the picture.
 struct CameraParams {
+    Projection projection = Projection::kPerspective;
     std::optional<glm::dvec3> eye{};    ///< unset: a three-quarter view of the target, from far enough to see all
-    std::optional<glm::dvec3> target{}; ///< unset: the middle of the volume
+    std::optional<glm::dvec3> target{}; ///< unset: the middle of the volume, or of its picture if the eye is unset too
     std::optional<glm::dvec3> up{};     ///< unset: +z, or +y when looking along z
-    double fieldOfView = 35;            ///< vertical [degrees]
+    double fieldOfView = 35;            ///< of a perspective, vertical [degrees]
+    std::optional<double> viewHeight{}; ///< of an orthographic picture [world]; unset: all is seen
 
     /// @throws ParameterError
     void validate() const;
 };
 
-/// The corners of the box that holds what there is to see, in world space.
+/// The corners of the box that holds what there is to see, in world space; bit a of a corner's number is its side
+/// along the box's axis a.
 using Corners = std::array<glm::dvec3, 8>;
+
+/// The mean of the corners.
+[[nodiscard]] glm::dvec3 middleOf(const Corners& box);
 
 struct Ray {
     glm::dvec3 origin, direction; ///< world space; the direction has length 1
@@ -30,35 +44,44 @@ struct Ray {
 /// A camera that has been placed. Immutable.
 ///
 /// Camera space is OpenEXR's: x right, y up, z forward, left-handed. Pixel (0, 0) is the top left one and covers
-/// [0, 1) in both directions, so its centre is at (½, ½).
+/// [0, 1) in both directions, so its centre is at (½, ½). What lies behind the eye's plane is not seen.
 class Camera {
   public:
+    /// @param box  what there is to see
     /// @param size width and height in pixels
-    /// @throws ParameterError if eye and target coincide, or the view is along a given up
-    Camera(const CameraParams& params, const Corners& corners, const glm::ivec2& size);
+    /// @param also further places that must be seen when the distance is chosen
+    /// @throws ParameterError if eye and target coincide, the view is along a given up, or the eye is too far away
+    Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size,
+           std::span<const glm::dvec3> also = {});
 
     [[nodiscard]] const glm::ivec2& size() const { return mSize; }
+    [[nodiscard]] Projection projection() const { return mProjection; }
     [[nodiscard]] const glm::dvec3& eye() const { return mEye; }
     [[nodiscard]] const glm::dvec3& target() const { return mTarget; }
     [[nodiscard]] const glm::dvec3& up() const { return mUp; }
     [[nodiscard]] double fieldOfView() const { return mFieldOfView; }
 
-    /// Half the width and height of the picture at distance 1.
+    /// Half the width and height of the picture at distance 1; of an orthographic one at any distance.
     [[nodiscard]] const glm::dvec2& halfExtent() const { return mHalfExtent; }
 
     [[nodiscard]] const glm::dmat4& worldToCamera() const { return mWorldToCamera; }
     /// World space to the picture, (0, 0) its top left and (1, 1) its bottom right corner, after division by w.
     [[nodiscard]] const glm::dmat4& worldToNdc() const { return mWorldToNdc; }
 
+    /// The same camera with every ray moved in the picture; its matrices stay. @param pixels to the right and down
+    [[nodiscard]] Camera shifted(const glm::dvec2& pixels) const;
+
     /// The ray through a place in the picture, in pixels.
     [[nodiscard]] Ray ray(const glm::dvec2& pixel) const;
 
   private:
     glm::ivec2 mSize;
+    Projection mProjection;
     glm::dvec3 mEye, mTarget, mUp;
     double mFieldOfView;
     glm::dmat4 mWorldToCamera, mCameraToWorld, mWorldToNdc;
     glm::dvec2 mHalfExtent;
+    glm::dvec2 mShift{0};
 };
 
 } // namespace vdblic

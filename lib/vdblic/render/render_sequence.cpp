@@ -1,174 +1,250 @@
 #include "vdblic/render/render_sequence.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/field/domain_mask.h"
 #include "vdblic/io/atomic_file.h"
-#include "vdblic/io/vdb_file.h"
-#include "vdblic/render/color_map.h"
+#include "vdblic/render/frames_in_flight.h"
+#include "vdblic/render/histogram.h"
+#include "vdblic/render/image_attributes.h"
+#include "vdblic/render/scene.h"
+#include "vdblic/render/supersampling.h"
+
+#include <tbb/parallel_pipeline.h>
+
+#include <atomic>
+#include <cmath>
+#include <exception>
 
 namespace vdblic {
 namespace {
 
 constexpr int kMostPixels = 32768; // a side
 
-/// What stays the same for the whole animation, once a frame has shown what there is to see.
-struct Scene {
-    Look look;
-    Camera camera;
+/// A frame's turn, or an error in place of it.
+struct FrameTask {
+    FrameFile file;
+    std::shared_ptr<const LoadedTexture> loaded; ///< if it was needed before its turn
+    const Scene* scene = nullptr;              ///< null as long as no frame had an active voxel
+    std::exception_ptr error;
 };
 
-TextureVolume readVolume(const RenderParams& params, const FrameFile& frame, bool& hasMagnitude)
-{
-    const VdbFile file = readVdb(frame.path);
-    const auto find = [&](const std::string& name, const char* what, const char* option) {
-        const auto grid = file.find<openvdb::FloatGrid>(name);
-        if (!grid) {
-            throw InputError(fmt::format("{}: no float grid '{}' {}; the file has {}; choose with {}",
-                                         frame.path.string(), name, what, file.contents(), option));
-        }
-        return grid;
-    };
-    const auto texture = find(params.texture, "to render", "--texture");
-    hasMagnitude = params.by != RenderParams{}.by || file.find<openvdb::FloatGrid>(params.by);
-    const auto magnitude = hasMagnitude ? find(params.by, "to drive the transfer function", "--by") : texture;
-    try {
-        TextureVolume volume(*texture, *magnitude);
-        if (!params.region.empty()) {
-            volume.cut(*makeDomain(std::make_shared<openvdb::MaskTree>(volume.domain().topology()),
-                                   texture->transform(), {.mask = params.region}, frame.frame));
-        }
-        if (params.look.shading.model == ShadingModel::kLine) volume.addLines();
-        return volume;
-    } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", frame.path.string(), error.what()));
+/// What became of a frame: its image is on disk, or there was an error.
+struct RenderedFrame {
+    FrameFile file;
+    const Scene* scene = nullptr;
+    bool hasMagnitude = true;
+    std::size_t unusableVoxels = 0;
+    std::optional<TextureHistograms> histograms;
+    std::exception_ptr error;
+};
+
+/// The run over a sequence: frames are taken one by one, rendered side by side, and reported one by one in their order.
+class SequenceRenderer {
+  public:
+    SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
+        : mParams(params), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
+    {
+        if (params.output.empty()) return;
+        mOutput.emplace(params.output);
+        if (mTotal > 0) checkOutputPattern(*mOutput, mTotal);
     }
-}
 
-/// The camera and the look that show a volume well; nothing if it is empty.
-std::optional<Scene> chooseScene(const RenderParams& params, const TextureVolume& volume,
-                                 const std::filesystem::path& path)
-{
-    if (volume.empty()) return std::nullopt;
-    try {
-        Look look = chooseLook(params.look, volume);
-        look.background = glm::vec3(linearFromDisplay(params.background.color));
-        return Scene{std::move(look), Camera(params.camera, volume.corners(), params.size)};
-    } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+    void run()
+    {
+        if (mParams.input.pattern != "-") mScene = sceneOfSequence(mParams);
+        mReporter.progress(0, mTotal);
+        // How many fit side by side is known once one has been seen.
+        if (!mScene) runPipeline(1, /*untilScene=*/true);
+        runPipeline(framesInFlight(mScene ? mScene->frameBytes : 1), /*untilScene=*/false);
+        if (mDone == 0) throw InputError("no frame to render: standard input named none");
+        if (mParams.histogram.empty()) return;
+        if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
+        writeHistograms(mParams.histogram, *mHistograms, mScene->look);
+        mReporter.finished(mParams.histogram);
     }
-}
 
-ImageHeader imageHeader(const RenderParams& params, const Scene& scene, const FrameFile& file)
-{
-    const auto& [look, camera] = scene;
-    ImageHeader header;
-    header.worldToCamera = camera.worldToCamera();
-    header.worldToNdc = camera.worldToNdc();
-    header.screenWindowWidth = float(2 * camera.halfExtent().x);
-    header.attributes = {
-        {"frame", int(file.frame)},
-        {"source", file.path.filename().string()},
-        {"textureGrid", params.texture},
-        {"eye", glm::vec3(camera.eye())},
-        {"target", glm::vec3(camera.target())},
-        {"up", glm::vec3(camera.up())},
-        {"fieldOfView", float(camera.fieldOfView())},
-        {"step", float(params.rays.step)},
-        {"colorMap", look.transfer.colorMapName()},
-        {"opacity", opacityText(look.transfer.opacity())},
-        {"magnitudeRange", glm::vec2(look.transfer.range()[0], look.transfer.range()[1])},
-        {"textureRange", glm::vec2(look.texture.low, look.texture.high)},
-        {"textureStrength", look.texture.strength},
-    };
-    return header;
-}
+  private:
+    /// @param untilScene end once a frame has shown something
+    void runPipeline(std::size_t frames, bool untilScene)
+    {
+        const auto next = [&](tbb::flow_control& flow) {
+            FrameTask task;
+            if ((untilScene && mScene) || !take(task)) flow.stop();
+            return task;
+        };
+        const auto work = [&](const FrameTask& task) { return finish(task); };
+        // An exception that left the pipeline would cancel the half-done work of other frames in OpenVDB, which then
+        // crashes on its half-built trees; so it waits until they are through.
+        const auto tell = [&](const RenderedFrame& frame) {
+            if (mError) return;
+            try {
+                report(frame);
+            } catch (...) {
+                mError = std::current_exception();
+                mStopped = true;
+            }
+        };
+        using tbb::filter_mode;
+        tbb::parallel_pipeline(frames, tbb::make_filter<void, FrameTask>(filter_mode::serial_in_order, next) &
+                                           tbb::make_filter<FrameTask, RenderedFrame>(filter_mode::parallel, work) &
+                                           tbb::make_filter<RenderedFrame, void>(filter_mode::serial_in_order, tell));
+        if (mError) std::rethrow_exception(mError);
+    }
 
-/// The scene as the first frame on disk gives it, whichever frames are selected.
-std::optional<Scene> sceneOfSequence(const RenderParams& params)
-{
-    if (params.input.pattern == "-") return std::nullopt;
-    SequenceParams all = params.input;
-    if (const FramePattern pattern(all.pattern); pattern.hasField())
-        all.frames = std::to_string(pattern.framesOnDisk().at(0));
-    const FrameFile file = selectFrames(all).front();
-    bool hasMagnitude = false;
-    return chooseScene(params, readVolume(params, file, hasMagnitude), file.path);
-}
+    /// The next frame's turn; false at the end and after an error.
+    bool take(FrameTask& task)
+    {
+        if (mStopped) return false;
+        try {
+            const std::optional<FrameFile> file = mSource();
+            if (!file) return false;
+            if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // paths of which there is a second one
+            task.file = *file;
+            if (!mScene) {
+                task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
+                if (!task.loaded->volume.empty())
+                    mScene = chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), {});
+            }
+            if (mScene) task.scene = &*mScene;
+        } catch (...) {
+            task.error = std::current_exception();
+            mStopped = true;
+        }
+        return true;
+    }
 
-void describe(const Scene& scene, Reporter& reporter)
-{
-    const auto& [look, camera] = scene;
-    reporter.detail(fmt::format("eye {} {} {}, target {} {} {}", camera.eye().x, camera.eye().y, camera.eye().z,
-                                camera.target().x, camera.target().y, camera.target().z));
-    reporter.detail(fmt::format("magnitude {} to {}, opacity {}, texture {} to {}", look.transfer.range()[0],
-                                look.transfer.range()[1], opacityText(look.transfer.opacity()), look.texture.low,
-                                look.texture.high));
-}
+    /// Render a frame and write its image. An error is kept for its turn, so that those before it are still finished.
+    RenderedFrame finish(const FrameTask& task) const
+    {
+        RenderedFrame result{task.file, task.scene};
+        result.error = task.error;
+        const bool skipped = mOutput && mParams.skipExisting && isFinished(mOutput->path(task.file.frame));
+        if (result.error || skipped) return result;
+        try {
+            // While it waits for its own tiles, a thread must not get caught in waiting for the next path.
+            tbb::this_task_arena::isolate([&] { render(task, result); });
+        } catch (...) {
+            result.error = std::current_exception();
+        }
+        return result;
+    }
+
+    void render(const FrameTask& task, RenderedFrame& result) const
+    {
+        const auto frame =
+            task.loaded ? task.loaded : std::make_shared<const LoadedTexture>(loadFrame(mParams, task.file));
+        result.hasMagnitude = frame->hasMagnitude;
+        result.unusableVoxels = frame->volume.unusableVoxels();
+        if (!mParams.histogram.empty() && task.scene) {
+            result.histograms.emplace(task.scene->look);
+            result.histograms->add(*frame->texture, *frame->magnitude);
+        }
+        if (!mOutput) return;
+        const glm::ivec2 size = mParams.scaledSize();
+        Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
+        ImageHeader header;
+        if (task.scene) {
+            const Camera camera = task.scene->cameras.at(task.file.frame);
+            image = castSamples(frame->volume, task.scene->look, camera, mParams.rays, mParams.samples);
+            header = imageHeader(mParams, task.scene->look, camera, task.file);
+        } else if (mParams.rays.layers) {
+            image.layers.resize(image.pixels.size());
+        }
+        writeImage(mOutput->path(task.file.frame), image, header, mParams.background, mParams.exr);
+    }
+
+    void report(const RenderedFrame& frame)
+    {
+        if (frame.error) std::rethrow_exception(frame.error);
+        const std::string path = frame.file.path.string();
+        if (frame.scene && !mDescribed) describe(*frame.scene, frame.file.frame);
+        if (!frame.hasMagnitude && !mSaidNoMagnitude) {
+            mReporter.say(
+                fmt::format("{}: no float grid 'magnitude'; the texture chooses colour and opacity instead", path));
+            mSaidNoMagnitude = true;
+        }
+        if (frame.unusableVoxels > 0) {
+            mReporter.warn(
+                fmt::format("{}: {} voxels are not finite numbers and are left out", path, frame.unusableVoxels));
+        }
+        if (frame.histograms) {
+            if (!mHistograms) mHistograms.emplace(frame.scene->look);
+            mHistograms->add(*frame.histograms);
+        }
+        if (mOutput) mReporter.finished(mOutput->path(frame.file.frame));
+        mReporter.progress(++mDone, mTotal);
+    }
+
+    void describe(const Scene& scene, std::int64_t frame)
+    {
+        mDescribed = true;
+        const Look& look = scene.look;
+        const Camera camera = scene.cameras.at(frame);
+        const auto text = [](const glm::dvec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
+        mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, toString(camera.projection()),
+                                     text(camera.eye()), text(camera.target()), text(camera.up())));
+        mReporter.detail(fmt::format("magnitude {} to {}, opacity {}, texture {} to {}", look.transfer.range()[0],
+                                     look.transfer.range()[1], opacityText(look.transfer.opacity()), look.texture.low,
+                                     look.texture.high));
+        mReporter.detail(fmt::format("{} frames at once, about {:.0f} MB each", framesInFlight(scene.frameBytes),
+                                     scene.frameBytes / 1e6));
+    }
+
+    const RenderParams& mParams;
+    Reporter& mReporter;
+    std::size_t mTotal = 0, mTaken = 0, mDone = 0;
+    FrameSource mSource;
+    std::optional<FramePattern> mOutput;
+    std::optional<Scene> mScene;
+    std::optional<TextureHistograms> mHistograms;
+    std::atomic<bool> mStopped = false; // no further frame is to be taken
+    std::exception_ptr mError;
+    bool mDescribed = false, mSaidNoMagnitude = false;
+};
 
 } // namespace
 
 void RenderParams::validate() const
 {
-    (void)imageFormat(output);
+    if (output.empty() && histogram.empty()) throw ParameterError("there is nothing to make: give an output");
+    if (!output.empty()) {
+        const bool exrOutput = imageFormat(output) == ImageFormat::kExr;
+        if (!exr.layers.empty() && !exrOutput) {
+            throw ParameterError(fmt::format("output '{}': only .exr holds further channels", output));
+        }
+    }
+    if (!histogram.empty()) checkHistogramPath(histogram);
     camera.validate();
+    motion.validate();
     look.validate();
     rays.validate();
     background.validate();
-    for (const int side : {size.x, size.y}) {
-        if (side < 1 || side > kMostPixels) {
-            throw ParameterError(
-                fmt::format("image size {}x{} must be 1 to {} pixels a side", size.x, size.y, kMostPixels));
-        }
+    exr.validate();
+    if (motion.orbit != 0 && !motion.orbitFrames && (input.pattern == "-" || !FramePattern(input.pattern).hasField())) {
+        throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
     }
+    if (!(scale > 0 && scale <= kMostPixels)) {
+        throw ParameterError(fmt::format("scale {} must be above 0 and at most {}", scale, kMostPixels));
+    }
+    for (const glm::ivec2& sides : {size, scaledSize()}) {
+        if (std::min(sides.x, sides.y) >= 1 && std::max(sides.x, sides.y) <= kMostPixels) continue;
+        throw ParameterError(
+            fmt::format("image size {}x{} must be 1 to {} pixels a side", sides.x, sides.y, kMostPixels));
+    }
+    if (samples < 1 || samples > kMostSamples) {
+        throw ParameterError(fmt::format("{} samples to a pixel must be 1 to {}", samples, kMostSamples));
+    }
+}
+
+glm::ivec2 RenderParams::scaledSize() const
+{
+    const auto scaled = [&](int side) { return int(std::clamp(std::round(side * scale), 1.0, 1e9)); };
+    return {scaled(size.x), scaled(size.y)};
 }
 
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter)
 {
     params.validate();
-    const FramePattern output(params.output);
-    std::size_t total = 0, done = 0;
-    const FrameSource source = openSequence(params.input, lines, total);
-    if (total > 0) checkOutputPattern(output, total);
-
-    std::optional<Scene> scene = sceneOfSequence(params);
-    if (scene) describe(*scene, reporter);
-    bool saidNoMagnitude = false;
-    reporter.progress(0, total);
-    while (const std::optional<FrameFile> file = source()) {
-        if (done == 1) checkOutputPattern(output, 2); // paths from standard input: there is a second one
-        const std::filesystem::path path = output.path(file->frame);
-        if (params.skipExisting && isFinished(path)) {
-            reporter.finished(path);
-            reporter.progress(++done, total);
-            continue;
-        }
-        bool hasMagnitude = false;
-        const TextureVolume volume = readVolume(params, *file, hasMagnitude);
-        if (!hasMagnitude && !saidNoMagnitude) {
-            reporter.say(fmt::format("{}: no float grid 'magnitude'; the texture chooses colour and opacity instead",
-                                     file->path.string()));
-            saidNoMagnitude = true;
-        }
-        if (volume.unusableVoxels() > 0) {
-            reporter.warn(fmt::format("{}: {} voxels are not finite numbers and are left out", file->path.string(),
-                                      volume.unusableVoxels()));
-        }
-        if (!scene) {
-            scene = chooseScene(params, volume, file->path);
-            if (scene) describe(*scene, reporter);
-        }
-
-        Image image{params.size, std::vector<glm::vec4>(std::size_t(params.size.x) * params.size.y, glm::vec4(0))};
-        ImageHeader header;
-        if (scene) {
-            image = castRays(volume, scene->look, scene->camera, params.rays);
-            header = imageHeader(params, *scene, *file);
-        }
-        writeImage(path, image, header, params.background);
-        reporter.finished(path);
-        reporter.progress(++done, total);
-    }
-    if (done == 0) throw InputError("no frame to render: standard input named none");
+    SequenceRenderer(params, lines, reporter).run();
 }
 
 } // namespace vdblic

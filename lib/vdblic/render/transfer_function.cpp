@@ -123,6 +123,12 @@ TransferFunction::TransferFunction(const TransferParams& params)
     }
 }
 
+glm::dvec3 TransferFunction::displayColor(double position) const
+{
+    return colorAt(mParams.colors.empty() ? colorMapPoints(mParams.colorMap) : mParams.colors,
+                   std::clamp(position, 0.0, 1.0));
+}
+
 bool TransferFunction::contributes(float low, float high) const
 {
     // One entry more at each end: interpolation may round past its corners' values.

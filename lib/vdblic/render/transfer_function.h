@@ -59,6 +59,9 @@ class TransferFunction {
     [[nodiscard]] const std::vector<OpacityPoint>& opacity() const { return mParams.opacity; }
     [[nodiscard]] const std::array<double, 2>& range() const { return *mParams.range; }
 
+    /// As displayed (sRGB). @param position 0 to 1; clamped
+    [[nodiscard]] glm::dvec3 displayColor(double position) const;
+
     /// The entries of eight magnitudes; below and above the range the first and the last.
     [[nodiscard]] VDBLIC_INLINE Int8 entries(Float8 magnitude) const
     {

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <cmath>
+#include <fstream>
 #include <sstream>
 
 namespace vdblic {
@@ -95,11 +97,103 @@ TEST_F(RenderSequence, CameraAndLookStayThoseOfTheFirstFrameThatShowsSomething)
         EXPECT_EQ(nothing[i], nothing[i % 3]);
     EXPECT_NE(pixels("image.0002.png"), nothing);
 
-    // Seen by the second frame's camera the third does not fill the picture as it does on its own.
+    // A machine of a farm that renders the third frame alone makes the same picture; on its own it would look
+    // otherwise.
     const std::vector<png_byte> followed = pixels("image.0003.png");
     mParams.input.frames = "3";
     render();
+    EXPECT_EQ(followed, pixels("image.0003.png"));
+    mParams.input = {mFolder / "lic.0003.vdb"};
+    render();
     EXPECT_NE(followed, pixels("image.0003.png"));
+}
+
+TEST_F(RenderSequence, TheCameraSeesAllFrames)
+{
+    // A box that wanders off: the later frames' voxels lie outside the first's.
+    for (const int frame : {1, 2, 3}) {
+        const openvdb::CoordBBox box(Coord(frame * 40, 0, 0), Coord(frame * 40 + 9, 9, 9));
+        const auto grid = boxGrid("density", box, scattered);
+        write(frame, {grid});
+    }
+    mParams.look.transfer.opacity = {{0, 0.9}};
+    mParams.look.textureStrength = 0;
+    mParams.background.color = glm::dvec3(0);
+    render();
+    const auto lit = [&](const std::vector<png_byte>& bytes, int x) {
+        for (int y = 0; y < 30; ++y) {
+            for (int channel = 0; channel < 3; ++channel) {
+                if (bytes[std::size_t((y * 40 + x) * 3 + channel)] > 0) return true;
+            }
+        }
+        return false;
+    };
+    for (const int frame : {1, 2, 3}) {
+        const auto bytes = pixels(fmt::format("image.{:04}.png", frame));
+        int columns = 0;
+        for (int x = 0; x < 40; ++x)
+            columns += lit(bytes, x);
+        EXPECT_GT(columns, 3) << frame;
+        EXPECT_LT(columns, 20) << frame;
+        EXPECT_FALSE(lit(bytes, 0) || lit(bytes, 39)) << frame;
+    }
+}
+
+TEST_F(RenderSequence, FramesBeforeABadOneAreFinishedAndReported)
+{
+    for (const int frame : {1, 2, 3, 4, 5})
+        writeBox(frame, 12);
+    std::filesystem::resize_file(mFolder / "lic.0003.vdb", 400);
+    Recorder recorder;
+    EXPECT_THROW(renderSequence(mParams, mLines, recorder), InputError);
+    EXPECT_EQ(recorder.outputs, (std::vector<std::string>{"image.0001.png", "image.0002.png"}));
+}
+
+TEST_F(RenderSequence, AFrameThatComesTwiceIsRefused)
+{
+    writeBox(4, 10);
+    std::filesystem::create_directory(mFolder / "other");
+    std::filesystem::copy(mFolder / "lic.0004.vdb", mFolder / "other" / "lic.0004.vdb");
+    mParams.input.pattern = "-";
+    mLines.str(fmt::format("{0}/lic.0004.vdb\n{0}/other/lic.0004.vdb\n", mFolder.string()));
+    try {
+        render();
+        FAIL() << "the first image was overwritten";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("other/lic.0004.vdb"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("frame 4"), std::string::npos) << error.what();
+    }
+}
+
+TEST_F(RenderSequence, SkippedFramesStillDecideTheLook)
+{
+    for (const int frame : {1, 2})
+        writeBox(frame, 10 * frame);
+    mParams.input.pattern = "-";
+    mParams.skipExisting = true;
+    const std::string lines = fmt::format("{0}/lic.0001.vdb\n{0}/lic.0002.vdb\n", mFolder.string());
+    mLines.str(lines);
+    render();
+    const auto whole = pixels("image.0002.png");
+    std::filesystem::remove(mFolder / "image.0002.png");
+    mLines = std::istringstream(lines);
+    EXPECT_EQ(render().outputs, (std::vector<std::string>{"image.0001.png", "image.0002.png"}));
+    EXPECT_EQ(pixels("image.0002.png"), whole);
+}
+
+TEST_F(RenderSequence, HistogramsCountTheVoxelsOfAllFrames)
+{
+    for (const int frame : {1, 2})
+        writeBox(frame, 10);
+    mParams.output.clear();
+    mParams.histogram = mFolder / "h.json";
+    EXPECT_EQ(render().outputs, std::vector<std::string>{"h.json"});
+    EXPECT_FALSE(std::filesystem::exists(mFolder / "image.0001.png"));
+    std::stringstream text;
+    text << std::ifstream(mFolder / "h.json").rdbuf();
+    EXPECT_NE(text.str().find("\"voxels\": 2000"), std::string::npos) << text.str();
+    mParams.histogram = mFolder / "h.svg";
+    EXPECT_THROW(render(), ParameterError);
 }
 
 TEST_F(RenderSequence, ReadsPathsFromItsInput)
@@ -169,11 +263,22 @@ TEST_F(RenderSequence, RefusesBadParametersBeforeAnyWork)
     refuses([](RenderParams& p) { p.output = "image.jpg"; });
     refuses([](RenderParams& p) { p.size = {0, 10}; });
     refuses([](RenderParams& p) { p.size = {10, 100000}; });
+    for (const double scale : {0.0, -1.0, 1e9, std::nan("")})
+        refuses([&](RenderParams& p) { p.scale = scale; });
+    refuses([](RenderParams& p) { p.samples = 0; });
     refuses([](RenderParams& p) { p.look.textureStrength = -0.1; });
     refuses([](RenderParams& p) { p.look.shading.ambient = std::nanf(""); });
     refuses([](RenderParams& p) { p.rays.step = 0; });
     refuses([](RenderParams& p) { p.camera.fieldOfView = 400; });
     refuses([](RenderParams& p) { p.background.alpha = 2; });
+    refuses([](RenderParams& p) { p.output.clear(); });
+    refuses([](RenderParams& p) { p.exr.layers = {ImageLayer::kDepth}; }); // not in a .png
+    refuses([](RenderParams& p) { p.exr.compression = "best"; });
+    refuses([](RenderParams& p) { p.motion.orbit = std::nan(""); });
+    refuses([](RenderParams& p) {
+        p.motion.orbit = 1;
+        p.input.pattern = "-";
+    });
 }
 
 } // namespace

@@ -1,7 +1,10 @@
-#include "vdblic/render/image.h"
+#include "vdblic/render/image_file.h"
 
 #include "vdblic/core/errors.h"
 
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticities.h>
+#include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfRgbaFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
@@ -9,8 +12,9 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <array>
 #include <cmath>
-#include <fstream>
+#include <map>
 
 namespace vdblic {
 namespace {
@@ -77,6 +81,64 @@ TEST_F(ImageFile, ExrLiesOverTheBackgroundAsFarAsThatIsOpaque)
     expectPixel(0, 0.5f, 0, 0.5f, 0.5f);
     expectPixel(1, 0.5f, 0.5f, 0.375f, 0.75f);
     expectPixel(2, 1, 1, 1, 1);
+}
+
+TEST_F(ImageFile, ExrHoldsTheLayersThatAreAskedFor)
+{
+    Image image = sample();
+    image.layers.resize(6);
+    image.layers[4] = {
+        .depth = 70000, .normal = {0, 0.6f, -0.8f}, .magnitude = 1e6f, .texture = 0.3f, .samples = 70001};
+    const std::string path = mFolder / "a.exr";
+    writeImage(path, image, {}, {.alpha = 1},
+               {.precision = "float", .compression = "piz", .layers = parseImageLayers({"all"})});
+
+    Imf::InputFile file(path.c_str());
+    EXPECT_EQ(file.header().compression(), Imf::PIZ_COMPRESSION);
+    const auto type = [&](const char* name) { return file.header().channels()[name].type; };
+    EXPECT_EQ(type("R"), Imf::FLOAT);
+    EXPECT_EQ(type("samples"), Imf::FLOAT);
+    Imf::FrameBuffer frame;
+    std::map<std::string, std::array<float, 6>> values;
+    for (const char* name : {"Z", "N.X", "N.Y", "N.Z", "magnitude", "texture", "samples", "A"}) {
+        frame.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values[name].data()), 4, 12));
+    }
+    file.setFrameBuffer(frame);
+    file.readPixels(0, 1);
+    EXPECT_EQ(values["Z"][4], 70000);
+    EXPECT_TRUE(std::isinf(values["Z"][0]));
+    EXPECT_EQ(values["N.Y"][4], 0.6f);
+    EXPECT_EQ(values["N.Z"][4], -0.8f);
+    EXPECT_EQ(values["magnitude"][4], 1e6f);
+    EXPECT_EQ(values["texture"][4], 0.3f);
+    EXPECT_EQ(values["A"][4], 1); // the background is in colour and alpha alone
+    EXPECT_EQ(values["samples"][4], 70001);
+
+    writeImage(path, image, {}, {}, {.layers = parseImageLayers({"depth"})});
+    Imf::InputFile depthOnly(path.c_str());
+    EXPECT_NE(depthOnly.header().channels().findChannel("Z"), nullptr);
+    EXPECT_EQ(depthOnly.header().channels().findChannel("N.X"), nullptr);
+}
+
+TEST_F(ImageFile, ExrSaysItsColorsAreRec709)
+{
+    const std::string path = mFolder / "a.exr";
+    for (const std::string& compression : exrCompressions())
+        writeImage(path, sample(), {}, {}, {.compression = compression});
+    Imf::InputFile file(path.c_str());
+    ASSERT_TRUE(Imf::hasChromaticities(file.header()));
+    EXPECT_EQ(Imf::chromaticities(file.header()).red, Imath::V2f(0.64f, 0.33f));
+    EXPECT_EQ(Imf::chromaticities(file.header()).white, Imath::V2f(0.3127f, 0.3290f));
+}
+
+TEST(ExrParams, RefuseUnknownNames)
+{
+    EXPECT_THROW((ExrParams{.precision = "double"}.validate()), ParameterError);
+    EXPECT_THROW((ExrParams{.compression = ""}.validate()), ParameterError);
+    EXPECT_THROW((ExrParams{.compression = "lzw"}.validate()), ParameterError);
+    EXPECT_THROW((void)parseImageLayers({"depth", "albedo"}), ParameterError);
+    EXPECT_EQ(parseImageLayers({"all"}).size(), 5u);
+    EXPECT_TRUE(parseImageLayers({}).empty());
 }
 
 TEST_F(ImageFile, PngIsOpaqueAndAsDisplayed)

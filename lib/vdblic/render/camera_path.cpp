@@ -1,0 +1,134 @@
+#include "vdblic/render/camera_path.h"
+
+#include "vdblic/core/errors.h"
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <numbers>
+
+namespace vdblic {
+namespace {
+
+constexpr double kMostTurns = 1e6;
+constexpr std::size_t kOrbitPlaces = 64; // from which all must be seen when the distance is chosen
+
+/// Rodrigues' rotation about an axis through the origin.
+glm::dvec3 rotated(const glm::dvec3& v, const glm::dvec3& axis, double angle)
+{
+    const glm::dvec3 k = glm::normalize(axis);
+    return v * std::cos(angle) + glm::cross(k, v) * std::sin(angle) + k * (glm::dot(k, v) * (1 - std::cos(angle)));
+}
+
+/// The box as it turns under a camera that goes round it.
+std::vector<glm::dvec3> turned(const Corners& box, const glm::dvec3& middle, const glm::dvec3& axis)
+{
+    std::vector<glm::dvec3> places;
+    for (std::size_t i = 0; i < kOrbitPlaces; ++i) {
+        for (const glm::dvec3& corner : box) {
+            const double angle = 2 * std::numbers::pi * double(i) / kOrbitPlaces;
+            places.push_back(middle + rotated(corner - middle, axis, angle));
+        }
+    }
+    return places;
+}
+
+} // namespace
+
+template<typename Value>
+Value CameraTrack<Value>::slope(std::size_t key) const
+{
+    const auto secant = [&](std::size_t i) {
+        return (mKeys[i + 1].second - mKeys[i].second) / double(mKeys[i + 1].first - mKeys[i].first);
+    };
+    if (mKeys.size() < 2) return Value(0);
+    if (key == 0) return secant(0);
+    if (key + 1 == mKeys.size()) return secant(key - 1);
+    const Value before = secant(key - 1), after = secant(key);
+    if (before == Value(0) || after == Value(0)) return Value(0);
+    const double left = double(mKeys[key].first - mKeys[key - 1].first);
+    const double right = double(mKeys[key + 1].first - mKeys[key].first);
+    return (before * right + after * left) / (left + right); // the parabola through the three keys
+}
+
+template<typename Value>
+Value CameraTrack<Value>::at(double frame) const
+{
+    const auto after = std::upper_bound(mKeys.begin(), mKeys.end(), frame,
+                                        [](double f, const auto& key) { return f < double(key.first); });
+    if (after == mKeys.begin()) return mKeys.front().second;
+    if (after == mKeys.end()) return mKeys.back().second;
+    const auto i = std::size_t(after - mKeys.begin()) - 1;
+    const double length = double(mKeys[i + 1].first - mKeys[i].first);
+    const double t = (frame - double(mKeys[i].first)) / length, s = 1 - t;
+    const Value& start = mKeys[i].second;
+    return start + (mKeys[i + 1].second - start) * (t * t * (3 - 2 * t)) + slope(i) * (length * t * s * s) -
+           slope(i + 1) * (length * t * t * s);
+}
+
+template class CameraTrack<double>;
+template class CameraTrack<glm::dvec3>;
+
+CameraParams CameraKeys::applied(CameraParams params, double frame) const
+{
+    if (!eye.empty()) params.eye = eye.at(frame);
+    if (!target.empty()) params.target = target.at(frame);
+    if (!up.empty()) params.up = up.at(frame);
+    if (!fieldOfView.empty()) params.fieldOfView = fieldOfView.at(frame);
+    if (!viewHeight.empty()) params.viewHeight = viewHeight.at(frame);
+    return params;
+}
+
+void CameraMotion::validate() const
+{
+    if (!(std::abs(orbit) <= kMostTurns)) {
+        throw ParameterError(fmt::format("an orbit of {} turns must be a number up to {}", orbit, kMostTurns));
+    }
+    if (orbitFrames && *orbitFrames < 1) {
+        throw ParameterError(fmt::format("an orbit of {} frames must have at least 1", *orbitFrames));
+    }
+    if (orbitFrames && orbit == 0) throw ParameterError("the frames of an orbit are given, but not its turns");
+    if (orbit != 0 && !keys.empty()) {
+        throw ParameterError("the camera can follow key frames or an orbit, not both");
+    }
+}
+
+CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box,
+                       const glm::ivec2& size, const FrameSpan& span)
+    : mParams(params), mKeyed(!motion.keys.empty()), mBox(box), mSize(size), mSpan(span), mOrbit(motion.orbit)
+{
+    motion.validate();
+    if (mKeyed) mKeys = readCameraKeys(motion.keys);
+    if (motion.orbitFrames) mSpan.length = *motion.orbitFrames;
+
+    // What the user leaves open is chosen for the first frame and stays.
+    CameraParams first = mKeys.applied(params, double(span.first));
+    std::vector<glm::dvec3> places;
+    if (mOrbit != 0) {
+        if (!first.target) first.target = middleOf(box);
+        places = turned(box, *first.target, first.up.value_or(glm::dvec3(0, 0, 1)));
+    }
+    const Camera chosen(first, box, size, places);
+    mParams.eye = chosen.eye();
+    mParams.target = chosen.target();
+    mParams.up = chosen.up();
+    if (mParams.projection == Projection::kOrthographic) mParams.viewHeight = 2 * chosen.halfExtent().y;
+}
+
+Camera CameraPath::at(std::int64_t frame) const
+{
+    CameraParams params = mKeys.applied(mParams, double(frame));
+    if (mOrbit != 0) {
+        const double turns = mOrbit * double(frame - mSpan.first) / double(mSpan.length);
+        const double angle = 2 * std::numbers::pi * (turns - std::floor(turns));
+        params.eye = *params.target + rotated(*params.eye - *params.target, *params.up, angle);
+    }
+    try {
+        return Camera(params, mBox, mSize);
+    } catch (const ParameterError& error) {
+        if (!mKeyed) throw;
+        throw ParameterError(fmt::format("frame {}: {}", frame, error.what()));
+    }
+}
+
+} // namespace vdblic

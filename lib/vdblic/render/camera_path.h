@@ -1,0 +1,79 @@
+#pragma once
+
+#include "vdblic/render/camera.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+
+/// Key frames of one property of the camera, by rising frame number.
+///
+/// Between keys a cubic Hermite curve (Catmull-Rom with the frames' own spacing), so that nothing jerks; at rest
+/// between two equal keys, which takes the slope at both; constant before the first key and after the last.
+template<typename Value>
+class CameraTrack {
+  public:
+    void add(std::int64_t frame, const Value& value) { mKeys.emplace_back(frame, value); }
+    [[nodiscard]] bool empty() const { return mKeys.empty(); }
+    [[nodiscard]] Value at(double frame) const;
+
+  private:
+    [[nodiscard]] Value slope(std::size_t key) const; // per frame
+
+    std::vector<std::pair<std::int64_t, Value>> mKeys;
+};
+
+/// The camera's key frames; a property without keys is left to CameraParams.
+struct CameraKeys {
+    CameraTrack<glm::dvec3> eye, target, up;
+    CameraTrack<double> fieldOfView, viewHeight;
+
+    [[nodiscard]] CameraParams applied(CameraParams params, double frame) const;
+};
+
+/// Read key frames: {"keys": [{"frame": 1, "eye": [x, y, z], "target": ..., "up": ..., "fov": 35, "height": 2}, ...]}.
+/// A key may leave out any property: it then has no say in that property's curve.
+/// @throws InputError naming the file, the key and the mend
+[[nodiscard]] CameraKeys readCameraKeys(const std::filesystem::path& path);
+
+/// How the camera moves in the course of a sequence.
+struct CameraMotion {
+    double orbit = 0;                          ///< turns around the target, about up; counter-clockwise seen from above
+    std::optional<std::int64_t> orbitFrames{}; ///< that the turns take; unset: those of the sequence
+    std::filesystem::path keys{};              ///< file of key frames; empty: none
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+/// The frames of a sequence: the first one's number, and how many numbers there are until it starts over.
+struct FrameSpan {
+    std::int64_t first = 1, length = 1;
+};
+
+/// The camera of every frame. What is chosen for the user is chosen once, so that nothing jumps, and for an orbit such
+/// that all is seen from everywhere. Immutable.
+class CameraPath {
+  public:
+    /// @param box what there is to see in the whole sequence
+    /// @throws ParameterError; InputError if the key frames cannot be read
+    CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box, const glm::ivec2& size,
+               const FrameSpan& span);
+
+    /// @throws ParameterError naming the frame if key frames leave the camera nowhere to look
+    [[nodiscard]] Camera at(std::int64_t frame) const;
+
+  private:
+    CameraParams mParams;
+    CameraKeys mKeys;
+    bool mKeyed;
+    Corners mBox;
+    glm::ivec2 mSize;
+    FrameSpan mSpan;
+    double mOrbit;
+};
+
+} // namespace vdblic

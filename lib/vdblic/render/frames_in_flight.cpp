@@ -1,0 +1,33 @@
+#include "vdblic/render/frames_in_flight.h"
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <fstream>
+
+namespace vdblic {
+namespace {
+
+/// What the system could give without swapping, in bytes; infinite if it does not say.
+double availableMemory()
+{
+    std::ifstream file("/proc/meminfo");
+    std::string word;
+    while (file >> word) {
+        double kilobytes = 0;
+        if (word == "MemAvailable:" && file >> kilobytes) return kilobytes * 1024;
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+} // namespace
+
+std::size_t framesInFlight(double frameBytes)
+{
+    const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    const auto threads = std::min(std::size_t(tbb::this_task_arena::max_concurrency()), allowed);
+    const double fitting = availableMemory() / 2 / std::max(frameBytes, 1.0);
+    return fitting < double(threads) ? std::max(std::size_t(fitting), std::size_t(1)) : threads;
+}
+
+} // namespace vdblic

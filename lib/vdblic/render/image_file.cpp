@@ -1,0 +1,31 @@
+#include "vdblic/render/image_file.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
+
+namespace vdblic {
+
+ImageFormat imageFormat(const std::filesystem::path& path)
+{
+    const std::string extension = path.extension().string();
+    if (extension == ".exr") return ImageFormat::kExr;
+    if (extension == ".png") return ImageFormat::kPng;
+    throw ParameterError(fmt::format("output '{}' must end in .exr or .png", path.string()));
+}
+
+void Background::validate() const
+{
+    for (const double value : {color.r, color.g, color.b, alpha}) {
+        if (!(value >= 0 && value <= 1))
+            throw ParameterError(fmt::format("background value {} must be between 0 and 1", value));
+    }
+}
+
+void writeImage(const std::filesystem::path& path, const Image& image, const ImageHeader& header,
+                const Background& background, const ExrParams& params)
+{
+    writeTextFile(path, imageFormat(path) == ImageFormat::kPng ? encodePng(image, background)
+                                                               : encodeExr(image, header, background, params));
+}
+
+} // namespace vdblic

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "vdblic/render/image.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace vdblic {
+
+enum class ImageFormat { kExr, kPng };
+
+/// The format a file name's extension asks for. @throws ParameterError if it is neither .exr nor .png
+[[nodiscard]] ImageFormat imageFormat(const std::filesystem::path& path);
+
+/// What an image file says about itself, by name. EXR only.
+using ImageAttribute = std::variant<int, float, std::string, glm::vec2, glm::vec3>;
+struct ImageHeader {
+    std::vector<std::pair<std::string, ImageAttribute>> attributes;
+    glm::mat4 worldToCamera{1}, worldToNdc{1}; ///< written as OpenEXR's standard attributes, as is
+    float screenWindowWidth = 1;               ///< width of the picture at distance 1
+};
+
+/// A background as displayed (sRGB) with its own alpha, each 0 to 1.
+struct Background {
+    glm::dvec3 color{0.04, 0.05, 0.07};
+    double alpha = 0;
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+/// What an image can hold besides colour and alpha, as further channels of an .exr file.
+enum class ImageLayer { kDepth, kNormal, kMagnitude, kTexture, kSamples };
+
+/// `depth`, `normal`, `magnitude`, `texture`, `samples`, or `all`. @throws ParameterError on any other name
+[[nodiscard]] std::vector<ImageLayer> parseImageLayers(const std::vector<std::string>& names);
+
+/// How .exr files are written.
+struct ExrParams {
+    std::string precision = "half"; ///< of colour and alpha: `half` or `float`
+    std::string compression = "zip";
+    /// Channels `Z`, `N.X` `N.Y` `N.Z`, `magnitude`, `texture` and `samples`, 32-bit floats.
+    std::vector<ImageLayer> layers{};
+
+    /// @throws ParameterError
+    void validate() const;
+};
+/// The compressions OpenEXR knows, in its own spelling: none, rle, zips, zip, piz ...
+[[nodiscard]] std::vector<std::string> exrCompressions();
+
+/// The bytes of an .exr file: RGBA premultiplied, linear Rec. 709, over the background with its alpha, then layers.
+[[nodiscard]] std::string encodeExr(const Image& image, const ImageHeader& header, const Background& background,
+                                    const ExrParams& params = {});
+/// The bytes of a .png file: 8-bit sRGB, over the background's colour, opaque.
+[[nodiscard]] std::string encodePng(const Image& image, const Background& background);
+/// The same of red, green and blue bytes, rows from the top.
+[[nodiscard]] std::string encodePng(const glm::ivec2& size, const std::vector<std::uint8_t>& bytes);
+
+/// Write an image atomically in the format its name asks for.
+/// @throws OutputError naming the file and the reason; a full disk is one
+void writeImage(const std::filesystem::path& path, const Image& image, const ImageHeader& header,
+                const Background& background, const ExrParams& params = {});
+
+} // namespace vdblic

@@ -1,0 +1,222 @@
+"""Blender as a client: a Mantaflow bake, its flow texture, and what Blender makes of that texture.
+
+Pictures are compared with projections of the texture's voxels computed here, so that place, size, frame and content
+are all checked by one number. Blender draws the value of voxel i at (i + 1/2) voxels.
+"""
+
+import itertools
+import json
+import math
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+import pyopenvdb as vdb
+
+from support import ToolTest
+
+HERE = pathlib.Path(__file__).parent
+SAMPLE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/blender/flow_texture.py"
+UNIFORM = [[0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [0, 0, 0, 1]]
+
+
+def blender(script, *arguments, before=(), options=()):
+    """Run a script in Blender's background mode; returns the finished process, whatever its exit status is.
+
+    Blender does its options in order: `before` the script, and the other `options` after it.
+    """
+    command = ["blender", "-b", "--factory-startup", "-t", "1", "--python-exit-code", "9", *before, "--python",
+               str(script), *map(str, options), "--", *map(str, arguments)]
+    return subprocess.run(command, text=True, capture_output=True, timeout=300)
+
+
+def to_world(grid, points):
+    """Points of index space, by row, in the world."""
+    origin, *axes = (numpy.array(grid.transform.indexToWorld(p)) for p in numpy.eye(4, 3, -1))
+    return numpy.asarray(points) @ [axis - origin for axis in axes] + origin
+
+
+def box(grid, low, high):
+    """The box in the world round a box of index space."""
+    corners = to_world(grid, list(itertools.product(*zip(low, high))))
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def leaf_box(grid):
+    """The box Blender names: round the centres, in OpenVDB's sense, of all voxels of the active leaves."""
+    low, high = (numpy.array(corner) // 8 * 8 for corner in grid.evalActiveVoxelBoundingBox())
+    return box(grid, low, high + 7)
+
+
+def projection(grid, window, pixels, offset=0.5):
+    """The opacity of a texture of extinction 1, seen along +y: an image by row from z0 up, as show_sequence.py's.
+
+    Voxel i has its value at i + `offset` in index space; between these it is linear, outside all of them 0.
+    """
+    low, high = grid.evalActiveVoxelBoundingBox()
+    first = numpy.array(low) - 1
+    values = numpy.zeros(numpy.array(high) - first + 2, numpy.float32)
+    grid.copyToArray(values, ijk=first.tolist())
+    origin, *axes = to_world(grid, numpy.eye(4, 3, -1))
+    to_index = numpy.linalg.inv([axis - origin for axis in axes])
+    step = min(numpy.linalg.norm(axis - origin) for axis in axes) / 4
+    nearest, farthest = box(grid, first, numpy.array(high) + 2)
+
+    x0, x1, z0, z1 = window
+    xs, zs = (a + (numpy.arange(round((b - a) * pixels)) + 0.5) / pixels for a, b in ((x0, x1), (z0, z1)))
+    x, z = numpy.meshgrid(xs, zs)
+    depth = numpy.zeros_like(x)
+    for y in numpy.arange(nearest[1], farthest[1], step):
+        place = (numpy.stack([x, numpy.full_like(x, y), z], axis=-1) - origin) @ to_index - offset - first
+        cell = numpy.floor(place).astype(int)
+        inside = numpy.all((cell >= 0) & (cell < numpy.array(values.shape) - 1), axis=-1)
+        cell, part = cell[inside], (place - cell)[inside]
+        for corner in itertools.product((0, 1), repeat=3):
+            weight = numpy.where(corner, part, 1 - part).prod(axis=-1)
+            depth[inside] += step * weight * values[tuple((cell + corner).T)]
+    return 1 - numpy.exp(-depth)
+
+
+def likeness(a, b):
+    """Correlation of two images."""
+    return numpy.corrcoef(a.ravel(), b.ravel())[0, 1]
+
+
+class Blender(ToolTest):
+    def bake(self, resolution, frames):
+        done = blender(HERE / "blender/bake_smoke.py", self.folder / "cache", resolution, frames)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return self.folder / "cache/data/fluid_data_%04d.vdb"
+
+    def show(self, files, frames, window, pixels, samples=16):
+        """What Blender says of a sequence, and the opacity of each pixel of each frame."""
+        with tempfile.TemporaryDirectory(dir=self.folder) as folder:
+            request = pathlib.Path(folder) / "request.json"
+            request.write_text(json.dumps({"files": list(map(str, files)), "frames": list(frames), "window": window,
+                                           "pixels": pixels, "samples": samples}))
+            done = blender(HERE / "blender/show_sequence.py", request)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            answer = json.loads((request.parent / "answer.json").read_text())
+            return answer, {frame: numpy.load(request.parent / f"alpha.{frame}.npy") for frame in frames}
+
+    def assert_shows(self, image, grid, window, pixels):
+        """An image is the projection of a grid, and no other offset of its values fits it better."""
+        offsets = 0, 0.25, 0.5, 0.75, 1
+        like = [likeness(image, projection(grid, window, pixels, offset)) for offset in offsets]
+        self.assertEqual(offsets[numpy.argmax(like)], 0.5, like)
+        self.assertGreater(max(like), 0.99)
+        self.assertAlmostEqual(image.mean(), projection(grid, window, pixels).mean(), delta=0.02 * image.mean())
+
+    def test_a_mantaflow_bake_through_advect_is_where_and_when_its_voxels_are(self):
+        files = self.outputs("vdblic_advect", self.bake(20, 6), "-o", "lic.%04d.vdb", "--frames", "3-6")
+        grids = [vdb.read(str(file), "density") for file in files]
+        window, pixels = (-1, 5, -1, 7), 16  # a metre more than the simulation's box; five pixels a voxel
+        answer, images = self.show(files, (1, 2, 3, 4), window, pixels)
+
+        self.assertTrue(answer["is_sequence"])
+        self.assertEqual((answer["volumes"], answer["frame_start"], answer["frame_duration"]), (1, 1, 4))
+        for frame, file, grid in zip(images, files, grids):
+            shown = answer["frames"][str(frame)]
+            self.assertEqual((shown["file"], shown["error"]), (file.name, ""))
+            self.assertEqual(set(shown["grids"]), {"density", "magnitude"})
+            numpy.testing.assert_allclose((shown["low"], shown["high"]), leaf_box(grid), atol=1e-4)
+            self.assert_shows(images[frame], grid, window, pixels)
+            # Its own frame, not a neighbour.
+            like = [likeness(images[frame], projection(other, window, pixels)) for other in grids]
+            self.assertEqual(numpy.argmax(like), frame - 1, like)
+
+    def velocities(self, prefix, rows, frames=(1,), empty=()):
+        """A swirl of 20 by 16 by 12 voxels, its index space placed by the rows of a matrix; some frames empty."""
+        x, y, z = numpy.meshgrid(*(numpy.arange(n, dtype=numpy.float32) for n in (20, 16, 12)), indexing="ij")
+        for frame in frames:
+            grid = vdb.Vec3SGrid()
+            grid.name = "velocity"
+            grid.transform = vdb.createLinearTransform(rows)
+            if frame not in empty:
+                grid.copyFromArray(numpy.stack([8 - y, x - 10, 2 + 0 * z], axis=-1), ijk=(-3, 4, 1))
+            vdb.write(str(self.folder / f"{prefix}.{frame:04}.vdb"), grids=[grid])
+        return self.outputs("vdblic_advect", f"{prefix}.%04d.vdb", "-o", f"{prefix}-lic.%04d.vdb",
+                            "--velocity-unit", "voxel/frame", "--velocity-scale", "0.2")
+
+    def test_scaled_and_turned_volumes(self):
+        c, s = 0.1 * math.cos(0.5), 0.1 * math.sin(0.5)
+        placements = {
+            "scaled": [[0.1, 0, 0, 0], [0, 0.15, 0, 0], [0, 0, 0.2, 0], [1, -2, 0.5, 1]],
+            "turned": [[c, 0, -s, 0], [0, 0.1, 0, 0], [s, 0, c, 0], [-0.3, 5, 0.2, 1]],
+        }
+        for name, rows in placements.items():
+            with self.subTest(name):
+                file, = self.velocities(name, rows)
+                grid = vdb.read(str(file), "density")
+                (x0, _, z0), (x1, _, z1) = box(grid, (-4, 3, 0), (18, 21, 14))
+                window = x0, x1, z0, z1
+                self.assert_shows(self.show([file], [1], window, 48)[1][1], grid, window, 48)
+
+    def test_empty_frames_are_blank_and_no_more(self):
+        files = self.velocities("gap", UNIFORM, range(7, 11), empty=(7, 9))
+        images = self.show(files, (1, 2, 3, 4), (-1, 2, -1, 2), 32, samples=4)[1]
+        self.assertEqual([image.max() > 0.1 for image in images.values()], [False, True, False, True])
+
+    def sample(self, file, frame):
+        """Run the sample in the startup scene and render a frame; returns its pixels (r, g, b) and what was said."""
+        cheap = ("import bpy; scene = bpy.context.scene; scene.cycles.samples = 4; scene.cycles.volume_step_rate = 2; "
+                 "scene.render.resolution_x, scene.render.resolution_y = 160, 90")
+        image, pixels = self.folder / f"image.{frame:04}.png", self.folder / "pixels.npy"
+        look = (f"import bpy, numpy; scene = bpy.context.scene; scene.frame_set({frame}); "
+                "volume = bpy.context.object.data; volume.grids.load(); "
+                "print('shown', scene.frame_start, scene.frame_end, volume.grids.frame_filepath); "
+                f"image = bpy.data.images.load({str(image)!r}); "
+                f"numpy.save({str(pixels)!r}, numpy.array(image.pixels).reshape(-1, 4)[:, :3])")
+        done = blender(SAMPLE, file, options=("--python-expr", cheap, "-o", self.folder / "image.####", "-F", "PNG",
+                                              "-f", frame, "--python-expr", look))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return numpy.load(pixels), done.stdout
+
+    def test_the_sample_shows_a_sequence_in_colours(self):
+        files = self.velocities("swirl", UNIFORM, range(12, 15))
+        pixels, printed = self.sample(files[1], frame=14)
+        self.assertIn(f"shown 12 14 {files[2]}", printed)
+        self.assertGreater(pixels.std(axis=0).min(), 0.03)  # not blank, and bright and dark in each colour,
+        self.assertLess(likeness(pixels[:, 0], pixels[:, 2]), 0.8)  # which are not shades of one
+
+    def test_the_sample_leaves_a_scene_as_it_is_and_stands_on_a_domain(self):
+        file, = self.velocities("swirl", UNIFORM)
+        domain = ("import bpy; box = bpy.data.objects['Cube']; box.name = 'Smoke box'; box.location = 1, 2, 3; "
+                  "box.scale = 2, 2, 3; box.rotation_euler.z = 0.5")
+        report = ("import bpy, json; things = bpy.context.scene.objects; print('things', json.dumps(["
+                  "sorted(thing.type for thing in things), bpy.context.scene.frame_end, "
+                  "[list(row) for row in bpy.context.object.matrix_world]]))")
+        done = blender(SAMPLE, file, "--domain", "Smoke box", "--y-up", before=("--python-expr", domain),
+                       options=("--python-expr", report))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        line, = (line for line in done.stdout.splitlines() if line.startswith("things"))
+        kinds, last_frame, matrix = json.loads(line.removeprefix("things"))
+        self.assertEqual((kinds, last_frame), (["CAMERA", "LIGHT", "MESH", "VOLUME"], 250))
+        c, s = math.cos(0.5), math.sin(0.5)
+        x, y, z = (c, s, 0), (0, 0, 1), (s, -c, 0)  # where the volume's axes point: turned with the box, y upwards
+        corner = 1 - 2 * c + 2 * s, 2 - 2 * s - 2 * c, 0
+        numpy.testing.assert_allclose(numpy.array(matrix)[:3].T, (x, y, z, corner), atol=1e-5)
+
+    def test_the_sample_names_what_is_wrong(self):
+        file, = self.velocities("swirl", UNIFORM)
+        (self.folder / "gap.0001.vdb").write_bytes(file.read_bytes())
+        (self.folder / "gap.0003.vdb").write_bytes(file.read_bytes())
+        wrong = {"no such file": [self.folder / "none.0001.vdb"], "frame 2 is missing": [self.folder / "gap.0001.vdb"],
+                 "no grid 'lic'": [file, "--texture", "lic"], "select a volume": []}
+        for message, arguments in wrong.items():
+            with self.subTest(message):
+                done = blender(SAMPLE, *arguments)
+                self.assertEqual(done.returncode, 9)
+                self.assertIn(message, done.stderr + done.stdout)
+
+
+if __name__ == "__main__":
+    if not shutil.which("blender"):
+        print("skipped: Blender is missing")
+        sys.exit(77)  # which CTest lists as skipped
+    unittest.main()

@@ -1,0 +1,91 @@
+#include "vdblic/render/histogram.h"
+
+#include "render/scene.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <png.h>
+
+#include <cmath>
+#include <limits>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+
+TEST(Histogram, CountsWhatIsInEachBin)
+{
+    Histogram histogram{.low = 1, .high = 3};
+    for (const double value : {1.0, 1.001, 2.0, 2.999, 3.0})
+        histogram.add(value);
+    histogram.add(0.99);
+    histogram.add(3.01);
+    histogram.add(-1e300);
+    EXPECT_EQ(histogram.counts[0], 2u);
+    EXPECT_EQ(histogram.counts[Histogram::kBins / 2], 1u);
+    EXPECT_EQ(histogram.counts[Histogram::kBins - 1], 2u);
+    EXPECT_EQ(histogram.below, 2u);
+    EXPECT_EQ(histogram.above, 1u);
+    EXPECT_EQ(histogram.total(), 8u);
+}
+
+TEST(Histogram, OfAVolumeHoldsEveryActiveVoxelThatIsANumber)
+{
+    const auto texture = boxGrid("density", boxOf(20, 10, 5), [](const Coord& c) { return float(c.x()) / 20; });
+    const auto magnitude = boxGrid("magnitude", boxOf(20, 10, 5), [](const Coord& c) { return float(c.y()) / 10; });
+    texture->tree().setValueOn(Coord(3, 3, 3), std::numeric_limits<float>::quiet_NaN());
+    magnitude->tree().setValueOn(Coord(4, 4, 4), std::numeric_limits<float>::infinity());
+    texture->fill(openvdb::CoordBBox(Coord(64), Coord(71)), 0.5f, true); // a tile
+    magnitude->fill(openvdb::CoordBBox(Coord(64), Coord(71)), 0.25f, true);
+    TextureHistograms histograms(fullLook()); // magnitudes 0 to 1
+    histograms.add(*texture, *magnitude);
+    EXPECT_EQ(histograms.texture.total(), 1000u - 2 + 512);
+    EXPECT_EQ(histograms.texture.counts[0], 50u);
+    EXPECT_EQ(histograms.texture.counts[Histogram::kBins / 2], 50u + 512);
+    EXPECT_EQ(histograms.magnitude.low, 0);
+    EXPECT_EQ(histograms.magnitude.high, 1.25);
+
+    TextureHistograms sum(fullLook());
+    sum.add(histograms);
+    sum.add(histograms);
+    EXPECT_EQ(sum.magnitude.total(), 2 * histograms.magnitude.total());
+}
+
+TEST(Histogram, JsonHoldsCountsAndTransferFunction)
+{
+    TextureHistograms histograms(fullLook());
+    const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
+    histograms.add(*grid, *grid);
+    const auto json = nlohmann::json::parse(histogramJson(histograms, fullLook()));
+    EXPECT_EQ(json["voxels"], 729);
+    EXPECT_EQ(json["texture"]["counts"].size(), Histogram::kBins);
+    std::uint64_t sum = 0;
+    for (const auto& count : json["magnitude"]["counts"])
+        sum += count.get<std::uint64_t>();
+    EXPECT_EQ(sum, 729u);
+    EXPECT_EQ(json["transferFunction"]["opacity"][2][0], 0.6);
+}
+
+TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
+{
+    // All textures are at one value, so one bar stands in an empty plot.
+    TextureHistograms histograms(fullLook());
+    const auto grid = boxGrid("density", boxOf(9, 9, 9), [](const Coord&) { return 0.25f; });
+    histograms.add(*grid, *grid);
+    const std::string bytes = histogramPng(histograms, fullLook());
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    ASSERT_TRUE(png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) << png.message;
+    std::vector<png_byte> pixels(PNG_IMAGE_SIZE(png));
+    ASSERT_TRUE(png_image_finish_read(&png, nullptr, pixels.data(), 0, nullptr)) << png.message;
+    // Half way up the left panel, from its left edge at 40 to its right one at 552.
+    const auto dark = [&](int x) { return pixels[(220u * png.width + unsigned(x)) * 3] < 200; };
+    EXPECT_TRUE(dark(40 + 512 / 4 + 1));
+    EXPECT_FALSE(dark(40 + 512 / 4 - 3));
+    EXPECT_FALSE(dark(40 + 512 / 4 + 5));
+    EXPECT_FALSE(dark(500));
+}
+
+} // namespace
+} // namespace vdblic
