@@ -17,14 +17,14 @@ struct SamplePlace {
 VDBLIC_INLINE SamplePlace<Float8> samplePlace(Int8 sample, Float8 shift, Float8 span)
 {
     const Float8 n = __builtin_convertvector(sample, Float8) + shift;
-    const Float8 begin = positive(n - 0.5f), after = n + 0.5f;
+    const Float8 begin = sample > 0 ? n - 0.5f : Float8{}, after = n + 0.5f;
     const Float8 end = after < span ? after : span;
     return {(begin + end) * 0.5f, end - begin};
 }
 VDBLIC_INLINE SamplePlace<float> samplePlace(int sample, float shift, float span)
 {
     const float n = float(sample) + shift;
-    const float begin = n - 0.5f > 0 ? n - 0.5f : 0, after = n + 0.5f;
+    const float begin = sample > 0 ? n - 0.5f : 0, after = n + 0.5f;
     const float end = after < span ? after : span;
     return {(begin + end) * 0.5f, end - begin};
 }
