@@ -30,7 +30,7 @@ gallery() {
 }
 
 "$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/wake.%04d.vdb" -q >"$out/log.txt"
-gallery wake 12 --clip-plane 0 0.0613 0 0 1 0
+gallery wake 12 --clip-plane 0 0 0 0 1 0
 "$tools/vdblic_synth" tornado -o "$out/v.%04d.vdb" --size 144 73 81 --frames 1-12 -q >>"$out/log.txt"
 "$tools/vdblic_advect" "$out/v.%04d.vdb" -o "$out/tornado.%04d.vdb" -q >>"$out/log.txt"
 gallery tornado 8 --clip-plane 7.2 3.6 4.5 0 0 -1

@@ -20,13 +20,15 @@ int everySecondBit(int i)
     return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8);
 }
 
-PixelLayers layersOf(const RaySum& sum)
+PixelLayers layersOf(const RaySum& sum, const RayTask& task)
 {
     PixelLayers layers;
     layers.samples = std::uint32_t(sum.samples);
-    const float weight = sum.alpha - sum.halo;
+    if (!(sum.alpha > 0)) return layers;
+    const float haloDepth = task.shading[kEntryDepth] * sum.halo + task.shading[kDepthPerStep] * sum.haloPlace;
+    layers.depth = (sum.numbers[0] + haloDepth) / sum.alpha;
+    const float weight = sum.alpha - sum.halo; // a halo has a place, but nothing else
     if (!(weight > 0)) return layers;
-    layers.depth = sum.numbers[0] / weight;
     layers.magnitude = sum.numbers[1] / weight;
     layers.texture = sum.numbers[2] / weight;
     const glm::vec3 normal(sum.normal[0], sum.normal[1], sum.normal[2]);
@@ -90,7 +92,7 @@ float sampleShift(int x, int y)
 {
     // The inverse powers of the plastic number as fractions of 2³².
     const std::uint32_t place = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
-    return float(place >> 8) * 0x1p-24f;
+    return float(int(place >> 8)) * 0x1p-24f;
 }
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
@@ -123,7 +125,7 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
             const glm::vec3 color(sum.color[0], sum.color[1], sum.color[2]);
             const auto pixel = std::size_t(tasks[i].pixel);
             image.pixels[pixel] = glm::vec4(color + look.background * sum.halo, sum.alpha);
-            if (params.layers) image.layers[pixel] = layersOf(sum);
+            if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);
         }
     });
     return image;

@@ -59,7 +59,7 @@ VDBLIC_INLINE Float8 spread(Float8 x)
 struct alignas(32) RayKernel::Lanes {
     Float8 entry[3], direction[3];
     Float8 shift, span;
-    Float8 transmittance, halo;
+    Float8 transmittance, halo, haloPlace;
     Int8 sample, segmentEnd, taken, task;
     Int8 offset; // from a place's number in index space, placeNumber(), to that of its record
     const TextureVolume::Mask* mask[kLanes];
@@ -126,6 +126,7 @@ VDBLIC_INLINE bool RayKernel::findSegment(const RayTask* tasks, Lanes& lanes, in
 VDBLIC_INLINE void RayKernel::refill(const RayTask* tasks, Lanes& lanes, int lane, int& next, int count) const
 {
     setLane(lanes.halo, lane, 0);
+    setLane(lanes.haloPlace, lane, 0);
     setLane(lanes.taken, lane, 0);
     while (next < count) {
         const RayTask& ray = tasks[next];
@@ -243,6 +244,7 @@ VDBLIC_INLINE void RayKernel::absorb(const RayTask* tasks, Lanes& lanes, const S
     if (mLook.halo.strength > 0) {
         weight = all > 0 ? taken * density / all : Float8{};
         lanes.halo += taken - weight;
+        lanes.haloPlace += (taken - weight) * sample.place;
     }
 
     const unsigned seen = laneBits(weight > 0);
@@ -286,6 +288,7 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
             RaySum& sum = sums[lanes.task[lane]];
             sum.alpha = 1 - lanes.transmittance[lane];
             sum.halo = lanes.halo[lane];
+            sum.haloPlace = lanes.haloPlace[lane];
             sum.samples = lanes.taken[lane];
             refill(tasks, lanes, lane, next, count);
         }

@@ -75,6 +75,7 @@ struct alignas(16) RaySum {
     Float4 numbers{};    ///< depth, magnitude, texture
     float alpha = 0;
     float halo = 0;      ///< the part of alpha that is halo
+    float haloPlace = 0; ///< along the ray [steps], times that
     int samples = 0;
 };
 
