@@ -1,5 +1,4 @@
-#include "cli/tool.h"
-#include "vdblic/render/color_map.h"
+#include "cli/look_options.h"
 #include "vdblic/render/render_sequence.h"
 
 #include <fmt/ranges.h>
@@ -68,34 +67,9 @@ int main(int argc, char** argv)
     app.add_option("--camera", params.motion.keys, "JSON file of key frames of the camera (docs/render.md).");
 
     tool.option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.");
-    tool.option("--colormap", params.look.transfer.colorMap,
-                fmt::format("Colours of magnitude: {}.", fmt::join(vdblic::colorMapNames(), ", ")));
-    std::string opacity;
-    app.add_option("--opacity", opacity,
-                   "Opacity of one voxel over the range of magnitudes, e.g. 0:0,0.4:0.05,1:0.8. By default it rises "
-                   "with magnitude, scaled to the first frame so that one sees into the volume.")
-        ->type_name("POSITION:OPACITY,...");
-    app.add_option_function<Numbers>(
-           "--range",
-           [&](const Numbers& range) {
-               params.look.transfer.range = {range[0], range[1]};
-           },
-           "Magnitudes at positions 0 and 1 [world/s]; percentiles of the first frame by default.")
-        ->expected(2)
-        ->allow_extra_args(false)
-        ->type_name("LO HI");
-    tool.option("--modulate", params.look.textureStrength,
-                "How strongly the texture shows in colour and opacity, 0 to 1.");
-    app.add_option_function<Numbers>(
-           "--background",
-           [&](const Numbers& numbers) {
-               params.background = {vector(numbers), numbers.size() > 3 ? numbers[3] : 1};
-           },
-           "Background as displayed, 0 to 1; its alpha, 1 unless given, counts in .exr only. By default dark in .png "
-           "and transparent in .exr.")
-        ->expected(3, 4)
-        ->allow_extra_args(false)
-        ->type_name("R G B [A]");
+    const vdblic::cli::LookOptions look(tool);
+    tool.option("--by", params.by, "Float grid that drives the transfer function.");
+    app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
     std::vector<std::string> layers;
     app.add_option("--aov", layers,
                    "Further channels of .exr: depth, normal, magnitude, texture, samples, or all; NAME,NAME.")
@@ -109,7 +83,7 @@ int main(int argc, char** argv)
                    "Histograms of texture and magnitude with the transfer function over them, .png or .json.");
     tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
-        if (!opacity.empty()) params.look.transfer.opacity = vdblic::parseOpacity(opacity);
+        look.apply(params);
         params.camera.projection = vdblic::parseProjection(projection);
         params.exr.layers = vdblic::parseImageLayers(layers);
         params.rays.layers = !params.exr.layers.empty();

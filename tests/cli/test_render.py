@@ -78,7 +78,7 @@ class Render(ToolTest):
         self.assertIn("samples (type int): 4", header)
 
     def test_exr_variants(self):
-        base = ("lic.0003.vdb", "--size", 40, 30)
+        base = ("lic.0003.vdb", "--size", 40, 30, "--halo", 0)  # a pixel of halo alone has no texture
         self.renders(*base, "-o", "half.exr")
         self.renders(*base, "-o", "float.exr", "--precision", "float", "--compression", "piz")
         header = self.header("float.exr")
@@ -87,7 +87,7 @@ class Render(ToolTest):
         self.run_peer("idiff", "-fail", 5e-4, "-warn", 5e-4, "half.exr", "float.exr")
 
     def test_aovs(self):
-        base = ("lic.0003.vdb", "--size", 40, 30)
+        base = ("lic.0003.vdb", "--size", 40, 30, "--halo", 0)  # a pixel of halo alone has no texture
         self.renders(*base, "-o", "plain.exr")
         self.renders(*base, "-o", "aov.exr", "--aov", "all")
         header = self.header("aov.exr")
@@ -133,6 +133,43 @@ class Render(ToolTest):
             ndc = numpy.append(centre, 1) @ self.matrix(self.header("voxel.exr"), "worldToNDC")
             expected = ndc[:2] / ndc[3] * (120, 100)
             numpy.testing.assert_allclose(found, expected, atol=0.3)
+
+    def test_looks_and_options_of_looks(self):
+        images = {}
+        for look in ("flow", "ink", "smoke", "xray"):
+            self.renders("lic.0003.vdb", "-o", f"{look}.png", "--size", 40, 30, "--look", look)
+            images[look] = (self.folder / f"{look}.png").read_bytes()
+        self.assertEqual(len(set(images.values())), 4)
+        (self.folder / "function.json").write_text('{"range": [0, 1], "colormap": "viridis", "opacity": [[0, 0.5]]}')
+        for options in (["--transfer", "function.json"], ["--shading", "lines"], ["--shading", "none"], ["--halo", 2],
+                        ["--light", 0, 0, 1, "--light", 1, 0, 0, "--head-light", 0], ["--depth-cue", 1], ["--ambient", 0],
+                        ["--by", "density"], ["--clip-box", 0, 0, 0, 1, 1, 1], ["--limb-darkening", 0],
+                        ["--clip-plane", 1, 0, 0, 1, 0, 0, "--clip-plane", 0, 1, 0, 0, -1, 0]):
+            self.renders("lic.0003.vdb", "-o", "a.png", "--size", 40, 30, *options)
+            self.assertNotEqual((self.folder / "a.png").read_bytes(), images["flow"], options)
+
+    def test_options_of_numbers_leave_the_input_alone(self):
+        for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],
+                        ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1]):
+            self.renders("-o", "a.png", "--size", 20, 20, *options, "lic.0003.vdb")
+
+    def test_region(self):
+        region = vdb.BoolGrid()
+        region.name = "region"
+        region.fill((0, 0, 0), (9, 15, 11), True, True)
+        region.transform = vdb.createLinearTransform(voxelSize=0.1)
+        vdb.write(str(self.folder / "region.vdb"), grids=[region])
+        view = ["--eye", 0.95, -50, 0.55, "--target", 0.95, 0, 0.55, "--fov", 3, "--size", 40, 40, "--opacity", "0:0.9",
+                "--modulate", 0]
+        self.renders("lic.0003.vdb", "-o", "a.exr", *view, "--roi", "region.vdb:region")
+        shown = subprocess.run(["oiiotool", self.folder / "a.exr", "--ch", "A", "--cut", "20x1+0+20", "--printstats"],
+                               text=True, capture_output=True, check=True).stdout
+        left = float(next(line for line in shown.splitlines() if "Stats Avg" in line).split()[2])
+        shown = subprocess.run(["oiiotool", self.folder / "a.exr", "--ch", "A", "--cut", "20x1+20+20", "--printstats"],
+                               text=True, capture_output=True, check=True).stdout
+        right = float(next(line for line in shown.splitlines() if "Stats Avg" in line).split()[2])
+        self.assertGreater(left, 0.2)
+        self.assertEqual(right, 0)
 
     def test_png_is_the_exr_over_the_background(self):
         for ending in ("exr", "png"):
@@ -242,7 +279,9 @@ class Render(ToolTest):
         for bad in (["--size", 0, 10], ["--size", 10], ["--fov", "nan"], ["--fov", "inf"], ["--step", 0], ["--step", "x"],
                     ["--range", 2, 1], ["--range", "nan", 1], ["--opacity", "0:2"], ["--opacity", "half"],
                     ["--colormap", "rainbow"], ["--modulate", 2], ["--eye", 1, 2], ["--up", 0, 0, 0],
-                    ["--background", 0, 0, 7], ["--threads", 0], ["--frames", "1-3"], ["--unknown"],
+                    ["--background", 0, 0, 7], ["--background-alpha", 2], ["--look", "sepia"], ["--halo", -1],
+                    ["--shading", "toon"], ["--depth-cue", 2], ["--clip-plane", 0, 0, 0, 0, 0, 0], ["--light", 0, 0, 0],
+                    ["--clip-box", 1, 1, 1, 0, 0, 0], ["--clip-plane", 0, 0, 1], ["--threads", 0], ["--frames", "1-3"], ["--unknown"],
                     ["--projection", "fisheye"], ["--view-height", 2], ["--orbit", "nan"], ["--orbit", 1],
                     ["--orbit-frames", 10], ["--scale", 0], ["--scale", "nan"], ["--scale", 1e308], ["--samples", 0],
                     ["--orbit", ""], ["--view-height", ""], ["--modulate", ""], ["--eye", "", "", ""], ["--orbit", 1, "--orbit-frames", 0], ["--eye", 1e308, 0, 0],

@@ -20,12 +20,16 @@ constexpr unsigned kTurbo[] = {0x30123b, 0x4145ab, 0x4675ed, 0x39a2fc, 0x1bcfd4,
 constexpr unsigned kCoolwarm[] = {0x3b4cc0, 0x6282ea, 0x8db0fe, 0xb8d0f9, 0xdddddd,
                                   0xf5c4ad, 0xf49a7b, 0xde604d, 0xb40426};
 constexpr unsigned kGray[] = {0x000000, 0xffffff};
+constexpr unsigned kInk[] = {0x7d8aa5, 0x44546f, 0x1c2a44, 0x0b1226};
+constexpr unsigned kIce[] = {0x16324f, 0x2f6f9f, 0x6fb3d9, 0xc4e6f5, 0xffffff};
+constexpr unsigned kFire[] = {0x2a0a0a, 0x8c1c0c, 0xe2581a, 0xfcb53b, 0xfff6d5};
 
 struct NamedMap {
     const char* name;
     Stops stops;
 };
-constexpr NamedMap kMaps[] = {{"viridis", kViridis}, {"turbo", kTurbo}, {"coolwarm", kCoolwarm}, {"gray", kGray}};
+constexpr NamedMap kMaps[] = {{"viridis", kViridis}, {"turbo", kTurbo}, {"coolwarm", kCoolwarm}, {"gray", kGray},
+                              {"ink", kInk},         {"ice", kIce},     {"fire", kFire}};
 
 glm::dvec3 stopColor(unsigned stop)
 {
@@ -42,7 +46,7 @@ std::vector<std::string> colorMapNames()
     return names;
 }
 
-glm::dvec3 colorMap(std::string_view name, double position)
+std::vector<ColorPoint> colorMapPoints(std::string_view name)
 {
     const auto* map =
         std::find_if(std::begin(kMaps), std::end(kMaps), [&](const NamedMap& m) { return m.name == name; });
@@ -50,9 +54,26 @@ glm::dvec3 colorMap(std::string_view name, double position)
         throw ParameterError(
             fmt::format("no colour map '{}'; choose one of {}", name, fmt::join(colorMapNames(), ", ")));
     }
-    const double place = std::clamp(position, 0.0, 1.0) * double(map->stops.size() - 1);
-    const std::size_t stop = std::min(std::size_t(place), map->stops.size() - 2);
-    return glm::mix(stopColor(map->stops[stop]), stopColor(map->stops[stop + 1]), place - double(stop));
+    std::vector<ColorPoint> points;
+    for (std::size_t i = 0; i < map->stops.size(); ++i)
+        points.push_back({double(i) / double(map->stops.size() - 1), stopColor(map->stops[i])});
+    return points;
+}
+
+glm::dvec3 colorAt(const std::vector<ColorPoint>& points, double position)
+{
+    const auto after = std::upper_bound(points.begin(), points.end(), position,
+                                        [](double p, const ColorPoint& point) { return p < point.position; });
+    if (after == points.begin()) return after->color;
+    const auto before = std::prev(after);
+    if (after == points.end()) return before->color;
+    return glm::mix(before->color, after->color,
+                    (position - before->position) / (after->position - before->position));
+}
+
+glm::dvec3 colorMap(std::string_view name, double position)
+{
+    return colorAt(colorMapPoints(name), position);
 }
 
 double linearFromDisplay(double value)

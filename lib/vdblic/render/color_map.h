@@ -11,12 +11,23 @@ namespace vdblic {
 /// The names colorMap() knows.
 [[nodiscard]] std::vector<std::string> colorMapNames();
 
-/// A colour of a named map: `viridis`, `turbo`, `coolwarm` (Moreland 2009) or `gray`.
+/// A colour of a named map: `viridis`, `turbo`, `coolwarm` (Moreland 2009), `gray`, `ink`, `ice` or `fire`.
 ///
 /// @param position 0 to 1; clamped
 /// @return display (sRGB) values, 0 to 1; piecewise linear between the map's stops, which are evenly spaced
 /// @throws ParameterError on an unknown name, listing the known ones
 [[nodiscard]] glm::dvec3 colorMap(std::string_view name, double position);
+
+/// A corner of a piecewise linear course of colours.
+struct ColorPoint {
+    double position;  ///< 0 to 1
+    glm::dvec3 color; ///< display (sRGB) values, 0 to 1
+};
+
+/// A named map's stops. @throws ParameterError on an unknown name, listing the known ones
+[[nodiscard]] std::vector<ColorPoint> colorMapPoints(std::string_view name);
+/// The colour at a position; constant before the first point and after the last. @param points not empty, rising
+[[nodiscard]] glm::dvec3 colorAt(const std::vector<ColorPoint>& points, double position);
 
 /// Between display (sRGB) values and linear light, both 0 to 1 (IEC 61966-2-1).
 [[nodiscard]] double linearFromDisplay(double value);

@@ -93,7 +93,7 @@ std::string histogramPng(const TextureHistograms& histograms, const Look& look)
     const auto [low, high] = look.transfer.range();
     drawBars(canvas, right, magnitude, [&, low = low, high = high](std::size_t bin) {
         const double value = magnitude.low + (magnitude.high - magnitude.low) * (double(bin) + 0.5) / Histogram::kBins;
-        return colorMap(look.transfer.colorMapName(), (value - low) / (high - low));
+        return look.transfer.displayColor((value - low) / (high - low));
     });
     drawOpacity(canvas, right, magnitude, look.transfer);
     drawFrame(canvas, right, magnitude, "magnitude");

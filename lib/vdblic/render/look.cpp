@@ -7,7 +7,6 @@
 namespace vdblic {
 namespace {
 
-constexpr double kOpticalDepth = 3;
 constexpr double kMostOpacity = 0.95; // of a voxel, chosen automatically
 
 // The automatic opacity has a point every tenth of the range.
@@ -31,16 +30,16 @@ std::array<double, 2> magnitudeRange(std::vector<float> magnitudes)
     return {low, high};
 }
 
-TextureModulation stretch(std::vector<float> textures, double strength)
+TextureModulation stretch(std::vector<float> textures, const LookParams& params)
 {
     const float low = percentile(textures, 0.1), high = percentile(textures, 0.98);
     // A texture of one value has no structure to show.
-    if (!(low < high)) return {0, 1, 0};
-    return {low, high, float(strength)};
+    if (!(low < high)) return {0, 1, 0, 0};
+    return {low, high, float(params.textureStrength), float(params.limbDarkening)};
 }
 
 /// Faster flow is more opaque, and so is flow of a rarer speed: what streams past everywhere must not hide the rest.
-std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, double thickness,
+std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, double voxelDepth,
                                         std::array<double, 2> range, const TextureModulation& texture)
 {
     // How much texture there is at each point's magnitudes.
@@ -60,7 +59,7 @@ std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, d
         points[i] = {position, std::max(position - kSlow, 0.0) / std::pow(share, kRarity)};
         depth += points[i].opacity * amounts[i] / double(samples.texture.size());
     }
-    const double scale = depth > 0 ? kOpticalDepth / (depth * thickness) : 1;
+    const double scale = depth > 0 ? voxelDepth / depth : 1;
     for (OpacityPoint& point : points)
         point.opacity = std::min(-std::expm1(-point.opacity * scale), kMostOpacity);
     return points;
@@ -68,21 +67,23 @@ std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, d
 
 } // namespace
 
-void Shading::validate() const
-{
-    for (const float value : {ambient, diffuse, specular, shininess, leastGradient}) {
-        if (!(value >= 0) || !std::isfinite(value)) {
-            throw ParameterError(fmt::format("shading value {} must be a number not below 0", value));
-        }
-    }
-}
-
 void LookParams::validate() const
 {
     transfer.validate();
     shading.validate();
-    if (!(textureStrength >= 0 && textureStrength <= 1)) {
-        throw ParameterError(fmt::format("texture strength {} must be between 0 and 1", textureStrength));
+    const auto share = [](const char* name, double value) {
+        if (!(value >= 0 && value <= 1)) {
+            throw ParameterError(fmt::format("{} {} must be between 0 and 1", name, value));
+        }
+    };
+    share("texture strength", textureStrength);
+    share("limb darkening", limbDarkening);
+    share("depth cue", depthCue);
+    if (!(opticalDepth > 0) || !std::isfinite(opticalDepth)) {
+        throw ParameterError(fmt::format("optical depth {} must be a number above 0", opticalDepth));
+    }
+    if (!(halo >= 0) || !std::isfinite(halo)) {
+        throw ParameterError(fmt::format("halo strength {} must be a number not below 0", halo));
     }
 }
 
@@ -90,22 +91,31 @@ bool Look::contributes(const LeafRange& range) const
 {
     // Interpolation may round a little past its corners' values.
     const float highest = range.highTexture + 1e-5f * std::abs(range.highTexture);
+    const Float8 stretched = texture.stretched(broadcast8(highest));
     return transfer.contributes(range.lowMagnitude, range.highMagnitude) &&
-           texture.density(texture.stretched(broadcast8(highest)))[0] > 0;
+           (texture.density(stretched) + halo.density(texture, stretched))[0] > 0;
+}
+
+Look chooseLook(const LookParams& params, const TextureVolume::Samples& samples, double thickness)
+{
+    params.validate();
+    if (samples.texture.empty()) throw InputError("no active voxel holds a finite number");
+    TransferParams transfer = params.transfer;
+    if (!transfer.range) transfer.range = magnitudeRange(samples.magnitude);
+    const TextureModulation texture = stretch(samples.texture, params);
+    if (transfer.opacity.empty()) {
+        transfer.opacity = chooseOpacity(samples, params.opticalDepth / thickness, *transfer.range, texture);
+    }
+    return {.transfer = TransferFunction(transfer),
+            .texture = texture,
+            .shading = params.shading,
+            .halo = {float(params.halo)},
+            .depthCue = float(params.depthCue)};
 }
 
 Look chooseLook(const LookParams& params, const TextureVolume& volume)
 {
-    params.validate();
-    const TransferParams& transfer = params.transfer;
-    const TextureVolume::Samples samples = volume.samples();
-    if (samples.texture.empty()) throw InputError("no active voxel holds a finite number");
-    const std::array<double, 2> range = transfer.range ? *transfer.range : magnitudeRange(samples.magnitude);
-    const TextureModulation texture = stretch(samples.texture, params.textureStrength);
-    const double thickness = std::cbrt(double(volume.domain().voxelCount()));
-    std::vector<OpacityPoint> opacity = transfer.opacity;
-    if (opacity.empty()) opacity = chooseOpacity(samples, thickness, range, texture);
-    return {TransferFunction(transfer.colorMap, std::move(opacity), range), texture, params.shading};
+    return chooseLook(params, volume.samples(), std::cbrt(double(volume.domain().voxelCount())));
 }
 
 } // namespace vdblic

@@ -2,7 +2,9 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/render/ray_kernel.h"
+#include "vdblic/render/ray_setup.h"
 
+#include <glm/geometric.hpp>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
@@ -12,45 +14,33 @@ namespace {
 
 constexpr int kTile = 16; // pixels a side
 
-/// Where the ray of a pixel meets the active voxels' bounds, in index space.
-RayTask prepareRay(const TextureVolume& volume, const Camera& camera, double step, int x, int y)
+/// Bits 0, 2, 4 and 6 together: a place along a curve through a tile that stays in small squares (Morton 1966).
+int everySecondBit(int i)
 {
-    const Ray ray = camera.ray({x + 0.5, y + 0.5});
-    const glm::dvec3 origin(volume.worldToIndex() * glm::dvec4(ray.origin, 1));
-    const glm::dvec3 perWorld = glm::dmat3(volume.worldToIndex()) * ray.direction;
-    const double voxelsPerWorld = glm::length(perWorld);
-    const glm::dvec3 direction = perWorld / voxelsPerWorld;
+    return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8);
+}
 
-    double enter = 0, leave = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-        const double first = (volume.low()[axis] - origin[axis]) / direction[axis];
-        const double second = (volume.high()[axis] - origin[axis]) / direction[axis];
-        // On a face of a box it is parallel to, a ray gives 0/0, which these comparisons ignore.
-        if (std::min(first, second) > enter) enter = std::min(first, second);
-        if (std::max(first, second) < leave) leave = std::max(first, second);
-        const bool beside = origin[axis] < volume.low()[axis] || origin[axis] > volume.high()[axis];
-        if (direction[axis] == 0 && beside) leave = -1;
-    }
-    RayTask task{};
-    task.pixel = y * camera.size().x + x;
-    task.shift = sampleShift(x, y);
-    task.samples = leave > enter ? int((leave - enter) / step) + 1 : 0;
-    const double depthPerWorld = (camera.worldToCamera() * glm::dvec4(ray.direction, 0)).z;
-    task.depthPerVoxel = float(depthPerWorld / voxelsPerWorld);
-    task.entryDepth = float(enter * depthPerWorld / voxelsPerWorld);
-    for (int axis = 0; axis < 3; ++axis) {
-        task.entry[axis] = float(origin[axis] + direction[axis] * enter);
-        task.direction[axis] = float(direction[axis]);
-        task.view[axis] = float(ray.direction[axis]);
-    }
-    return task;
+PixelLayers layersOf(const RaySum& sum, const RayTask& task)
+{
+    PixelLayers layers;
+    layers.samples = std::uint32_t(sum.samples);
+    if (!(sum.alpha > 0)) return layers;
+    const float haloDepth = task.shading[kEntryDepth] * sum.halo + task.shading[kDepthPerStep] * sum.haloPlace;
+    layers.depth = (sum.numbers[0] + haloDepth) / sum.alpha;
+    const float weight = sum.alpha - sum.halo; // a halo has a place, but nothing else
+    if (!(weight > 0)) return layers;
+    layers.magnitude = sum.numbers[1] / weight;
+    layers.texture = sum.numbers[2] / weight;
+    const glm::vec3 normal(sum.normal[0], sum.normal[1], sum.normal[2]);
+    if (const float length = glm::length(normal); length > 0) layers.normal = normal / length;
+    return layers;
 }
 
 std::vector<std::uint8_t> findVisible(const TextureVolume& volume, const Look& look)
 {
     std::vector<std::uint8_t> visible(volume.domain().leafCount());
     for (std::size_t leaf = 0; leaf < visible.size(); ++leaf)
-        visible[leaf] = look.contributes(volume.leafRange(leaf));
+        visible[leaf] = !volume.shown(leaf).isOff() && look.contributes(volume.leafRange(leaf));
     return visible;
 }
 
@@ -64,32 +54,37 @@ void RayCastParams::validate() const
     if (!(leastTransmittance >= 0 && leastTransmittance < 1)) {
         throw ParameterError(fmt::format("least transmittance {} must be at least 0 and below 1", leastTransmittance));
     }
+    clip.validate();
 }
 
-VisibleLeaves::VisibleLeaves(const Domain& domain, std::vector<std::uint8_t> visible) : mLeaves(std::move(visible))
+VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std::uint8_t>& visible)
 {
+    const Domain& domain = volume.domain();
     openvdb::CoordBBox box;
-    for (std::size_t leaf = 0; leaf < mLeaves.size(); ++leaf) {
-        if (mLeaves[leaf]) box.expand(domain.origin(leaf));
-    }
+    for (std::size_t leaf = 0; leaf < visible.size(); ++leaf)
+        box.expand(domain.origin(leaf));
     if (box.empty()) return;
-    for (int axis = 0; axis < 3; ++axis) {
-        mFirst[axis] = box.min()[axis] >> kBlockShift;
-        mDim[axis] = unsigned((box.max()[axis] >> kBlockShift) - mFirst[axis] + 1);
-    }
-    mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2], 0);
-    for (std::size_t leaf = 0; leaf < mLeaves.size(); ++leaf) {
-        if (!mLeaves[leaf]) continue;
-        const openvdb::Coord c = domain.origin(leaf);
-        mBlocks[(std::size_t((c[0] >> kBlockShift) - mFirst[0]) * mDim[1] +
-                 std::size_t((c[1] >> kBlockShift) - mFirst[1])) *
-                    mDim[2] +
-                std::size_t((c[2] >> kBlockShift) - mFirst[2])] = 1;
+    mFirst = box.min().offsetBy(-8);
+    for (int axis = 0; axis < 3; ++axis)
+        mDim[axis] = unsigned((box.max()[axis] - mFirst[axis]) >> kBlockShift) + 1;
+    mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2], -1);
+    for (std::size_t leaf = 0; leaf < visible.size(); ++leaf) {
+        if (!visible[leaf]) continue;
+        const openvdb::Coord c = domain.origin(leaf) - mFirst;
+        int& block = mBlocks[(std::size_t(c[0] >> kBlockShift) * mDim[1] + std::size_t(c[1] >> kBlockShift)) * mDim[2] +
+                             std::size_t(c[2] >> kBlockShift)];
+        if (block < 0) {
+            block = int(mLeaves.size() / kBlockLeaves);
+            mLeaves.resize(mLeaves.size() + kBlockLeaves, kNoLeaf);
+        }
+        const int inBlock = ((c[0] >> 3) & 15) << 8 | ((c[1] >> 3) & 15) << 4 | ((c[2] >> 3) & 15);
+        mLeaves[std::size_t(block) * kBlockLeaves + std::size_t(inBlock)] =
+            int(leaf) * 2 + int(!volume.shown(leaf).isOn());
     }
 }
 
 VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const Look& look)
-    : VisibleLeaves(volume.domain(), findVisible(volume, look))
+    : VisibleLeaves(volume, findVisible(volume, look))
 {
 }
 
@@ -97,7 +92,7 @@ float sampleShift(int x, int y)
 {
     // The inverse powers of the plastic number as fractions of 2³².
     const std::uint32_t place = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
-    return float(place >> 8) * 0x1p-24f;
+    return float(int(place >> 8)) * 0x1p-24f;
 }
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
@@ -107,22 +102,30 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());
-    const RayKernel kernel(volume, look, params, visible);
+    const SampleShader shader(volume, look, camera, params);
+    const RaySetup setup(volume, visible, camera, params, shader);
+    const RayKernel kernel(volume, look, params, visible, shader);
     const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
     tbb::parallel_for(0, tilesX * tilesY, [&](int tile) {
         const int beginX = tile % tilesX * kTile, beginY = tile / tilesX * kTile;
         std::vector<RayTask> tasks;
         tasks.reserve(kTile * kTile);
-        for (int y = beginY; y < std::min(beginY + kTile, size.y); ++y) {
-            for (int x = beginX; x < std::min(beginX + kTile, size.x); ++x) {
-                tasks.push_back(prepareRay(volume, camera, params.step, x, y));
-                if (tasks.back().samples == 0) tasks.pop_back();
-            }
+        // Neighbours follow each other, so that the rays in flight meet the same leaves.
+        for (int i = 0; i < kTile * kTile; ++i) {
+            const int x = beginX + everySecondBit(i), y = beginY + everySecondBit(i >> 1);
+            if (x >= size.x || y >= size.y) continue;
+            tasks.push_back(setup.ray(x, y));
+            if (tasks.back().samples == 0) tasks.pop_back();
         }
-        if (params.layers) {
-            kernel.trace(tasks.data(), int(tasks.size()), image.pixels.data(), image.layers.data());
-        } else {
-            kernel.trace(tasks.data(), int(tasks.size()), image.pixels.data());
+        if (tasks.empty()) return;
+        std::vector<RaySum> sums(tasks.size());
+        kernel.trace(tasks.data(), int(tasks.size()), sums.data());
+        for (std::size_t i = 0; i < tasks.size(); ++i) {
+            const RaySum& sum = sums[i];
+            const glm::vec3 color(sum.color[0], sum.color[1], sum.color[2]);
+            const auto pixel = std::size_t(tasks[i].pixel);
+            image.pixels[pixel] = glm::vec4(color + look.background * sum.halo, sum.alpha);
+            if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);
         }
     });
     return image;

@@ -1,47 +1,35 @@
 #pragma once
 
-#include "vdblic/render/ray_caster.h"
+#include "vdblic/render/sample_shader.h"
 
 namespace vdblic {
 
-/// A ray to trace, in index space.
-struct RayTask {
-    Float4 entry, direction; ///< the direction has length 1; fourth lanes 0
-    float view[3];           ///< direction in world space, of length 1
-    float shift;             ///< of the samples, as a share of the step
-    int samples;             ///< that fit between entry and exit
-    int pixel;
-    float entryDepth, depthPerVoxel; ///< along the view axis, in world space
-};
-
 /// Traces rays, eight in flight: a lane whose ray is done takes the next, so that lanes never idle in empty space.
+///
+/// A sample costs little until it is known to be seen; those that are wait in a queue to be shaded eight at a time.
 class RayKernel {
   public:
-    RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params, const VisibleLeaves& visible);
+    RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params, const VisibleLeaves& visible,
+              const SampleShader& shader);
 
-    /// @param pixels receives red, green, blue, alpha of each task's pixel
-    void trace(const RayTask* tasks, int count, glm::vec4* pixels) const;
-    /// @param layers receives what each task's ray met, too
-    void trace(const RayTask* tasks, int count, glm::vec4* pixels, PixelLayers* layers) const;
+    /// @param sums receives what each task's ray adds up to; count of them, all zero
+    void trace(const RayTask* tasks, int count, RaySum* sums) const;
 
   private:
     struct Lanes;
-    struct LayerSums;
-    struct NoLayers;
+    struct Sample;
 
-    template<typename Layers>
-    void traceWith(const RayTask* tasks, int count, glm::vec4* pixels, Layers layers) const;
-
-    bool findSegment(Lanes& lanes, int lane) const;
-    void refill(Lanes& lanes, int lane, const RayTask*& next, const RayTask* end) const;
-    void sample(const Lanes& lanes, Float8* samples) const;
-    template<typename Layers>
-    void shade(Lanes& lanes, const Float8* samples, Layers& layers) const;
+    bool findSegment(const RayTask* tasks, Lanes& lanes, int lane) const;
+    void refill(const RayTask* tasks, Lanes& lanes, int lane, int& next, int count) const;
+    void sample(const Lanes& lanes, Sample& result) const;
+    Float8 haloShare(const RayTask* tasks, const Lanes& lanes, const Sample& sample, Float8 stretched) const;
+    void absorb(const RayTask* tasks, Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
 
     const TextureVolume& mVolume;
     const Look& mLook;
     const VisibleLeaves& mVisible;
-    float mStep, mLeastTransmittance, mMargin;
+    const SampleShader& mShader;
+    float mStep, mPerStep, mLeastTransmittance, mMargin;
 };
 
 } // namespace vdblic

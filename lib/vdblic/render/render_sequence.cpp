@@ -105,7 +105,7 @@ class SequenceRenderer {
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
                 if (!task.loaded->volume.empty())
-                    mScene = chooseScene(mParams, *task.loaded, task.loaded->volume.corners(), {});
+                    mScene = chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), {});
             }
             if (mScene) task.scene = &*mScene;
         } catch (...) {

@@ -19,6 +19,8 @@ struct RenderParams {
     std::string output;              ///< one file or a pattern, .exr or .png; frame numbers are the input's
     std::string histogram;           ///< file for the histograms, .json or .png; empty: none
     std::string texture = "density"; ///< the grid that holds the texture
+    std::string by = "magnitude";    ///< the grid that drives the transfer function
+    std::string region;              ///< FILE or FILE:GRID whose active voxels are all that is shown; empty: everything
     glm::ivec2 size{1024, 1024};     ///< width and height [pixels]
     double scale = 1;                ///< factor on the size, for previews
     int samples = 1;                 ///< rays to a pixel
@@ -37,10 +39,9 @@ struct RenderParams {
 
 /// Render each frame of a texture sequence, as many side by side as there are threads and memory holds.
 ///
-/// A file holds the texture and, on the same transform, the grid `magnitude` [world/s]; without it the texture
-/// itself is used in its place. What is chosen for the user is chosen once and stays: the camera such that all of the
-/// frames on disk is seen, the look from the first of them that has an active voxel, whichever frames are selected, so
-/// that machines which render some of the frames each make one animation. Of paths on standard input the first with an
+/// A file holds the texture and, on the same transform, the grid that drives the transfer function; without a grid
+/// `magnitude` the texture itself is used in its place. What is chosen for the user is chosen once and stays: the camera such that all of the
+/// frames on disk is seen, the look from a few of them, whichever are selected, so that machines which render some of the frames each make one animation. Of paths on standard input the first with an
 /// active voxel decides. Frames without one are all background.
 ///
 /// The histograms are those of all frames that were rendered; with no output they are all that is made.

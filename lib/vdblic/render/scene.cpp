@@ -1,8 +1,12 @@
 #include "vdblic/render/scene.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/domain_mask.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/render/color_map.h"
 #include "vdblic/render/sequence_bounds.h"
+
+#include <cmath>
 
 namespace vdblic {
 namespace {
@@ -10,9 +14,11 @@ namespace {
 double memoryOf(const RenderParams& params, const TextureVolume& volume)
 {
     constexpr double kGridLeaf = 2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * 512 * sizeof(float);
+    const double record = double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
+    const double brick = kBrickSize * record;
     const double pixels = double(params.scaledSize().x) * params.scaledSize().y;
     const double perPixel = sizeof(glm::vec4) * 3 + (params.rays.layers ? 2 * sizeof(PixelLayers) : 0);
-    return double(volume.domain().leafCount()) * (kGridLeaf + Bricks::kSize * sizeof(Record)) + pixels * perPixel;
+    return double(volume.domain().leafCount()) * (kGridLeaf + brick) + pixels * perPixel;
 }
 
 } // namespace
@@ -20,27 +26,49 @@ double memoryOf(const RenderParams& params, const TextureVolume& volume)
 LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
 {
     const VdbFile file = readVdb(frame.path);
-    const auto texture = file.find<openvdb::FloatGrid>(params.texture);
-    if (!texture) {
-        throw InputError(fmt::format("{}: no float grid '{}' to render; the file has {}; choose with --texture",
-                                     frame.path.string(), params.texture, file.contents()));
-    }
-    const auto magnitude = file.find<openvdb::FloatGrid>("magnitude");
-    const auto& driving = magnitude ? magnitude : texture;
+    const auto find = [&](const std::string& name, const char* what, const char* option) {
+        const auto grid = file.find<openvdb::FloatGrid>(name);
+        if (!grid) {
+            throw InputError(fmt::format("{}: no float grid '{}' {}; the file has {}; choose with {}",
+                                         frame.path.string(), name, what, file.contents(), option));
+        }
+        return grid;
+    };
+    const auto texture = find(params.texture, "to render", "--texture");
+    const bool hasDriver = params.by != RenderParams{}.by || file.find<openvdb::FloatGrid>(params.by);
+    const auto driver = hasDriver ? find(params.by, "to drive the transfer function", "--by") : texture;
     try {
-        return {frame, texture, driving, magnitude != nullptr, TextureVolume(*texture, *driving)};
+        LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver)};
+        if (!params.region.empty()) {
+            loaded.volume.cut(*makeDomain(std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology()),
+                                          texture->transform(), {.mask = params.region}, frame.frame));
+        }
+        if (params.look.shading.model == ShadingModel::kLine) loaded.volume.addLines();
+        return loaded;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", frame.path.string(), error.what()));
     }
 }
 
-Scene chooseScene(const RenderParams& params, const LoadedTexture& frame, const Corners& box, const FrameSpan& span)
+Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box,
+                  const FrameSpan& span)
 {
     const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span);
+    TextureVolume::Samples samples;
+    double voxels = 0, bytes = 0;
+    for (const LoadedTexture& frame : frames) {
+        const TextureVolume::Samples more = frame.volume.samples();
+        samples.texture.insert(samples.texture.end(), more.texture.begin(), more.texture.end());
+        samples.magnitude.insert(samples.magnitude.end(), more.magnitude.begin(), more.magnitude.end());
+        voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
+        bytes = std::max(bytes, memoryOf(params, frame.volume));
+    }
     try {
-        return {chooseLook(params.look, frame.volume), cameras, memoryOf(params, frame.volume)};
+        Look look = chooseLook(params.look, samples, std::cbrt(voxels));
+        look.background = glm::vec3(linearFromDisplay(params.background.color));
+        return {std::move(look), cameras, bytes};
     } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", frame.file.path.string(), error.what()));
+        throw InputError(fmt::format("{}: {}", frames.front().file.path.string(), error.what()));
     }
 }
 
@@ -59,9 +87,22 @@ std::optional<Scene> sceneOfSequence(const RenderParams& params)
     }
     const std::optional<SequenceBounds> bounds = sequenceBounds(files, params.texture);
     if (!bounds) return std::nullopt;
-    const LoadedTexture frame = loadFrame(params, bounds->firstFilled);
-    if (frame.volume.empty()) return std::nullopt;
-    return chooseScene(params, frame, bounds->box, span);
+    // The look is made from a few frames over the whole sequence; what cannot be read is reported when it is its turn.
+    constexpr std::size_t kLookFrames = 4;
+    std::vector<LoadedTexture> frames;
+    frames.push_back(loadFrame(params, bounds->firstFilled));
+    for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
+        const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
+        if (file.frame == bounds->firstFilled.frame) continue;
+        try {
+            frames.push_back(loadFrame(params, file));
+        } catch (const InputError&) {
+            continue;
+        }
+    }
+    std::erase_if(frames, [](const LoadedTexture& frame) { return frame.volume.empty(); });
+    if (frames.empty()) return std::nullopt;
+    return chooseScene(params, frames, bounds->box, span);
 }
 
 } // namespace vdblic

@@ -5,6 +5,7 @@
 #include <openvdb/openvdb.h>
 
 #include <optional>
+#include <span>
 
 namespace vdblic {
 
@@ -26,9 +27,9 @@ struct Scene {
     double frameBytes; ///< about what a frame takes in memory
 };
 
-/// @param frame not empty
-/// @param box   all that there will be to see, as far as is known
-[[nodiscard]] Scene chooseScene(const RenderParams& params, const LoadedTexture& frame, const Corners& box,
+/// @param frames at least one, none empty
+/// @param box    all that there will be to see, as far as is known
+[[nodiscard]] Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box,
                                 const FrameSpan& span);
 
 /// The scene as the frames on disk give it, whichever are selected; nothing if none has an active voxel.

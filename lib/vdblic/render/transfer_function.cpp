@@ -80,8 +80,22 @@ std::string opacityText(const std::vector<OpacityPoint>& points)
 
 void TransferParams::validate() const
 {
-    (void)vdblic::colorMap(colorMap, 0);
+    (void)colorMapPoints(colorMap);
     checkOpacity(opacity);
+    double previous = 0;
+    for (const auto& [position, color] : colors) {
+        if (!(position >= previous && position <= 1)) {
+            throw ParameterError(
+                fmt::format("colour position {} must be between 0 and 1 and not before the previous one", position));
+        }
+        for (int channel = 0; channel < 3; ++channel) {
+            if (!(color[channel] >= 0 && color[channel] <= 1)) {
+                throw ParameterError(fmt::format("colour value {} at position {} must be between 0 and 1",
+                                                 color[channel], position));
+            }
+        }
+        previous = position;
+    }
     if (!range) return;
     const auto& [low, high] = *range;
     constexpr double kMost = 1e30; // magnitudes are single precision
@@ -90,20 +104,30 @@ void TransferParams::validate() const
     }
 }
 
-TransferFunction::TransferFunction(const std::string& colorMap, std::vector<OpacityPoint> opacity,
-                                   std::array<double, 2> range)
-    : mColorMap(colorMap), mOpacity(std::move(opacity)), mRange(range), mLow(float(range[0])),
-      mScale(float((kEntries - 1) / (range[1] - range[0]))), mTable(kEntries), mOpaqueBefore(kEntries + 1)
+TransferFunction::TransferFunction(const TransferParams& params)
+    : mParams(params), mTable(kEntries), mExtinctions(kEntries), mOpaqueBefore(kEntries + 1)
 {
-    TransferParams{mColorMap, mOpacity, mRange}.validate();
-    if (mOpacity.empty()) throw ParameterError("a transfer function needs at least one opacity point");
+    params.validate();
+    if (params.opacity.empty()) throw ParameterError("a transfer function needs at least one opacity point");
+    if (!params.range) throw ParameterError("a transfer function needs a range");
+    const auto& [low, high] = *params.range;
+    mLow = float(low);
+    mScale = float((kEntries - 1) / (high - low));
+    const std::vector<ColorPoint> colors = params.colors.empty() ? colorMapPoints(params.colorMap) : params.colors;
     for (int i = 0; i < kEntries; ++i) {
         const double position = double(i) / (kEntries - 1);
-        const glm::dvec3 color = linearFromDisplay(vdblic::colorMap(mColorMap, position));
-        const double extinction = -std::log1p(-std::min(interpolate(mOpacity, position), kMostOpacity));
+        const glm::dvec3 color = linearFromDisplay(colorAt(colors, position));
+        const double extinction = -std::log1p(-std::min(interpolate(params.opacity, position), kMostOpacity));
         mTable[i] = {float(color.r), float(color.g), float(color.b), float(extinction)};
+        mExtinctions[i] = mTable[i].extinction;
         mOpaqueBefore[i + 1] = mOpaqueBefore[i] + (mTable[i].extinction > 0);
     }
+}
+
+glm::dvec3 TransferFunction::displayColor(double position) const
+{
+    return colorAt(mParams.colors.empty() ? colorMapPoints(mParams.colorMap) : mParams.colors,
+                   std::clamp(position, 0.0, 1.0));
 }
 
 bool TransferFunction::contributes(float low, float high) const

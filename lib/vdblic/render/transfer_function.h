@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/vector.h"
+#include "vdblic/render/color_map.h"
 
 #include <array>
 #include <optional>
@@ -24,9 +25,10 @@ struct OpacityPoint {
 /// How magnitude becomes colour and opacity.
 struct TransferParams {
     std::string colorMap = "turbo";
-    /// Opacity of one voxel of full texture, by rising position; empty: chosen from the first frame.
+    std::vector<ColorPoint> colors{}; ///< by rising position, in place of the colour map
+    /// Opacity of one voxel of full texture, by rising position; empty: chosen from the frames.
     std::vector<OpacityPoint> opacity{};
-    /// Magnitudes at positions 0 and 1 [world/s]; unset: percentiles of the first frame.
+    /// Magnitudes at positions 0 and 1 [world/s]; unset: percentiles of the frames.
     std::optional<std::array<double, 2>> range{};
 
     /// @throws ParameterError
@@ -45,14 +47,20 @@ class TransferFunction {
         float red, green, blue, extinction;
     };
 
-    /// @param opacity points by rising position; constant before the first and after the last
-    /// @param range   magnitudes at positions 0 and 1, rising
-    TransferFunction(const std::string& colorMap, std::vector<OpacityPoint> opacity, std::array<double, 2> range);
+    /// @param params with opacity and range chosen; curves are constant before their first point and after their last
+    /// @throws ParameterError
+    explicit TransferFunction(const TransferParams& params);
 
     [[nodiscard]] const Entry* table() const { return mTable.data(); }
-    [[nodiscard]] const std::string& colorMapName() const { return mColorMap; }
-    [[nodiscard]] const std::vector<OpacityPoint>& opacity() const { return mOpacity; }
-    [[nodiscard]] const std::array<double, 2>& range() const { return mRange; }
+    /// The entries' extinctions alone, side by side.
+    [[nodiscard]] const float* extinctions() const { return mExtinctions.data(); }
+    /// What it was made from; the colour map's name is `points` if points were given.
+    [[nodiscard]] std::string colorMapName() const { return mParams.colors.empty() ? mParams.colorMap : "points"; }
+    [[nodiscard]] const std::vector<OpacityPoint>& opacity() const { return mParams.opacity; }
+    [[nodiscard]] const std::array<double, 2>& range() const { return *mParams.range; }
+
+    /// As displayed (sRGB). @param position 0 to 1; clamped
+    [[nodiscard]] glm::dvec3 displayColor(double position) const;
 
     /// The entries of eight magnitudes; below and above the range the first and the last.
     [[nodiscard]] VDBLIC_INLINE Int8 entries(Float8 magnitude) const
@@ -67,11 +75,10 @@ class TransferFunction {
     [[nodiscard]] bool contributes(float low, float high) const;
 
   private:
-    std::string mColorMap;
-    std::vector<OpacityPoint> mOpacity;
-    std::array<double, 2> mRange;
+    TransferParams mParams;
     float mLow, mScale;
     std::vector<Entry> mTable;
+    std::vector<float> mExtinctions;
     std::vector<int> mOpaqueBefore; // entries with an opacity before each entry
 };
 

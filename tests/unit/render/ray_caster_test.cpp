@@ -42,14 +42,11 @@ TEST(RayCaster, AUniformMediumHasTheAnalyticTransmittance)
     const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.005, {48, 48});
     for (const double step : {0.1, 0.25, 0.5, 1.0, 2.5}) {
         const Image image = castRays(volume, plainLook(kOpacity), camera, {.step = step, .leastTransmittance = 0});
-        double sum = 0;
         for (const glm::vec4& pixel : image.pixels) {
             const double depth = std::log(1.0 - pixel.a) / std::log(1 - kOpacity);
-            EXPECT_NEAR(depth, kLength, step * 1.01);
+            EXPECT_NEAR(depth, kLength, 2e-3) << step; // whatever the step and the samples' shift
             EXPECT_NEAR(pixel.r, pixel.a, 1e-5); // white, premultiplied
-            sum += depth;
         }
-        EXPECT_NEAR(sum / double(image.pixels.size()), kLength, 0.01 * step + 2e-3) << step;
     }
 }
 
@@ -129,7 +126,7 @@ TEST(RayCaster, APictureDependsOnPlacesInTheWorldOnly)
     const Image expected = castRays(volume, fullLook(), camera, {});
     for (const auto& same : {mirrored, turned}) {
         const Image image = castRays(TextureVolume(*same, *same), fullLook(), camera, {});
-        EXPECT_LT(difference(image, expected), 1e-3f);
+        EXPECT_LT(difference(image, expected), 2e-3f);
     }
 }
 
@@ -168,7 +165,7 @@ TEST(RayCaster, PassingOverEmptySpaceChangesNoPixel)
         EXPECT_GT(hidden, leaves / 10);
         EXPECT_LT(hidden, leaves);
 
-        const VisibleLeaves everything(volume.domain(), std::vector<std::uint8_t>(leaves, 1));
+        const VisibleLeaves everything(volume, std::vector<std::uint8_t>(leaves, 1));
         for (const glm::dvec3& direction : {kSlanted, glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, 0)}) {
             const Camera camera = cameraAlong(volume, direction, 500, 35, {121, 81}); // one ray runs along the axis
             const Image skipped = castRays(volume, look, camera, {});
@@ -186,56 +183,82 @@ glm::vec4 referencePixel(const openvdb::FloatGrid& texture, const Look& look, co
     const Vec3d origin(ray.origin.x, ray.origin.y, ray.origin.z); // index space is world space here
     const Vec3d direction(ray.direction.x, ray.direction.y, ray.direction.z);
     double enter = 0, leave = 1e30;
+    int face = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const double a = (low[axis] - origin[axis]) / direction[axis],
                      b = (high[axis] - origin[axis]) / direction[axis];
-        enter = std::max(enter, std::min(a, b));
+        if (std::min(a, b) > enter) {
+            enter = std::min(a, b);
+            face = axis;
+        }
         leave = std::min(leave, std::max(a, b));
     }
+    const auto& tree = texture.tree();
     const auto gradient = [&](const Coord& c) {
         Vec3d g(0);
+        if (!tree.isValueOn(c)) return g;
         for (int axis = 0; axis < 3; ++axis) {
             Coord before = c, after = c;
-            if (Coord next = c; (++next[axis], texture.tree().isValueOn(next))) after = next;
-            if (Coord next = c; (--next[axis], texture.tree().isValueOn(next))) before = next;
+            if (Coord next = c; (++next[axis], tree.isValueOn(next))) after = next;
+            if (Coord next = c; (--next[axis], tree.isValueOn(next))) before = next;
             const auto span = float(after[axis] - before[axis]);
-            if (span > 0) g[axis] = (texture.tree().getValue(after) - texture.tree().getValue(before)) / span;
+            if (span > 0) g[axis] = (tree.getValue(after) - tree.getValue(before)) / span;
         }
         return g;
     };
+    const auto value = [&](const Coord& c) {
+        for (int distance = 0; distance <= 3; ++distance) { // 1: neighbours that share a face; 2: an edge; 3: a corner
+            double sum = 0, count = 0;
+            for (auto n = CoordBBox(c.offsetBy(-1), c.offsetBy(1)).begin(); n; ++n) {
+                const Coord d = *n - c;
+                if (std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]) != distance || !tree.isValueOn(*n)) continue;
+                sum += double(tree.getValue(*n));
+                count += 1;
+            }
+            if (count > 0) return sum / count;
+        }
+        return 0.0;
+    };
+    const Shading& s = look.shading;
+    const auto highlight = [&](double cosine) {
+        const double c = std::max(cosine, 0.0);
+        return double(s.specular) * c / (double(s.shininess) * (1 - c) + c);
+    };
+    const double faceCosine = std::abs(direction[face]);
+    const double faceLit = double(s.ambient) + double(s.diffuse) * faceCosine;
+    const double faceWhite = highlight(2 * faceCosine * faceCosine - 1);
+
     glm::dvec3 color(0);
     double transmittance = 1;
-    for (int n = 0;; ++n) {
-        const double distance = enter + (n + double(sampleShift(x, y))) * step;
-        if (distance > leave) break;
-        const Vec3d p = origin + direction * distance;
-        if (!texture.tree().isValueOn(Coord::floor(p + Vec3d(0.5)))) continue;
-        double value = 0, coverage = 0;
+    const double shift = double(sampleShift(x, y)), span = (leave - enter) / step;
+    for (int n = 0; n == 0 || n + shift - 0.5 < span; ++n) {
+        const double begin = n > 0 ? n + shift - 0.5 : 0, end = std::min(n + shift + 0.5, span);
+        const double distance = (begin + end) / 2 * step;
+        const Vec3d p = origin + direction * (enter + distance);
+        if (!tree.isValueOn(Coord::floor(p + Vec3d(0.5)))) continue;
+        double met = 0;
         Vec3d normal(0);
         for (int corner = 0; corner < 8; ++corner) {
             const Coord c = Coord::floor(p).offsetBy(corner >> 2, corner >> 1 & 1, corner & 1);
-            if (!texture.tree().isValueOn(c)) continue;
             double weight = 1;
             for (int axis = 0; axis < 3; ++axis)
                 weight *= 1 - std::abs(p[axis] - c[axis]);
-            value += weight * double(texture.tree().getValue(c));
+            met += weight * value(c);
             normal += gradient(c) * weight;
-            coverage += weight;
         }
-        value /= coverage;
-        normal /= coverage;
-        const auto& entry = look.transfer.table()[look.transfer.entries(broadcast8(float(value)))[0]];
-        const Float8 stretched = look.texture.stretched(broadcast8(float(value)));
-        const double alpha =
-            1 - std::exp(-double(entry.extinction) * double(look.texture.density(stretched)[0]) * step);
-        const Shading& s = look.shading;
+        const auto& entry = look.transfer.table()[look.transfer.entries(broadcast8(float(met)))[0]];
+        const Float8 stretched = look.texture.stretched(broadcast8(float(met)));
+        const double alpha = 1 - std::exp(-double(entry.extinction) * double(look.texture.density(stretched)[0]) *
+                                          (end - begin) * step);
         const double length = normal.length();
         const double facing = length > 0 ? std::abs(normal.dot(direction)) / length : 0;
         const double steep = length / double(look.texture.high - look.texture.low);
         const double surface = steep / (steep + double(s.leastGradient));
-        const double lit = 1 - surface + surface * (double(s.ambient) + double(s.diffuse) * facing);
-        const double n0 = double(s.shininess);
-        const double white = surface * double(s.specular) * facing / (n0 - n0 * facing + facing);
+        const double near = std::clamp(1 - distance, 0.0, 1.0);
+        double lit = 1 - surface + surface * (double(s.ambient) + double(s.diffuse) * facing);
+        double white = surface * highlight(2 * facing * facing - 1);
+        lit += (faceLit - lit) * near;
+        white += (faceWhite - white) * near;
         const double tint = double(look.texture.brightness(stretched)[0]) * lit;
         color += transmittance * alpha * (glm::dvec3(entry.red, entry.green, entry.blue) * tint + white);
         transmittance *= 1 - alpha;
@@ -284,6 +307,117 @@ TEST(RayCaster, SeesFromInside)
     const Camera camera({.eye = glm::dvec3(19.5), .target = glm::dvec3(30, 19.5, 19.5)}, volume.corners(), {9, 9});
     const Image image = castRays(volume, plainLook(0.05), camera, {.step = 0.1});
     EXPECT_NEAR(std::log(1 - image.at(4, 4).a) / std::log(0.95), 20, 0.1);
+}
+
+TEST(RayCaster, ClipPlanesCutToThePixel)
+{
+    const auto grid = boxGrid("density", boxOf(40, 40, 40), [](const Coord&) { return 1.0f; });
+    const TextureVolume volume(*grid, *grid);
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e5, 0.02, {200, 200});
+    const Look look = plainLook(0.5);
+    // A plane seen edge on: what is left begins in the pixel in which it is projected.
+    const ClipPlane slanted{{19.5, 22.3, 19.5}, {0, 1, 0.25}};
+    const Image cut = castRays(volume, look, camera, {.clip = {.planes = {slanted}}});
+    const Image whole = castRays(volume, look, camera, {});
+    for (int y = 0; y < 200; ++y) {
+        for (int x = 0; x < 200; ++x) {
+            const Ray ray = camera.ray({x + 0.5, y + 0.5});
+            const glm::dvec3 place = ray.origin + ray.direction * ((19.5 - ray.origin.x) / ray.direction.x);
+            const double above = glm::dot(place - slanted.point, slanted.normal);
+            if (std::abs(above) < 0.01) continue;
+            EXPECT_EQ(cut.at(x, y).a > 0, above > 0 && whole.at(x, y).a > 0) << x << " " << y;
+        }
+    }
+    // Face on, optical depth is what lies behind it; two planes and a box cut from both sides.
+    const ClipPlane front{{10.25, 0, 0}, {3, 0, 0}}, back{{30, 0, 0}, {-1, 0, 0}};
+    const auto depth = [&](const ClipParams& clip) {
+        const Image image = castRays(volume, plainLook(0.05), camera, {.leastTransmittance = 0, .clip = clip});
+        return std::log(1 - double(image.at(100, 100).a)) / std::log(0.95);
+    };
+    EXPECT_NEAR(depth({.planes = {front}}), 39.5 - 10.25, 2e-3);
+    EXPECT_NEAR(depth({.planes = {front, back}}), 30 - 10.25, 2e-3);
+    EXPECT_NEAR(depth({.box = std::array{glm::dvec3(12.5, 0, 0), glm::dvec3(14, 39, 39)}}), 1.5, 2e-3);
+    EXPECT_EQ(depth({.planes = {{{50, 0, 0}, {1, 0, 0}}}}), 0);
+}
+
+TEST(RayCaster, CapsAreLitAsThePlaneThatCuts)
+{
+    // Opaque, so that only the cap is seen, and scattered inside, so that its own normals are of no use.
+    const auto grid = boxGrid("density", boxOf(30, 30, 30), [](const Coord& c) { return 0.6f + 0.4f * scattered(c); });
+    const TextureVolume volume(*grid, *grid);
+    Look look{TransferFunction({.colorMap = "gray", .opacity = {{0, 1}}, .range = std::array{-2.0, -1.0}}),
+              {0, 1, 0, 0},
+              {.ambient = 0.25f, .diffuse = 0.5f, .specular = 0}};
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e5, 0.005, {20, 20});
+    for (const glm::dvec3& normal : {glm::dvec3(1, 0, 0), glm::dvec3(1, 1, 0), glm::dvec3(2, -1, 1)}) {
+        const ClipParams clip{.planes = {{glm::dvec3(14.5), normal}}};
+        const double cosine = normal.x / glm::length(normal);
+        EXPECT_NEAR(castRays(volume, look, camera, {.step = 0.1, .clip = clip}).at(10, 10).r, 0.25 + 0.5 * cosine, 0.03);
+        look.shading.headLight = 0;
+        look.shading.lights = {{.direction = {-1, -1, 0}, .intensity = 2}};
+        const double lit = std::max(0.0, glm::dot(-normal, glm::dvec3(-1, -1, 0)) / glm::length(normal) / std::sqrt(2));
+        EXPECT_NEAR(castRays(volume, look, camera, {.step = 0.1, .clip = clip}).at(10, 10).r, 0.25 + lit, 0.05);
+        look.shading.headLight = 1;
+        look.shading.lights.clear();
+    }
+}
+
+TEST(RayCaster, HalosHideOnlyWhatIsBehindStreaks)
+{
+    // One streak across the view. Its flanks turned aside take on the background's colour, its middle does not.
+    const auto grid = boxGrid("density", boxOf(21, 21, 21), [](const Coord& c) {
+        const double square = (c.x() - 10) * (c.x() - 10) + (c.y() - 10) * (c.y() - 10);
+        return float(std::exp(-square / 18));
+    });
+    const TextureVolume volume(*grid, *grid);
+    Look look{TransferFunction({.colorMap = "gray", .opacity = {{0, 0.9}}, .range = std::array{-2.0, -1.0}}),
+              {0, 1, 1, 0},
+              {.model = ShadingModel::kNone}};
+    look.background = {0, 1, 0};
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.12, {101, 101});
+    const Image without = castRays(volume, look, camera, {});
+    look.halo.strength = 2;
+    const Image with = castRays(volume, look, camera, {});
+    EXPECT_LT(std::abs(with.at(50, 50).a - without.at(50, 50).a), 0.01f);
+    EXPECT_LT(with.at(50, 50).g - with.at(50, 50).r, 0.03f);
+    float most = 0;
+    for (int x = 0; x < 101; ++x) {
+        EXPECT_GE(with.at(x, 50).a, without.at(x, 50).a - 1e-3f);
+        most = std::max(most, with.at(x, 50).g - with.at(x, 50).r);
+    }
+    EXPECT_GT(most, 0.3f);
+}
+
+TEST(RayCaster, DepthCueFadesTheFarEndToTheBackground)
+{
+    const auto grid = boxGrid("density", boxOf(40, 10, 10), [](const Coord&) { return 1.0f; });
+    const TextureVolume volume(*grid, *grid);
+    Look look = plainLook(0.999);
+    look.background = {0, 0, 1};
+    look.depthCue = 0.5f;
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.01, {9, 9});
+    const auto red = [&](double x) {
+        return castRays(volume, look, camera, {.step = 0.1, .clip = {.planes = {{{x, 0, 0}, {1, 0, 0}}}}}).at(4, 4).r;
+    };
+    EXPECT_NEAR(red(-0.5), 1, 0.01);
+    EXPECT_NEAR(red(19.5), 0.75, 0.01);
+    EXPECT_NEAR(red(39), 0.5, 0.02);
+}
+
+TEST(RayCaster, LinesAreBrightestSeenFromTheSide)
+{
+    const auto grid = boxGrid("density", boxOf(24, 24, 24), [](const Coord& c) {
+        return float(0.5 + 0.25 * std::sin(1.1 * c.x()) + 0.25 * std::cos(0.9 * c.y())); // lines along z
+    });
+    TextureVolume volume(*grid, *grid);
+    volume.addLines();
+    Look look = plainLook(0.5);
+    look.shading = {.model = ShadingModel::kLine, .ambient = 0, .diffuse = 1, .specular = 0};
+    const auto brightness = [&](const glm::dvec3& direction) {
+        return castRays(volume, look, cameraAlong(volume, direction, 1e4, 0.01, {9, 9}), {}).at(4, 4).r;
+    };
+    EXPECT_GT(brightness({1, 0.3, 0}), 0.5f);
+    EXPECT_LT(brightness({0.02, 0.02, 1}), brightness({1, 0.3, 0}) / 2);
 }
 
 TEST(RayCaster, RefusesStepsThatMakeNoSense)

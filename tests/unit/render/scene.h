@@ -37,14 +37,15 @@ inline float scattered(const openvdb::Coord& c)
 /// White at one opacity, whatever texture, gradient and magnitude are.
 inline Look plainLook(double opacity)
 {
-    TransferFunction white("gray", {{0, opacity}}, {-2, -1});
-    return {white, {0, 1, 0}, {.ambient = 1, .diffuse = 0, .specular = 0}};
+    const TransferFunction white({.colorMap = "gray", .opacity = {{0, opacity}}, .range = std::array{-2.0, -1.0}});
+    return {white, {0, 1, 0, 0}, {.ambient = 1, .diffuse = 0, .specular = 0}};
 }
 
 /// A look that uses everything there is.
 inline Look fullLook()
 {
-    TransferFunction transfer("turbo", {{0, 0}, {0.3, 0}, {0.6, 0.2}, {1, 0.7}}, {0, 1});
+    const TransferFunction transfer(
+        {.opacity = {{0, 0}, {0.3, 0}, {0.6, 0.2}, {1, 0.7}}, .range = std::array{0.0, 1.0}});
     return {transfer, {0.2f, 0.9f, 0.8f}, {}};
 }
 

@@ -13,9 +13,26 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3d;
 
-Float8 recordAt(const TextureVolume& volume, float x, float y, float z)
+std::size_t numberAt(const TextureVolume& volume, const Coord& c)
 {
-    return Bricks::interpolate(volume.bricks().locate(Float4{x, y, z}));
+    const int leaf = volume.domain().findLeaf(Int4{c[0], c[1], c[2]});
+    return std::size_t(leaf) * kBrickSize + std::size_t(brickIndex(c[0] & 7, c[1] & 7, c[2] & 7));
+}
+
+float textureAt(const TextureVolume& volume, const Coord& c)
+{
+    return volume.values()[numberAt(volume, c)].texture;
+}
+
+float gradientAt(const TextureVolume& volume, const Coord& c, int axis)
+{
+    return __builtin_bit_cast(float, unsigned(volume.gradients()[numberAt(volume, c)].values[axis]) << 16);
+}
+
+bool isShown(const TextureVolume& volume, const Coord& c)
+{
+    const Int4 voxel{c[0], c[1], c[2]};
+    return volume.shown(std::size_t(volume.domain().findLeaf(voxel))).isOn(Domain::offset(voxel));
 }
 
 TEST(TextureVolume, HoldsTheGradientOfALinearTextureInWorldSpace)
@@ -32,11 +49,10 @@ TEST(TextureVolume, HoldsTheGradientOfALinearTextureInWorldSpace)
     const TextureVolume volume(*grid, *grid);
     const double voxelSize = std::cbrt(0.5 * 2 * 0.25);
     for (const Coord& c : {Coord(0, 0, 0), Coord(11, 9, 8), Coord(5, 0, 8), Coord(7, 8, 7)}) {
-        const Float8 record = recordAt(volume, float(c.x()), float(c.y()), float(c.z()));
         for (int axis = 0; axis < 3; ++axis) {
-            EXPECT_NEAR(record[TextureVolume::kGradientX + axis], slope[axis] * voxelSize, 1e-5) << c << axis;
+            const double expected = slope[axis] * voxelSize;
+            EXPECT_NEAR(gradientAt(volume, c, axis), expected, 0.004 * std::abs(expected)) << c << axis;
         }
-        EXPECT_EQ(record[TextureVolume::kCoverage], 1);
     }
 }
 
@@ -72,7 +88,7 @@ TEST(TextureVolume, TilesAreVoxels)
     ASSERT_GT(grid->tree().activeTileCount(), 0u);
     const TextureVolume volume(*grid, *grid);
     EXPECT_EQ(volume.domain().voxelCount(), 32u * 32 * 32);
-    EXPECT_EQ(recordAt(volume, 7.5f, 15.5f, 9)[TextureVolume::kTexture], 0.25f);
+    EXPECT_EQ(textureAt(volume, {7, 15, 9}), 0.25f);
 }
 
 TEST(TextureVolume, LeavesOutWhatIsNoNumber)
@@ -82,10 +98,58 @@ TEST(TextureVolume, LeavesOutWhatIsNoNumber)
     grid->tree().setValueOn({5, 5, 5}, HUGE_VALF);
     const TextureVolume volume(*grid, *grid);
     EXPECT_EQ(volume.unusableVoxels(), 2u);
-    EXPECT_EQ(recordAt(volume, 3, 3, 3)[TextureVolume::kCoverage], 0);
-    EXPECT_EQ(recordAt(volume, 2, 3, 3)[TextureVolume::kTexture], 0.5f);
-    EXPECT_EQ(recordAt(volume, 2, 3, 3)[TextureVolume::kGradientX], 0);
+    EXPECT_FALSE(isShown(volume, {3, 3, 3}));
+    EXPECT_TRUE(isShown(volume, {2, 3, 3}));
+    EXPECT_EQ(textureAt(volume, {3, 3, 3}), 0.5f); // as its neighbours
+    EXPECT_EQ(gradientAt(volume, {2, 3, 3}, 0), 0);
     EXPECT_EQ(volume.leafRange(0).highTexture, 0.5f);
+}
+
+TEST(TextureVolume, ValuesGoOnPastTheRim)
+{
+    const auto grid = boxGrid("density", boxOf(4, 4, 4), [](const Coord& c) { return float(c.x() + 10 * c.y()); });
+    const TextureVolume volume(*grid, *grid);
+    EXPECT_EQ(textureAt(volume, {4, 2, 1}), 23); // beside a face: its voxel's
+    EXPECT_EQ(textureAt(volume, {4, 4, 1}), 33); // beside an edge
+    EXPECT_EQ(textureAt(volume, {4, 4, 4}), 33); // beside a corner
+    EXPECT_EQ(textureAt(volume, {5, 5, 5}), 0);
+    EXPECT_FALSE(isShown(volume, {4, 2, 1}));
+}
+
+TEST(TextureVolume, LinesLieAlongTheDirectionOfLeastChange)
+{
+    const Vec3d along = Vec3d(2, 1, -1).unit();
+    const Vec3d across = along.cross(Vec3d(0, 0, 1)).unit(), other = along.cross(across);
+    const auto grid = boxGrid("density", boxOf(20, 20, 20), [&](const Coord& c) {
+        return float(0.5 + 0.25 * std::sin(c.asVec3d().dot(across)) + 0.25 * std::cos(1.3 * c.asVec3d().dot(other)));
+    });
+    TextureVolume volume(*grid, *grid);
+    EXPECT_EQ(volume.lines(), nullptr);
+    volume.addLines();
+    for (const Coord& c : {Coord(5, 6, 7), Coord(8, 9, 15), Coord(12, 3, 9), Coord(16, 10, 10)}) {
+        double m[6];
+        for (int k = 0; k < 6; ++k)
+            m[k] = double(__builtin_bit_cast(float, unsigned(volume.lines()[numberAt(volume, c)].values[k]) << 16));
+        EXPECT_NEAR(m[0] + m[1] + m[2], 1, 0.01);
+        const double squareCosine = m[0] * along[0] * along[0] + m[1] * along[1] * along[1] + m[2] * along[2] * along[2] +
+                                    2 * (m[3] * along[0] * along[1] + m[4] * along[0] * along[2] + m[5] * along[1] * along[2]);
+        EXPECT_GT(squareCosine, 0.97) << c;
+    }
+}
+
+TEST(TextureVolume, ShowsWhatACutLeaves)
+{
+    const auto grid = boxGrid("density", boxOf(20, 8, 8), scattered);
+    TextureVolume volume(*grid, *grid);
+    auto kept = std::make_shared<openvdb::MaskTree>();
+    kept->fill({Coord(3, 0, 0), Coord(11, 7, 7)}, true);
+    volume.cut(Domain(kept));
+    EXPECT_FALSE(isShown(volume, {2, 1, 1}));
+    EXPECT_TRUE(isShown(volume, {3, 1, 1}));
+    EXPECT_TRUE(isShown(volume, {11, 7, 7}));
+    EXPECT_FALSE(isShown(volume, {12, 7, 7}));
+    EXPECT_FALSE(isShown(volume, {17, 7, 7})); // its leaf has none
+    EXPECT_EQ(volume.samples().texture.size(), 9u * 8 * 8);
 }
 
 TEST(TextureVolume, RefusesTransformsItCannotRender)

@@ -18,6 +18,11 @@ void expectColor(const glm::dvec3& color, double red, double green, double blue,
     EXPECT_NEAR(color.b, blue, tolerance);
 }
 
+TransferParams grayBetween(const std::vector<OpacityPoint>& opacity, double low, double high)
+{
+    return {.colorMap = "gray", .opacity = opacity, .range = std::array{low, high}};
+}
+
 TEST(ColorMap, HasThePublishedColors)
 {
     // matplotlib's viridis to half a step of eight bits; turbo's and Moreland's ends and middle.
@@ -45,7 +50,7 @@ TEST(ColorMap, ConvertsBetweenDisplayAndLinearLight)
 
 TEST(TransferFunction, TabulatesColorAndExtinction)
 {
-    const TransferFunction transfer("gray", {{0.25, 0}, {0.75, 0.5}}, {10, 20});
+    const TransferFunction transfer(grayBetween({{0.25, 0}, {0.75, 0.5}}, 10, 20));
     const auto at = [&](float magnitude) { return transfer.table()[transfer.entries(broadcast8(magnitude))[0]]; };
     // Opacity is constant before the first point and after the last, linear between.
     EXPECT_EQ(at(12).extinction, 0);
@@ -58,7 +63,7 @@ TEST(TransferFunction, TabulatesColorAndExtinction)
 
 TEST(TransferFunction, KeepsToItsTableForAnyMagnitude)
 {
-    const TransferFunction transfer("gray", {{0, 0.5}}, {10, 20});
+    const TransferFunction transfer(grayBetween({{0, 0.5}}, 10, 20));
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     const Int8 entries = transfer.entries(Float8{-kInfinity, -1e30f, 10, 20, 1e30f, kInfinity, 15, 9.99f});
     const int expected[] = {0, 0, 0, 1023, 1023, 1023, 512, 0};
@@ -70,14 +75,14 @@ TEST(TransferFunction, KeepsToItsTableForAnyMagnitude)
 
 TEST(TransferFunction, AFullOpacityIsFinite)
 {
-    const TransferFunction transfer("gray", {{0, 1}}, {0, 1});
+    const TransferFunction transfer(grayBetween({{0, 1}}, 0, 1));
     EXPECT_TRUE(std::isfinite(transfer.table()[0].extinction));
     EXPECT_GT(transfer.table()[0].extinction, 10);
 }
 
 TEST(TransferFunction, KnowsWhichMagnitudesContribute)
 {
-    const TransferFunction transfer("gray", {{0, 0}, {0.4, 0}, {0.5, 1}, {0.6, 0}}, {0, 1});
+    const TransferFunction transfer(grayBetween({{0, 0}, {0.4, 0}, {0.5, 1}, {0.6, 0}}, 0, 1));
     EXPECT_FALSE(transfer.contributes(-3, 0.39f));
     EXPECT_FALSE(transfer.contributes(0.61f, 5));
     EXPECT_TRUE(transfer.contributes(0.1f, 0.9f));

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace vdblic {
+
+/// A plane in world space; what lies on the side its normal points to is kept.
+struct ClipPlane {
+    glm::dvec3 point, normal;
+};
+
+/// Cuts by planes, in world space. What is left is convex.
+struct ClipParams {
+    std::vector<ClipPlane> planes{};
+    std::optional<std::array<glm::dvec3, 2>> box{}; ///< low and high corner; what lies inside is kept
+
+    /// @throws ParameterError
+    void validate() const;
+    /// The planes and the sides of the box.
+    [[nodiscard]] std::vector<ClipPlane> allPlanes() const;
+};
+
+/// The part of a ray that is left, and the face it comes in through.
+struct RayInterval {
+    double enter = 0, leave = std::numeric_limits<double>::infinity(); ///< distances from the ray's origin
+    std::optional<glm::dvec3> entryNormal{}; ///< outward, of length 1; nothing if the origin itself is inside
+
+    [[nodiscard]] bool empty() const { return !(enter < leave); }
+
+    /// Keep what lies on the side of a plane its normal points to. Origin, direction and normal are in one space, and
+    /// `outward` is what the entry normal becomes if the ray comes in here.
+    void clip(const glm::dvec3& origin, const glm::dvec3& direction, const ClipPlane& plane, const glm::dvec3& outward);
+};
+
+} // namespace vdblic

@@ -1,0 +1,138 @@
+#pragma once
+
+#include "vdblic/field/vector.h"
+
+#include <array>
+#include <cmath>
+
+namespace vdblic {
+
+/// Arithmetic on eight lanes, for the ray caster.
+inline constexpr int kLanes = 8;
+
+/// e^x for x ≤ 0, to a relative 3e-6 and exact at 0: 2^i · e^(f ln 2), |f| ≤ ½, with a Taylor polynomial of degree 5,
+/// its terms paired so that few wait for each other (Estrin 1960).
+VDBLIC_INLINE Float8 exponential(Float8 x)
+{
+    const Float8 scaled = x * 1.44269504f;
+    const Float8 power = scaled > -126 ? scaled : broadcast8(-126);
+    constexpr float kRound = 0x1.8p23f; // adding it rounds to an integer, which stands in the low bits
+    const Float8 rounded = power + kRound;
+    const Float8 t = (power - (rounded - kRound)) * 0.693147181f;
+    const Float8 square = t * t;
+    const Float8 series =
+        (1 + t) + square * ((1 / 2.0f + t * (1 / 6.0f)) + square * (1 / 24.0f + t * (1 / 120.0f)));
+    return series * __builtin_bit_cast(Float8, (__builtin_bit_cast(Int8, rounded) + 127) << 23);
+}
+
+VDBLIC_INLINE Float8 squareRoot(Float8 x)
+{
+    Float8 root;
+    for (int i = 0; i < kLanes; ++i)
+        root[i] = std::sqrt(x[i]);
+    return root;
+}
+
+/// Set one lane, with the whole vector loaded and stored: single lanes stored into memory would make the next load of
+/// the vector wait for them.
+VDBLIC_INLINE void setLane(Float8& vector, int lane, float value)
+{
+    constexpr Int8 kNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
+    vector = kNumbers == lane ? broadcast8(value) : vector;
+}
+VDBLIC_INLINE void setLane(Int8& vector, int lane, int value)
+{
+    constexpr Int8 kNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
+    const Int8 values = {value, value, value, value, value, value, value, value};
+    vector = kNumbers == lane ? values : vector;
+}
+
+VDBLIC_INLINE Float8 positive(Float8 x)
+{
+    return x > 0 ? x : Float8{};
+}
+
+/// Between 0 and 1; 0 for NaN.
+VDBLIC_INLINE Float8 clamped(Float8 x)
+{
+    return positive(x < 1 ? x : broadcast8(1));
+}
+
+/// One bit for each lane whose comparison is true.
+VDBLIC_INLINE unsigned laneBits(Int8 mask)
+{
+    constexpr Int8 kBits = {1, 2, 4, 8, 16, 32, 64, 128};
+    Int8 bits = mask & kBits;
+    bits |= __builtin_shufflevector(bits, bits, 4, 5, 6, 7, 0, 1, 2, 3);
+    bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1, 6, 7, 4, 5);
+    return unsigned(bits[0] | bits[1]);
+}
+
+/// For each set of lanes, the lanes of the set in rising order, at the front.
+alignas(32) inline constexpr auto kPacking = [] {
+    std::array<Int8, 256> order{};
+    for (unsigned bits = 0; bits < 256; ++bits) {
+        int lanes[kLanes] = {};
+        int count = 0;
+        for (int lane = 0; lane < kLanes; ++lane) {
+            if (bits >> lane & 1) lanes[count++] = lane;
+        }
+        order[bits] = Int8{lanes[0], lanes[1], lanes[2], lanes[3], lanes[4], lanes[5], lanes[6], lanes[7]};
+    }
+    return order;
+}();
+
+/// Eight rows of eight numbers into eight columns.
+VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
+{
+    Float8 pairs[8], quads[8];
+    for (int i = 0; i < 8; i += 2) {
+        pairs[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        pairs[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (int i = 0; i < 8; i += 4) {
+        for (int j = 0; j < 2; ++j) {
+            quads[i + 2 * j] = __builtin_shufflevector(pairs[i + j], pairs[i + j + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            quads[i + 2 * j + 1] = __builtin_shufflevector(pairs[i + j], pairs[i + j + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+    }
+    for (int i = 0; i < 4; ++i) {
+        columns[i] = __builtin_shufflevector(quads[i], quads[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        columns[i + 4] = __builtin_shufflevector(quads[i], quads[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+/// Eight rows of four numbers into four columns.
+VDBLIC_INLINE void transpose(const Float4* rows, Float8* columns)
+{
+    Float8 joined[4]; // rows i and i + 4
+    for (int i = 0; i < 4; ++i)
+        joined[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    const Float8 a = __builtin_shufflevector(joined[0], joined[1], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 b = __builtin_shufflevector(joined[2], joined[3], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 c = __builtin_shufflevector(joined[0], joined[1], 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 d = __builtin_shufflevector(joined[2], joined[3], 2, 10, 3, 11, 6, 14, 7, 15);
+    columns[0] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
+    columns[1] = __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+    columns[2] = __builtin_shufflevector(c, d, 0, 1, 8, 9, 4, 5, 12, 13);
+    columns[3] = __builtin_shufflevector(c, d, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
+/// Four columns of eight numbers into eight rows.
+VDBLIC_INLINE void transposeBack(const Float8* columns, Float4* rows)
+{
+    const Float8 a = __builtin_shufflevector(columns[0], columns[1], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 b = __builtin_shufflevector(columns[0], columns[1], 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 c = __builtin_shufflevector(columns[2], columns[3], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 d = __builtin_shufflevector(columns[2], columns[3], 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 joined[4] = {__builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13),
+                              __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15),
+                              __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13),
+                              __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15)};
+    for (int i = 0; i < 4; ++i) {
+        rows[i] = __builtin_shufflevector(joined[i], joined[i], 0, 1, 2, 3);
+        rows[i + 4] = __builtin_shufflevector(joined[i], joined[i], 4, 5, 6, 7);
+    }
+}
+
+} // namespace vdblic

@@ -1,0 +1,65 @@
+#include "vdblic/render/ray_setup.h"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <cmath>
+
+namespace vdblic {
+
+RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
+                   const RayCastParams& params, const SampleShader& shader)
+    : mCamera(camera), mShader(shader), mStep(params.step), mToIndex(volume.worldToIndex())
+{
+    for (int axis = 0; axis < 3; ++axis)
+        mToIndex[3][axis] -= visible.first()[axis];
+    const Corners corners = volume.corners();
+    const glm::dmat3 gradients = glm::transpose(glm::dmat3(volume.worldToIndex())); // of the index, by axis
+    std::vector<ClipPlane> planes = params.clip.allPlanes();
+    for (int axis = 0; axis < 3; ++axis) {
+        planes.push_back({corners.front(), gradients[axis]});
+        planes.push_back({corners.back(), -gradients[axis]});
+    }
+    for (const ClipPlane& plane : planes)
+        mFaces.push_back({plane, -glm::normalize(plane.normal)});
+}
+
+RayTask RaySetup::ray(int x, int y) const
+{
+    const Ray ray = mCamera.ray({x + 0.5, y + 0.5});
+    RayInterval interval;
+    for (const auto& [plane, outward] : mFaces)
+        interval.clip(ray.origin, ray.direction, plane, outward);
+
+    RayTask task{};
+    task.pixel = y * mCamera.size().x + x;
+    if (interval.empty()) return task;
+    const glm::dvec3 origin(mToIndex * glm::dvec4(ray.origin, 1));
+    const glm::dvec3 perWorld = glm::dmat3(mToIndex) * ray.direction;
+    const double stepsPerWorld = glm::length(perWorld) / mStep;
+    const double span = (interval.leave - interval.enter) * stepsPerWorld;
+    task.shift = sampleShift(x, y);
+    task.span = float(span);
+    task.samples = std::max(int(std::ceil(span - double(task.shift) - 0.5)), 0) + 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        constexpr double kTiny = 1e-12; // in place of 0, so that no face is ever reached
+        const double direction = perWorld[axis] / (stepsPerWorld * mStep);
+        task.entry[axis] = float(origin[axis] + perWorld[axis] * interval.enter);
+        task.direction[axis] = float(direction);
+        task.inverse[axis] = float(1 / (std::abs(direction) > kTiny ? direction : kTiny));
+        task.shading[kViewX + axis] = float(ray.direction[axis]);
+    }
+    const double depthPerWorld = (mCamera.worldToCamera() * glm::dvec4(ray.direction, 0)).z;
+    const double originDepth = (mCamera.worldToCamera() * glm::dvec4(ray.origin, 1)).z;
+    task.shading[kEntryDepth] = float(originDepth + interval.enter * depthPerWorld);
+    task.shading[kDepthPerStep] = float(depthPerWorld / stepsPerWorld);
+    task.shading[kFaceLit] = -1;
+    if (interval.entryNormal) {
+        const SampleShader::FaceLight face = mShader.lightFace(*interval.entryNormal, ray.direction);
+        task.shading[kFaceLit] = face.lit;
+        task.shading[kFaceWhite] = face.white;
+    }
+    return task;
+}
+
+} // namespace vdblic

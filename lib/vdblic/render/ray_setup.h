@@ -1,0 +1,30 @@
+#pragma once
+
+#include "vdblic/render/clipping.h"
+#include "vdblic/render/sample_shader.h"
+
+namespace vdblic {
+
+/// Turns pixels into rays to trace: where each comes into what is left of a volume, and out of it.
+class RaySetup {
+  public:
+    RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
+             const RayCastParams& params, const SampleShader& shader);
+
+    /// The ray through a pixel's centre; without samples if it misses.
+    [[nodiscard]] RayTask ray(int x, int y) const;
+
+  private:
+    struct Face {
+        ClipPlane plane;
+        glm::dvec3 outward; // of length 1
+    };
+
+    const Camera& mCamera;
+    const SampleShader& mShader;
+    double mStep;
+    glm::dmat4 mToIndex; // from world space to places as VisibleLeaves count them
+    std::vector<Face> mFaces; // of the volume's bounds and of the cuts, in world space
+};
+
+} // namespace vdblic

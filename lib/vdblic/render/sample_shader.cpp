@@ -1,0 +1,223 @@
+#include "vdblic/render/sample_shader.h"
+
+#include "vdblic/render/record_sampling.h"
+
+#include <glm/geometric.hpp>
+
+namespace vdblic {
+namespace {
+
+VDBLIC_INLINE Float8 load8(const float* values)
+{
+    Float8 result;
+    std::memcpy(&result, values, sizeof result);
+    return result;
+}
+
+VDBLIC_INLINE Float8 mix(Float8 a, Float8 b, Float8 share)
+{
+    return a + (b - a) * share;
+}
+
+VDBLIC_INLINE const Float4& asFloat4(const TransferFunction::Entry& entry)
+{
+    return reinterpret_cast<const Float4&>(entry);
+}
+
+} // namespace
+
+SampleShader::SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera,
+                           const RayCastParams& params)
+    : mVolume(volume), mLook(look), mStep(float(params.step)), mLayers(params.layers)
+{
+    double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+    for (const glm::dvec3& corner : volume.corners()) {
+        const double depth = (camera.worldToCamera() * glm::dvec4(corner, 1)).z;
+        nearest = std::min(nearest, std::max(depth, 0.0));
+        farthest = std::max(farthest, depth);
+    }
+    mNearest = float(nearest);
+    mCuePerDepth = farthest > nearest ? float(double(look.depthCue) / (farthest - nearest)) : 0;
+    for (const DirectionalLight& light : look.shading.lights)
+        mLights.emplace_back(glm::vec3(glm::normalize(light.direction)), float(light.intensity));
+}
+
+/// Schlick's stand-in for the cosine to the power of the shininess.
+VDBLIC_INLINE Float8 SampleShader::highlight(Float8 cosine) const
+{
+    const float power = mLook.shading.shininess;
+    const Float8 c = clamped(cosine);
+    return c / (power - power * c + c + 1e-20f);
+}
+
+/// @param normal of length 1, towards the eye
+VDBLIC_INLINE SampleShader::Light SampleShader::lightSurface(const Float8* normal, const Float8* view) const
+{
+    const Shading& shading = mLook.shading;
+    const Float8 facing = -(normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2]);
+    Float8 diffuse = facing * shading.headLight;
+    Float8 specular = highlight(2 * facing * facing - 1) * shading.headLight;
+    for (const glm::vec4& light : mLights) {
+        const Float8 cosine = positive(normal[0] * light.x + normal[1] * light.y + normal[2] * light.z);
+        const Float8 across = view[0] * light.x + view[1] * light.y + view[2] * light.z;
+        diffuse += cosine * light.w;
+        // Only what the light reaches has a highlight.
+        specular += (cosine > 0 ? highlight(2 * cosine * facing + across) : Float8{}) * light.w;
+    }
+    return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
+}
+
+VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queue, const Float8* view) const
+{
+    const int first = queue.begin;
+    Float8 rows[kLanes], line[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+        rows[i] = sampleLine(mVolume.lines() + queue.record[first + i], queue.fraction[0][first + i],
+                             queue.fraction[1][first + i], queue.fraction[2][first + i]);
+    }
+    transpose(rows, line);
+    // The line's direction times its component along another one, t (t·d), whichever way t points.
+    const auto along = [&](auto x, auto y, auto z, Float8* result) {
+        result[0] = line[0] * x + line[3] * y + line[4] * z;
+        result[1] = line[3] * x + line[1] * y + line[5] * z;
+        result[2] = line[4] * x + line[5] * y + line[2] * z;
+    };
+    const auto squareSine = [](Float8 squareCosine) { return clamped(1 - squareCosine); };
+
+    const Shading& shading = mLook.shading;
+    Float8 viewed[3];
+    along(view[0], view[1], view[2], viewed);
+    const Float8 viewCosine = viewed[0] * view[0] + viewed[1] * view[1] + viewed[2] * view[2];
+    const Float8 viewSine = squareSine(viewCosine);
+    Float8 diffuse = viewSine * viewSine * shading.headLight;
+    Float8 specular = highlight(viewSine - viewCosine) * shading.headLight;
+    for (const glm::vec4& light : mLights) {
+        Float8 lighted[3];
+        along(light.x, light.y, light.z, lighted);
+        const Float8 sine = squareSine(lighted[0] * light.x + lighted[1] * light.y + lighted[2] * light.z);
+        const Float8 both = -(viewed[0] * light.x + viewed[1] * light.y + viewed[2] * light.z);
+        diffuse += sine * sine * light.w;
+        specular += highlight(squareRoot(sine * viewSine) - both) * light.w;
+    }
+    return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
+}
+
+/// The gradients of eight samples.
+VDBLIC_INLINE void SampleShader::sampleNormals(const ShadeQueue& queue, Float8* gradient) const
+{
+    const int first = queue.begin;
+    GradientPair pairs[kLanes / 2];
+    for (int i = 0; i < kLanes / 2; ++i) {
+        const int a = first + i, b = a + kLanes / 2;
+        const auto both = [&](const float* values) {
+            const Float4 low = broadcast4(values[a]), high = broadcast4(values[b]);
+            return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+        };
+        const auto& [x, y, z] = queue.fraction;
+        pairs[i] = sampleGradients(mVolume.gradients() + queue.record[a], mVolume.gradients() + queue.record[b],
+                                   both(x), both(y), both(z));
+    }
+    const auto interleave = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 0, 8, 1, 9, 4, 12, 5, 13); };
+    const auto front = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 0, 1, 8, 9, 4, 5, 12, 13); };
+    const auto back = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 2, 3, 10, 11, 6, 7, 14, 15); };
+    const Float8 xz[] = {interleave(pairs[0].xz, pairs[1].xz), interleave(pairs[2].xz, pairs[3].xz)};
+    gradient[0] = front(xz[0], xz[1]);
+    gradient[1] = front(interleave(pairs[0].y, pairs[1].y), interleave(pairs[2].y, pairs[3].y));
+    gradient[2] = back(xz[0], xz[1]);
+}
+
+VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth,
+                                           RaySum* sums) const
+{
+    const int first = queue.begin;
+    const Float8 weight = load8(queue.weight + first);
+    const Float8 normals[] = {normal[0] * weight * surface, normal[1] * weight * surface, normal[2] * weight * surface,
+                              Float8{}};
+    const Float8 numbers[] = {depth * weight, load8(queue.magnitude + first) * weight, load8(queue.texture + first) * weight, Float8{}};
+    Float4 rows[kLanes];
+    transposeBack(normals, rows);
+    for (int i = 0; i < kLanes; ++i)
+        sums[queue.task[first + i]].normal += rows[i];
+    transposeBack(numbers, rows);
+    for (int i = 0; i < kLanes; ++i)
+        sums[queue.task[first + i]].numbers += rows[i];
+}
+
+VDBLIC_KERNEL
+void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const
+{
+    const int first = queue.begin;
+    Float8 rays[kLanes], ray[kLanes];
+    for (int i = 0; i < kLanes; ++i)
+        rays[i] = tasks[queue.task[first + i]].shading;
+    transpose(rays, ray);
+    const Float8* view = ray + kViewX;
+
+    // The gradient over its length, turned towards the eye, is the normal; where it is weak there is no surface.
+    const bool surfaces = mLook.shading.model == ShadingModel::kSurface;
+    Float8 normal[3] = {}, surface = {};
+    if (surfaces || mLayers) {
+        sampleNormals(queue, normal);
+        const Float8 length = squareRoot(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        const Float8 along = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
+        const Float8 unit = 1 / (length + 1e-20f);
+        const Float8 scale = along > 0 ? -unit : unit;
+        for (int axis = 0; axis < 3; ++axis)
+            normal[axis] *= scale;
+        const Float8 steepness = length * (1 / (mLook.texture.high - mLook.texture.low));
+        surface = steepness / (steepness + mLook.shading.leastGradient);
+    }
+    Light light{broadcast8(1), Float8{}};
+    if (surfaces) {
+        const Light full = lightSurface(normal, view);
+        light = {1 + surface * (full.lit - 1), surface * full.white};
+    } else if (mLook.shading.model == ShadingModel::kLine) {
+        light = lightLine(queue, view);
+    }
+    // What lies within a voxel of a cut is lit as the cut is.
+    const Float8 place = load8(queue.place + first);
+    const Float8 face = ray[kFaceLit] >= 0 ? clamped(1 - place * mStep) : Float8{};
+    light = {mix(light.lit, ray[kFaceLit], face), mix(light.white, ray[kFaceWhite], face)};
+
+    // Magnitude chooses the colour, the texture darkens it.
+    const Int8 entries = mLook.transfer.entries(load8(queue.magnitude + first));
+    Float4 rows[kLanes];
+    for (int i = 0; i < kLanes; ++i)
+        rows[i] = asFloat4(mLook.transfer.table()[entries[i]]);
+    Float8 color[4];
+    transpose(rows, color);
+    const Float8 tint = mLook.texture.brightness(mLook.texture.stretched(load8(queue.texture + first))) * light.lit;
+    const Float8 depth = ray[kEntryDepth] + ray[kDepthPerStep] * place;
+    const Float8 far = clamped((depth - mNearest) * mCuePerDepth);
+    const Float8 weight = load8(queue.weight + first);
+    for (int channel = 0; channel < 3; ++channel) {
+        const Float8 seen = color[channel] * tint + light.white;
+        color[channel] = mix(seen, broadcast8(mLook.background[channel]), far) * weight;
+    }
+    transposeBack(color, rows);
+    for (int i = 0; i < kLanes; ++i)
+        sums[queue.task[first + i]].color += rows[i];
+    if (mLayers) addLayers(queue, normal, surface, depth, sums);
+}
+
+SampleShader::FaceLight SampleShader::lightFace(const glm::dvec3& normal, const glm::dvec3& view) const
+{
+    if (mLook.shading.model == ShadingModel::kNone) return {-1, 0};
+    const auto highlightOf = [&](double cosine) {
+        const double power = mLook.shading.shininess, c = std::clamp(cosine, 0.0, 1.0);
+        return c / (power - power * c + c + 1e-20);
+    };
+    const Shading& shading = mLook.shading;
+    const double facing = -glm::dot(normal, view);
+    double diffuse = facing * shading.headLight, specular = highlightOf(2 * facing * facing - 1) * shading.headLight;
+    for (const glm::vec4& light : mLights) {
+        const glm::dvec3 direction(light);
+        const double cosine = glm::dot(normal, direction);
+        if (cosine <= 0) continue;
+        diffuse += cosine * light.w;
+        specular += highlightOf(2 * cosine * facing + glm::dot(view, direction)) * light.w;
+    }
+    return {float(shading.ambient + shading.diffuse * diffuse), float(shading.specular * specular)};
+}
+
+} // namespace vdblic

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "vdblic/render/lanes.h"
+
+#include <cstring>
+
+namespace vdblic {
+
+/// A ray to trace. Places are in index space, counted as VisibleLeaves does; distances along it are in steps.
+struct alignas(32) RayTask {
+    Float4 entry, direction; ///< the direction has length 1; fourth lanes 0
+    Float4 inverse;          ///< of the direction's components, huge for those near 0
+    Float8 shading;          ///< what shading needs to know, by RayNumber
+    float shift;             ///< of the samples
+    float span;              ///< from entry to exit
+    int samples;             ///< that represent the span
+    int pixel;
+};
+
+/// The numbers of RayTask::shading.
+enum RayNumber {
+    kViewX, ///< direction in world space, of length 1
+    kViewY,
+    kViewZ,
+    kFaceLit,      ///< the share of its colour that the face shows through which the ray comes in; negative: no face
+    kFaceWhite,    ///< the light that face adds to it
+    kEntryDepth,   ///< along the view axis [world]
+    kDepthPerStep,
+};
+
+/// Samples that are seen and wait to be shaded, of any rays, side by side.
+///
+/// They wait until there are twice as many as are shaded at once: what has just been stored piecewise cannot be loaded as
+/// a whole without waiting for the stores.
+struct ShadeQueue {
+    static constexpr int kCapacity = 256;
+
+    float fraction[3][kCapacity]; ///< place in the cell
+    unsigned record[kCapacity];   ///< number of the record at the cell's lowest corner
+    int task[kCapacity];          ///< number of the ray
+    float place[kCapacity];       ///< along the ray [steps]
+    float weight[kCapacity];      ///< in the pixel
+    float texture[kCapacity], magnitude[kCapacity];
+    int begin = 0, end = 0;
+
+    [[nodiscard]] VDBLIC_INLINE bool ready() const { return end - begin >= 2 * kLanes; }
+
+    /// Append some lanes to one of the arrays; `end` stays. @param order the lanes, of kPacking
+    template<typename T, typename Vector>
+    VDBLIC_INLINE void put(T* array, Vector values, Int8 order) const
+    {
+        const Vector packed = __builtin_shuffle(values, order);
+        std::memcpy(array + end, &packed, sizeof packed);
+    }
+
+    /// Forget the first eight.
+    VDBLIC_INLINE void pop()
+    {
+        begin += kLanes;
+        if (begin < kCapacity - 4 * kLanes) return;
+        const auto shift = [&](auto* array) { std::memmove(array, array + begin, 2 * kLanes * sizeof *array); };
+        for (float* array : {fraction[0], fraction[1], fraction[2], place, weight, texture, magnitude})
+            shift(array);
+        shift(record);
+        shift(task);
+        end -= begin;
+        begin = 0;
+    }
+};
+
+/// What the samples of a ray add up to.
+struct alignas(16) RaySum {
+    Float4 color{};      ///< red, green, blue, premultiplied
+    Float4 normal{};     ///< times weight, as what follows
+    Float4 numbers{};    ///< depth, magnitude, texture
+    float alpha = 0;
+    float halo = 0;      ///< the part of alpha that is halo
+    float haloPlace = 0; ///< along the ray [steps], times that
+    int samples = 0;
+};
+
+} // namespace vdblic

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdblic {
+
+/// A light so far away that its rays are parallel.
+struct DirectionalLight {
+    glm::dvec3 direction; ///< towards the light, world space; any length but 0
+    double intensity = 1;
+};
+
+/// What a sample is lit as.
+enum class ShadingModel {
+    kSurface, ///< a surface, its normal the texture's gradient: Phong's reflection
+    kLine,    ///< a thin line along the direction the texture changes least in (Zöckler, Stalling & Hege 1996)
+    kNone,    ///< not at all: colours are the transfer function's
+};
+
+/// @throws ParameterError if the name is none of phong, lines, none
+[[nodiscard]] ShadingModel shadingModel(std::string_view name);
+[[nodiscard]] std::string_view shadingModelName(ShadingModel model);
+
+/// Ambient, diffuse and specular reflection of white lights: one at the eye, and directional ones.
+///
+/// Samples have no outer side; they are lit on the side that is seen. A highlight's power is Schlick's rational
+/// form of it (Graphics Gems IV, 1994). A line is lit by its two-dimensional family of normals: 1 − (l·t)² takes the place of
+/// Phong's n·l, as after Banks (1994) squared so that not everything is bright.
+struct Shading {
+    ShadingModel model = ShadingModel::kSurface;
+    float ambient = 0.45f;
+    float diffuse = 0.9f;
+    float specular = 0.2f;
+    float shininess = 12;
+    float headLight = 1; ///< intensity of the light at the eye
+    std::vector<DirectionalLight> lights{};
+    /// Gradients of the stretched texture [1/voxel] much below this are no surface and are not lit.
+    float leastGradient = 0.08f;
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+} // namespace vdblic

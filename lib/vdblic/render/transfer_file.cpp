@@ -1,0 +1,72 @@
+#include "vdblic/render/transfer_file.h"
+
+#include "vdblic/core/errors.h"
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+namespace vdblic {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Rows of as many numbers. @throws ParameterError
+std::vector<std::vector<double>> rows(const Json& value, const std::string& key, std::size_t count)
+{
+    std::vector<std::vector<double>> result;
+    const bool good = value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), [&](const Json& row) {
+        return row.is_array() && row.size() == count &&
+               std::all_of(row.begin(), row.end(), [](const Json& number) { return number.is_number(); });
+    });
+    if (!good) throw ParameterError(fmt::format("'{}' must be a list of lists of {} numbers", key, count));
+    for (const Json& row : value)
+        result.push_back(row.get<std::vector<double>>());
+    return result;
+}
+
+void readKey(const std::string& key, const Json& value, TransferParams& params)
+{
+    if (key == "range") {
+        const std::vector<double> range = rows(Json::array({value}), key, 2).front();
+        params.range = {range[0], range[1]};
+    } else if (key == "colormap") {
+        if (!value.is_string()) throw ParameterError("'colormap' must be a name");
+        params.colorMap = value.get<std::string>();
+        params.colors.clear();
+    } else if (key == "colors") {
+        params.colors.clear();
+        for (const auto& row : rows(value, key, 4))
+            params.colors.push_back({row[0], {row[1], row[2], row[3]}});
+    } else if (key == "opacity") {
+        params.opacity.clear();
+        for (const auto& row : rows(value, key, 2))
+            params.opacity.push_back({row[0], row[1]});
+    } else {
+        throw ParameterError(fmt::format("'{}' is none of range, colormap, colors, opacity", key));
+    }
+}
+
+} // namespace
+
+void readTransferFile(const std::filesystem::path& path, TransferParams& params)
+{
+    std::ifstream stream(path);
+    if (!stream) throw InputError(fmt::format("{}: cannot be read", path.string()));
+    try {
+        const Json file = Json::parse(stream);
+        if (!file.is_object()) throw ParameterError("it must be an object, {\"opacity\": ...}");
+        if (file.contains("colormap") && file.contains("colors")) {
+            throw ParameterError("'colormap' and 'colors' exclude each other");
+        }
+        for (const auto& [key, value] : file.items())
+            readKey(key, value, params);
+        params.validate();
+    } catch (const Json::exception& error) {
+        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+    } catch (const ParameterError& error) {
+        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+    }
+}
+
+} // namespace vdblic
