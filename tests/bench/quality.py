@@ -12,8 +12,8 @@ import subprocess
 import sys
 import tempfile
 
-METHODS = [("UFLIC", life, None) for life in (4, 8)] + [("AUFLIC", life, window) for life in (4, 8, 16)
-                                                        for window in (0.125, 0.25, 0.5, 1)]
+METHODS = [("LIC", 4, None), ("UFLIC", 4, None), ("UFLIC", 8, None)] + \
+          [("AUFLIC", life, window) for life, window in ((4, 0.125), (4, 0.25), (4, 0.5), (4, 1), (8, 0.25), (16, 0.25))]
 FILTERS = [("mix", share, sharpen) for sharpen in (0.5, 1, 2) for share in (0.05, 0.1, 0.2)] + \
           [("bits", None, sharpen) for sharpen in (0.5, 1, 2)]
 HEADER = "| {} | temporal | same place | along [voxels] | across [voxels] | deviation |\n|---|---|---|---|---|---|"

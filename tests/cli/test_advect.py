@@ -68,6 +68,19 @@ class Advect(ToolTest):
         for bad in "helicity", "q,q", "":
             self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--with", bad)
 
+    def test_lic_of_each_frame_on_its_own(self):
+        """A frame is the same whatever comes before it, and smoother than its noise."""
+        lic = "--method", "lic", "--kernel", "box"
+        paths = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "2-4", *lic)
+        alone = self.outputs("vdblic_advect", WAKE, "-o", "alone.%04d.vdb", "--frames", "3", *lic)[0]
+        numpy.testing.assert_array_equal(values(paths[1])[0], values(alone)[0])
+        metadata = vdb.readMetadata(str(alone))
+        self.assertEqual((metadata["method"], metadata["kernel"]), ("lic", "box"))
+        self.assertNotIn("release_window", metadata)
+        array, _ = values(alone)
+        self.assertLess(array[array > 0].std(), 0.2)  # the noise has 0.29
+        self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--method", "lic", "--kernel", "gauss")
+
     def test_metadata(self):
         path = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "3-4", "--life", "5", "--seed", "9")[0]
         metadata = vdb.readMetadata(str(path))

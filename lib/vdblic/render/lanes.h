@@ -69,18 +69,23 @@ VDBLIC_INLINE unsigned laneBits(Int8 mask)
 }
 
 /// For each set of lanes, the lanes of the set in rising order, at the front.
-alignas(32) inline constexpr auto kPacking = [] {
-    std::array<Int8, 256> order{};
-    for (unsigned bits = 0; bits < 256; ++bits) {
-        int lanes[kLanes] = {};
-        int count = 0;
-        for (int lane = 0; lane < kLanes; ++lane) {
-            if (bits >> lane & 1) lanes[count++] = lane;
+struct Packing {
+    Int8 order[256]{};
+
+    constexpr Packing()
+    {
+        for (unsigned bits = 0; bits < 256; ++bits) {
+            int lanes[kLanes] = {};
+            int count = 0;
+            for (int lane = 0; lane < kLanes; ++lane) {
+                if (bits >> lane & 1) lanes[count++] = lane;
+            }
+            order[bits] = Int8{lanes[0], lanes[1], lanes[2], lanes[3], lanes[4], lanes[5], lanes[6], lanes[7]};
         }
-        order[bits] = Int8{lanes[0], lanes[1], lanes[2], lanes[3], lanes[4], lanes[5], lanes[6], lanes[7]};
     }
-    return order;
-}();
+    VDBLIC_INLINE Int8 operator[](unsigned bits) const { return order[bits]; }
+};
+inline constexpr Packing kPacking;
 
 /// Eight rows of eight numbers into eight columns.
 VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)

@@ -23,7 +23,7 @@ int everySecondBit(int i)
 PixelLayers layersOf(const RaySum& sum, const RayTask& task)
 {
     PixelLayers layers;
-    layers.samples = std::uint32_t(sum.samples);
+    layers.samples = float(sum.samples);
     if (!(sum.alpha > 0)) return layers;
     const float haloDepth = task.shading[kEntryDepth] * sum.halo + task.shading[kDepthPerStep] * sum.haloPlace;
     layers.depth = (sum.numbers[0] + haloDepth) / sum.alpha;

@@ -5,23 +5,25 @@
 namespace vdblic {
 namespace {
 
-template<typename Number>
 struct SamplePlace {
-    Number place, length;
+    float place, length;
+};
+struct SamplePlaces {
+    Float8 place, length;
 };
 
 /// Where a ray's sample lies and how much of the ray it stands for, in steps.
 ///
 /// Samples are a step apart. What one stands for ends half-way to the next, the first's and the last's at the ends of the
 /// span, and it lies in the middle of that: so a uniform medium is integrated exactly whatever the shift is.
-VDBLIC_INLINE SamplePlace<Float8> samplePlace(Int8 sample, Float8 shift, Float8 span)
+VDBLIC_INLINE SamplePlaces samplePlace(Int8 sample, Float8 shift, Float8 span)
 {
     const Float8 n = __builtin_convertvector(sample, Float8) + shift;
     const Float8 begin = sample > 0 ? n - 0.5f : Float8{}, after = n + 0.5f;
     const Float8 end = after < span ? after : span;
     return {(begin + end) * 0.5f, end - begin};
 }
-VDBLIC_INLINE SamplePlace<float> samplePlace(int sample, float shift, float span)
+VDBLIC_INLINE SamplePlace samplePlace(int sample, float shift, float span)
 {
     const float n = float(sample) + shift;
     const float begin = sample > 0 ? n - 0.5f : 0, after = n + 0.5f;
@@ -158,7 +160,7 @@ VDBLIC_INLINE void RayKernel::refill(const RayTask* tasks, Lanes& lanes, int lan
 /// Texture and magnitude at the lanes' samples.
 VDBLIC_INLINE void RayKernel::sample(const Lanes& lanes, Sample& result) const
 {
-    const SamplePlace<Float8> sample = samplePlace(lanes.sample, lanes.shift, lanes.span);
+    const SamplePlaces sample = samplePlace(lanes.sample, lanes.shift, lanes.span);
     result.place = sample.place;
     result.length = sample.length;
     const Float8 distance = sample.place * mStep;
