@@ -8,12 +8,13 @@ namespace {
 
 void setMethod(vdblic::AdvectParams& params, const std::string& method, const std::string& kernel)
 {
+    const vdblic::LicKernel licKernel = vdblic::parseLicKernel(kernel);
     if (method == "auflic") {
         params.scatter.method = vdblic::ScatterMethod::kAuflic;
     } else if (method == "uflic") {
         params.scatter.method = vdblic::ScatterMethod::kUflic;
     } else if (method == "lic") {
-        params.steady = vdblic::parseLicKernel(kernel);
+        params.steady = licKernel;
     } else {
         throw vdblic::ParameterError(fmt::format("method '{}' is none of auflic, uflic and lic", method));
     }

@@ -45,9 +45,21 @@ LEGAL = {
     "--hard-fail": {"0", "1e308", "99999999999999999999"},
     "--warn": {"0", "1e308", "99999999999999999999"},
     "--range": {"99999999999999999999"},
+    "--background-alpha": {"0"},
+    "--orbit": {"0"},
+    "--limb-darkening": {"0"},
+    "--depth-cue": {"0"},
+    "--ambient": {"0", "99999999999999999999"},
+    "--diffuse": {"0", "99999999999999999999"},
+    "--specular": {"0", "99999999999999999999"},
+    "--shininess": {"0", "99999999999999999999"},
+    "--head-light": {"0", "99999999999999999999"},
+    "--halo": {"0", "1e308", "99999999999999999999"},
+    "--light": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},  # a direction of any length, but for three zeros
+    "--clip-plane": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
-         "--ignore-metadata"}
+         "--ignore-metadata", "--camera", "--transfer", "--roi", "--by"}
 
 
 def options(help_text):
@@ -128,7 +140,8 @@ class HostileParameters(ToolTest):
                     with self.subTest(tool=tool, option=name, value=value):
                         # Not the same for all: two ends must differ.
                         done = self.run_tool(*self.command(tool, name, ["0"] * (count - 1) + [value]), timeout=20)
-                        if (name, value) not in (("--up", "0"), ("--bbox", "-1"), ("--bbox-world", "-1"),
+                        if (name, value) not in (("--up", "0"), ("--light", "0"), ("--clip-plane", "0"),
+                                                 ("--bbox", "-1"), ("--bbox-world", "-1"),
                                                  ("--bbox-world", "-1e308"), ("--bbox-world", "-inf")):
                             self.assertIn(done.returncode, (0, 1, 3), done.stderr)
 
