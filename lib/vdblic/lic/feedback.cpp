@@ -247,7 +247,8 @@ struct FeedForward {
             if (!deepInside || anyOf(maskOf(lanes) & (reach2 >= float(Domain::Leaf::DIM * Domain::Leaf::DIM)))) {
                 renewEntering(window, centre, way, lanes, value);
             }
-            const Int8 history = toFixed(upstream.texture);
+            // The texture alone would be smoothed again in each generation, and streaks grow until nothing seems to move.
+            const Int8 history = (toFixed(upstream.texture) + value) >> 1;
             for (int z = 0; z < 8; ++z) {
                 if (lanes >> z & 1)
                     input[8 * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));

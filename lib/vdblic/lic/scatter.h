@@ -62,8 +62,8 @@ struct Generation {
     static constexpr std::uint64_t hits(std::uint32_t word) { return Hits::pack(word >> 8, word & 255); }
 };
 
-/// What a step starts from at a voxel, packed into one word: the value that its seed takes up, and the texture that was
-/// there before it was filtered, which is what a pathline through the voxel carries. Both 0 to 65535.
+/// What a step starts from at a voxel, packed into one word: the value that its seed takes up, and what a pathline through
+/// the voxel is taken to carry already. Both 0 to 65535.
 struct Input {
     static constexpr std::int32_t pack(std::uint32_t value, std::uint32_t history)
     {
