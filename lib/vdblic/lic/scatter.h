@@ -16,8 +16,9 @@ struct ScatterParams {
     int lifeSpan = 4;            ///< time steps over which a seed scatters its value
     float releaseWindow = 0.25f; ///< AUFLIC: the part of a step, from its start, in which a seed may be released
     /// AUFLIC: a pathline that is blocked ends at once, its values going to the one that began the step in the same voxel
-    /// if there is one; and a new pathline starts with the values that one through its voxel would carry. Without, both are as in the paper: what a blocked pathline carries goes on to the end of its
-    /// life span, and a new one carries nothing but its own seeds.
+    /// if there is one; and a new pathline starts with the values that one through its voxel would carry. Without, both
+    /// are as in the paper: what a blocked pathline carries goes on to the end of its life span, and a new one carries
+    /// nothing but its own seeds.
     bool history = true;
     PathlineParams pathline;
 
