@@ -33,13 +33,14 @@ int main(int argc, char** argv)
 {
     using namespace vdblic;
     AdvectParams params;
-    std::string method = "auflic", kernel = "hann", nonFinite = "refuse", unit, jitter(toString(params.feedback.jitter));
+    std::string method = "auflic", kernel = "hann", nonFinite = "refuse", unit,
+                jitter(toString(params.feedback.jitter));
     std::optional<double> fps;
 
     cli::Tool tool("vdblic_advect", "Compute flow textures from a velocity sequence.");
     tool.inputSequence("VELOCITY", params.input, "Velocity sequence.");
     tool.output(params.output, "Texture files, such as lic.%04d.vdb.");
-    tool.option("--method", method, 
+    tool.option("--method", method,
                 "auflic: accelerated UFLIC; uflic: a seed for every voxel and step; lic: each frame on its own.");
     tool.option("--kernel", kernel, "lic: weights along a streamline, hann or box.");
     tool.option("--life", params.scatter.lifeSpan, "Life span of a seed, with lic the length of the kernel [frames].");

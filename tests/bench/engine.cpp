@@ -177,7 +177,8 @@ json row(const std::string& name, const Figures& f)
 {
     const auto per = [&](double amount) { return amount / f.voxels; };
     const auto live = double(f.stats.particles + f.stats.released);
-    std::printf("| %-34s | %7.1f | %5.1f | %5.1f | %5.1f | %5.1f | %5.2f | %5.2f | %6.2f | %5.1f | %.3f / %.3f | %4.1f | %.3f |\n",
+    std::printf("| %-34s | %7.1f | %5.1f | %5.1f | %5.1f | %5.1f | %5.2f | %5.2f | %6.2f | %5.1f | %.3f / %.3f | %4.1f "
+                "| %.3f |\n",
                 name.c_str(), f.nanoseconds, 1e9 * per(f.times.load), 1e9 * per(f.times.scatter),
                 1e9 * per(f.times.convolve), 1e9 * per(f.times.filter), per(live), per(double(f.stats.steps)),
                 per(double(f.stats.deposits)), per(double(f.stats.hits)), mean(f.temporal), mean(f.smoothed),
@@ -203,9 +204,10 @@ json row(const std::string& name, const Figures& f)
 
 void header(const char* title)
 {
-    std::printf("\n%s\n\n| | ns per voxel and frame | load | scatter | convolve | filter | live | steps | deposits | hits "
-                "| temporal raw / smoothed | along | deviation |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-                title);
+    std::printf(
+        "\n%s\n\n| | ns per voxel and frame | load | scatter | convolve | filter | live | steps | deposits | hits "
+        "| temporal raw / smoothed | along | deviation |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        title);
 }
 
 ScatterParams scatterParams(ScatterMethod method, int lifeSpan, float window, bool history)

@@ -5,8 +5,8 @@ namespace vdblic::bench {
 void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fields, Float4 position,
                              std::uint64_t value)
 {
-    constexpr float kLeast = 1e-3f;         // of a step: gets a particle over the face it was clamped to
-    constexpr float kLengthUnits = 16;      // weights are sixteenths of a voxel
+    constexpr float kLeast = 1e-3f;    // of a step: gets a particle over the face it was clamped to
+    constexpr float kLengthUnits = 16; // weights are sixteenths of a voxel
     constexpr int kMostSteps = 400;
     float time = 0;
     for (int steps = 0; time < float(mLifeSpan) - kLeast && steps < kMostSteps; ++steps) {

@@ -7,9 +7,9 @@
 
 namespace vdblic::bench {
 
-/// UFLIC as Shen & Kao 1998 and Table 1 of Liu & Moorhead 2004 describe it: a seed from every voxel's centre, Euler steps
-/// clamped to the faces of voxels, values weighted by the length of the way through each voxel, one scattering process
-/// after the other into a ring of buckets. On one thread.
+/// UFLIC as Shen & Kao 1998 and Table 1 of Liu & Moorhead 2004 describe it: a seed from every voxel's centre, Euler
+/// steps clamped to the faces of voxels, values weighted by the length of the way through each voxel, one scattering
+/// process after the other into a ring of buckets. On one thread.
 class EulerUflic {
   public:
     EulerUflic(int lifeSpan, const NoiseField& noise) : mLifeSpan(std::size_t(lifeSpan)), mNoise(noise) {}

@@ -29,13 +29,17 @@ void requireSameFrame(const vdblic::FramePattern& pattern)
 void parse(char what, std::string_view text)
 {
     switch (what) {
-    case 'f': requireAscending(vdblic::parseFrameList(text)); break;
+    case 'f':
+        requireAscending(vdblic::parseFrameList(text));
+        break;
     case 'p': {
         const vdblic::FramePattern pattern(text);
         if (pattern.hasField()) requireSameFrame(pattern);
         break;
     }
-    case 'n': (void)vdblic::frameOfName(text); break;
+    case 'n':
+        (void)vdblic::frameOfName(text);
+        break;
     case 'g':
         if (vdblic::parseGridReference(text).path.empty()) std::abort();
         break;
@@ -47,7 +51,8 @@ void parse(char what, std::string_view text)
     case 'm':
         if (vdblic::parseMemory(text) == 0) std::abort();
         break;
-    default: break;
+    default:
+        break;
     }
 }
 

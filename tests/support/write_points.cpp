@@ -23,8 +23,9 @@ int main(int argc, char** argv)
     const auto transform = openvdb::math::Transform::createLinearTransform(0.5);
     const openvdb::points::PointAttributeVector<openvdb::Vec3f> places(positions);
     const auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(places, *transform);
-    auto grid = openvdb::points::createPointDataGrid<openvdb::points::FixedPointCodec<false>,
-                                                     openvdb::points::PointDataGrid>(*index, places, *transform);
+    auto grid =
+        openvdb::points::createPointDataGrid<openvdb::points::FixedPointCodec<false>, openvdb::points::PointDataGrid>(
+            *index, places, *transform);
     openvdb::points::appendAttribute<float>(grid->tree(), "mass");
     openvdb::points::populateAttribute(grid->tree(), index->tree(), "mass",
                                        openvdb::points::PointAttributeVector<float>(masses));

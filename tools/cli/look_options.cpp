@@ -26,10 +26,12 @@ LookOptions::LookOptions(Tool& tool)
                    "Opacity of one voxel over the range of magnitudes, e.g. 0:0,0.4:0.05,1:0.8. By default it rises "
                    "with magnitude, scaled so that one sees into the volume.")
         ->type_name("POSITION:OPACITY,...");
-    app.add_option("--range", mRange, "Magnitudes at positions 0 and 1 [world/s]; percentiles of the frames by default.")
+    app.add_option("--range", mRange,
+                   "Magnitudes at positions 0 and 1 [world/s]; percentiles of the frames by default.")
         ->type_name("LO HI");
     app.add_option("--modulate", mModulate, "How strongly the texture shows in opacity, 0 to 1.");
-    app.add_option("--limb-darkening", mLimb, "How strongly the texture shows in colour: dark rims of streaks, 0 to 1.");
+    app.add_option("--limb-darkening", mLimb,
+                   "How strongly the texture shows in colour: dark rims of streaks, 0 to 1.");
 
     app.add_option("--shading", mShading,
                    "phong: by the texture's gradient; lines: as thin lines, by the direction the texture changes least "

@@ -41,9 +41,8 @@ std::vector<std::filesystem::path> filesOf(const SequenceParams& input)
     std::vector<std::int64_t> frames = pattern.framesOnDisk();
     if (!input.frames.empty()) {
         const std::vector<std::int64_t> chosen = parseFrameList(input.frames);
-        std::erase_if(frames, [&](std::int64_t frame) {
-            return !std::binary_search(chosen.begin(), chosen.end(), frame);
-        });
+        std::erase_if(frames,
+                      [&](std::int64_t frame) { return !std::binary_search(chosen.begin(), chosen.end(), frame); });
     }
     std::vector<std::filesystem::path> files;
     for (const std::int64_t frame : frames)
@@ -142,7 +141,8 @@ void Tool::verify(Reporter& reporter) const
     }
     for (std::size_t i = 0; i + 1 < damaged.size(); ++i)
         reporter.warn(damaged[i]);
-    if (!damaged.empty()) throw InputError(fmt::format("{}; {} of {} files are damaged", damaged.back(), damaged.size(), files));
+    if (!damaged.empty())
+        throw InputError(fmt::format("{}; {} of {} files are damaged", damaged.back(), damaged.size(), files));
     reporter.say(fmt::format("{} files are in order, {} of them by their checksums", files, withChecksums));
 }
 

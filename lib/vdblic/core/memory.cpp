@@ -48,8 +48,8 @@ std::uint64_t groupLimit()
 
 std::uint64_t memoryLimit()
 {
-    std::uint64_t least = std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)),
-                                   groupLimit());
+    std::uint64_t least =
+        std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)), groupLimit());
     rlimit own{};
     if (::getrlimit(RLIMIT_DATA, &own) == 0 && own.rlim_cur != RLIM_INFINITY) {
         least = std::min(least, std::uint64_t(own.rlim_cur));

@@ -28,8 +28,9 @@ struct Numbers<8> {
 /// positive direction, so that a cell's eight corners always lie in one brick.
 ///
 /// A record is four or eight numbers, loaded and interpolated together. Records are premultiplied by their voxel's
-/// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: the interpolated values over the interpolated coverage are then the mean over the corners
-/// that have values. At the rim of a domain this continues the values of the last voxels, as clamping does.
+/// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: the interpolated values over the
+/// interpolated coverage are then the mean over the corners that have values. At the rim of a domain this continues the
+/// values of the last voxels, as clamping does.
 ///
 /// Filling is done once; any number of threads may sample.
 template<int kNumbers>
@@ -164,8 +165,8 @@ class BricksOf {
 using Bricks = BricksOf<8>;
 using Record = Bricks::Record;
 
-/// Visit the 9³ voxels of a leaf's brick in its domain: visit(record index, leaf, offset), the leaf −1 where there is no
-/// voxel of the domain.
+/// Visit the 9³ voxels of a leaf's brick in its domain: visit(record index, leaf, offset), the leaf −1 where there is
+/// no voxel of the domain.
 template<typename Visit>
 void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
 {

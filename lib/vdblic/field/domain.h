@@ -76,7 +76,8 @@ class Domain {
 
 /// A leaf and the 26 around it: finds the leaves of eight voxels at once.
 ///
-/// Places in the window count from 0 to 26, x slowest; kCentre is the leaf itself, kElsewhere what lies outside the window.
+/// Places in the window count from 0 to 26, x slowest; kCentre is the leaf itself, kElsewhere what lies outside the
+/// window.
 struct LeafWindow {
     static constexpr int kCentre = 13, kElsewhere = 27;
 

@@ -18,7 +18,10 @@ constexpr std::size_t kDigits = 16;
 /// The hash of some of a file's bytes.
 class RangeHash {
   public:
-    explicit RangeHash(std::istream& stream) : mStream(stream), mBlock(std::size_t(1) << 18) { XXH3_64bits_reset(&mState); }
+    explicit RangeHash(std::istream& stream) : mStream(stream), mBlock(std::size_t(1) << 18)
+    {
+        XXH3_64bits_reset(&mState);
+    }
 
     void add(std::uint64_t begin, std::uint64_t end)
     {
@@ -101,8 +104,8 @@ void verifyChecksums(std::istream& stream, const VdbLayout& layout, std::uint64_
     if (damaged.empty() && differs(0)) damaged = "its header";
     if (damaged.empty() && end != size) damaged = "its end";
     if (!damaged.empty()) {
-        throw InputError(fmt::format("{} is damaged: the checksum is not that of its bytes; make or copy the file again",
-                                     damaged));
+        throw InputError(
+            fmt::format("{} is damaged: the checksum is not that of its bytes; make or copy the file again", damaged));
     }
 }
 

@@ -104,9 +104,9 @@ class GuardedFile {
             result.metadata = *input.getMetadata();
             return result;
         } catch (const std::ios::failure&) {
-            fail(mStream.eof()  ? "it ends too early"
-                 : errno != 0 ? std::generic_category().message(errno)
-                              : "it is damaged");
+            fail(mStream.eof() ? "it ends too early"
+                 : errno != 0  ? std::generic_category().message(errno)
+                               : "it is damaged");
         } catch (const std::bad_alloc&) {
             fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise --max-memory",
                              memoryText(double(memoryLimit()))));

@@ -21,8 +21,8 @@ constexpr std::uint32_t kCompressionFlags = 7; // zip, active values, blosc
 constexpr std::uint32_t kLongestName = 4096;
 
 constexpr std::array<std::string_view, 8> kTransforms = {
-    "AffineMap",         "ScaleMap",       "UniformScaleMap",          "TranslationMap",
-    "ScaleTranslateMap", "UnitaryMap",     "UniformScaleTranslateMap", "NonlinearFrustumMap",
+    "AffineMap",         "ScaleMap",   "UniformScaleMap",          "TranslationMap",
+    "ScaleTranslateMap", "UnitaryMap", "UniformScaleTranslateMap", "NonlinearFrustumMap",
 };
 
 /// Types of metadata of one size. OpenVDB reads that many bytes whatever size the file says.
@@ -149,8 +149,9 @@ VdbLayout::Grid readGrid(Cursor& cursor, std::uint32_t version, bool seekable, s
     if (seekable) {
         const auto here = std::int64_t(cursor.at());
         if (!(here <= head && head <= blocks && blocks <= end && std::uint64_t(end) <= size)) {
-            throw InputError(fmt::format("the offsets {}, {}, {} of grid '{}' at {} do not lie in order in its {} bytes",
-                                         head, blocks, end, grid.name, here, size));
+            throw InputError(
+                fmt::format("the offsets {}, {}, {} of grid '{}' at {} do not lie in order in its {} bytes", head,
+                            blocks, end, grid.name, here, size));
         }
         cursor.seek(std::uint64_t(head));
         grid.end = std::uint64_t(end);
@@ -174,8 +175,8 @@ VdbLayout readLayout(std::istream& stream, std::uint64_t size)
     }
     const auto version = cursor.value<std::uint32_t>("the header");
     if (version < kFirstVersion || version > kLastVersion) {
-        throw InputError(fmt::format("it has the format version {}; {} to {} can be read", version, kFirstVersion,
-                                     kLastVersion));
+        throw InputError(
+            fmt::format("it has the format version {}; {} to {} can be read", version, kFirstVersion, kLastVersion));
     }
     cursor.skip(2 * sizeof(std::uint32_t), "the header"); // the library's version
     layout.seekable = cursor.value<char>("the header") != 0;

@@ -9,7 +9,8 @@ namespace vdblic {
 
 /// Where the parts of a .vdb file lie.
 struct VdbLayout {
-    /// One grid: its descriptor, transform and metadata, tree, and voxels, from `begin` to `end`. Offsets into the file.
+    /// One grid: its descriptor, transform and metadata, tree, and voxels, from `begin` to `end`. Offsets into the
+    /// file.
     struct Grid {
         std::string name, type;
         std::uint64_t begin = 0, end = 0;

@@ -90,8 +90,8 @@ void VelocityParams::validate() const
 {
     constexpr double kLeast = 1e-18, kMost = 1e18; // velocities are single precision
     if (!(std::abs(scale) >= kLeast && std::abs(scale) <= kMost)) {
-        throw ParameterError(fmt::format("velocity scale {} must be {} to {}, or the negative of that", scale, kLeast,
-                                         kMost));
+        throw ParameterError(
+            fmt::format("velocity scale {} must be {} to {}, or the negative of that", scale, kLeast, kMost));
     }
 }
 

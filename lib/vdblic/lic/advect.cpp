@@ -205,12 +205,13 @@ class Advection {
         metadata.insertMeta("frame", openvdb::Int64Metadata(frame.velocity.file.frame));
         metadata.insertMeta("time", openvdb::DoubleMetadata(mTime));
         metadata.insertMeta("dt", openvdb::DoubleMetadata(seconds));
-        mReporter.detail(fmt::format(
-            "frame {}: {} voxels; particles: {} went on, {} blocked, {} released; seeds: {} reused, {} copied; {} steps, {} "
-            "deposits; seconds: load {:.3f}, scatter {:.3f}, convolve {:.3f}, filter {:.3f}",
-            frame.velocity.file.frame, frame.flow.domain->voxelCount(), step.stats.particles, step.stats.blocked,
-            step.stats.released, step.stats.reused, step.stats.copied, step.stats.steps, step.stats.deposits,
-            step.times.load, step.times.scatter, step.times.convolve, step.times.filter));
+        mReporter.detail(fmt::format("frame {}: {} voxels; particles: {} went on, {} blocked, {} released; seeds: {} "
+                                     "reused, {} copied; {} steps, {} "
+                                     "deposits; seconds: load {:.3f}, scatter {:.3f}, convolve {:.3f}, filter {:.3f}",
+                                     frame.velocity.file.frame, frame.flow.domain->voxelCount(), step.stats.particles,
+                                     step.stats.blocked, step.stats.released, step.stats.reused, step.stats.copied,
+                                     step.stats.steps, step.stats.deposits, step.times.load, step.times.scatter,
+                                     step.times.convolve, step.times.filter));
         mWriter.write(mPattern.path(frame.velocity.file.frame), std::move(grids), std::move(metadata));
     }
 

@@ -27,9 +27,10 @@ struct AdvectParams {
     ScatterParams scatter;
     FeedbackParams feedback;
     std::optional<LicKernel> steady; ///< LIC of each frame on its own, instead of scatter.method
-    std::string noise;          ///< FILE or FILE:GRID; empty: generated from the seed
-    std::uint32_t seed = 1;     ///< of the generated noise
-    std::optional<int> preroll; ///< steps on the frozen first frame before it is written; nothing: the life span, 0 for LIC
+    std::string noise;               ///< FILE or FILE:GRID; empty: generated from the seed
+    std::uint32_t seed = 1;          ///< of the generated noise
+    std::optional<int>
+        preroll; ///< steps on the frozen first frame before it is written; nothing: the life span, 0 for LIC
     std::string textureName = "density";
     std::vector<std::string> derived{}; ///< further grids made of the velocity, by kDerivedNames
 

@@ -137,8 +137,7 @@ void addTemporal(const Scene& scene, const std::vector<Point>& points, BlockSums
         advancePaths(scene.field, anywhere, scene.params.pathline, batch);
         for (int lane = 0; lane < count; ++lane) {
             const Point& point = points[first + std::size_t(lane)];
-            const auto there = scene.next->sample(batch.position.lane(lane)),
-                       same = scene.next->sample(point.position);
+            const auto there = scene.next->sample(batch.position.lane(lane)), same = scene.next->sample(point.position);
             if (!(batch.arrived >> lane & 1) || !there.inside || !same.inside) continue;
             sums.raw.temporal.add(point.here.raw, there.raw);
             sums.raw.samePlace.add(point.here.raw, same.raw);

@@ -198,8 +198,7 @@ LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>&
             const std::int64_t word = accumulator[leaf][i];
             if (word < 0) continue;
             const std::uint64_t sum = Hits::sum(std::uint64_t(word)), count = Hits::count(std::uint64_t(word));
-            const float value =
-                count > 0 ? float(double(sum) / double(count)) : float(Input::value(input[leaf][i]));
+            const float value = count > 0 ? float(double(sum) / double(count)) : float(Input::value(input[leaf][i]));
             texture[leaf][i] = value / kFull;
         }
     });
@@ -247,7 +246,8 @@ struct FeedForward {
             if (!deepInside || anyOf(maskOf(lanes) & (reach2 >= float(Domain::Leaf::DIM * Domain::Leaf::DIM)))) {
                 renewEntering(window, centre, way, lanes, value);
             }
-            // The texture alone would be smoothed again in each generation, and streaks grow until nothing seems to move.
+            // The texture alone would be smoothed again in each generation, and streaks grow until nothing seems to
+            // move.
             const Int8 history = (toFixed(upstream.texture) + value) >> 1;
             for (int z = 0; z < 8; ++z) {
                 if (lanes >> z & 1)

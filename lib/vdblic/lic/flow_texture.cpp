@@ -43,8 +43,7 @@ FlowTextureStep FlowTexture::advance(const FlowStep& step)
     Stopwatch watch;
     FlowTextureStep result;
     if (mSteady) {
-        result.texture =
-            steadyLic(step.start, step.startToStep, mParams.lifeSpan, *mSteady, mParams.pathline, mNoise);
+        result.texture = steadyLic(step.start, step.startToStep, mParams.lifeSpan, *mSteady, mParams.pathline, mNoise);
         result.times.convolve = watch.lap();
         return result;
     }

@@ -56,7 +56,8 @@ LocalContrast::Row LocalContrast::Leaf::row(int x, int y) const
             return mMoments[std::size_t(((inX.first + i) * kAround + inY.first + j) * kAround + k)];
         };
         const auto mix = [](Float4 a, Float4 b, float t) { return a + (b - a) * t; };
-        along[std::size_t(k)] = mix(mix(at(0, 0), at(0, 1), inY.weight), mix(at(1, 0), at(1, 1), inY.weight), inX.weight);
+        along[std::size_t(k)] =
+            mix(mix(at(0, 0), at(0, 1), inY.weight), mix(at(1, 0), at(1, 1), inY.weight), inX.weight);
     }
     Float8 count, sum, squares;
     for (int z = 0; z < 8; ++z) {

@@ -72,7 +72,8 @@ VDBLIC_KERNEL void sumLeaf(const Domain& domain, const LeafValues<float>& values
         return;
     }
     const auto maskRow = [&](int leaf, int x, int y) {
-        const int bits = leaf < 0 ? 0 : domain.mask(std::size_t(leaf)).getWord<std::uint8_t>(openvdb::Index(x * kLeafDim + y));
+        const int bits =
+            leaf < 0 ? 0 : domain.mask(std::size_t(leaf)).getWord<std::uint8_t>(openvdb::Index(x * kLeafDim + y));
         const Int8 on = maskOf(unsigned(bits));
         return on ? broadcast8(1) : Float8{};
     };

@@ -7,7 +7,8 @@
 
 namespace vdblic {
 
-/// A pathline in the making: where it is now. The values it carries stand beside it, a word for each of its generations.
+/// A pathline in the making: where it is now. The values it carries stand beside it, a word for each of its
+/// generations.
 struct Particle {
     static constexpr int kRankBits = 40; // of the id
 

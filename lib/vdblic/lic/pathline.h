@@ -162,7 +162,8 @@ struct PathSamples {
 VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, const LeafWindow& window, float spacing,
                                float until, PathSamples& samples)
 {
-    // The least speed keeps a path at rest from dividing by zero; only a velocity that overflowed asks for more samples.
+    // The least speed keeps a path at rest from dividing by zero; only a velocity that overflowed asks for more
+    // samples.
     constexpr float kLeastSpeed = 1e-3f, kMostSamples = 1024;
     samples.runs.clear();
     samples.far.clear();

@@ -68,18 +68,24 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene)
             workers[0].run(leaf, false);
     } else if (std::max({reach[0], reach[1], reach[2]}) <= kFarReach) {
         TileSchedule schedule(scene.field.domain(), reach, threads);
-        tbb::parallel_for(std::size_t(0), threads, [&](std::size_t thread) {
-            while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
-                for (std::size_t leaf = group->begin; leaf < group->end; ++leaf)
-                    workers[thread].run(leaf, false);
-            }
-        }, tbb::simple_partitioner());
+        tbb::parallel_for(
+            std::size_t(0), threads,
+            [&](std::size_t thread) {
+                while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
+                    for (std::size_t leaf = group->begin; leaf < group->end; ++leaf)
+                        workers[thread].run(leaf, false);
+                }
+            },
+            tbb::simple_partitioner());
     } else {
         std::atomic<std::size_t> next = 0;
-        tbb::parallel_for(std::size_t(0), threads, [&](std::size_t thread) {
-            for (std::size_t leaf = next++; leaf < leaves; leaf = next++)
-                workers[thread].run(leaf, true);
-        }, tbb::simple_partitioner());
+        tbb::parallel_for(
+            std::size_t(0), threads,
+            [&](std::size_t thread) {
+                for (std::size_t leaf = next++; leaf < leaves; leaf = next++)
+                    workers[thread].run(leaf, true);
+            },
+            tbb::simple_partitioner());
     }
     return workers;
 }

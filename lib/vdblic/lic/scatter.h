@@ -15,10 +15,10 @@ struct ScatterParams {
     ScatterMethod method = ScatterMethod::kAuflic;
     int lifeSpan = 4;            ///< time steps over which a seed scatters its value
     float releaseWindow = 0.25f; ///< AUFLIC: the part of a step, from its start, in which a seed may be released
-    /// AUFLIC: a pathline that is blocked ends at once, its values going to the one that began the step in the same voxel
-    /// if there is one; and a new pathline starts with the values that one through its voxel would carry. Without, both
-    /// are as in the paper: what a blocked pathline carries goes on to the end of its life span, and a new one carries
-    /// nothing but its own seeds.
+    /// AUFLIC: a pathline that is blocked ends at once, its values going to the one that began the step in the same
+    /// voxel if there is one; and a new pathline starts with the values that one through its voxel would carry.
+    /// Without, both are as in the paper: what a blocked pathline carries goes on to the end of its life span, and a
+    /// new one carries nothing but its own seeds.
     bool history = true;
     PathlineParams pathline;
 
@@ -63,8 +63,8 @@ struct Generation {
     static constexpr std::uint64_t hits(std::uint32_t word) { return Hits::pack(word >> 8, word & 255); }
 };
 
-/// What a step starts from at a voxel, packed into one word: the value that its seed takes up, and what a pathline through
-/// the voxel is taken to carry already. Both 0 to 65535.
+/// What a step starts from at a voxel, packed into one word: the value that its seed takes up, and what a pathline
+/// through the voxel is taken to carry already. Both 0 to 65535.
 struct Input {
     static constexpr std::int32_t pack(std::uint32_t value, std::uint32_t history)
     {

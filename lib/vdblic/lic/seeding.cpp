@@ -182,7 +182,8 @@ void TileScatter::sortTurns()
         for (std::size_t i = 0; i + 1 < mRuns.size(); i += 2) {
             const std::size_t middle = mRuns[i + 1], end = i + 2 < mRuns.size() ? mRuns[i + 2] : middle;
             const auto at = [&](std::size_t n) { return mTurns.begin() + std::ptrdiff_t(n); };
-            std::merge(at(mRuns[i]), at(middle), at(middle), at(end), mMerged.begin() + std::ptrdiff_t(mRuns[i]), older);
+            std::merge(at(mRuns[i]), at(middle), at(middle), at(end), mMerged.begin() + std::ptrdiff_t(mRuns[i]),
+                       older);
             mRuns[kept++] = mRuns[i];
         }
         mRuns[kept++] = mTurns.size();
@@ -221,8 +222,7 @@ VDBLIC_INLINE void TileScatter::advanceLive()
                         mGenerationCount, mGenerations.begin());
             // Without history: it was blocked if it took up nothing in the step before.
             const bool mayTakeUp =
-                mAuflic &&
-                (mHistory || Generation::count(mGenerations[(mScene.step - 1) % mGenerationCount]) > 0);
+                mAuflic && (mHistory || Generation::count(mGenerations[(mScene.step - 1) % mGenerationCount]) > 0);
             const bool inside = scatterPath<kShared>(lane, mayTakeUp);
             ++mStats.particles;
             if (mayTakeUp) {

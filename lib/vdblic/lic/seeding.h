@@ -13,8 +13,8 @@ struct ScatterScene {
     const LeafValues<std::int32_t>& input;
     const LeafValues<std::int64_t>& accumulator;
     const Domain& next;
-    std::vector<ParticleBins>& arriving;        ///< each tile takes its own particles out of them
-    std::vector<std::uint64_t> firstRank;       ///< of each leaf: its first voxel's place in the domain's scan order
+    std::vector<ParticleBins>& arriving;  ///< each tile takes its own particles out of them
+    std::vector<std::uint64_t> firstRank; ///< of each leaf: its first voxel's place in the domain's scan order
 };
 
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).
@@ -26,8 +26,9 @@ struct ScatterScene {
 /// voxels it passes.
 ///
 /// A particle whose own voxel is closed when its turn comes is blocked. With ScatterParams::history it ends there; of
-/// several that begin the step in one voxel the oldest takes over the values of the others. Without, one that took up nothing in a whole step takes up no more, and ends when the values it carries have
-/// expired. With UFLIC every voxel releases a particle, and none takes up a second value.
+/// several that begin the step in one voxel the oldest takes over the values of the others. Without, one that took up
+/// nothing in a whole step takes up no more, and ends when the values it carries have expired. With UFLIC every voxel
+/// releases a particle, and none takes up a second value.
 ///
 /// One object serves one thread; what it writes is its own but for the accumulator.
 class TileScatter {

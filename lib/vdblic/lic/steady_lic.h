@@ -1,7 +1,7 @@
 #pragma once
 
-#include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/feedback.h"
+#include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/pathline.h"
 
 #include <string_view>

@@ -11,8 +11,8 @@ namespace vdblic {
 
 /// Hands out a domain's leaves to threads so that no two of them write to the same leaf at the same time.
 ///
-/// A thread at work on a leaf may write to all leaves within `reach` of it, so two groups of leaves can be at work together
-/// only if twice the reach lies between them. Thread-safe.
+/// A thread at work on a leaf may write to all leaves within `reach` of it, so two groups of leaves can be at work
+/// together only if twice the reach lies between them. Thread-safe.
 class TileSchedule {
   public:
     /// Leaves [begin, end), at work together.

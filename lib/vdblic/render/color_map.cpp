@@ -67,8 +67,7 @@ glm::dvec3 colorAt(const std::vector<ColorPoint>& points, double position)
     if (after == points.begin()) return after->color;
     const auto before = std::prev(after);
     if (after == points.end()) return before->color;
-    return glm::mix(before->color, after->color,
-                    (position - before->position) / (after->position - before->position));
+    return glm::mix(before->color, after->color, (position - before->position) / (after->position - before->position));
 }
 
 glm::dvec3 colorMap(std::string_view name, double position)

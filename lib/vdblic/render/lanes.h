@@ -20,8 +20,7 @@ VDBLIC_INLINE Float8 exponential(Float8 x)
     const Float8 rounded = power + kRound;
     const Float8 t = (power - (rounded - kRound)) * 0.693147181f;
     const Float8 square = t * t;
-    const Float8 series =
-        (1 + t) + square * ((1 / 2.0f + t * (1 / 6.0f)) + square * (1 / 24.0f + t * (1 / 120.0f)));
+    const Float8 series = (1 + t) + square * ((1 / 2.0f + t * (1 / 6.0f)) + square * (1 / 24.0f + t * (1 / 120.0f)));
     return series * __builtin_bit_cast(Float8, (__builtin_bit_cast(Int8, rounded) + 127) << 23);
 }
 

@@ -8,10 +8,10 @@ namespace vdblic {
 
 /// How the texture shows in colour and opacity.
 struct TextureModulation {
-    float low = 0, high = 1;  ///< textures that are stretched to 0 and 1; low < high
-    float strength = 1;       ///< in opacity; 0: it does not show; 1: dark texture is transparent, bright texture full
-    float limbDarkening = 1;  ///< in colour; 0: it does not show; 1: the dark rims of streaks are darkest
-    float foot = 0.42f;       ///< stretched textures below this are the space between streaks
+    float low = 0, high = 1; ///< textures that are stretched to 0 and 1; low < high
+    float strength = 1;      ///< in opacity; 0: it does not show; 1: dark texture is transparent, bright texture full
+    float limbDarkening = 1; ///< in colour; 0: it does not show; 1: the dark rims of streaks are darkest
+    float foot = 0.42f;      ///< stretched textures below this are the space between streaks
 
     [[nodiscard]] VDBLIC_INLINE Float8 stretched(Float8 texture) const
     {
@@ -34,8 +34,9 @@ struct TextureModulation {
     }
 };
 
-/// Visibility-impeding halos (Interrante & Grosch 1998): the flanks of a streak hide what is behind them, so that a streak
-/// in front stands apart. Only flanks turned aside count (Ebert & Rheingans 2000), so that no streak hides itself.
+/// Visibility-impeding halos (Interrante & Grosch 1998): the flanks of a streak hide what is behind them, so that a
+/// streak in front stands apart. Only flanks turned aside count (Ebert & Rheingans 2000), so that no streak hides
+/// itself.
 struct Halo {
     float strength = 0; ///< extinction of a flank over that of its streak; 0: none
 

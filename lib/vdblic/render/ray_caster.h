@@ -63,12 +63,12 @@ class VisibleLeaves {
 
 /// Cast a ray through each pixel's centre, front to back, with early termination.
 ///
-/// A ray counts from where it enters what the cuts leave of the active voxels' bounds. Its samples lie at (n + shift)·step
-/// from there and stand for the way half-way to the next one, the first and the last to the ends of the ray, and lie in
-/// the middle of that. One whose voxel, which covers [i − ½, i + ½), is not shown has no opacity. Optical depth counts
-/// voxels passed in index space, so a picture does not change with the unit of length. What lies within a voxel of
-/// where its ray comes in is lit as the plane it came in through. Leaves left out of `visible` are passed over.
-/// Same pixels for any number of threads.
+/// A ray counts from where it enters what the cuts leave of the active voxels' bounds. Its samples lie at (n +
+/// shift)·step from there and stand for the way half-way to the next one, the first and the last to the ends of the
+/// ray, and lie in the middle of that. One whose voxel, which covers [i − ½, i + ½), is not shown has no opacity.
+/// Optical depth counts voxels passed in index space, so a picture does not change with the unit of length. What lies
+/// within a voxel of where its ray comes in is lit as the plane it came in through. Leaves left out of `visible` are
+/// passed over. Same pixels for any number of threads.
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& params, const VisibleLeaves& visible);
 /// The same, passing over what the look makes invisible; an empty volume gives an empty picture.

@@ -14,8 +14,8 @@ struct SamplePlaces {
 
 /// Where a ray's sample lies and how much of the ray it stands for, in steps.
 ///
-/// Samples are a step apart. What one stands for ends half-way to the next, the first's and the last's at the ends of the
-/// span, and it lies in the middle of that: so a uniform medium is integrated exactly whatever the shift is.
+/// Samples are a step apart. What one stands for ends half-way to the next, the first's and the last's at the ends of
+/// the span, and it lies in the middle of that: so a uniform medium is integrated exactly whatever the shift is.
 VDBLIC_INLINE SamplePlaces samplePlace(Int8 sample, Float8 shift, Float8 span)
 {
     const Float8 n = __builtin_convertvector(sample, Float8) + shift;
@@ -80,8 +80,8 @@ struct alignas(32) RayKernel::Sample {
 
 RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params,
                      const VisibleLeaves& visible, const SampleShader& shader)
-    : mVolume(volume), mLook(look), mVisible(visible), mShader(shader), mStep(float(params.step)), mPerStep(float(1 / params.step)),
-      mLeastTransmittance(float(params.leastTransmittance))
+    : mVolume(volume), mLook(look), mVisible(visible), mShader(shader), mStep(float(params.step)),
+      mPerStep(float(1 / params.step)), mLeastTransmittance(float(params.leastTransmittance))
 {
     // More than single precision can be wrong by, in voxels, when it says where a ray leaves a box.
     double reach = 0;

@@ -23,7 +23,7 @@ class RaySetup {
     const Camera& mCamera;
     const SampleShader& mShader;
     double mStep;
-    glm::dmat4 mToIndex; // from world space to places as VisibleLeaves count them
+    glm::dmat4 mToIndex;      // from world space to places as VisibleLeaves count them
     std::vector<Face> mFaces; // of the volume's bounds and of the cuts, in world space
 };
 

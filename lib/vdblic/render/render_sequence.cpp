@@ -23,7 +23,7 @@ constexpr int kMostPixels = 32768; // a side
 struct FrameTask {
     FrameFile file;
     std::shared_ptr<const LoadedTexture> loaded; ///< if it was needed before its turn
-    const Scene* scene = nullptr;              ///< null as long as no frame had an active voxel
+    const Scene* scene = nullptr;                ///< null as long as no frame had an active voxel
     std::exception_ptr error;
 };
 

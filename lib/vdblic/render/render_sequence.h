@@ -40,8 +40,9 @@ struct RenderParams {
 /// Render each frame of a texture sequence, as many side by side as there are threads and memory holds.
 ///
 /// A file holds the texture and, on the same transform, the grid that drives the transfer function; without a grid
-/// `magnitude` the texture itself is used in its place. What is chosen for the user is chosen once and stays: the camera such that all of the
-/// frames on disk is seen, the look from a few of them, whichever are selected, so that machines which render some of the frames each make one animation. Of paths on standard input the first with an
+/// `magnitude` the texture itself is used in its place. What is chosen for the user is chosen once and stays: the
+/// camera such that all of the frames on disk is seen, the look from a few of them, whichever are selected, so that
+/// machines which render some of the frames each make one animation. Of paths on standard input the first with an
 /// active voxel decides. Frames without one are all background.
 ///
 /// The histograms are those of all frames that were rendered; with no output they are all that is made.

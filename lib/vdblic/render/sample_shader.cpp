@@ -133,7 +133,8 @@ VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8
     const Float8 weight = load8(queue.weight + first);
     const Float8 normals[] = {normal[0] * weight * surface, normal[1] * weight * surface, normal[2] * weight * surface,
                               Float8{}};
-    const Float8 numbers[] = {depth * weight, load8(queue.magnitude + first) * weight, load8(queue.texture + first) * weight, Float8{}};
+    const Float8 numbers[] = {depth * weight, load8(queue.magnitude + first) * weight,
+                              load8(queue.texture + first) * weight, Float8{}};
     Float4 rows[kLanes];
     transposeBack(normals, rows);
     for (int i = 0; i < kLanes; ++i)

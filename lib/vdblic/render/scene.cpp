@@ -14,7 +14,8 @@ namespace {
 double memoryOf(const RenderParams& params, const TextureVolume& volume)
 {
     constexpr double kGridLeaf = 2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * 512 * sizeof(float);
-    const double record = double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
+    const double record =
+        double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
     const double brick = kBrickSize * record;
     const double pixels = double(params.scaledSize().x) * params.scaledSize().y;
     const double perPixel = sizeof(glm::vec4) * 3 + (params.rays.layers ? 2 * sizeof(PixelLayers) : 0);

@@ -22,16 +22,16 @@ enum RayNumber {
     kViewX, ///< direction in world space, of length 1
     kViewY,
     kViewZ,
-    kFaceLit,      ///< the share of its colour that the face shows through which the ray comes in; negative: no face
-    kFaceWhite,    ///< the light that face adds to it
-    kEntryDepth,   ///< along the view axis [world]
+    kFaceLit,    ///< the share of its colour that the face shows through which the ray comes in; negative: no face
+    kFaceWhite,  ///< the light that face adds to it
+    kEntryDepth, ///< along the view axis [world]
     kDepthPerStep,
 };
 
 /// Samples that are seen and wait to be shaded, of any rays, side by side.
 ///
-/// They wait until there are twice as many as are shaded at once: what has just been stored piecewise cannot be loaded as
-/// a whole without waiting for the stores.
+/// They wait until there are twice as many as are shaded at once: what has just been stored piecewise cannot be loaded
+/// as a whole without waiting for the stores.
 struct ShadeQueue {
     static constexpr int kCapacity = 256;
 
@@ -70,9 +70,9 @@ struct ShadeQueue {
 
 /// What the samples of a ray add up to.
 struct alignas(16) RaySum {
-    Float4 color{};      ///< red, green, blue, premultiplied
-    Float4 normal{};     ///< times weight, as what follows
-    Float4 numbers{};    ///< depth, magnitude, texture
+    Float4 color{};   ///< red, green, blue, premultiplied
+    Float4 normal{};  ///< times weight, as what follows
+    Float4 numbers{}; ///< depth, magnitude, texture
     float alpha = 0;
     float halo = 0;      ///< the part of alpha that is halo
     float haloPlace = 0; ///< along the ray [steps], times that

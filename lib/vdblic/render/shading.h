@@ -28,8 +28,8 @@ enum class ShadingModel {
 /// Ambient, diffuse and specular reflection of white lights: one at the eye, and directional ones.
 ///
 /// Samples have no outer side; they are lit on the side that is seen. A highlight's power is Schlick's rational
-/// form of it (Graphics Gems IV, 1994). A line is lit by its two-dimensional family of normals: 1 − (l·t)² takes the place of
-/// Phong's n·l, as after Banks (1994) squared so that not everything is bright.
+/// form of it (Graphics Gems IV, 1994). A line is lit by its two-dimensional family of normals: 1 − (l·t)² takes the
+/// place of Phong's n·l, as after Banks (1994) squared so that not everything is bright.
 struct Shading {
     ShadingModel model = ShadingModel::kSurface;
     float ambient = 0.45f;

@@ -26,8 +26,7 @@ glm::dmat4 affine(const openvdb::math::Transform& transform, const std::string& 
             result[i][j] = matrix[i][j]; // OpenVDB's rows are GLM's columns
     }
     if (!(std::abs(glm::determinant(glm::dmat3(result))) > 0) || !std::isfinite(glm::determinant(result))) {
-        throw InputError(
-            fmt::format("grid {} has a transform that flattens space; give its voxels a size", name));
+        throw InputError(fmt::format("grid {} has a transform that flattens space; give its voxels a size", name));
     }
     return result;
 }

@@ -17,8 +17,8 @@ struct LeafRange {
 
 /// A texture and a magnitude made ready for ray casting.
 ///
-/// For each leaf a brick of values and one of gradients (texture_records.h). Inactive voxels beside active ones hold the
-/// mean of their nearest active neighbours, so that values go on past the rim as they are in its last voxels. The
+/// For each leaf a brick of values and one of gradients (texture_records.h). Inactive voxels beside active ones hold
+/// the mean of their nearest active neighbours, so that values go on past the rim as they are in its last voxels. The
 /// gradient is taken between active neighbours, one-sided at the rim, and turned into world space, in texture
 /// per mean voxel size, so that its direction is the normal; where a voxel is inactive it is 0. Immutable once the
 /// cuts are made; any number of threads may read.

@@ -15,10 +15,11 @@ using Json = nlohmann::json;
 std::vector<std::vector<double>> rows(const Json& value, const std::string& key, std::size_t count)
 {
     std::vector<std::vector<double>> result;
-    const bool good = value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), [&](const Json& row) {
-        return row.is_array() && row.size() == count &&
-               std::all_of(row.begin(), row.end(), [](const Json& number) { return number.is_number(); });
-    });
+    const bool good =
+        value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), [&](const Json& row) {
+            return row.is_array() && row.size() == count &&
+                   std::all_of(row.begin(), row.end(), [](const Json& number) { return number.is_number(); });
+        });
     if (!good) throw ParameterError(fmt::format("'{}' must be a list of lists of {} numbers", key, count));
     for (const Json& row : value)
         result.push_back(row.get<std::vector<double>>());

@@ -90,8 +90,8 @@ void TransferParams::validate() const
         }
         for (int channel = 0; channel < 3; ++channel) {
             if (!(color[channel] >= 0 && color[channel] <= 1)) {
-                throw ParameterError(fmt::format("colour value {} at position {} must be between 0 and 1",
-                                                 color[channel], position));
+                throw ParameterError(
+                    fmt::format("colour value {} at position {} must be between 0 and 1", color[channel], position));
             }
         }
         previous = position;

@@ -39,8 +39,9 @@ TEST(Memory, IsCheckedBeforeItIsAllocated)
         checkVoxels(std::uint64_t(1) << 60, "grid v");
         FAIL();
     } catch (const InputError& error) {
-        EXPECT_TRUE(std::string(error.what()).starts_with("grid v: 1152921504606846976 voxels would take 16777216.0 TiB "
-                                                          "of memory or more, and "))
+        EXPECT_TRUE(std::string(error.what())
+                        .starts_with("grid v: 1152921504606846976 voxels would take 16777216.0 TiB "
+                                     "of memory or more, and "))
             << error.what();
         EXPECT_NE(std::string(error.what()).find("--bbox"), std::string::npos);
     }

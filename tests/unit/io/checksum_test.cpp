@@ -61,9 +61,10 @@ TEST(Checksum, NamesTheDamagedGrid)
         }
         write();
         flip(path, grid.end - 9);
-        EXPECT_EQ(complaint(path), fmt::format("{}: cannot be read as a .vdb file: grid '{}' is damaged: the checksum is "
-                                               "not that of its bytes; make or copy the file again",
-                                               path.string(), grid.name));
+        EXPECT_EQ(complaint(path),
+                  fmt::format("{}: cannot be read as a .vdb file: grid '{}' is damaged: the checksum is "
+                              "not that of its bytes; make or copy the file again",
+                              path.string(), grid.name));
         EXPECT_THROW((void)verifyVdb(path), InputError);
     }
     write();

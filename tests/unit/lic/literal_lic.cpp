@@ -296,9 +296,8 @@ class LiteralHistory {
         LeafValues<float> texture(field.domain(), 0.0f);
         for (auto value = texture.tree()->beginValueOn(); value; ++value) {
             const auto hits = mHits.find(value.getCoord());
-            value.setValue((hits == mHits.end()
-                                ? float(Input::value(mInput.tree()->getValue(value.getCoord())))
-                                : float(double(hits->second.first) / double(hits->second.second))) /
+            value.setValue((hits == mHits.end() ? float(Input::value(mInput.tree()->getValue(value.getCoord())))
+                                                : float(double(hits->second.first) / double(hits->second.second))) /
                            65535.0f);
         }
         mInput = feedForward(field, texture, next, mNoise, FeedbackParams{}, k);
@@ -335,8 +334,7 @@ class LiteralHistory {
                 }
             }
         }
-        std::erase_if(mote.values,
-                      [&](const auto& of) { return of.first <= std::int64_t(k) + 1 - mParams.lifeSpan; });
+        std::erase_if(mote.values, [&](const auto& of) { return of.first <= std::int64_t(k) + 1 - mParams.lifeSpan; });
         if (path.ended || mote.values.empty()) return;
         mote.position = path.position;
         mote.slope = path.slope;

@@ -163,7 +163,8 @@ TEST(Pathline, SamplesAreEvenlySpacedAndCarryTheirTime)
     const OneParticlesSamples samples(field, batch, 0.25f, 1);
     ASSERT_GE(samples.codes.size(), 12u);
     EXPECT_EQ(std::size_t(samples.early), samples.codes.size());
-    // Samples are the middles of pieces of a quarter voxel, so a third of them lies in each voxel between the path's ends.
+    // Samples are the middles of pieces of a quarter voxel, so a third of them lies in each voxel between the path's
+    // ends.
     std::map<int, int> perVoxel;
     for (const int code : samples.codes)
         ++perVoxel[code & 511 ? (code >> 6 & 7) - 8 + ((code >> 9) - LeafWindow::kCentre) / 9 * 8 : -8];

@@ -152,7 +152,9 @@ TEST(Scatter, AVoxelThatOverflowsIsReported)
 {
     OneStep step(test::makeFrames({{0, 0, 0}, {3, 3, 3}}, 2, [](auto&, int) { return openvdb::Vec3f(0); }));
     step.accumulator[0][0] = std::int64_t(Hits::pack(0, Hits::kCountMask)); // one hit more carries into the sum
-    EXPECT_THROW(Scatter(params(ScatterMethod::kUflic, 4)).step(step.field, step.input, step.accumulator, step.field.domain()), InputError);
+    EXPECT_THROW(
+        Scatter(params(ScatterMethod::kUflic, 4)).step(step.field, step.input, step.accumulator, step.field.domain()),
+        InputError);
 }
 
 TEST(Scatter, RefusesParametersOutOfRange)

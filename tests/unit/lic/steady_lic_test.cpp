@@ -67,8 +67,8 @@ TEST(SteadyLic, IsTheSameBothWaysAndAtRestTheNoise)
     const auto forth = test::makeFrames({{0, 0, 0}, {15, 15, 15}}, 1, [](auto&, int) { return Vec3f(1, 2, 0); });
     const auto back = test::makeFrames({{0, 0, 0}, {15, 15, 15}}, 1, [](auto&, int) { return Vec3f(-1, -2, 0); });
     const auto a = licOf(forth, 4, LicKernel::kHann), b = licOf(back, 4, LicKernel::kHann);
-    const auto still = licOf(test::makeFrames({{0, 0, 0}, {15, 15, 15}}, 1, [](auto&, int) { return Vec3f(0); }), 4,
-                             LicKernel::kHann);
+    const auto still =
+        licOf(test::makeFrames({{0, 0, 0}, {15, 15, 15}}, 1, [](auto&, int) { return Vec3f(0); }), 4, LicKernel::kHann);
     for (auto value = a.tree()->cbeginValueOn(); value; ++value) {
         EXPECT_NEAR(*value, b.tree()->getValue(value.getCoord()), 1e-6);
         EXPECT_NEAR(still.tree()->getValue(value.getCoord()), noiseAt(value.getCoord()), 1e-6);

@@ -42,9 +42,10 @@ TEST(TransferFile, SetsWhatItHoldsAndKeepsTheRest)
     EXPECT_EQ(params.colorMap, "viridis");
     EXPECT_TRUE(params.colors.empty());
     EXPECT_EQ(opacityText(params.opacity), "0:0,0.5:0.25");
-    for (const char* bad : {"", "[]", "{\"range\": 3}", "{\"range\": [2, 1]}", "{\"opacity\": [[0, 2]]}", "{\"colour\": 1}",
-                            "{\"colors\": [[0, 1, 1]]}", "{\"colors\": [[0, 1, 1, 7]]}", "{\"colormap\": 5}",
-                            "{\"opacity\": []}", "{\"colormap\": \"gray\", \"colors\": [[0, 0, 0, 0]]}"}) {
+    for (const char* bad :
+         {"", "[]", "{\"range\": 3}", "{\"range\": [2, 1]}", "{\"opacity\": [[0, 2]]}", "{\"colour\": 1}",
+          "{\"colors\": [[0, 1, 1]]}", "{\"colors\": [[0, 1, 1, 7]]}", "{\"colormap\": 5}", "{\"opacity\": []}",
+          "{\"colormap\": \"gray\", \"colors\": [[0, 0, 0, 0]]}"}) {
         try {
             readTransferFile(write(bad), params);
             ADD_FAILURE() << bad;

@@ -45,7 +45,7 @@ TEST(RayCaster, AUniformMediumHasTheAnalyticTransmittance)
         for (const glm::vec4& pixel : image.pixels) {
             const double depth = std::log(1.0 - pixel.a) / std::log(1 - kOpacity);
             EXPECT_NEAR(depth, kLength, 2e-3) << step; // whatever the step and the samples' shift
-            EXPECT_NEAR(pixel.r, pixel.a, 1e-5); // white, premultiplied
+            EXPECT_NEAR(pixel.r, pixel.a, 1e-5);       // white, premultiplied
         }
     }
 }
@@ -248,8 +248,8 @@ glm::vec4 referencePixel(const openvdb::FloatGrid& texture, const Look& look, co
         }
         const auto& entry = look.transfer.table()[look.transfer.entries(broadcast8(float(met)))[0]];
         const Float8 stretched = look.texture.stretched(broadcast8(float(met)));
-        const double alpha = 1 - std::exp(-double(entry.extinction) * double(look.texture.density(stretched)[0]) *
-                                          (end - begin) * step);
+        const double alpha =
+            1 - std::exp(-double(entry.extinction) * double(look.texture.density(stretched)[0]) * (end - begin) * step);
         const double length = normal.length();
         const double facing = length > 0 ? std::abs(normal.dot(direction)) / length : 0;
         const double steep = length / double(look.texture.high - look.texture.low);
@@ -352,7 +352,8 @@ TEST(RayCaster, CapsAreLitAsThePlaneThatCuts)
     for (const glm::dvec3& normal : {glm::dvec3(1, 0, 0), glm::dvec3(1, 1, 0), glm::dvec3(2, -1, 1)}) {
         const ClipParams clip{.planes = {{glm::dvec3(14.5), normal}}};
         const double cosine = normal.x / glm::length(normal);
-        EXPECT_NEAR(castRays(volume, look, camera, {.step = 0.1, .clip = clip}).at(10, 10).r, 0.25 + 0.5 * cosine, 0.03);
+        EXPECT_NEAR(castRays(volume, look, camera, {.step = 0.1, .clip = clip}).at(10, 10).r, 0.25 + 0.5 * cosine,
+                    0.03);
         look.shading.headLight = 0;
         look.shading.lights = {{.direction = {-1, -1, 0}, .intensity = 2}};
         const double lit = std::max(0.0, glm::dot(-normal, glm::dvec3(-1, -1, 0)) / glm::length(normal) / std::sqrt(2));

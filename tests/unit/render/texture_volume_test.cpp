@@ -131,8 +131,9 @@ TEST(TextureVolume, LinesLieAlongTheDirectionOfLeastChange)
         for (int k = 0; k < 6; ++k)
             m[k] = double(__builtin_bit_cast(float, unsigned(volume.lines()[numberAt(volume, c)].values[k]) << 16));
         EXPECT_NEAR(m[0] + m[1] + m[2], 1, 0.01);
-        const double squareCosine = m[0] * along[0] * along[0] + m[1] * along[1] * along[1] + m[2] * along[2] * along[2] +
-                                    2 * (m[3] * along[0] * along[1] + m[4] * along[0] * along[2] + m[5] * along[1] * along[2]);
+        const double squareCosine =
+            m[0] * along[0] * along[0] + m[1] * along[1] * along[1] + m[2] * along[2] * along[2] +
+            2 * (m[3] * along[0] * along[1] + m[4] * along[0] * along[2] + m[5] * along[1] * along[2]);
         EXPECT_GT(squareCosine, 0.97) << c;
     }
 }
