@@ -105,8 +105,8 @@ VDBLIC_INLINE Float8 squaredLength(const Vector8& a)
     return a.x * a.x + a.y * a.y + a.z * a.z;
 }
 
-/// Rows become columns: lane j of the i-th becomes lane i of the j-th.
-VDBLIC_INLINE void transpose(Float8 (&rows)[8])
+/// Eight rows of eight numbers into eight columns, which may be the same place.
+VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
 {
     Float8 pairs[8], quads[8];
     for (int i = 0; i < 8; i += 2) {
@@ -120,25 +120,25 @@ VDBLIC_INLINE void transpose(Float8 (&rows)[8])
         }
     }
     for (int i = 0; i < 4; ++i) {
-        rows[i] = __builtin_shufflevector(quads[i], quads[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-        rows[i + 4] = __builtin_shufflevector(quads[i], quads[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+        columns[i] = __builtin_shufflevector(quads[i], quads[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        columns[i + 4] = __builtin_shufflevector(quads[i], quads[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
     }
 }
 
-/// Of rows of four.
-VDBLIC_INLINE void transpose(const Float4 (&rows)[8], Float8 (&columns)[4])
+/// Eight rows of four numbers into four columns.
+VDBLIC_INLINE void transpose(const Float4* rows, Float8* columns)
 {
-    Float8 pairs[4], quads[4];
+    Float8 joined[4]; // rows i and i + 4
     for (int i = 0; i < 4; ++i)
-        pairs[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
-    for (int i = 0; i < 2; ++i) {
-        quads[i] = __builtin_shufflevector(pairs[2 * i], pairs[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-        quads[i + 2] = __builtin_shufflevector(pairs[2 * i], pairs[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-    }
-    for (int i = 0; i < 2; ++i) {
-        columns[2 * i] = __builtin_shufflevector(quads[2 * i], quads[2 * i + 1], 0, 1, 8, 9, 4, 5, 12, 13);
-        columns[2 * i + 1] = __builtin_shufflevector(quads[2 * i], quads[2 * i + 1], 2, 3, 10, 11, 6, 7, 14, 15);
-    }
+        joined[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    const Float8 a = __builtin_shufflevector(joined[0], joined[1], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 b = __builtin_shufflevector(joined[2], joined[3], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 c = __builtin_shufflevector(joined[0], joined[1], 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 d = __builtin_shufflevector(joined[2], joined[3], 2, 10, 3, 11, 6, 14, 7, 15);
+    columns[0] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
+    columns[1] = __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+    columns[2] = __builtin_shufflevector(c, d, 0, 1, 8, 9, 4, 5, 12, 13);
+    columns[3] = __builtin_shufflevector(c, d, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
 /// The voxel a position lies in; centres are at integers, so voxel i covers [i − ½, i + ½).

@@ -46,7 +46,7 @@ class VelocityField {
     {
         Float8 rows[8];
         mBricks.interpolate(window, position, lanes, rows);
-        transpose(rows);
+        transpose(rows, rows);
         const auto between = [&](int number) { return rows[number] + (rows[number + 4] - rows[number]) * time; };
         const Float8 coverage = between(3);
         const Vector8 velocity = {between(0) / coverage, between(1) / coverage, between(2) / coverage};
