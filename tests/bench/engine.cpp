@@ -5,6 +5,7 @@
 ///     engine [--frames N] [--velocity PATTERN RANGE] [--json FILE]
 
 #include "bench/euler_uflic.h"
+#include "bench/scap_auflic.h"
 #include "vdblic/field/synth.h"
 #include "vdblic/lic/coherence.h"
 #include "vdblic/lic/flow_sequence.h"
@@ -13,15 +14,22 @@
 #include <nlohmann/json.hpp>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/VelocityFields.h>
+#if __has_include(<nanovdb/NanoVDB.h>)
+#include <nanovdb/util/OpenToNanoVDB.h>
+#include <nanovdb/util/SampleFromVoxels.h>
+#endif
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <random>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace {
 
@@ -92,7 +100,7 @@ struct Figures {
     double nanoseconds = 0, wallNanoseconds = 0;
     StageTimes times; // seconds in all
     ScatterStats stats;
-    double voxels = 0, zeroHits = 0;
+    double voxels = 0;
     std::vector<double> temporal, smoothed, along, deviation;
 };
 
@@ -152,9 +160,10 @@ Figures run(const Flow& flow, const ScatterParams& scatter, bool coherence)
     return figures;
 }
 
-Figures runEuler(const Flow& flow, int lifeSpan)
+/// A method in the order of scattering processes, which needs the velocities of a life span ahead.
+template<typename Method>
+Figures runProcesses(const Flow& flow, int lifeSpan, Method&& method)
 {
-    bench::EulerUflic euler(lifeSpan, NoiseField(1));
     Figures figures;
     CoherenceMeter meter;
     double cpu = 0;
@@ -163,12 +172,13 @@ Figures runEuler(const Flow& flow, int lifeSpan)
         flow.build(std::min(k, flow.steps() - 1), fields[k]);
     for (std::size_t k = 0; k < flow.steps(); ++k) {
         const double before = cpuTime();
-        const LeafValues<float> texture = euler.scatteringProcess(k, fields);
+        const LeafValues<float> texture = method.scatteringProcess(k, fields);
+        if (k < std::size_t(lifeSpan)) continue; // the buckets fill
         cpu += cpuTime() - before;
         figures.voxels += double(flow.frames[k].domain->voxelCount());
-        if (k >= std::size_t(lifeSpan)) meter.add(flow, k, texture, figures);
+        figures.stats += method.stats();
+        meter.add(flow, k, texture, figures);
     }
-    figures.stats = euler.stats();
     figures.nanoseconds = 1e9 * cpu / figures.voxels;
     return figures;
 }
@@ -177,12 +187,12 @@ json row(const std::string& name, const Figures& f)
 {
     const auto per = [&](double amount) { return amount / f.voxels; };
     const auto live = double(f.stats.particles + f.stats.released);
-    std::printf("| %-34s | %7.1f | %5.1f | %5.1f | %5.1f | %5.1f | %5.2f | %5.2f | %6.2f | %5.1f | %.3f / %.3f | %4.1f "
-                "| %.3f |\n",
+    std::printf("| %-34s | %7.1f | %5.1f | %5.1f | %5.1f | %5.1f | %5.2f | %5.2f | %6.2f | %5.1f | %.2f | %.3f / %.3f "
+                "| %4.1f | %.3f |\n",
                 name.c_str(), f.nanoseconds, 1e9 * per(f.times.load), 1e9 * per(f.times.scatter),
                 1e9 * per(f.times.convolve), 1e9 * per(f.times.filter), per(live), per(double(f.stats.steps)),
-                per(double(f.stats.deposits)), per(double(f.stats.hits)), mean(f.temporal), mean(f.smoothed),
-                mean(f.along), mean(f.deviation));
+                per(double(f.stats.deposits)), per(double(f.stats.hits)), 100 * per(double(f.stats.emptyVoxels)),
+                mean(f.temporal), mean(f.smoothed), mean(f.along), mean(f.deviation));
     std::fflush(stdout);
     return {{"name", name},
             {"ns_per_voxel", f.nanoseconds},
@@ -196,6 +206,7 @@ json row(const std::string& name, const Figures& f)
             {"steps_per_voxel", per(double(f.stats.steps))},
             {"deposits_per_voxel", per(double(f.stats.deposits))},
             {"hits_per_voxel", per(double(f.stats.hits))},
+            {"zero_hit_share", per(double(f.stats.emptyVoxels))},
             {"temporal", mean(f.temporal)},
             {"temporal_smoothed", mean(f.smoothed)},
             {"along_length", mean(f.along)},
@@ -206,7 +217,8 @@ void header(const char* title)
 {
     std::printf(
         "\n%s\n\n| | ns per voxel and frame | load | scatter | convolve | filter | live | steps | deposits | hits "
-        "| temporal raw / smoothed | along | deviation |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| zero hits [%%] | temporal raw / smoothed | along | deviation "
+        "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         title);
 }
 
@@ -227,8 +239,10 @@ json methods(const Flow& flow, const char* title)
         return scatterParams(ScatterMethod::kAuflic, 4, window, history);
     };
     json rows;
-    rows.push_back(row("UFLIC as in the paper, Euler", runEuler(flow, 4)));
+    rows.push_back(row("UFLIC as in the paper, Euler", runProcesses(flow, 4, bench::EulerUflic(4, NoiseField(1)))));
     rows.push_back(row("UFLIC", run(flow, scatterParams(ScatterMethod::kUflic, 4, 1, false), true)));
+    rows.push_back(
+        row("AUFLIC as in the paper, window 0.25", runProcesses(flow, 4, bench::ScapAuflic(4, 0.25f, NoiseField(1)))));
     for (const float window : {0.125f, 0.25f, 0.5f}) {
         char name[80];
         std::snprintf(name, sizeof name, "AUFLIC, window %g, coasting", double(window));
@@ -294,6 +308,16 @@ json sweeps()
     return rows;
 }
 
+/// Million RK4 steps a second by VTK on a grid of the same size; nothing where VTK is not installed.
+std::optional<double> vtkRate()
+{
+    std::FILE* const script = ::popen("/usr/bin/python3 -B " VDBLIC_BENCH_FOLDER "/vtk_integrator.py", "r");
+    double rate = 0;
+    const bool known = script && std::fscanf(script, "%lf", &rate) == 1;
+    if (script) ::pclose(script);
+    return known ? std::optional(rate) : std::nullopt;
+}
+
 /// RK4 steps a second, in scan order, of one voxel's seed each.
 json integrators(const Flow& flow)
 {
@@ -350,6 +374,26 @@ json integrators(const Flow& flow)
         }
         report("OpenVDB's VelocityIntegrator, one frame", cpuTime() - before);
     }
+#if __has_include(<nanovdb/NanoVDB.h>)
+    {
+        const auto first = nanovdb::openToNanoVDB(*a), second = nanovdb::openToNanoVDB(*b);
+        const auto accessorA = first.grid<nanovdb::Vec3f>()->getAccessor(),
+                   accessorB = second.grid<nanovdb::Vec3f>()->getAccessor();
+        const auto start = nanovdb::createSampler<1>(accessorA), end = nanovdb::createSampler<1>(accessorB);
+        const auto sample = [&](const nanovdb::Vec3f& p, float t) {
+            const nanovdb::Vec3f v = start(p), w = end(p);
+            return v + (w - v) * t;
+        };
+        const double before = cpuTime();
+        for (const openvdb::Coord& seed : seeds) {
+            const nanovdb::Vec3f p(float(seed[0]), float(seed[1]), float(seed[2]));
+            const nanovdb::Vec3f k1 = sample(p, 0), k2 = sample(p + k1 * 0.5f, 0.5f), k3 = sample(p + k2 * 0.5f, 0.5f),
+                                 k4 = sample(p + k3, 1);
+            sink += double((p + (k1 + (k2 + k3) * 2.0f + k4) / 6.0f)[0]);
+        }
+        report("NanoVDB, two frames", cpuTime() - before);
+    }
+#endif
     {
         PathBatch batch;
         PathlineParams coarse;
@@ -358,7 +402,51 @@ json integrators(const Flow& flow)
         bench::advanceAll(field, coarse, batch, sink);
         report("advancePaths, two frames, error estimate", cpuTime() - before);
     }
+    if (const std::optional<double> vtk = vtkRate())
+        report("VTK's vtkStreamTracer, one frame", 1e-6 * seeds.size() / *vtk);
     std::printf("(%g)\n", sink); // keeps the work from being left out
+    return rows;
+}
+
+/// Run a tool of the same build. @return its peak of resident memory [bytes]
+double peakOf(const std::vector<std::string>& command)
+{
+    const auto tools = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / "tools";
+    std::vector<std::string> words = command;
+    words[0] = (tools / command[0]).string();
+    std::vector<char*> arguments;
+    for (std::string& word : words)
+        arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const pid_t child = ::fork();
+    if (child == 0) {
+        ::execv(arguments[0], arguments.data());
+        ::_exit(127);
+    }
+    int status = 0;
+    rusage usage{};
+    ::wait4(child, &status, 0, &usage);
+    if (status != 0) throw std::runtime_error(command[0] + " failed");
+    return 1024.0 * double(usage.ru_maxrss);
+}
+
+/// Of vdblic_advect, files and all.
+json memory()
+{
+    std::printf("\nPeak memory of vdblic_advect, whole process, 4 frames\n\n| | bytes per active voxel |\n|---|---|\n");
+    const auto folder = std::filesystem::temp_directory_path() / ("vdblic_bench_" + std::to_string(::getpid()));
+    std::filesystem::create_directory(folder);
+    json rows;
+    for (const int side : {64, 128, 256}) {
+        const std::string size = std::to_string(side), velocity = (folder / "velocity.%04d.vdb").string();
+        (void)peakOf({"vdblic_synth", "abc", "-q", "-o", velocity, "--size", size, size, size, "--frames", "1-4"});
+        const double bytes = peakOf({"vdblic_advect", velocity, "-q", "-o", (folder / "lic.%04d.vdb").string()});
+        const double perVoxel = bytes / (double(side) * side * side);
+        std::printf("| %d cubed | %.0f |\n", side, perVoxel);
+        std::fflush(stdout);
+        rows.push_back({{"side", side}, {"bytes_per_voxel", perVoxel}});
+    }
+    std::filesystem::remove_all(folder);
     return rows;
 }
 
@@ -395,5 +483,6 @@ int main(int argc, char** argv)
         }
     }
     report["sweeps"] = sweeps();
+    report["memory"] = memory();
     if (!output.empty()) std::ofstream(output) << report.dump(2) << '\n';
 }

@@ -1,6 +1,16 @@
 #include "bench/euler_uflic.h"
 
+#include <algorithm>
+
 namespace vdblic::bench {
+
+std::size_t emptyVoxels(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
+{
+    std::size_t empty = 0;
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        empty += std::size_t(std::count(accumulator[leaf], accumulator[leaf] + Domain::kLeafVoxels, 0));
+    return empty;
+}
 
 void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fields, Float4 position,
                              std::uint64_t value)
@@ -39,6 +49,7 @@ void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fi
 LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields)
 {
     const Domain& domain = fields[k].domain();
+    mStats = {};
     if (mBuckets.empty()) {
         mInput = noiseInput(domain, mNoise);
         for (std::size_t i = 0; i < mLifeSpan; ++i)
@@ -53,6 +64,7 @@ LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, const std::vector
         }
     }
     LeafValues<std::int64_t>& bucket = mBuckets[k % mLifeSpan];
+    mStats.emptyVoxels = emptyVoxels(domain, bucket);
     LeafValues<float> texture = convolve(domain, bucket, mInput);
     bucket = makeAccumulator(domain);
     mInput = feedForward(fields[k], texture, domain, mNoise, FeedbackParams{}, k);

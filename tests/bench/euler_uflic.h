@@ -17,6 +17,7 @@ class EulerUflic {
     /// @param fields the velocity over each step, as many as the life span beyond k
     LeafValues<float> scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields);
 
+    /// Of the last process.
     [[nodiscard]] const ScatterStats& stats() const { return mStats; }
 
   private:
@@ -28,6 +29,9 @@ class EulerUflic {
     LeafValues<std::int32_t> mInput;
     ScatterStats mStats;
 };
+
+/// Voxels of a domain that hold no hits.
+[[nodiscard]] std::size_t emptyVoxels(const Domain& domain, const LeafValues<std::int64_t>& accumulator);
 
 /// Advance a particle from the centre of every voxel by one step, eight at a time. @param sink takes something of each
 void advanceAll(const VelocityField& field, const PathlineParams& params, PathBatch& batch, double& sink);

@@ -32,7 +32,8 @@ struct Numbers<8> {
 /// interpolated coverage are then the mean over the corners that have values. At the rim of a domain this continues the
 /// values of the last voxels, as clamping does.
 ///
-/// Filling is done once; any number of threads may sample.
+/// Only leaves whose bricks are filled can be sampled. Any number of threads may sample, and none while others are
+/// filled.
 template<int kNumbers>
 class BricksOf {
   public:
@@ -43,20 +44,42 @@ class BricksOf {
     static constexpr int kDim = 9;
     static constexpr int kSize = kDim * kDim * kDim;
 
-    /// Fill a brick for each leaf of a domain, in parallel.
-    /// @param fill called as fill(leaf, records) with the leaf's number and its kSize records, x slowest, to be set
-    template<typename Fill>
-    void fill(std::shared_ptr<const Domain> domain, const Fill& fill)
+    /// Stand for a domain; no leaf has a brick.
+    void cover(std::shared_ptr<const Domain> domain)
     {
-        mDomain = std::move(domain);
-        const std::size_t records = mDomain->leafCount() * kSize;
-        if (records > mCapacity) {
-            mRecords.reset(); // first, so that old and new never stand side by side
-            mRecords.reset(new Record[records]);
-            mCapacity = records;
+        for (auto& brick : mBricks) {
+            if (brick) mSpare.push_back(std::move(brick));
         }
-        tbb::parallel_for(std::size_t(0), mDomain->leafCount(),
-                          [&](std::size_t leaf) { fill(leaf, mRecords.get() + leaf * kSize); });
+        mDomain = std::move(domain);
+        mBricks.resize(mDomain->leafCount());
+    }
+
+    /// Fill the bricks of some leaves, in parallel.
+    /// @param leaves range of numbers
+    /// @param fill   called as fill(leaf, records) with the leaf's number and its kSize records, x slowest, to be set
+    template<typename Leaves, typename Fill>
+    void fill(const Leaves& leaves, const Fill& fill)
+    {
+        for (const std::size_t leaf : leaves) {
+            if (mSpare.empty()) {
+                mBricks[leaf].reset(new Record[kSize]);
+            } else {
+                mBricks[leaf] = std::move(mSpare.back());
+                mSpare.pop_back();
+            }
+        }
+        tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+            const std::size_t leaf = leaves[i];
+            fill(leaf, mBricks[leaf].get());
+        });
+    }
+
+    /// Give the bricks of some leaves up, for others to be filled.
+    template<typename Leaves>
+    void release(const Leaves& leaves)
+    {
+        for (const std::size_t leaf : leaves)
+            mSpare.push_back(std::move(mBricks[leaf]));
     }
 
     /// A cell of the grid of voxel centres, and a place in it.
@@ -84,22 +107,16 @@ class BricksOf {
     /// A record of a leaf's brick, by its place among the kSize.
     [[nodiscard]] VDBLIC_INLINE const Record* record(int leaf, int place) const
     {
-        return mRecords.get() + std::size_t(leaf) * kSize + std::size_t(place);
+        return mBricks[std::size_t(leaf)].get() + place;
     }
 
-    /// Trilinear interpolation of the eight premultiplied numbers.
+    /// Trilinear interpolation of the premultiplied numbers.
     [[nodiscard]] VDBLIC_INLINE static Vector interpolate(const Cell& cell)
     {
-        return interpolate(cell.corner, cell.fraction[0], cell.fraction[1], cell.fraction[2]);
-    }
-    [[nodiscard]] VDBLIC_INLINE static Vector interpolate(const Record* lowest, float x, float y, float z)
-    {
-        const auto corner = [&](int i) { return *reinterpret_cast<const Vector*>(lowest[i].values); };
-        const auto mix = [](Vector a, Vector b, Vector t) { return a + (b - a) * t; };
-        const Vector tx = Vector{} + x, ty = Vector{} + y, tz = Vector{} + z;
-        constexpr int kY = kDim, kX = kDim * kDim;
-        return mix(mix(mix(corner(0), corner(1), tz), mix(corner(kY), corner(kY + 1), tz), ty),
-                   mix(mix(corner(kX), corner(kX + 1), tz), mix(corner(kX + kY), corner(kX + kY + 1), tz), ty), tx);
+        float weights[8];
+        weightCorners(cell.fraction[0], cell.fraction[1], cell.fraction[2],
+                      [&](int corner, float weight) { weights[corner] = weight; });
+        return weigh(cell.corner, [&](int corner) { return weights[corner]; });
     }
 
     /// Interpolate at eight positions.
@@ -111,19 +128,19 @@ class BricksOf {
         const Int8 x = floorToInt(position.x), y = floorToInt(position.y), z = floorToInt(position.z);
         const auto nine = [](Int8 n) { return (n << 3) + n; };
         alignas(32) int places[8], records[8];
-        alignas(32) float fractions[3][8];
+        alignas(32) float weights[8][8]; // of a corner, of a lane
         const auto store = [](auto& to, auto values) { __builtin_memcpy(&to, &values, sizeof values); };
         store(places, window.place(x, y, z));
         store(records, nine(nine(x & 7) + (y & 7)) + (z & 7));
-        store(fractions[0], position.x - __builtin_convertvector(x, Float8));
-        store(fractions[1], position.y - __builtin_convertvector(y, Float8));
-        store(fractions[2], position.z - __builtin_convertvector(z, Float8));
+        const auto fraction = [](Float8 p, Int8 base) { return p - __builtin_convertvector(base, Float8); };
+        weightCorners(fraction(position.x, x), fraction(position.y, y), fraction(position.z, z),
+                      [&](int corner, Float8 weight) { store(weights[corner], weight); });
         for (int i = 0; i < 8; ++i) {
             Vector row{};
             if (lanes >> i & 1) {
                 const int leaf = window.leaves[std::size_t(places[i])];
                 if (__builtin_expect(leaf >= 0, 1)) {
-                    row = interpolate(record(leaf, records[i]), fractions[0][i], fractions[1][i], fractions[2][i]);
+                    row = weigh(record(leaf, records[i]), [&](int corner) { return weights[corner][i]; });
                 } else if (const Cell cell = locateAnywhere(position.lane(i)); cell.corner) {
                     row = interpolate(cell);
                 }
@@ -136,6 +153,31 @@ class BricksOf {
     [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mDomain; }
 
   private:
+    /// The weights of a cell's eight corners, z the fastest: put(corner, weight).
+    template<typename T, typename Put>
+    VDBLIC_INLINE static void weightCorners(T x, T y, T z, const Put& put)
+    {
+        const T x0 = 1 - x, y0 = 1 - y, z0 = 1 - z;
+        const auto pair = [&](int corner, T xy) {
+            put(corner, xy * z0);
+            put(corner + 1, xy * z);
+        };
+        pair(0, x0 * y0);
+        pair(2, x0 * y);
+        pair(4, x * y0);
+        pair(6, x * y);
+    }
+    template<typename WeightOf>
+    VDBLIC_INLINE static Vector weigh(const Record* lowest, const WeightOf& weightOf)
+    {
+        constexpr int kY = kDim, kX = kDim * kDim;
+        const auto part = [&](int corner, int place) {
+            return *reinterpret_cast<const Vector*>(lowest[place].values) * weightOf(corner);
+        };
+        return ((part(0, 0) + part(1, 1)) + (part(2, kY) + part(3, kY + 1))) +
+               ((part(4, kX) + part(5, kX + 1)) + (part(6, kX + kY) + part(7, kX + kY + 1)));
+    }
+
     /// In the half voxel below a leaf that has no leaf before it, the first voxels' values go on: move the position up
     /// to them, along as few axes as will do. @return the leaf then, or −1
     [[gnu::noinline]] int clampToLeaf(Float4& position, Int4& base) const
@@ -158,8 +200,8 @@ class BricksOf {
     }
 
     std::shared_ptr<const Domain> mDomain;
-    std::unique_ptr<Record[]> mRecords;
-    std::size_t mCapacity = 0;
+    std::vector<std::unique_ptr<Record[]>> mBricks; // of each leaf
+    std::vector<std::unique_ptr<Record[]>> mSpare;
 };
 
 using Bricks = BricksOf<8>;
@@ -194,22 +236,28 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
     for (int part = 0; part < 8; ++part) {
         const openvdb::Coord begin((part >> 2) & 1 ? 8 : 0, (part >> 1) & 1 ? 8 : 0, part & 1 ? 8 : 0);
         const openvdb::Coord end(begin[0] ? 9 : 8, begin[1] ? 9 : 8, begin[2] ? 9 : 8);
-        const auto* leaf = tree.probeConstLeaf(origin + begin);
-        const auto* values = leaf ? leaf->buffer().data() : nullptr;
-        typename TreeT::ValueType tile{};
-        const bool tileActive = !leaf && tree.probeValue(origin + begin, tile);
-        for (int x = begin[0]; x < end[0]; ++x) {
-            for (int y = begin[1]; y < end[1]; ++y) {
-                for (int z = begin[2]; z < end[2]; ++z) {
-                    const unsigned offset = Domain::offset(Int4{x, y, z, 0});
-                    const int record = (x * Bricks::kDim + y) * Bricks::kDim + z;
-                    if (leaf) {
-                        visit(record, values[offset], leaf->isValueOn(offset));
-                    } else {
-                        visit(record, tile, tileActive);
-                    }
+        const auto forEachVoxel = [&](const auto& visitVoxel) {
+            for (int x = begin[0]; x < end[0]; ++x) {
+                for (int y = begin[1]; y < end[1]; ++y) {
+                    const int record = (x * Bricks::kDim + y) * Bricks::kDim;
+                    const unsigned row = Domain::offset(Int4{x, y, 0, 0});
+                    for (int z = begin[2]; z < end[2]; ++z)
+                        visitVoxel(record + z, row + unsigned(z & 7));
                 }
             }
+        };
+        if (const auto* leaf = tree.probeConstLeaf(origin + begin)) {
+            const auto* values = leaf->buffer().data();
+            if (leaf->isDense()) {
+                forEachVoxel([&](int record, unsigned offset) { visit(record, values[offset], true); });
+            } else {
+                forEachVoxel(
+                    [&](int record, unsigned offset) { visit(record, values[offset], leaf->isValueOn(offset)); });
+            }
+        } else {
+            typename TreeT::ValueType tile{};
+            const bool active = tree.probeValue(origin + begin, tile);
+            forEachVoxel([&](int record, unsigned) { visit(record, tile, active); });
         }
     }
 }

@@ -1,31 +1,111 @@
 #include "vdblic/field/velocity_field.h"
 
-namespace vdblic {
+#include "vdblic/core/stopwatch.h"
 
-void VelocityField::build(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end)
+#include <openvdb/tree/LeafManager.h>
+
+#include <tbb/parallel_reduce.h>
+
+#include <ranges>
+
+namespace vdblic {
+namespace {
+
+VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
 {
-    const Domain& leaves = *domain;
-    std::vector<Float4> largest(leaves.leafCount(), Float4{});
-    mBricks.fill(std::move(domain), [&](std::size_t leaf, Record* records) {
+    return a > b ? a : b;
+}
+
+/// The largest amount of an active value, along each axis.
+Float4 largestAmount(const openvdb::Vec3STree& tree)
+{
+    const auto amount = [](const openvdb::Vec3f& value) {
+        const Float4 v = {value[0], value[1], value[2], 0};
+        return v < 0 ? -v : v;
+    };
+    Float4 largest{};
+    auto tile = tree.cbeginValueOn();
+    tile.setMaxDepth(tile.getLeafDepth() - 1);
+    for (; tile; ++tile)
+        largest = larger(largest, amount(*tile));
+
+    struct Largest {
+        Float4 amount{};
+    };
+    const openvdb::tree::LeafManager<const openvdb::Vec3STree> leaves(tree);
+    const Largest inLeaves = tbb::parallel_reduce(
+        leaves.leafRange(), Largest{},
+        [&](const auto& range, Largest most) {
+            for (auto leaf = range.begin(); leaf; ++leaf) {
+                const openvdb::Vec3f* values = leaf->buffer().data();
+                if (leaf->isDense()) {
+                    for (openvdb::Index i = 0; i < openvdb::Vec3STree::LeafNodeType::SIZE; ++i)
+                        most.amount = larger(most.amount, amount(values[i]));
+                } else {
+                    for (auto value = leaf->cbeginValueOn(); value; ++value)
+                        most.amount = larger(most.amount, amount(*value));
+                }
+            }
+            return most;
+        },
+        [](const Largest& a, const Largest& b) { return Largest{larger(a.amount, b.amount)}; });
+    return larger(largest, inLeaves.amount);
+}
+
+/// And of what a matrix makes of them, at most.
+Float4 largestVelocity(const VelocityLevel& level)
+{
+    const Float4 amount = largestAmount(level.velocities);
+    Float4 most{};
+    for (int to = 0; to < 3; ++to) {
+        for (int from = 0; from < 3; ++from)
+            most[to] += float(std::abs(level.toStep(to, from))) * amount[from];
+    }
+    return most;
+}
+
+} // namespace
+
+void VelocityField::prepare(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end)
+{
+    Stopwatch watch;
+    mStart.emplace(start);
+    mEnd.emplace(end);
+    mBricks.cover(std::move(domain));
+    mLargest = larger(largestVelocity(start), largestVelocity(end));
+    mSeconds = watch.lap();
+}
+
+template<typename Leaves>
+void VelocityField::fillBricks(const Leaves& leaves)
+{
+    Stopwatch watch;
+    mBricks.fill(leaves, [&](std::size_t leaf, Record* records) {
         const auto fillLevel = [&](const VelocityLevel& level, int lane) {
             const openvdb::Mat3s m(level.toStep);
             const Float4 x = {m(0, 0), m(1, 0), m(2, 0), 0}, y = {m(0, 1), m(1, 1), m(2, 1), 0},
                          z = {m(0, 2), m(1, 2), m(2, 2), 0}, covered = {0, 0, 0, 1};
-            visitBrick(level.velocities, leaves.origin(leaf),
+            visitBrick(level.velocities, domain().origin(leaf),
                        [&](int record, const openvdb::Vec3f& value, bool active) {
                            const Float4 step = x * value[0] + y * value[1] + z * value[2] + covered;
-                           const Float4 velocity = active ? step : Float4{};
-                           *reinterpret_cast<Float4*>(records[record].values + lane) = velocity;
-                           const Float4 amount = velocity < 0 ? -velocity : velocity;
-                           largest[leaf] = amount > largest[leaf] ? amount : largest[leaf];
+                           *reinterpret_cast<Float4*>(records[record].values + lane) = active ? step : Float4{};
                        });
         };
-        fillLevel(start, 0);
-        fillLevel(end, 4);
+        fillLevel(*mStart, 0);
+        fillLevel(*mEnd, 4);
     });
-    mLargest = Float4{};
-    for (const Float4& amount : largest)
-        mLargest = amount > mLargest ? amount : mLargest;
+    mSeconds += watch.lap();
+}
+
+void VelocityField::fill(Slabs::Leaves leaves)
+{
+    fillBricks(leaves);
+}
+
+void VelocityField::build(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end)
+{
+    prepare(std::move(domain), start, end);
+    fillBricks(std::views::iota(std::size_t(0), this->domain().leafCount()));
 }
 
 } // namespace vdblic

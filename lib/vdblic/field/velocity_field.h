@@ -1,6 +1,9 @@
 #pragma once
 
 #include "vdblic/field/bricks.h"
+#include "vdblic/field/slabs.h"
+
+#include <optional>
 
 namespace vdblic {
 
@@ -16,8 +19,17 @@ struct VelocityLevel {
 /// frame in which it has none. Any number of threads may sample.
 class VelocityField {
   public:
+    /// Take a step, which must outlive every fill(); nothing can be sampled yet.
     /// @param domain the leaves to sample in
     /// @param start, end the frames at the step's two ends
+    void prepare(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end);
+
+    /// Make leaves ready to be sampled: positions in their voxels, and up to the centres of the next.
+    void fill(Slabs::Leaves leaves);
+    /// Free the memory that takes.
+    void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
+
+    /// prepare() and fill() everything.
     void build(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end);
 
     /// @param position index space, voxel centres at integers; the fourth lane must be 0
@@ -60,27 +72,30 @@ class VelocityField {
         return Float4{record[0], record[1], record[2], 0};
     }
 
-    /// And at its end.
-    [[nodiscard]] VDBLIC_INLINE Float4 endAt(int leaf, unsigned offset) const
-    {
-        const float* record = recordOf(leaf, offset);
-        return Float4{record[4], record[5], record[6], 0};
-    }
+    /// The frame at the step's end.
+    [[nodiscard]] const VelocityLevel& end() const { return *mEnd; }
 
-    /// The largest amount of the velocity at any voxel, along each axis [voxels per step].
+    /// An upper bound of the velocity's amount anywhere, along each axis [voxels per step].
     [[nodiscard]] Float4 largest() const { return mLargest; }
+
+    /// Wall time that prepare() and fill() have taken since the last prepare() began.
+    [[nodiscard]] double secondsToFill() const { return mSeconds; }
 
     [[nodiscard]] const Domain& domain() const { return mBricks.domain(); }
     [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mBricks.sharedDomain(); }
 
   private:
+    template<typename Leaves>
+    void fillBricks(const Leaves& leaves);
     VDBLIC_INLINE const float* recordOf(int leaf, unsigned offset) const
     {
         const int place = (int(offset >> 6) * Bricks::kDim + int(offset >> 3 & 7)) * Bricks::kDim + int(offset & 7);
         return mBricks.record(leaf, place)->values;
     }
     Bricks mBricks;
+    std::optional<VelocityLevel> mStart, mEnd;
     Float4 mLargest{};
+    double mSeconds = 0;
 };
 
 } // namespace vdblic

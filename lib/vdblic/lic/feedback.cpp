@@ -62,16 +62,22 @@ class TextureBricks {
   public:
     TextureBricks(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture,
                   const LeafValues<float>& sharp)
+        : mTexture(texture), mSharp(sharp)
     {
-        const Domain& leaves = *domain;
-        mBricks.fill(std::move(domain), [&](std::size_t leaf, BricksOf<4>::Record* records) {
-            visitBrick(leaves, leaf, [&](int record, int there, unsigned offset) {
+        mBricks.cover(std::move(domain));
+    }
+
+    void fill(Slabs::Leaves leaves)
+    {
+        mBricks.fill(leaves, [&](std::size_t leaf, BricksOf<4>::Record* records) {
+            visitBrick(mBricks.domain(), leaf, [&](int record, int there, unsigned offset) {
                 const auto at = std::size_t(there);
                 records[record] = there < 0 ? BricksOf<4>::Record{}
-                                            : BricksOf<4>::Record{{texture[at][offset], sharp[at][offset], 1, 0}};
+                                            : BricksOf<4>::Record{{mTexture[at][offset], mSharp[at][offset], 1, 0}};
             });
         });
     }
+    void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
 
     /// Means over the corners in the domain, and their share of the weights; the means mean nothing where that is 0.
     struct Samples {
@@ -87,6 +93,7 @@ class TextureBricks {
     }
 
   private:
+    const LeafValues<float>&mTexture, &mSharp;
     BricksOf<4> mBricks;
 };
 
@@ -207,9 +214,41 @@ LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>&
 
 namespace {
 
+/// The velocities of a leaf's voxels, in voxels per step; 0 where there is none.
+class LeafVelocities {
+  public:
+    LeafVelocities(const VelocityLevel& level, const openvdb::Coord& origin)
+        : mToStep(level.toStep), mLeaf(level.velocities.probeConstLeaf(origin))
+    {
+        if (!mLeaf && !level.velocities.probeValue(origin, mTile)) mTile = openvdb::Vec3f(0);
+    }
+
+    /// The eight of a row along z.
+    [[nodiscard]] VDBLIC_INLINE Vector8 row(int row) const
+    {
+        Vector8 stored{};
+        for (int z = 0; z < 8; ++z) {
+            const auto offset = openvdb::Index(row << 3 | z);
+            const openvdb::Vec3f value = !mLeaf                     ? mTile
+                                         : mLeaf->isValueOn(offset) ? mLeaf->buffer().data()[offset]
+                                                                    : openvdb::Vec3f(0);
+            stored.setLane(z, Float4{value[0], value[1], value[2], 0});
+        }
+        const auto component = [&](int i) {
+            return stored.x * mToStep(i, 0) + stored.y * mToStep(i, 1) + stored.z * mToStep(i, 2);
+        };
+        return {component(0), component(1), component(2)};
+    }
+
+  private:
+    openvdb::Mat3s mToStep;
+    const openvdb::Vec3STree::LeafNodeType* mLeaf;
+    openvdb::Vec3f mTile;
+};
+
 /// What filters one leaf after another; only reads.
 struct FeedForward {
-    const VelocityField& field;
+    const VelocityLevel& velocities; ///< at the step's end
     const Domain& domain;
     const TextureBricks& texture;
     const LocalContrast& contrast;
@@ -223,16 +262,16 @@ struct FeedForward {
         const LeafWindow window(domain, origin);
         const LocalContrast::Leaf around(contrast, origin);
         const bool deepInside = isDeepInside(domain, window);
+        const LeafVelocities displacements(velocities, origin);
         const Domain::Mask& mask = domain.mask(leaf);
         for (int row = 0; row < 64; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
             if (lanes == 0) continue;
-            Vector8 centre, way;
+            const Vector8 way = displacements.row(row);
+            Vector8 centre;
             centre.x = broadcast8(float(origin[0] + (row >> 3)));
             centre.y = broadcast8(float(origin[1] + (row & 7)));
             centre.z = Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(origin[2]);
-            for (int z = 0; z < 8; ++z)
-                way.setLane(z, field.endAt(int(leaf), unsigned(row << 3 | z)));
             TextureBricks::Samples upstream = texture.at(window, centre - way * 0.5f, lanes);
             if (anyOf(maskOf(lanes) & !(upstream.coverage > 0))) {
                 const TextureBricks::Samples here = texture.at(window, centre, lanes);
@@ -306,17 +345,24 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
 {
     const Domain& domain = field.domain();
     const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
-    const TextureBricks bricks(field.sharedDomain(), texture, sharp);
+    TextureBricks bricks(field.sharedDomain(), texture, sharp);
     const LocalContrast contrast(domain, sharp);
-    const FeedForward filter{field, domain, bricks, contrast, noise, params, step};
+    const FeedForward filter{field.end(), domain, bricks, contrast, noise, params, step};
 
-    LeafValues<std::int32_t> input(next, 0);
-    tbb::parallel_for(std::size_t(0), next.leafCount(), [&](std::size_t leaf) {
-        const openvdb::Coord origin = next.origin(leaf);
-        fillWithNoise(noise, origin, input[leaf]);
-        const int from = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-        if (from >= 0) filterLeaf(filter, std::size_t(from), input[leaf]);
-    });
+    LeafValues<std::int32_t> input = noiseInput(next, noise);
+    const Slabs slabs(domain);
+    // Samples lie up to the whole way upstream, and in the cell around that place.
+    const int reach = int(std::ceil((std::min(field.largest()[slabs.axis()], 1e6f) + 1) / float(Domain::Leaf::DIM)));
+    slabs.sweep(
+        reach, [&](Slabs::Leaves leaves) { bricks.fill(leaves); },
+        [&](Slabs::Leaves leaves) { bricks.release(leaves); },
+        [&](Slabs::Leaves leaves) {
+            tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+                const openvdb::Coord origin = domain.origin(leaves[i]);
+                const int to = next.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+                if (to >= 0) filterLeaf(filter, leaves[i], input[std::size_t(to)]);
+            });
+        });
     return input;
 }
 

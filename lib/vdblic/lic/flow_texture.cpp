@@ -1,27 +1,8 @@
 #include "vdblic/lic/flow_texture.h"
 
-#include <chrono>
+#include "vdblic/core/stopwatch.h"
 
 namespace vdblic {
-namespace {
-
-/// Gives the seconds since it was last asked.
-class Stopwatch {
-  public:
-    double lap()
-    {
-        const auto now = std::chrono::steady_clock::now();
-        const std::chrono::duration<double> passed = now - mLast;
-        mLast = now;
-        return passed.count();
-    }
-
-  private:
-    std::chrono::steady_clock::time_point mLast = std::chrono::steady_clock::now();
-};
-
-} // namespace
-
 StageTimes& StageTimes::operator+=(const StageTimes& other)
 {
     load += other.load;
@@ -49,19 +30,20 @@ FlowTextureStep FlowTexture::advance(const FlowStep& step)
     }
     const Domain& domain = *step.start.domain;
     if (!mInput) mInput = noiseInput(domain, mNoise);
-    mField.build(step.start.domain, {step.start.velocities->tree(), step.startToStep},
-                 {step.end.velocities->tree(), step.endToStep});
-    result.times.load = watch.lap();
+    mField.prepare(step.start.domain, {step.start.velocities->tree(), step.startToStep},
+                   {step.end.velocities->tree(), step.endToStep});
+    {
+        const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
+        const double slopeScale = mLastInterval > 0 ? step.interval / mLastInterval : 1;
+        mLastInterval = step.interval;
+        result.stats = mScatter.step(mField, *mInput, accumulator, *step.end.domain, float(slopeScale));
+        result.times.load = mField.secondsToFill();
+        result.times.scatter = watch.lap() - result.times.load;
 
-    const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
-    const double slopeScale = mLastInterval > 0 ? step.interval / mLastInterval : 1;
-    mLastInterval = step.interval;
-    result.stats = mScatter.step(mField, *mInput, accumulator, *step.end.domain, float(slopeScale));
-    result.times.scatter = watch.lap();
-
-    result.texture = convolve(domain, accumulator, *mInput);
-    result.times.convolve = watch.lap();
-
+        result.texture = convolve(domain, accumulator, *mInput);
+        result.times.convolve = watch.lap();
+    }
+    mInput.reset(); // before its successor is made
     mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep++);
     result.times.filter = watch.lap();
     return result;

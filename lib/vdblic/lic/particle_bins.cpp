@@ -9,8 +9,13 @@ void ParticleBins::add(std::size_t tile, const Particle& particle, const std::ui
 {
     Bin& bin = mBins[tile];
     if (bin.empty() || bin.back()->count == Chunk::kCapacity) {
-        bin.emplace_back(new Chunk); // its particles are left unset
-        bin.back()->generations.reset(new std::uint32_t[Chunk::kCapacity * mGenerations]);
+        if (mSpare.empty()) {
+            bin.emplace_back(new Chunk); // its particles are left unset
+            bin.back()->generations.reset(new std::uint32_t[Chunk::kCapacity * mGenerations]);
+        } else {
+            bin.push_back(std::move(mSpare.back()));
+            mSpare.pop_back();
+        }
     }
     Chunk& chunk = *bin.back();
     chunk.particles[chunk.count] = particle;
@@ -20,13 +25,16 @@ void ParticleBins::add(std::size_t tile, const Particle& particle, const std::ui
         mLargestSlope[axis] = std::max(mLargestSlope[axis], std::abs(particle.slope[axis]));
 }
 
-void ParticleBins::take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations)
+void ParticleBins::take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations,
+                        ParticleBins& user)
 {
-    for (const auto& chunk : mBins[tile]) {
+    for (auto& chunk : mBins[tile]) {
         const std::uint32_t* words = chunk->generations.get();
         particles.insert(particles.end(), chunk->particles.begin(),
                          chunk->particles.begin() + std::ptrdiff_t(chunk->count));
         generations.insert(generations.end(), words, words + chunk->count * mGenerations);
+        chunk->count = 0;
+        user.mSpare.push_back(std::move(chunk));
     }
     Bin().swap(mBins[tile]);
 }

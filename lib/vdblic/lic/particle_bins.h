@@ -20,8 +20,8 @@ struct Particle {
 
 /// Particles of one thread, by the tile they are in.
 ///
-/// Kept in chunks, each of which is freed as soon as it was read: the particles that come and those that go take the
-/// room of one. Not thread-safe.
+/// Kept in chunks, each of which is used again as soon as it was read: the particles that come and those that go take
+/// the room of one. Not thread-safe.
 class ParticleBins {
   public:
     /// @param generations words that each particle carries
@@ -35,7 +35,12 @@ class ParticleBins {
     [[nodiscard]] const std::array<float, 3>& largestSlope() const { return mLargestSlope; }
 
     /// Append a tile's particles, in the order they were added, and their generations; the bin is empty then.
-    void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations);
+    /// @param user takes the memory, for what will be added to it
+    void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations,
+              ParticleBins& user);
+
+    /// Free memory that was taken and not needed.
+    void freeSpare() { Bin().swap(mSpare); }
 
     /// Visit every particle: visit(particle, generations).
     template<typename Visit>
@@ -61,6 +66,7 @@ class ParticleBins {
 
     std::size_t mGenerations = 0;
     std::vector<Bin> mBins;
+    Bin mSpare; // chunks to be used again
     std::array<float, 3> mLargestSlope{};
 };
 

@@ -10,24 +10,30 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
-#include <functional>
 
 namespace vdblic {
 namespace {
 
-/// The hits in an accumulator, to be compared with the hits that were deposited.
-std::size_t countHits(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
+/// What an accumulator collected.
+struct Collected {
+    std::size_t hits = 0, emptyVoxels = 0;
+};
+Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
 {
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, domain.leafCount()), std::size_t(0),
-        [&](const tbb::blocked_range<std::size_t>& range, std::size_t hits) {
+        tbb::blocked_range<std::size_t>(0, domain.leafCount()), Collected{},
+        [&](const tbb::blocked_range<std::size_t>& range, Collected sum) {
             for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-                for (int i = 0; i < Domain::kLeafVoxels; ++i) // what is outside counts nothing
-                    hits += Hits::count(std::uint64_t(accumulator[leaf][i]));
+                for (int i = 0; i < Domain::kLeafVoxels; ++i) { // what is outside counts nothing
+                    sum.hits += Hits::count(std::uint64_t(accumulator[leaf][i]));
+                    sum.emptyVoxels += accumulator[leaf][i] == 0;
+                }
             }
-            return hits;
+            return sum;
         },
-        std::plus<>());
+        [](const Collected& a, const Collected& b) {
+            return Collected{a.hits + b.hits, a.emptyVoxels + b.emptyVoxels};
+        });
 }
 
 /// How far from its own leaf a path of this step can reach, in leaves along each axis.
@@ -49,10 +55,37 @@ openvdb::Coord reachOf(const ScatterScene& scene)
     return reach;
 }
 
-/// Scatter every tile, in parallel. Integer additions commute, so the order of tiles is free.
-std::vector<TileScatter> scatterTiles(const ScatterScene& scene)
+/// Scatter the tiles of a slab, in parallel. Integer additions commute, so the order of tiles is free.
+void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach,
+                 std::vector<TileScatter>& workers)
 {
-    const std::size_t leaves = scene.field.domain().leafCount();
+    const auto onEveryThread = [&](const auto& work) {
+        tbb::parallel_for(std::size_t(0), workers.size(), work, tbb::simple_partitioner());
+    };
+    constexpr int kFarReach = 3; // leaves: beyond, too few tiles could be at work together
+    if (workers.size() == 1) {
+        for (const std::uint32_t leaf : leaves)
+            workers[0].run(leaf, false);
+    } else if (std::max({reach[0], reach[1], reach[2]}) <= kFarReach) {
+        TileSchedule schedule(domain, leaves, reach, workers.size());
+        onEveryThread([&](std::size_t thread) {
+            while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
+                for (const std::uint32_t leaf : group->leaves)
+                    workers[thread].run(leaf, false);
+            }
+        });
+    } else {
+        std::atomic<std::size_t> next = 0;
+        onEveryThread([&](std::size_t thread) {
+            for (std::size_t i = next++; i < leaves.size(); i = next++)
+                workers[thread].run(leaves[i], true);
+        });
+    }
+}
+
+/// Scatter every tile.
+std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& field)
+{
     const std::size_t threads =
         std::min(std::size_t(tbb::this_task_arena::max_concurrency()),
                  tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
@@ -61,32 +94,12 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene)
     for (std::size_t thread = 0; thread < threads; ++thread)
         workers.emplace_back(scene);
 
-    constexpr int kFarReach = 3; // leaves: beyond, too few tiles could be at work together
     const openvdb::Coord reach = reachOf(scene);
-    if (threads == 1) {
-        for (std::size_t leaf = 0; leaf < leaves; ++leaf)
-            workers[0].run(leaf, false);
-    } else if (std::max({reach[0], reach[1], reach[2]}) <= kFarReach) {
-        TileSchedule schedule(scene.field.domain(), reach, threads);
-        tbb::parallel_for(
-            std::size_t(0), threads,
-            [&](std::size_t thread) {
-                while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
-                    for (std::size_t leaf = group->begin; leaf < group->end; ++leaf)
-                        workers[thread].run(leaf, false);
-                }
-            },
-            tbb::simple_partitioner());
-    } else {
-        std::atomic<std::size_t> next = 0;
-        tbb::parallel_for(
-            std::size_t(0), threads,
-            [&](std::size_t thread) {
-                for (std::size_t leaf = next++; leaf < leaves; leaf = next++)
-                    workers[thread].run(leaf, true);
-            },
-            tbb::simple_partitioner());
-    }
+    const Slabs slabs(field.domain());
+    slabs.sweep(
+        reach[slabs.axis()], [&](Slabs::Leaves leaves) { field.fill(leaves); },
+        [&](Slabs::Leaves leaves) { field.release(leaves); },
+        [&](Slabs::Leaves leaves) { scatterSlab(field.domain(), leaves, reach, workers); });
     return workers;
 }
 
@@ -114,6 +127,7 @@ ScatterStats& ScatterStats::operator+=(const ScatterStats& other)
     steps += other.steps;
     deposits += other.deposits;
     hits += other.hits;
+    emptyVoxels += other.emptyVoxels;
     return *this;
 }
 
@@ -132,7 +146,7 @@ LeafValues<std::int64_t> makeAccumulator(const Domain& domain)
     return accumulator;
 }
 
-ScatterStats Scatter::step(const VelocityField& field, const LeafValues<std::int32_t>& input,
+ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>& input,
                            const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale)
 {
     const Domain& domain = field.domain();
@@ -141,16 +155,19 @@ ScatterStats Scatter::step(const VelocityField& field, const LeafValues<std::int
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
         scene.firstRank.push_back(scene.firstRank.back() + domain.mask(leaf).countOn());
 
-    std::vector<TileScatter> workers = scatterTiles(scene);
+    std::vector<TileScatter> workers = scatterTiles(scene, field);
 
     ScatterStats stats;
     mBins.clear();
     for (TileScatter& worker : workers) {
         stats += worker.stats();
+        worker.leaving().freeSpare();
         mBins.push_back(std::move(worker.leaving()));
     }
     ++mStep;
-    if (countHits(domain, accumulator) != stats.hits) {
+    const Collected found = collected(domain, accumulator);
+    stats.emptyVoxels = found.emptyVoxels;
+    if (found.hits != stats.hits) {
         throw InputError(
             fmt::format("a voxel collected more than {} hits in one step: the flow has a sink that swallows "
                         "the domain; use a shorter life span or mask the sink",

@@ -27,14 +27,15 @@ struct ScatterParams {
 
 /// What one step did; every figure is the same for any number of threads.
 struct ScatterStats {
-    std::size_t particles = 0; ///< pathlines of earlier steps that went on
-    std::size_t blocked = 0;   ///< pathlines of earlier steps that ended because their voxel had its seed
-    std::size_t released = 0;  ///< new particles: pathlines advected from scratch
-    std::size_t reused = 0;    ///< seeds released onto particles of earlier steps: pathline reuse
-    std::size_t copied = 0;    ///< seeds released downstream on a pathline of this step: pathline copying
-    std::size_t steps = 0;     ///< integration steps
-    std::size_t deposits = 0;  ///< additions to the accumulator
-    std::size_t hits = 0;      ///< values deposited, counted with their multiplicity
+    std::size_t particles = 0;   ///< pathlines of earlier steps that went on
+    std::size_t blocked = 0;     ///< pathlines of earlier steps that ended because their voxel had its seed
+    std::size_t released = 0;    ///< new particles: pathlines advected from scratch
+    std::size_t reused = 0;      ///< seeds released onto particles of earlier steps: pathline reuse
+    std::size_t copied = 0;      ///< seeds released downstream on a pathline of this step: pathline copying
+    std::size_t steps = 0;       ///< integration steps
+    std::size_t deposits = 0;    ///< additions to the accumulator
+    std::size_t hits = 0;        ///< values deposited, counted with their multiplicity
+    std::size_t emptyVoxels = 0; ///< voxels that no value was deposited in
 
     ScatterStats& operator+=(const ScatterStats& other);
 };
@@ -91,13 +92,13 @@ class Scatter {
 
     /// Carry every particle over one time step, releasing seeds as the method does.
     ///
-    /// @param field       velocity over the step, on its domain
+    /// @param field       velocity over the step, on its domain, as prepare() leaves it; filled slab by slab meanwhile
     /// @param input       Input words of the step's start, on the field's domain
     /// @param accumulator of makeAccumulator(), on the same domain; receives Hits
     /// @param next        domain of the step to come; particles that are outside it then end
     /// @param slopeScale  duration of this step over that of the step before, which slopes were measured in
     /// @throws InputError if a voxel collected 2²³ hits or more
-    ScatterStats step(const VelocityField& field, const LeafValues<std::int32_t>& input,
+    ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input,
                       const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale = 1);
 
   private:

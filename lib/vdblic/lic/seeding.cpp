@@ -134,7 +134,7 @@ void TileScatter::takeArriving()
     mParticles.clear();
     mParticleGenerations.clear();
     for (ParticleBins& bins : mScene.arriving)
-        bins.take(mLeaf, mParticles, mParticleGenerations);
+        bins.take(mLeaf, mParticles, mParticleGenerations, mLeaving);
     mTurns.clear();
     for (std::size_t i = 0; i < mParticles.size(); ++i) {
         const unsigned voxel = Domain::offset(voxelOf(toVector(mParticles[i].position)));

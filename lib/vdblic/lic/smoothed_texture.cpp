@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <ranges>
 #include <vector>
 
 namespace vdblic {
@@ -69,7 +70,8 @@ SmoothedTexture::SmoothedTexture(const openvdb::FloatTree& texture)
     const LeafValues<float> raw = valuesOf(texture, *domain), smooth = smoothed(*domain, raw);
     mRawContrast = contrastOf(*domain, raw);
     mSmoothedContrast = contrastOf(*domain, smooth);
-    mBricks.fill(domain, [&](std::size_t leaf, Record* records) {
+    mBricks.cover(domain);
+    mBricks.fill(std::views::iota(std::size_t(0), domain->leafCount()), [&](std::size_t leaf, Record* records) {
         visitBrick(*raw.tree(), domain->origin(leaf), [&](int record, float value, bool active) {
             records[record] = {};
             if (!active) return;

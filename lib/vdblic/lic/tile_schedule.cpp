@@ -7,12 +7,12 @@ constexpr std::size_t kGroupLeaves = 8; // as many as to make handing out cheap,
 
 } // namespace
 
-TileSchedule::TileSchedule(const Domain& domain, const openvdb::Coord& reach, std::size_t threads)
+TileSchedule::TileSchedule(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach, std::size_t threads)
     : mApart(2 * reach[0], 2 * reach[1], 2 * reach[2]), mCursor(threads), mBusy(threads)
 {
-    for (std::size_t begin = 0; begin < domain.leafCount(); begin += kGroupLeaves) {
-        Group group{begin, std::min(begin + kGroupLeaves, domain.leafCount()), {}};
-        for (std::size_t leaf = group.begin; leaf < group.end; ++leaf) {
+    for (std::size_t begin = 0; begin < leaves.size(); begin += kGroupLeaves) {
+        Group group{leaves.subspan(begin, std::min(kGroupLeaves, leaves.size() - begin)), {}};
+        for (const std::uint32_t leaf : group.leaves) {
             const openvdb::Coord origin = domain.origin(leaf);
             group.box.expand(openvdb::Coord(origin[0] >> 3, origin[1] >> 3, origin[2] >> 3));
         }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/field/domain.h"
+#include "vdblic/field/slabs.h"
 
 #include <condition_variable>
 #include <mutex>
@@ -9,20 +9,21 @@
 
 namespace vdblic {
 
-/// Hands out a domain's leaves to threads so that no two of them write to the same leaf at the same time.
+/// Hands out a slab's leaves to threads so that no two of them write to the same leaf at the same time.
 ///
 /// A thread at work on a leaf may write to all leaves within `reach` of it, so two groups of leaves can be at work
 /// together only if twice the reach lies between them. Thread-safe.
 class TileSchedule {
   public:
-    /// Leaves [begin, end), at work together.
+    /// Leaves that one thread works on, one after the other.
     struct Group {
-        std::size_t begin, end;
+        Slabs::Leaves leaves;
         openvdb::CoordBBox box; ///< of their places, in leaves
     };
 
-    /// @param reach in leaves, along each axis
-    TileSchedule(const Domain& domain, const openvdb::Coord& reach, std::size_t threads);
+    /// @param leaves must outlive this
+    /// @param reach  in leaves, along each axis
+    TileSchedule(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach, std::size_t threads);
 
     /// The next group for a thread, numbered from 0, which is done with the one before; nothing if none is left. Waits
     /// while all that are left are too near to those at work.

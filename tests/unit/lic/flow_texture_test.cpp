@@ -2,6 +2,7 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/slabs.h"
 
 #include <gtest/gtest.h>
 
@@ -123,6 +124,51 @@ TEST(FlowTexture, HandlesDomainsOfOneVoxelOneSheetAndNone)
             EXPECT_TRUE(*value >= 0 && *value <= 1) << *value;
         }
     }
+}
+
+/// A domain of several slabs, in a flow with swirls.
+std::vector<FlowFrame> longFrames(int frames)
+{
+    return test::makeFrames({{0, 0, 0}, {399, 63, 63}}, frames, [](const Coord& at, int frame) {
+        const float x = 0.1f * float(at[0]), y = 0.2f * float(at[1]), t = 0.5f * float(frame);
+        return Vec3f(1.5f + std::sin(y + t), std::cos(x - t), std::sin(x + y));
+    });
+}
+
+TEST(FlowTexture, IsTheSameWhetherTheVelocityIsHeldInPartsOrWhole)
+{
+    constexpr int kSteps = 2;
+    const auto frames = longFrames(kSteps + 1);
+    ASSERT_GT(Slabs(*frames[0].domain).size(), 2u);
+    // A fast voxel that is not in the domain makes all of it be held, for what is known of the reach.
+    auto fast = frames;
+    for (FlowFrame& frame : fast) {
+        const auto grid = frame.velocities->deepCopy();
+        grid->tree().setValue(Coord(-1000), Vec3f(1e4f));
+        frame.velocities = grid;
+    }
+    const auto parts = test::streamedTextures(frames, kSteps, {}), whole = test::streamedTextures(fast, kSteps, {});
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        for (std::size_t leaf = 0; leaf < frames[k].domain->leafCount(); ++leaf)
+            ASSERT_TRUE(std::equal(parts[k][leaf], parts[k][leaf] + Domain::kLeafVoxels, whole[k][leaf])) << leaf;
+    }
+}
+
+TEST(FlowTexture, CostsTheSameInEveryFrame)
+{
+    constexpr int kSteps = 16, kSettled = 6;
+    const auto frames = test::makeFrames(kBox, 2, [](const Coord& at, int) {
+        return Vec3f(2, std::sin(0.2f * float(at[0])), std::cos(0.3f * float(at[1])));
+    });
+    FlowTexture pipeline({}, FeedbackParams{}, NoiseField(7));
+    double least = 1e9, most = 0;
+    for (int k = 0; k < kSteps; ++k) {
+        const double steps = double(pipeline.advance(test::stepFrom(frames, 0)).stats.steps);
+        if (k < kSettled) continue;
+        least = std::min(least, steps);
+        most = std::max(most, steps);
+    }
+    EXPECT_LT(most, 1.02 * least);
 }
 
 TEST(FlowTexture, AFrameWithoutVoxelsInTheMiddleIsPassedOver)

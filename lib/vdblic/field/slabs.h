@@ -1,0 +1,59 @@
+#pragma once
+
+#include "vdblic/field/domain.h"
+
+#include <cstdint>
+#include <span>
+
+namespace vdblic {
+
+/// A domain's leaves in slabs across its longest axis, so that work which looks no farther than a few leaves can go
+/// through a large domain with only the slabs around in memory.
+///
+/// Slabs are as thin as they can be with enough leaves for many threads; a small domain is one slab. Immutable; any
+/// number of threads may read.
+class Slabs {
+  public:
+    using Leaves = std::span<const std::uint32_t>; ///< numbers of leaves, ascending
+
+    explicit Slabs(const Domain& domain);
+
+    [[nodiscard]] int axis() const { return mAxis; } ///< that the slabs lie along
+    [[nodiscard]] std::size_t size() const { return mSlabs.size(); }
+    [[nodiscard]] Leaves operator[](std::size_t slab) const;
+
+    /// Go through the slabs in order. Before work(leaves) of a slab, every slab that lies within `reach` leaves of it
+    /// has gone through open(leaves); one that no later slab reaches goes through close(leaves).
+    template<typename Open, typename Close, typename Work>
+    void sweep(int reach, const Open& open, const Close& close, const Work& work) const
+    {
+        std::size_t first = 0, last = 0;
+        for (std::size_t slab = 0; slab < size(); ++slab) {
+            for (; distance(first, slab) > reach; ++first)
+                close((*this)[first]);
+            for (; last < size() && distance(slab, last) <= reach; ++last)
+                open((*this)[last]);
+            work((*this)[slab]);
+        }
+        for (; first < last; ++first)
+            close((*this)[first]);
+    }
+
+  private:
+    struct Slab {
+        int first, last;   ///< layers of leaves along the axis
+        std::size_t begin; ///< in mLeaves
+    };
+
+    /// Layers from one slab to another that comes after it, or 0.
+    [[nodiscard]] int distance(std::size_t before, std::size_t after) const
+    {
+        return before < after ? mSlabs[after].first - mSlabs[before].last : 0;
+    }
+
+    int mAxis = 0;
+    std::vector<std::uint32_t> mLeaves;
+    std::vector<Slab> mSlabs;
+};
+
+} // namespace vdblic

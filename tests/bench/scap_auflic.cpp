@@ -1,0 +1,150 @@
+#include "bench/scap_auflic.h"
+
+#include "bench/euler_uflic.h"
+
+#include <algorithm>
+
+namespace vdblic::bench {
+namespace {
+
+VDBLIC_KERNEL void trace(const VelocityField& field, const LeafWindow& window, const ScatterParams& params,
+                         PathBatch& batch, PathSamples& samples)
+{
+    advancePaths(field, window, params.pathline, batch);
+    samplePaths(batch, field.domain(), window, params.pathline.sampleSpacing, params.releaseWindow, samples);
+}
+
+} // namespace
+
+ScapAuflic::ScapAuflic(int lifeSpan, float releaseWindow, const NoiseField& noise) : mNoise(noise)
+{
+    mParams.lifeSpan = lifeSpan;
+    mParams.releaseWindow = releaseWindow;
+}
+
+void ScapAuflic::extend(const VelocityField& field, Path& path)
+{
+    const Domain& domain = field.domain();
+    const Int4 voxel = voxelOf(path.position);
+    Path::Step& step = path.steps.emplace_back();
+    step.start = std::uint32_t(domain.findLeaf(voxel)) << 9 | Domain::offset(voxel);
+    mBatch.lanes = 1;
+    mBatch.position.setLane(0, path.position);
+    mBatch.slope.setLane(0, path.slope);
+    const LeafWindow window(domain, domain.origin(step.start >> 9));
+    const std::size_t before = mBatch.steps;
+    trace(field, window, mParams, mBatch, mSamples);
+    mStats.steps += mBatch.steps - before;
+    path.position = mBatch.position.lane(0);
+    path.slope = mBatch.slope.lane(0);
+    for (const PathSamples::Run& run : mSamples.runs) {
+        for (int i = 0; i < run.count[0] && !path.ended; ++i) {
+            const int code = mSamples.rows[run.firstRow + std::size_t(i)].code[0];
+            const PathSamples::FarVoxel sample =
+                code >= 0 ? PathSamples::FarVoxel{window.leaves[std::size_t(code >> 9)], unsigned(code & 511)}
+                          : mSamples.far[std::size_t(-1 - code)];
+            path.ended = sample.leaf < 0 || !domain.isActive(sample.leaf, sample.offset);
+            if (path.ended) break;
+            step.voxels.push_back(std::uint32_t(sample.leaf) << 9 | sample.offset);
+            step.early += i < run.early[0];
+        }
+    }
+    path.ended = path.ended || !domain.contains(path.position);
+}
+
+/// Release a seed in every open voxel of the tile that the path passes within the window, and scatter their values.
+/// @return false if there was none
+bool ScapAuflic::releaseAlong(std::size_t k, const std::vector<VelocityField>& fields, std::size_t leaf, Path& path)
+{
+    struct Seed {
+        std::size_t from;
+        std::uint32_t value;
+    };
+    std::vector<Seed> seeds;
+    const auto releaseIn = [&](std::uint32_t voxel, std::size_t from) {
+        if (voxel >> 9 != leaf || !mOpen.isOn(voxel & 511)) return;
+        mOpen.setOff(voxel & 511);
+        seeds.push_back({from, Input::value(mInput[leaf][voxel & 511])});
+    };
+    const Path::Step& now = path.steps.front();
+    releaseIn(now.start, 0);
+    for (std::size_t i = 0; i < now.early; ++i)
+        releaseIn(now.voxels[i], i);
+    if (seeds.empty()) return false;
+
+    while (!path.ended && path.steps.size() < std::size_t(mParams.lifeSpan))
+        extend(fields[k + path.steps.size()], path);
+    for (const Seed& seed : seeds) {
+        for (std::size_t step = 0; step < path.steps.size(); ++step) {
+            const auto& voxels = path.steps[step].voxels;
+            const LeafValues<std::int64_t>& bucket = mBuckets[(k + step) % mBuckets.size()];
+            const std::size_t first = step == 0 ? seed.from : 0;
+            for (std::size_t i = first; i < voxels.size(); ++i)
+                bucket[voxels[i] >> 9][voxels[i] & 511] += std::int64_t(Hits::pack(seed.value, 1));
+            mStats.deposits += voxels.size() - first;
+            mStats.hits += voxels.size() - first;
+        }
+    }
+    return true;
+}
+
+void ScapAuflic::seedTile(std::size_t k, const std::vector<VelocityField>& fields, std::size_t leaf)
+{
+    const VelocityField& field = fields[k];
+    const Domain& domain = field.domain();
+    mOpen = domain.mask(leaf);
+    const auto save = [&](Path&& path) {
+        path.steps.erase(path.steps.begin());
+        if (!path.steps.empty()) mNext[path.steps.front().start >> 9].push_back(std::move(path));
+    };
+    // Pathlines of the process before, the oldest first; one that finds no open voxel is deleted.
+    std::vector<Path>& saved = mSaved[leaf];
+    std::sort(saved.begin(), saved.end(), [](const Path& a, const Path& b) { return a.id < b.id; });
+    for (Path& path : saved) {
+        ++mStats.particles;
+        if (releaseAlong(k, fields, leaf, path)) save(std::move(path));
+    }
+    saved.clear();
+
+    std::uint64_t rank = mFirstRank[leaf];
+    for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel, ++rank) {
+        if (!mOpen.isOn(voxel.pos())) continue;
+        const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+        Path path;
+        path.id = std::uint64_t(k) << Particle::kRankBits | rank;
+        path.position = Float4{float(at[0]), float(at[1]), float(at[2]), 0};
+        path.slope = field.startAt(int(leaf), voxel.pos());
+        extend(field, path);
+        ++mStats.released;
+        if (releaseAlong(k, fields, leaf, path)) save(std::move(path));
+    }
+}
+
+LeafValues<float> ScapAuflic::scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields)
+{
+    const Domain& domain = fields[k].domain();
+    mStats = {};
+    if (mBuckets.empty()) {
+        mInput = noiseInput(domain, mNoise);
+        for (int i = 0; i < mParams.lifeSpan; ++i)
+            mBuckets.push_back(makeAccumulator(domain));
+        mFirstRank.assign(1, 0);
+        for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+            mFirstRank.push_back(mFirstRank.back() + domain.mask(leaf).countOn());
+        mSaved.resize(domain.leafCount());
+    }
+    mNext.clear();
+    mNext.resize(domain.leafCount());
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        seedTile(k, fields, leaf);
+    mSaved = std::move(mNext);
+
+    LeafValues<std::int64_t>& bucket = mBuckets[k % mBuckets.size()];
+    mStats.emptyVoxels = emptyVoxels(domain, bucket);
+    LeafValues<float> texture = convolve(domain, bucket, mInput);
+    bucket = makeAccumulator(domain);
+    mInput = feedForward(fields[k], texture, domain, mNoise, FeedbackParams{}, k);
+    return texture;
+}
+
+} // namespace vdblic::bench
