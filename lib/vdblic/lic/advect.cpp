@@ -138,8 +138,8 @@ class Advection {
             throw OutputError(fmt::format("{}: cannot be removed: {}", mCheckpointPath.string(), error.message()));
         }
         if (removed && mTexture.steps() == 0) {
-            mReporter.warn(fmt::format("{}: removed; it was of a run that --resume would have continued",
-                                       mCheckpointPath.string()));
+            mReporter.warn(
+                fmt::format("{}: removed; with --resume the run would have gone on from it", mCheckpointPath.string()));
         }
     }
 

@@ -65,11 +65,14 @@ void writeCheckpoint(const std::filesystem::path& path, Checkpoint checkpoint, c
 Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterTexts& parameters)
 {
     Checkpoint checkpoint;
+    bool hasChecksums = false;
     try {
+        hasChecksums = verifyVdb(path);
         checkpoint.state = readVdb(path);
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}; or {}", error.what(), kMend));
     }
+    if (!hasChecksums) refuseCheckpoint(path, "is not as vdblic_advect writes it: its checksums are gone");
     const openvdb::MetaMap& metadata = checkpoint.state.metadata;
     const Numbers numbers(path, metadata);
     checkpoint.steps = std::uint64_t(numbers.get<std::int64_t>(kSteps));

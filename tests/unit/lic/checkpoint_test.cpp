@@ -2,6 +2,7 @@
 
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/io/checksum.h"
 
 #include <gtest/gtest.h>
 
@@ -58,6 +59,42 @@ TEST(Checkpoint, OtherFilesAreRefused)
     expectContains(refusal<InputError>(path, {}), "is no checkpoint of vdblic_advect");
     folder.add("c.vdb", "something else");
     expectContains(refusal<InputError>(path, {}), "delete the checkpoint to start from the beginning");
+}
+
+/// Replace a text in a file by one as long, and see to its checksums.
+void edit(const std::filesystem::path& path, const std::string& from, const std::string& to)
+{
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    ASSERT_NE(bytes.find(from), std::string::npos);
+    file.seekp(std::streamoff(bytes.find(from)));
+    file << to << std::flush;
+    const VdbLayout layout = readLayout(file, bytes.size());
+    const std::string checksums = computeChecksums(file, layout);
+    file.seekp(std::streamoff(layout.checksum.offset));
+    file << checksums;
+    file.seekp(std::streamoff(VdbLayout::kIdentityOffset));
+    file << identityOf(checksums);
+}
+
+TEST(Checkpoint, OfAnotherVersionIsRefused)
+{
+    const TemporaryFolder folder;
+    const auto path = folder / "c.vdb";
+    writeCheckpoint(path, kCheckpoint, {});
+    edit(path, "VDBLIC 0", "VDBLIC 9");
+    expectContains(refusal<InputError>(path, {}), "was written by VDBLIC 9");
+}
+
+TEST(Checkpoint, ThatSomebodyEditedIsRefused)
+{
+    const TemporaryFolder folder;
+    const auto path = folder / "c.vdb";
+    writeCheckpoint(path, kCheckpoint, {{"--life", "4"}});
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(std::streamoff(VdbLayout::kIdentityOffset)); // as another program's, which has no checksums
+    file << "00000000" << std::flush;
+    expectContains(refusal<InputError>(path, {}), "its checksums are gone");
 }
 
 TEST(CheckpointSchedule, CountsSteps)
