@@ -1,6 +1,7 @@
 #include "vdblic/lic/advect.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/file_stamp.h"
@@ -218,11 +219,16 @@ class Advection {
         // A step depends on both its frames, and no more than these.
         const std::size_t frames = std::max<std::size_t>(framesDone(), 1) + 1;
         checkpoint.inputs.resize(std::min(frames, mInputs.size()));
-        checkpoint.state.grids = mTexture.save();
-        for (const auto& grid : checkpoint.state.grids)
-            grid->setTransform(mTransform->copy());
         try {
-            writeCheckpoint(mCheckpointPath, std::move(checkpoint), mParameters);
+            checkpoint.state.grids = mTexture.save();
+            for (const auto& grid : checkpoint.state.grids)
+                grid->setTransform(mTransform->copy());
+            writeCheckpoint(mCheckpointPath, checkpoint, mParameters);
+        } catch (const std::bad_alloc&) {
+            throw InputError(
+                fmt::format("{}: takes more than the {} of memory that may be used: raise --max-memory, or "
+                            "give --checkpoint-every 0 to do without",
+                            mCheckpointPath.string(), memoryText(double(memoryLimit()))));
         } catch (const OutputError& error) {
             throw OutputError(fmt::format("{}; --checkpoint-every 0 does without checkpoints", error.what()));
         }

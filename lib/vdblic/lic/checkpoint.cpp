@@ -47,7 +47,7 @@ class Numbers {
 
 } // namespace
 
-void writeCheckpoint(const std::filesystem::path& path, Checkpoint checkpoint, const ParameterTexts& parameters)
+void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const ParameterTexts& parameters)
 {
     openvdb::MetaMap metadata;
     metadata.insertMeta(kSteps, openvdb::Int64Metadata(std::int64_t(checkpoint.steps)));
@@ -59,7 +59,7 @@ void writeCheckpoint(const std::filesystem::path& path, Checkpoint checkpoint, c
     for (const auto& [option, value] : parameters)
         metadata.insertMeta(option, openvdb::StringMetadata(value));
     const openvdb::GridPtrVec& grids = checkpoint.state.grids;
-    writeVdb(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), std::move(metadata));
+    writeVdb(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), metadata);
 }
 
 Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterTexts& parameters)

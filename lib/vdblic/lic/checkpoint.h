@@ -24,7 +24,7 @@ struct Checkpoint {
 
 /// Write a checkpoint in place of the one before, which stays valid until the new one is complete on disk.
 /// @throws OutputError
-void writeCheckpoint(const std::filesystem::path& path, Checkpoint checkpoint, const ParameterTexts& parameters);
+void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const ParameterTexts& parameters);
 
 /// Read a checkpoint. @param parameters of the run that is to go on from it
 /// @throws InputError if it is damaged, none, or of another version, ParameterError if it was made with other
