@@ -69,11 +69,20 @@ ScatterParams params(ScatterMethod method, int lifeSpan, bool history = false)
     return result;
 }
 
+std::string nameOf(const testing::TestParamInfo<ScatterParams>& info)
+{
+    const char* method = info.param.method == ScatterMethod::kUflic ? "Uflic"
+                         : info.param.history                       ? "AuflicWithHistory"
+                                                                    : "Auflic";
+    return fmt::format("{}Life{}", method, info.param.lifeSpan);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, SavedState,
                          testing::Values(params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
                                          params(ScatterMethod::kAuflic, 4, true),
                                          params(ScatterMethod::kAuflic, 1, true),
-                                         params(ScatterMethod::kAuflic, 20, true)));
+                                         params(ScatterMethod::kAuflic, 20, true)),
+                         nameOf);
 
 std::shared_ptr<const Domain> box(const openvdb::CoordBBox& voxels)
 {
