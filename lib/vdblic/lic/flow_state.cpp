@@ -206,6 +206,7 @@ LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file)
 
 openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins)
 {
+    openvdb::initialize(); // attributes cannot be made before
     const bool carries = !bins.empty() && bins.front().generations() > 0;
     const auto words = openvdb::Index(carries ? bins.front().generations() : 1);
     auto grid = PointDataGrid::create();
