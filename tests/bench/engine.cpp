@@ -386,7 +386,7 @@ json integrators(const Flow& flow)
         };
         const double before = cpuTime();
         for (const openvdb::Coord& seed : seeds) {
-            const nanovdb::Vec3f p(float(seed[0]), float(seed[1]), float(seed[2]));
+            const nanovdb::Vec3f p{float(seed[0]), float(seed[1]), float(seed[2])};
             const nanovdb::Vec3f k1 = sample(p, 0), k2 = sample(p + k1 * 0.5f, 0.5f), k3 = sample(p + k2 * 0.5f, 0.5f),
                                  k4 = sample(p + k3, 1);
             sink += double((p + (k1 + (k2 + k3) * 2.0f + k4) / 6.0f)[0]);
@@ -403,7 +403,7 @@ json integrators(const Flow& flow)
         report("advancePaths, two frames, error estimate", cpuTime() - before);
     }
     if (const std::optional<double> vtk = vtkRate())
-        report("VTK's vtkStreamTracer, one frame", 1e-6 * seeds.size() / *vtk);
+        report("VTK's vtkStreamTracer, one frame", 1e-6 * double(seeds.size()) / *vtk);
     std::printf("(%g)\n", sink); // keeps the work from being left out
     return rows;
 }

@@ -30,6 +30,7 @@ LEGAL = {
     "--dt": set(),
     "--velocity-scale": {"-1"},
     "--preroll": {"0"},
+    "--checkpoint-every": {"0"},
     "--sharpen": {"0"},
     "--noise-share": {"0"},
     "--bbox": {"0", "-1"},

@@ -41,10 +41,11 @@ void Console::progress(std::size_t done, std::size_t total)
     if (mLevel == Level::kQuiet) return;
     const auto now = std::chrono::steady_clock::now();
     const double elapsed = Seconds(now - mStart).count();
+    if (!mBefore) mBefore = done > 0 ? done - 1 : 0;
     const std::string count = total > 0 ? fmt::format("{}/{}", done, total) : fmt::format("{}", done);
     std::string rest;
-    if (total > 0 && done > 0 && done < total) {
-        rest = fmt::format(", {:.0f} s left", elapsed / double(done) * double(total - done));
+    if (total > 0 && done > *mBefore && done < total) {
+        rest = fmt::format(", {:.0f} s left", elapsed / double(done - *mBefore) * double(total - done));
     }
     if (mTerminal) {
         constexpr std::size_t kWidth = 30;

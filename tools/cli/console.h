@@ -3,6 +3,7 @@
 #include "vdblic/core/reporter.h"
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace vdblic::cli {
@@ -36,6 +37,7 @@ class Console : public Reporter {
     std::string mTool;
     Level mLevel;
     bool mTerminal, mBarShown = false;
+    std::optional<std::size_t> mBefore; // frames that were done when the run began
     std::chrono::steady_clock::time_point mStart, mLastLine;
 };
 

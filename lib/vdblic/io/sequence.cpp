@@ -155,6 +155,13 @@ std::filesystem::path FramePattern::path(std::int64_t frame) const
     return mFolder / (hasField() ? mPrefix + padded(frame, *mWidth) + mSuffix : mPrefix);
 }
 
+std::filesystem::path FramePattern::companion(std::string_view name) const
+{
+    std::string common = mPrefix;
+    if (hasField()) common.erase(common.find_last_not_of("._-") + 1);
+    return mFolder / fmt::format("{}{}{}{}", name, common.empty() ? "" : ".", common, mSuffix);
+}
+
 std::vector<std::int64_t> FramePattern::framesOnDisk() const
 {
     const std::filesystem::path folder = mFolder.empty() ? "." : mFolder;

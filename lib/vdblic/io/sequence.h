@@ -28,6 +28,10 @@ class FramePattern {
     /// The path of a frame; zero-padded as printf does, so the sign counts towards the width.
     [[nodiscard]] std::filesystem::path path(std::int64_t frame) const;
 
+    /// A file beside the frames that is none of them: the name, then what all frames' names have in common.
+    /// lic.%04d.vdb and `checkpoint`: checkpoint.lic.vdb
+    [[nodiscard]] std::filesystem::path companion(std::string_view name) const;
+
     /// The frames on disk, in numeric order. @throws InputError if the folder cannot be read
     [[nodiscard]] std::vector<std::int64_t> framesOnDisk() const;
 

@@ -1,48 +1,19 @@
 #include "vdblic/lic/advect.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
-#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/checkpoint.h"
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/flow_texture.h"
-
-#include <future>
+#include "vdblic/lic/frame_writer.h"
+#include "vdblic/lic/noise_file.h"
 
 namespace vdblic {
 namespace {
-
-constexpr int kMaxPreroll = 10000;
-
-/// Writes one file while the next is computed.
-class FrameWriter {
-  public:
-    FrameWriter(Reporter& reporter, std::size_t total) : mReporter(reporter), mTotal(total) {}
-
-    void write(std::filesystem::path path, openvdb::GridCPtrVec grids, openvdb::MetaMap metadata)
-    {
-        finish();
-        mPath = std::move(path);
-        mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata = std::move(metadata)] {
-            writeVdb(mPath, grids, metadata);
-        });
-    }
-
-    void finish()
-    {
-        if (!mPending.valid()) return;
-        mPending.get();
-        mReporter.finished(mPath);
-        mReporter.progress(++mDone, mTotal);
-    }
-
-  private:
-    Reporter& mReporter;
-    std::size_t mTotal, mDone = 0;
-    std::filesystem::path mPath;
-    std::future<void> mPending;
-};
 
 openvdb::FloatGrid::Ptr magnitudeGrid(const FlowFrame& frame)
 {
@@ -58,87 +29,49 @@ openvdb::FloatGrid::Ptr magnitudeGrid(const FlowFrame& frame)
     return openvdb::FloatGrid::create(magnitude.tree());
 }
 
-openvdb::FloatGrid::ConstPtr readNoise(const std::string& argument)
-{
-    const auto [path, named] = parseGridReference(argument);
-    const std::string name = named.empty() ? "noise" : named;
-    const VdbFile file = readVdb(path);
-    const auto grid = file.find<openvdb::FloatGrid>(name);
-    if (!grid) {
-        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with FILE:GRID", path.string(),
-                                     name, file.contents()));
-    }
-    for (auto value = grid->cbeginValueOn(); value; ++value) {
-        if (!(*value >= 0 && *value <= 1)) {
-            const openvdb::Coord at = value.getCoord();
-            throw InputError(fmt::format("{}: grid {}: value {} at [{}, {}, {}] is outside 0 to 1", path.string(), name,
-                                         *value, at[0], at[1], at[2]));
-        }
-    }
-    return grid;
-}
-
-openvdb::MetaMap parameterMetadata(const AdvectParams& params, int preroll)
-{
-    openvdb::MetaMap metadata;
-    const bool auflic = params.scatter.method == ScatterMethod::kAuflic;
-    metadata.insertMeta("method", openvdb::StringMetadata(params.steady ? "lic" : auflic ? "auflic" : "uflic"));
-    if (params.steady) metadata.insertMeta("kernel", openvdb::StringMetadata(std::string(toString(*params.steady))));
-    metadata.insertMeta("life_span", openvdb::Int32Metadata(params.scatter.lifeSpan));
-    if (auflic && !params.steady) {
-        metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
-        metadata.insertMeta("history", openvdb::BoolMetadata(params.scatter.history));
-    }
-    metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(params.scatter.pathline.sampleSpacing));
-    metadata.insertMeta("tolerance", openvdb::FloatMetadata(params.scatter.pathline.tolerance));
-    if (!params.steady) {
-        metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
-        metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
-        metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
-        metadata.insertMeta("preroll", openvdb::Int32Metadata(preroll));
-    }
-    if (params.noise.empty()) {
-        metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));
-    } else {
-        metadata.insertMeta("noise", openvdb::StringMetadata(params.noise));
-    }
-    return metadata;
-}
-
-FlowSequenceParams flowParams(const AdvectParams& params)
-{
-    return {params.input, params.velocity, params.frameSpacing, params.domain};
-}
-
 /// The whole run: state that outlives a frame.
 class Advection {
   public:
     Advection(const AdvectParams& params, std::istream& lines, Reporter& reporter)
         : mParams(params), mReporter(reporter), mPattern(params.output),
+          mCheckpointPath(mPattern.companion("checkpoint")), mParameters(parameterTexts(params)),
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
-          mFlow(flowParams(params), lines, reporter), mWriter(reporter, mFlow.total())
+          mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter),
+          mWriter(reporter, mFlow.total()), mSchedule(params.checkpointEvery)
     {
         if (mFlow.total() > 0) checkOutputPattern(mPattern, mFlow.total());
     }
 
     void run()
     {
-        std::optional<LoadedFrame> current = mFlow.next();
+        std::optional<Checkpoint> before = findCheckpoint();
+        std::vector<std::filesystem::path> finished;
+        if (before) finished = passOver(*before);
+        std::optional<LoadedFrame> current = nextFrame();
         mReporter.checkStop(); // it may have ended standard input
         if (!current) {
             mReporter.warn("no frames on standard input; nothing was computed");
             return;
         }
-        const int preroll = mParams.preroll.value_or(mParams.steady ? 0 : mParams.scatter.lifeSpan);
-        mParameters = parameterMetadata(mParams, preroll);
-        mTime = current->velocity.time.value_or(0);
         checkOutput(*current);
-        std::optional<LoadedFrame> next = mFlow.next();
-        FrameInterval interval = mFlow.intervalAfter(*current, next ? &*next : nullptr);
+        std::optional<LoadedFrame> next = nextFrame();
+        FrameInterval interval{};
+        if (before) {
+            interval = {before->interval, "as before"};
+            restore(std::move(*before), *current);
+            for (const std::filesystem::path& output : finished)
+                mWriter.pass(output);
+        } else {
+            removeCheckpoint();
+            mTime = current->velocity.time.value_or(0);
+            interval = mFlow.intervalAfter(*current, next ? &*next : nullptr);
+        }
         mFlow.describe(*current, interval);
-        for (int i = 0; i < preroll; ++i)
+        while (mTexture.steps() < preroll()) {
             advance(*current, *current, interval.seconds);
+            keepState(*current);
+        }
 
         while (current) {
             if (next) interval = mFlow.intervalAfter(*current, &*next);
@@ -146,17 +79,23 @@ class Advection {
             write(*current, advance(*current, next ? *next : *current, interval.seconds), interval.seconds);
             mTime += interval.seconds;
             current = std::move(next);
-            if (current) checkOutput(*current);
-            next = current ? mFlow.next() : std::nullopt;
+            if (!current) break;
+            keepState(*current);
+            checkOutput(*current);
+            next = nextFrame();
         }
         mWriter.finish();
+        removeCheckpoint();
     }
 
-    /// Finish what is being written, after an error elsewhere.
+    /// After an error or a request to stop: finish what is being written, and leave a checkpoint of what is finished.
     void abandon() noexcept
     {
         try {
             mWriter.finish();
+            if (!mSchedule.enabled() || !mUnsaved || mWriter.done() != framesDone()) return;
+            writeState();
+            mReporter.say(fmt::format("{}: to go on from there, run again with --resume", mCheckpointPath.string()));
         } catch (...) { // the first error is the one to report
         }
     }
@@ -166,17 +105,141 @@ class Advection {
     void checkOutput(const LoadedFrame& frame) const
     {
         const std::int64_t number = frame.velocity.file.frame;
-        const std::filesystem::path output = mPattern.path(number);
-        checkNotInput(output, frame.velocity.file.path);
+        std::vector<std::filesystem::path> inputs = {frame.velocity.file.path};
         for (const std::string& reference : {mParams.noise, mParams.domain.mask}) {
             if (reference.empty()) continue;
-            checkNotInput(output, FramePattern(parseGridReference(reference).path.string()).path(number));
+            inputs.push_back(FramePattern(parseGridReference(reference).path.string()).path(number));
         }
+        for (const std::filesystem::path& input : inputs) {
+            checkNotInput(mPattern.path(number), input);
+            checkNotInput(mCheckpointPath, input);
+        }
+    }
+
+    [[nodiscard]] std::uint64_t preroll() const { return std::uint64_t(mParams.prerollSteps()); }
+    /// Frames whose step is made.
+    [[nodiscard]] std::size_t framesDone() const
+    {
+        return std::size_t(std::max(mTexture.steps(), preroll()) - preroll());
+    }
+
+    [[nodiscard]] std::optional<Checkpoint> findCheckpoint() const
+    {
+        if (!mParams.resume) return std::nullopt;
+        if (isFinished(mCheckpointPath)) return readCheckpoint(mCheckpointPath, mParameters);
+        mReporter.say(fmt::format("no {}: starting from the beginning", mCheckpointPath.string()));
+        return std::nullopt;
+    }
+
+    void removeCheckpoint() const
+    {
+        std::error_code error;
+        const bool removed = std::filesystem::remove(mCheckpointPath, error);
+        if (error) {
+            throw OutputError(fmt::format("{}: cannot be removed: {}", mCheckpointPath.string(), error.message()));
+        }
+        if (removed && mTexture.steps() == 0) {
+            mReporter.warn(
+                fmt::format("{}: removed; with --resume the run would have gone on from it", mCheckpointPath.string()));
+        }
+    }
+
+    /// Pass over the frames that an interrupted run finished. @return their outputs
+    [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& before)
+    {
+        mExpected = before.inputs;
+        const std::uint64_t frames = std::max(before.steps, preroll()) - preroll();
+        std::vector<std::filesystem::path> outputs;
+        for (std::uint64_t i = 0; i < frames; ++i) {
+            const std::optional<FrameFile> file = mFlow.skip();
+            if (!file) {
+                mReporter.checkStop();
+                refuseCheckpoint(mCheckpointPath, fmt::format("has {} frames done, the input has only {} now: give all "
+                                                              "of them",
+                                                              frames, i));
+            }
+            noteInput(file->path, mFlow.stampOf(*file));
+            outputs.push_back(mPattern.path(file->frame));
+            if (isFinished(outputs.back())) continue;
+            refuseCheckpoint(
+                mCheckpointPath,
+                fmt::format("tells that {} was finished, but it is not there: put it back", outputs.back().string()));
+        }
+        return outputs;
+    }
+
+    /// Go on where the interrupted run was. @param frame that the next step starts from
+    void restore(Checkpoint before, const LoadedFrame& frame)
+    {
+        mTime = before.time;
+        mFlow.setSpacing(before.frameSpacing);
+        try {
+            mTexture.restore(before.steps, before.interval, frame.flow.domain, before.state);
+        } catch (const InputError& error) {
+            refuseCheckpoint(mCheckpointPath, fmt::format("{}: copy it again", error.what()));
+        }
+        mReporter.say(fmt::format("{}: {} frames are done", mCheckpointPath.string(), framesDone()));
+    }
+
+    std::optional<LoadedFrame> nextFrame()
+    {
+        std::optional<LoadedFrame> frame = mFlow.next();
+        if (frame) noteInput(frame->velocity.file.path, frame->stamp);
+        return frame;
+    }
+
+    /// Note what a frame was like, and that it is what the interrupted run read.
+    void noteInput(const std::filesystem::path& path, const std::string& stamp)
+    {
+        const std::size_t number = mInputs.size();
+        mInputs.push_back(stamp);
+        if (number >= mExpected.size() || mExpected[number] == stamp) return;
+        throw InputError(
+            fmt::format("{}: differs from what the interrupted run read: {}; put that back, or delete {} to "
+                        "start from the beginning",
+                        path.string(), stampDifference(mExpected[number], stamp), mCheckpointPath.string()));
+    }
+
+    /// A step is made. @param frame that the next one starts from
+    void keepState(const LoadedFrame& frame)
+    {
+        mTransform = frame.velocity.values->transform().copy();
+        mUnsaved = true;
+        mSchedule.stepDone();
+        if (!mSchedule.isDue()) return;
+        mWriter.finish(); // a checkpoint tells of nothing that is not on disk
+        writeState();
+    }
+
+    void writeState()
+    {
+        mUnsaved = false;
+        const auto start = CheckpointSchedule::Clock::now();
+        Checkpoint checkpoint{mTexture.steps(), mInterval, mTime, mFlow.spacing(), mInputs, {}};
+        // A step depends on both its frames, and no more than these.
+        const std::size_t frames = std::max<std::size_t>(framesDone(), 1) + 1;
+        checkpoint.inputs.resize(std::min(frames, mInputs.size()));
+        try {
+            checkpoint.state.grids = mTexture.save();
+            for (const auto& grid : checkpoint.state.grids)
+                grid->setTransform(mTransform->copy());
+            writeCheckpoint(mCheckpointPath, checkpoint, mParameters);
+        } catch (const std::bad_alloc&) {
+            throw InputError(
+                fmt::format("{}: takes more than the {} of memory that may be used: raise --max-memory, or "
+                            "give --checkpoint-every 0 to do without",
+                            mCheckpointPath.string(), memoryText(double(memoryLimit()))));
+        } catch (const OutputError& error) {
+            throw OutputError(fmt::format("{}; --checkpoint-every 0 does without checkpoints", error.what()));
+        }
+        mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
     }
 
     FlowTextureStep advance(LoadedFrame& start, LoadedFrame& end, double seconds)
     {
         mReporter.checkStop();
+        mUnsaved = false; // a step that fails midway leaves no state to go on from
+        mInterval = seconds;
         start.flow.toWorldPerSecond = start.velocity.toWorldPerSecond(seconds);
         return mTexture.advance({start.flow, end.flow, start.velocity.toVoxelsPerStep(seconds),
                                  end.velocity.toVoxelsPerStep(seconds), seconds});
@@ -198,7 +261,7 @@ class Advection {
              derivedGrids(mParams.derived, *frame.flow.domain, *frame.velocity.values, frame.flow.toWorldPerSecond))
             grids.push_back(std::move(grid));
         grids.insert(grids.end(), frame.velocity.carried.begin(), frame.velocity.carried.end());
-        openvdb::MetaMap metadata = mParameters;
+        openvdb::MetaMap metadata = parameterMetadata(mParams);
         if (!frame.velocity.sourceCreator.empty()) {
             metadata.insertMeta("source_creator", openvdb::StringMetadata(frame.velocity.sourceCreator));
         }
@@ -236,38 +299,20 @@ class Advection {
     const AdvectParams& mParams;
     Reporter& mReporter;
     FramePattern mPattern;
+    std::filesystem::path mCheckpointPath;
+    ParameterTexts mParameters;
     FlowTexture mTexture;
     FlowSequence mFlow;
     FrameWriter mWriter;
-    openvdb::MetaMap mParameters;
-    double mTime = 0;
+    CheckpointSchedule mSchedule;
+    double mTime = 0, mInterval = 0;
+    std::vector<std::string> mInputs, mExpected; // stamps, of the frames read and of those an interrupted run read
+    openvdb::math::Transform::Ptr mTransform;
+    bool mUnsaved = false; // there is a state to go on from that no checkpoint has
     bool mWarnedOfDisplacement = false;
 };
 
 } // namespace
-
-void AdvectParams::validate() const
-{
-    flowParams(*this).validate();
-    scatter.validate();
-    feedback.validate();
-    if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
-        throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
-    }
-    checkDerivedNames(derived);
-    const auto isOutput = [&](const std::string& name) {
-        return name == "magnitude" || std::find(derived.begin(), derived.end(), name) != derived.end();
-    };
-    if (textureName.empty() || isOutput(textureName)) {
-        throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
-    }
-    for (const std::string& name : velocity.carry) {
-        if (name != textureName && !isOutput(name)) continue;
-        throw ParameterError(fmt::format("the grid '{}' to carry along has the name of an output; leave one of the two "
-                                         "out, or give --texture-name another",
-                                         name));
-    }
-}
 
 void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter)
 {

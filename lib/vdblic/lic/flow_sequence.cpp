@@ -1,6 +1,8 @@
 #include "vdblic/lic/flow_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/file_stamp.h"
+#include "vdblic/io/grid_reference.h"
 
 #include <cmath>
 
@@ -9,9 +11,18 @@ namespace {
 
 constexpr double kDefaultFps = 24;
 
+std::string frameStamp(const FrameFile& file, const DomainParams& domain)
+{
+    std::string stamp = fmt::format("frame {}, {}", file.frame, fileStamp(file.path));
+    if (domain.mask.empty()) return stamp;
+    const FramePattern mask(parseGridReference(domain.mask).path.string());
+    return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame)));
+}
+
 LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
 {
     LoadedFrame frame;
+    frame.stamp = frameStamp(file, params.domain); // first: a change that comes later is found later
     frame.velocity = readVelocity(file, params.velocity);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;
     auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
@@ -40,11 +51,16 @@ void FlowSequenceParams::validate() const
 FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter)
     : mParams(std::move(params)), mReporter(reporter), mSource(openSequence(mParams.input, lines, mTotal))
 {
-    readAhead();
+}
+
+std::string FlowSequence::stampOf(const FrameFile& file) const
+{
+    return frameStamp(file, mParams.domain);
 }
 
 std::optional<LoadedFrame> FlowSequence::next()
 {
+    if (!mStarted) readAhead();
     if (!mAhead.valid()) return std::nullopt;
     std::optional<LoadedFrame> frame = mAhead.get();
     if (!frame) return frame;
@@ -96,6 +112,7 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
 
 void FlowSequence::readAhead()
 {
+    mStarted = true;
     mAhead = std::async(std::launch::async, [this]() -> std::optional<LoadedFrame> {
         const std::optional<FrameFile> file = mSource();
         if (!file) return std::nullopt;

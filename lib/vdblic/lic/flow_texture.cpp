@@ -1,8 +1,10 @@
 #include "vdblic/lic/flow_texture.h"
 
 #include "vdblic/core/stopwatch.h"
+#include "vdblic/lic/flow_state.h"
 
 namespace vdblic {
+
 StageTimes& StageTimes::operator+=(const StageTimes& other)
 {
     load += other.load;
@@ -26,6 +28,7 @@ FlowTextureStep FlowTexture::advance(const FlowStep& step)
     if (mSteady) {
         result.texture = steadyLic(step.start, step.startToStep, mParams.lifeSpan, *mSteady, mParams.pathline, mNoise);
         result.times.convolve = watch.lap();
+        ++mStep;
         return result;
     }
     const Domain& domain = *step.start.domain;
@@ -44,9 +47,32 @@ FlowTextureStep FlowTexture::advance(const FlowStep& step)
         result.times.convolve = watch.lap();
     }
     mInput.reset(); // before its successor is made
-    mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep++);
+    mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep);
     result.times.filter = watch.lap();
+    mDomain = step.end.domain;
+    ++mStep;
     return result;
+}
+
+openvdb::GridPtrVec FlowTexture::save()
+{
+    if (mSteady) return {};
+    mField = {};
+    openvdb::GridPtrVec grids = inputGrids(*mDomain, *mInput);
+    grids.push_back(particleGrid(*mDomain, mScatter.particles()));
+    return grids;
+}
+
+void FlowTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                          const VdbFile& state)
+{
+    mStep = steps;
+    if (mSteady) return;
+    mLastInterval = interval;
+    mInput = readInput(*domain, state);
+    const bool carries = mParams.method == ScatterMethod::kAuflic;
+    mScatter.restore(steps, readParticles(*domain, state, carries ? std::size_t(mParams.lifeSpan) : 0));
+    mDomain = std::move(domain);
 }
 
 } // namespace vdblic

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/scatter.h"
@@ -49,6 +50,23 @@ class FlowTexture {
     /// that the one before ended at.
     FlowTextureStep advance(const FlowStep& step);
 
+    /// The number of steps made.
+    [[nodiscard]] std::uint64_t steps() const { return mStep; }
+
+    /// What the next step starts from, as the grids of flow_state.h; none for steady LIC, which starts anew in every
+    /// frame. Releases the field, so that there is no need for more memory than a step takes.
+    /// At least one step must have been made.
+    [[nodiscard]] openvdb::GridPtrVec save();
+
+    /// Go on where another FlowTexture with these parameters was when it saved its state: what follows is the same to
+    /// the bit.
+    ///
+    /// @param steps    that it had made
+    /// @param interval seconds of the last of them
+    /// @param domain   of the frame that the next step starts from
+    /// @throws InputError, without the file's name, if the state is none of such a FlowTexture and domain
+    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain, const VdbFile& state);
+
   private:
     ScatterParams mParams;
     FeedbackParams mFeedback;
@@ -56,6 +74,7 @@ class FlowTexture {
     std::optional<LicKernel> mSteady;
     Scatter mScatter;
     VelocityField mField;
+    std::shared_ptr<const Domain> mDomain; // of the step to come
     std::optional<LeafValues<std::int32_t>> mInput;
     double mLastInterval = 0;
     std::uint64_t mStep = 0;

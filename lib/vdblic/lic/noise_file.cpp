@@ -76,4 +76,24 @@ void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
     reporter.finished(params.output);
 }
 
+openvdb::FloatGrid::ConstPtr readNoise(const std::string& argument)
+{
+    const auto [path, named] = parseGridReference(argument);
+    const std::string name = named.empty() ? "noise" : named;
+    const VdbFile file = readVdb(path);
+    const auto grid = file.find<openvdb::FloatGrid>(name);
+    if (!grid) {
+        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with FILE:GRID", path.string(),
+                                     name, file.contents()));
+    }
+    for (auto value = grid->cbeginValueOn(); value; ++value) {
+        if (!(*value >= 0 && *value <= 1)) {
+            const openvdb::Coord at = value.getCoord();
+            throw InputError(fmt::format("{}: grid {}: value {} at [{}, {}, {}] is outside 0 to 1", path.string(), name,
+                                         *value, at[0], at[1], at[2]));
+        }
+    }
+    return grid;
+}
+
 } // namespace vdblic

@@ -3,6 +3,8 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/box_domain.h"
 
+#include <openvdb/openvdb.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,5 +28,9 @@ struct NoiseParams {
 /// Without a grid's name, `like` means the first grid in the file that has active voxels.
 /// @throws ParameterError, InputError if `like` has no such grid, OutputError
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter);
+
+/// Read noise to start from. @param argument FILE or FILE:GRID; without a grid's name it is `noise`
+/// @throws InputError if there is no such float grid or a value is outside 0 to 1
+[[nodiscard]] openvdb::FloatGrid::ConstPtr readNoise(const std::string& argument);
 
 } // namespace vdblic

@@ -31,6 +31,9 @@ class ParticleBins {
 
     void add(std::size_t tile, const Particle& particle, const std::uint32_t* generations);
 
+    /// Words that each particle carries.
+    [[nodiscard]] std::size_t generations() const { return mGenerations; }
+
     /// The largest amount of any particle's slope that was added, along each axis.
     [[nodiscard]] const std::array<float, 3>& largestSlope() const { return mLargestSlope; }
 
@@ -42,15 +45,13 @@ class ParticleBins {
     /// Free memory that was taken and not needed.
     void freeSpare() { Bin().swap(mSpare); }
 
-    /// Visit every particle: visit(particle, generations).
+    /// Visit a tile's particles: visit(particle, generations).
     template<typename Visit>
-    void forEach(const Visit& visit) const
+    void forEach(std::size_t tile, const Visit& visit) const
     {
-        for (const Bin& bin : mBins) {
-            for (const auto& chunk : bin) {
-                for (std::size_t i = 0; i < chunk->count; ++i)
-                    visit(chunk->particles[i], chunk->generations.get() + i * mGenerations);
-            }
+        for (const auto& chunk : mBins[tile]) {
+            for (std::size_t i = 0; i < chunk->count; ++i)
+                visit(chunk->particles[i], chunk->generations.get() + i * mGenerations);
         }
     }
 

@@ -136,6 +136,13 @@ Scatter::Scatter(const ScatterParams& params) : mParams(params)
     params.validate();
 }
 
+void Scatter::restore(std::uint64_t steps, ParticleBins particles)
+{
+    mStep = steps;
+    mBins.clear();
+    mBins.push_back(std::move(particles));
+}
+
 LeafValues<std::int64_t> makeAccumulator(const Domain& domain)
 {
     LeafValues<std::int64_t> accumulator(domain, 0);

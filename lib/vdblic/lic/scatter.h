@@ -101,6 +101,12 @@ class Scatter {
     ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input,
                       const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale = 1);
 
+    /// The particles that go on, by the tiles of the domain of the step to come.
+    [[nodiscard]] const std::vector<ParticleBins>& particles() const { return mBins; }
+
+    /// Go on where another Scatter was after `steps` steps. @param particles those that it had
+    void restore(std::uint64_t steps, ParticleBins particles);
+
   private:
     ScatterParams mParams;
     std::uint64_t mStep = 0;

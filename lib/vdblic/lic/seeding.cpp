@@ -140,8 +140,8 @@ void TileScatter::takeArriving()
         const unsigned voxel = Domain::offset(voxelOf(toVector(mParticles[i].position)));
         mTurns.push_back({mParticles[i].id, std::uint32_t(i), voxel});
     }
-    if (mHistory) coalesce();
     sortTurns();
+    if (mHistory) coalesce(); // afterwards: where a voxel collects more values than fit, the order decides which
 }
 
 /// Of all particles in a voxel only the oldest will find it open: it takes over the values of the others.

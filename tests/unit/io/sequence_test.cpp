@@ -53,6 +53,21 @@ TEST(FramePattern, NamesFramesInAllFiveForms)
     EXPECT_EQ(nameOf("%012d", 5), "000000000005");
 }
 
+TEST(FramePattern, CompanionsAreNoFrames)
+{
+    for (const auto& [pattern, name] : {std::pair("out/lic.%04d.vdb", "out/note.lic.vdb"),
+                                        {"lic_####.vdb", "note.lic.vdb"},
+                                        {"lic$F4.vdb", "note.lic.vdb"},
+                                        {"%04d.vdb", "note.vdb"},
+                                        {"%04d_lic.vdb", "note_lic.vdb"},
+                                        {"lic.vdb", "note.lic.vdb"}}) {
+        EXPECT_EQ(FramePattern(pattern).companion("note"), name);
+    }
+    const TemporaryFolder folder;
+    folder.add("note.vdb");
+    EXPECT_EQ(FramePattern((folder / "%d.vdb").string()).framesOnDisk(), Frames{});
+}
+
 TEST(FramePattern, PadsAsPrintfDoes)
 {
     for (const int width : {1, 2, 3, 4, 8}) {

@@ -83,6 +83,21 @@ TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
     }
 }
 
+TEST(Scatter, ASinkThatTakesInMoreThanFitsIsTheSameForAnyNumberOfThreads)
+{
+    // Thousands of particles end each step in one voxel, which can take over the values of 255 seeds of a step.
+    const auto frames = test::makeFrames({{-20, -20, -20}, {20, 20, 20}}, 4, [](const openvdb::Coord& at, int) {
+        return openvdb::Vec3f(at.asVec3s()) * -3;
+    });
+    std::vector<std::vector<LeafValues<float>>> runs;
+    for (const std::size_t threads : {1, 2, 7}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        runs.push_back(test::streamedTextures(frames, 3, params(ScatterMethod::kAuflic, 4, 0.25f, true)));
+    }
+    expectEqual(runs[0], runs[1]);
+    expectEqual(runs[0], runs[2]);
+}
+
 /// A step over a domain with every voxel's input and hits at hand.
 struct OneStep {
     std::vector<FlowFrame> frames;

@@ -1,0 +1,118 @@
+#include "vdblic/lic/checkpoint.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/version.h"
+
+namespace vdblic {
+namespace {
+
+constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time", *kSpacing = "frame_spacing";
+
+std::string inputKey(std::size_t number)
+{
+    return fmt::format("input {:06}", number);
+}
+
+std::string textOf(const openvdb::MetaMap& metadata, const std::string& key)
+{
+    const auto text = metadata.getMetadata<openvdb::StringMetadata>(key);
+    return text ? text->value() : "";
+}
+
+constexpr const char* kMend = "delete the checkpoint to start from the beginning";
+
+/// An option and its value, for messages.
+std::string shown(const std::string& option, const std::string& value)
+{
+    return value.empty() ? fmt::format("no {}", option) : fmt::format("{} {}", option, value);
+}
+
+/// The numbers in a checkpoint's metadata.
+class Numbers {
+  public:
+    Numbers(const std::filesystem::path& path, const openvdb::MetaMap& metadata) : mPath(path), mMetadata(metadata) {}
+
+    template<typename T>
+    [[nodiscard]] T get(const char* key) const
+    {
+        const auto value = mMetadata.getMetadata<openvdb::TypedMetadata<T>>(key);
+        if (!value) refuseCheckpoint(mPath, fmt::format("is no checkpoint of vdblic_advect: it has no '{}'", key));
+        return value->value();
+    }
+
+  private:
+    const std::filesystem::path& mPath;
+    const openvdb::MetaMap& mMetadata;
+};
+
+} // namespace
+
+void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const ParameterTexts& parameters)
+{
+    openvdb::MetaMap metadata;
+    metadata.insertMeta(kSteps, openvdb::Int64Metadata(std::int64_t(checkpoint.steps)));
+    metadata.insertMeta(kInterval, openvdb::DoubleMetadata(checkpoint.interval));
+    metadata.insertMeta(kTime, openvdb::DoubleMetadata(checkpoint.time));
+    metadata.insertMeta(kSpacing, openvdb::Int64Metadata(checkpoint.frameSpacing));
+    for (std::size_t i = 0; i < checkpoint.inputs.size(); ++i)
+        metadata.insertMeta(inputKey(i), openvdb::StringMetadata(checkpoint.inputs[i]));
+    for (const auto& [option, value] : parameters)
+        metadata.insertMeta(option, openvdb::StringMetadata(value));
+    const openvdb::GridPtrVec& grids = checkpoint.state.grids;
+    writeVdb(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), metadata);
+}
+
+Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterTexts& parameters)
+{
+    Checkpoint checkpoint;
+    bool hasChecksums = false;
+    try {
+        hasChecksums = verifyVdb(path);
+        checkpoint.state = readVdb(path);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}; or {}", error.what(), kMend));
+    }
+    if (!hasChecksums) refuseCheckpoint(path, "is not as vdblic_advect writes it: its checksums are gone");
+    const openvdb::MetaMap& metadata = checkpoint.state.metadata;
+    const Numbers numbers(path, metadata);
+    checkpoint.steps = std::uint64_t(numbers.get<std::int64_t>(kSteps));
+    checkpoint.interval = numbers.get<double>(kInterval);
+    checkpoint.time = numbers.get<double>(kTime);
+    checkpoint.frameSpacing = numbers.get<std::int64_t>(kSpacing);
+    if (const std::string creator = textOf(metadata, "creator"); creator != kCreator) {
+        refuseCheckpoint(path,
+                         fmt::format("was written by {}, this is {}: go on with that version", creator, kCreator));
+    }
+    for (const auto& [option, value] : parameters) {
+        const std::string before = textOf(metadata, option);
+        if (before == value) continue;
+        throw ParameterError(fmt::format("{}: the run that was interrupted had {}, this one has {}: give the same, or "
+                                         "{}",
+                                         path.string(), shown(option, before), shown(option, value), kMend));
+    }
+    for (std::string input; !(input = textOf(metadata, inputKey(checkpoint.inputs.size()))).empty();)
+        checkpoint.inputs.push_back(input);
+    return checkpoint;
+}
+
+void refuseCheckpoint(const std::filesystem::path& path, const std::string& reason)
+{
+    throw InputError(fmt::format("{}: {}, or {}", path.string(), reason, kMend));
+}
+
+bool CheckpointSchedule::isDue() const
+{
+    if (mEvery) return *mEvery > 0 && mSteps >= *mEvery;
+    constexpr std::chrono::seconds kLeast{30};
+    constexpr int kFraction = 50;
+    return Clock::now() - mLast >= std::max<Clock::duration>(kLeast, mCost * kFraction);
+}
+
+void CheckpointSchedule::wrote(Clock::duration cost)
+{
+    mLast = Clock::now();
+    mCost = cost;
+    mSteps = 0;
+}
+
+} // namespace vdblic

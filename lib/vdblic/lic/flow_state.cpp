@@ -1,0 +1,248 @@
+#include "vdblic/lic/flow_state.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/lic/scatter.h"
+
+#include <openvdb/points/PointAttribute.h>
+#include <openvdb/points/PointDataGrid.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3f;
+using openvdb::points::AttributeHandle;
+using openvdb::points::AttributeWriteHandle;
+using openvdb::points::PointDataGrid;
+using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
+
+constexpr const char *kNoise = "noise", *kTexture = "texture", *kParticles = "particles";
+constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kGenerations = "generations";
+constexpr float kScale = 65536; // exact in a float, and leaves its low bytes empty for the compressor
+
+openvdb::FloatGrid::Ptr namedGrid(const LeafValues<float>& values, const char* name)
+{
+    auto grid = openvdb::FloatGrid::create(values.tree());
+    grid->setName(name);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return grid;
+}
+
+/// A grid's values on the leaves of the domain, which it must cover.
+std::vector<const float*> leafBuffers(const Domain& domain, const VdbFile& file, const char* name)
+{
+    const auto grid = file.find<openvdb::FloatGrid>(name);
+    if (!grid) throw InputError(fmt::format("it has no float grid '{}'", name));
+    std::vector<const float*> buffers;
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+        const auto* found = grid->constTree().probeConstLeaf(domain.origin(leaf));
+        if (found && found->getValueMask() == domain.mask(leaf)) buffers.push_back(found->buffer().data());
+    }
+    if (buffers.size() != domain.leafCount() || buffers.size() != grid->constTree().leafCount()) {
+        throw InputError(fmt::format("its grid '{}' does not have the voxels of the frame it is for", name));
+    }
+    return buffers;
+}
+
+/// The voxel whose centre is nearest. In double precision, so that the distance from it always is a float: single
+/// precision takes 0.49999997 to the voxel 1, from which the distance has a bit too many. The leaf is the same.
+Coord nearestVoxel(const std::array<float, 3>& position)
+{
+    Coord voxel;
+    for (int axis = 0; axis < 3; ++axis)
+        voxel[axis] = int(std::floor(double(position[std::size_t(axis)]) + 0.5));
+    return voxel;
+}
+
+/// The points of one leaf, voxel by voxel.
+class LeafPoints {
+  public:
+    LeafPoints(const std::vector<ParticleBins>& bins, std::size_t tile)
+    {
+        for (const ParticleBins& some : bins) {
+            some.forEach(tile, [&](const Particle& particle, const std::uint32_t* generations) {
+                mPoints.push_back({particle, generations, nearestVoxel(particle.position)});
+            });
+        }
+        // By id within a voxel: equal states give equal files, whichever thread had a particle.
+        std::sort(mPoints.begin(), mPoints.end(), [](const Point& a, const Point& b) {
+            const auto key = [](const Point& p) { return std::pair(PointLeaf::coordToOffset(p.voxel), p.particle.id); };
+            return key(a) < key(b);
+        });
+    }
+
+    /// @param words stored for each point; a particle that carries none has the value that is alive in the one word
+    void write(PointLeaf& leaf, openvdb::Index words, bool carries) const
+    {
+        leaf.setOffsets(ends());
+        AttributeWriteHandle<Vec3f> position(leaf.attributeArray(kPosition)), slope(leaf.attributeArray(kSlope));
+        AttributeWriteHandle<std::int64_t> id(leaf.attributeArray(kId));
+        AttributeWriteHandle<std::int32_t> generations(leaf.attributeArray(kGenerations));
+        openvdb::Index n = 0;
+        for (const Point& point : mPoints) {
+            const Particle& particle = point.particle;
+            const openvdb::Vec3d from(particle.position[0], particle.position[1], particle.position[2]);
+            position.set(n, Vec3f(from - point.voxel.asVec3d()));
+            slope.set(n, Vec3f(particle.slope.data()));
+            id.set(n, std::int64_t(particle.id));
+            for (openvdb::Index i = 0; i < words; ++i)
+                generations.set(n, i, std::int32_t(carries ? point.generations[i] : wordOf(particle.alive)));
+            ++n;
+        }
+    }
+
+  private:
+    /// Where each voxel's points end.
+    [[nodiscard]] std::vector<PointLeaf::ValueType> ends() const
+    {
+        std::vector<PointLeaf::ValueType> ends;
+        ends.reserve(PointLeaf::SIZE);
+        auto point = mPoints.begin();
+        for (openvdb::Index voxel = 0; voxel < PointLeaf::SIZE; ++voxel) {
+            while (point != mPoints.end() && PointLeaf::coordToOffset(point->voxel) == voxel)
+                ++point;
+            ends.emplace_back(std::uint32_t(point - mPoints.begin()));
+        }
+        return ends;
+    }
+
+    /// Hits of a few values as a Generation word.
+    static std::uint32_t wordOf(std::uint64_t hits) { return std::uint32_t(Hits::sum(hits) << 8 | Hits::count(hits)); }
+
+    struct Point {
+        Particle particle;
+        const std::uint32_t* generations;
+        Coord voxel;
+    };
+    std::vector<Point> mPoints;
+};
+
+template<typename T>
+AttributeHandle<T> attributeOf(const PointLeaf& leaf, const char* name, openvdb::Index count, openvdb::Index stride = 1)
+{
+    const openvdb::points::AttributeArray* array = leaf.attributeSet().getConst(name);
+    if (!array || !array->hasValueType<T>() || array->size() != count || !array->hasConstantStride() ||
+        array->stride() != stride) {
+        throw InputError(fmt::format("its particles have no attribute '{}' as this run's would", name));
+    }
+    return AttributeHandle<T>(*array);
+}
+
+/// The number of a leaf's points. @throws InputError if its voxels do not count them in order
+openvdb::Index countPoints(const PointLeaf& leaf)
+{
+    openvdb::Index count = 0;
+    for (openvdb::Index voxel = 0; voxel < PointLeaf::SIZE; ++voxel) {
+        const openvdb::Index end = leaf.getValue(voxel);
+        if (end < count) throw InputError("its particles are not in the order of their voxels");
+        count = end;
+    }
+    return count;
+}
+
+/// Add a leaf's points to the bin of a tile.
+void readLeaf(const PointLeaf& leaf, std::size_t tile, std::size_t generationCount, ParticleBins& bins)
+{
+    const openvdb::Index count = countPoints(leaf), words = openvdb::Index(std::max<std::size_t>(generationCount, 1));
+    const auto position = attributeOf<Vec3f>(leaf, kPosition, count), slope = attributeOf<Vec3f>(leaf, kSlope, count);
+    const auto id = attributeOf<std::int64_t>(leaf, kId, count);
+    const auto generations = attributeOf<std::int32_t>(leaf, kGenerations, count, words);
+    std::vector<std::uint32_t> carried(words);
+    openvdb::Index n = 0;
+    for (openvdb::Index voxel = 0; voxel < PointLeaf::SIZE; ++voxel) {
+        const openvdb::Vec3d centre = leaf.offsetToGlobalCoord(voxel).asVec3d();
+        for (const openvdb::Index end = leaf.getValue(voxel); n < end; ++n) {
+            Particle particle{};
+            const Vec3f distance = position.get(n), velocity = slope.get(n);
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto at = std::size_t(axis);
+                particle.position[at] = float(centre[axis] + double(distance[axis]));
+                particle.slope[at] = velocity[axis];
+                if (!(std::abs(distance[axis]) <= 0.5f) || !std::isfinite(velocity[axis])) {
+                    throw InputError("a particle is outside its voxel, or its slope is no number");
+                }
+            }
+            particle.id = std::uint64_t(id.get(n));
+            for (openvdb::Index i = 0; i < words; ++i) {
+                carried[i] = std::uint32_t(generations.get(n, i));
+                particle.alive += Generation::hits(carried[i]);
+            }
+            bins.add(tile, particle, carried.data());
+        }
+    }
+}
+
+} // namespace
+
+openvdb::GridPtrVec inputGrids(const Domain& domain, const LeafValues<std::int32_t>& input)
+{
+    const LeafValues<float> noise(domain, 0.0f), texture(domain, 0.0f);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const std::int32_t word = input[leaf][voxel.pos()];
+            noise[leaf][voxel.pos()] = float(Input::value(word)) / kScale;
+            texture[leaf][voxel.pos()] = float(Input::history(word)) / kScale;
+        }
+    });
+    return {namedGrid(noise, kNoise), namedGrid(texture, kTexture)};
+}
+
+LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file)
+{
+    const auto noise = leafBuffers(domain, file, kNoise), texture = leafBuffers(domain, file, kTexture);
+    const auto fixed = [](float value) { return std::uint32_t(std::clamp(value * kScale, 0.0f, 65535.0f)); };
+    LeafValues<std::int32_t> input(domain, 0);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const auto at = voxel.pos();
+            input[leaf][at] = Input::pack(fixed(noise[leaf][at]), fixed(texture[leaf][at]));
+        }
+    });
+    return input;
+}
+
+openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins)
+{
+    openvdb::initialize(); // attributes cannot be made before
+    const bool carries = !bins.empty() && bins.front().generations() > 0;
+    const auto words = openvdb::Index(carries ? bins.front().generations() : 1);
+    auto grid = PointDataGrid::create();
+    grid->setName(kParticles);
+    const auto descriptor =
+        openvdb::points::AttributeSet::Descriptor::create(openvdb::points::TypedAttributeArray<Vec3f>::attributeType());
+    std::vector<PointLeaf*> leaves(domain.leafCount(), nullptr);
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+        openvdb::Index count = 0;
+        for (const ParticleBins& some : bins)
+            some.forEach(leaf, [&](auto&&...) { ++count; });
+        if (count == 0) continue;
+        leaves[leaf] = grid->tree().touchLeaf(domain.origin(leaf));
+        leaves[leaf]->initializeAttributes(descriptor, count);
+    }
+    openvdb::points::appendAttribute<Vec3f>(grid->tree(), kSlope);
+    openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kId);
+    openvdb::points::appendAttribute<std::int32_t>(grid->tree(), kGenerations, 0, words);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        if (leaves[leaf]) LeafPoints(bins, leaf).write(*leaves[leaf], words, carries);
+    });
+    return grid;
+}
+
+ParticleBins readParticles(const Domain& domain, const VdbFile& file, std::size_t generations)
+{
+    const auto grid = file.find<PointDataGrid>(kParticles);
+    if (!grid) throw InputError(fmt::format("it has no points '{}'", kParticles));
+    ParticleBins bins(domain.leafCount(), generations);
+    for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
+        const Coord origin = leaf->origin();
+        const int tile = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+        if (tile < 0) throw InputError("it has particles outside the frame it is for");
+        readLeaf(*leaf, std::size_t(tile), generations, bins);
+    }
+    return bins;
+}
+
+} // namespace vdblic

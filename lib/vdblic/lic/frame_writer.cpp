@@ -1,0 +1,31 @@
+#include "vdblic/lic/frame_writer.h"
+
+#include "vdblic/io/vdb_file.h"
+
+namespace vdblic {
+
+void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, openvdb::MetaMap metadata)
+{
+    finish();
+    mPath = std::move(path);
+    mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata = std::move(metadata)] {
+        writeVdb(mPath, grids, metadata);
+    });
+}
+
+void FrameWriter::finish()
+{
+    if (!mPending.valid()) return;
+    mPending.get();
+    ++mDone;
+    mReporter.finished(mPath);
+    mReporter.progress(mDone, mTotal);
+}
+
+void FrameWriter::pass(const std::filesystem::path& path)
+{
+    ++mDone;
+    mReporter.finished(path);
+}
+
+} // namespace vdblic

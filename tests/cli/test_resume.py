@@ -1,0 +1,419 @@
+"""vdblic_advect --resume: whatever interrupts a run, what comes out in the end is what an uninterrupted one makes."""
+
+import os
+import pathlib
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import numpy
+import pyopenvdb as vdb
+
+from support import BIN, ToolTest
+
+SANITIZED = os.environ.get("VDBLIC_SANITIZED") == "1"
+FRAMES = 40
+CHECKPOINT = "checkpoint.lic.vdb"
+OUTPUTS = "lic.%04d.vdb"
+
+
+class Resume(ToolTest):
+    """Inputs and uninterrupted runs are made once; self.folder is where the runs that are interrupted work."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="vdblic-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.shared = pathlib.Path(folder.name)
+        cls.made = {}
+
+    def flow(self):
+        """A sequence of FRAMES frames on a box."""
+        if not (self.shared / "v.0001.vdb").exists():
+            self.tool("vdblic_synth", "tornado", "-o", self.shared / "v.%04d.vdb", "--size", 24, 24, 24, "--frames",
+                      f"1-{FRAMES}")
+        return self.shared / "v.%04d.vdb"
+
+    def moving_ball(self):
+        """A flow whose voxels are those of a ball that moves and changes size, with a mask that changes, too."""
+        x, y, z = numpy.meshgrid(*(numpy.arange(28.0),) * 3, indexing="ij")
+        for frame in range(1, FRAMES + 1):
+            if (self.shared / f"m.{frame:04}.vdb").exists():
+                break
+            turn = 0.2 + 0.1 * numpy.sin(frame / 3)
+            velocity = numpy.stack([turn * (14 - y), turn * (x - 14), 0.5 * numpy.cos(x / 4 + frame / 5)], -1)
+            distance = numpy.sqrt((x - 9 - frame / 5) ** 2 + (y - 14) ** 2 + (z - 14) ** 2)
+            velocity[distance > 7 + 2 * numpy.sin(frame / 4)] = 0
+            ball = vdb.Vec3SGrid()
+            ball.name = "velocity"
+            ball.copyFromArray(velocity.astype(numpy.float32))
+            vdb.write(str(self.shared / f"b.{frame:04}.vdb"), ball)
+            mask = vdb.BoolGrid()
+            mask.fill((0, 0, 0), (27, 27, 13 + frame % 5), True)
+            mask.name = "mask"
+            vdb.write(str(self.shared / f"m.{frame:04}.vdb"), mask)
+        return self.shared / "b.%04d.vdb", "--dt", 1, "--mask", self.shared / "m.%04d.vdb"
+
+    def tool(self, *command):
+        """Run a tool that must succeed; what it says on standard error."""
+        done = self.run_tool(*command)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stderr
+
+    def whole(self, *arguments, frames=f"1-{FRAMES}"):
+        """The folder of an uninterrupted run."""
+        key = (*map(str, arguments), frames)
+        if key not in self.made:
+            folder = self.shared / f"run{len(self.made)}"
+            folder.mkdir()
+            self.tool("vdblic_advect", *arguments, "--frames", frames, "-o", folder / OUTPUTS)
+            self.made[key] = folder
+        return self.made[key]
+
+    def start(self, *arguments, frames=f"1-{FRAMES}", **options):
+        options = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+        selection = ["--frames", frames] if frames else []
+        command = [BIN / "vdblic_advect", *map(str, arguments), *selection, "-o", OUTPUTS]
+        run = subprocess.Popen(command, cwd=self.folder, text=True, **options)
+        for stream in run.stdin, run.stdout, run.stderr:
+            if stream:
+                self.addCleanup(stream.close)
+        self.addCleanup(lambda: run.poll() is None and run.kill())
+        return run
+
+    def outputs_there(self):
+        return sum(name.startswith("lic.") for name in self.files())
+
+    def kill_when(self, happens, *arguments, **options):
+        """Start or go on, and SIGKILL once something happens. Returns whether the run was still going then."""
+        run = self.start(*arguments, "--resume", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **options)
+        while run.poll() is None and not happens(run):
+            time.sleep(0.0002)
+        run.kill()
+        self.assertIn(run.wait(), (-signal.SIGKILL, 0))
+        return run.returncode != 0
+
+    def finish(self, expected, *arguments, **options):
+        """Go on to the end and compare with the uninterrupted run: every file, every voxel."""
+        run = self.start(*arguments, "--resume", **options)
+        out, messages = run.communicate(timeout=120)
+        self.assertEqual(run.returncode, 0, messages)
+        names = sorted(path.name for path in expected.iterdir())
+        self.assertEqual(out.split(), names)
+        self.assertEqual(self.files(), names)
+        self.tool("vdblic_diff", expected / OUTPUTS, OUTPUTS)
+        for name in names:
+            self.assertEqual(self.contents(name), (expected / name).read_bytes(), name)
+        return messages
+
+    def interrupted(self, *arguments, after=6, number=signal.SIGTERM, **options):
+        """Start a run and stop it by a signal after some frames."""
+        run = self.start(*arguments, **options)
+        for _ in range(after):
+            self.assertNotEqual(run.stdout.readline(), "")
+        run.send_signal(number)
+        messages = run.communicate(timeout=60)[1]
+        self.assertEqual(run.returncode, -number, messages)
+        return messages
+
+    # Kills
+
+    def kill_often(self, kills, choice, *arguments):
+        """Kill a run again and again, each time a little farther on, at a random moment."""
+        hits = 0
+        for kill in range(kills):
+            farther, pause = self.outputs_there() + choice.randint(0, 2), choice.uniform(0, 0.02)
+            threads = ("--threads", choice.choice((1, 2, 3)), "--checkpoint-every", choice.choice((1, 2, 3)))
+
+            def moment(_):
+                if self.outputs_there() < farther:
+                    return False
+                time.sleep(pause)
+                return True
+
+            hits += self.kill_when(moment, *arguments, *threads)
+        return hits
+
+    def test_kills_at_random_moments(self):
+        expected = self.whole(self.flow())
+        self.assertGreaterEqual(self.kill_often(22, random.Random(1), self.flow()), 20)
+        self.finish(expected, self.flow(), "--threads", 1)
+
+    def test_kills_while_it_writes(self):
+        expected, choice = self.whole(self.flow()), random.Random(2)
+        hits = 0
+        for _ in range(20):
+            farther, delay = self.outputs_there() + choice.randint(0, 1), choice.uniform(0, 0.004)
+
+            def writes(run):
+                if self.outputs_there() < farther or not self.is_writing(run):
+                    return False
+                time.sleep(delay)
+                return True
+
+            hits += self.kill_when(writes, self.flow(), "--checkpoint-every", 1)
+        self.assertGreaterEqual(hits, 18)
+        self.finish(expected, self.flow())
+
+    def is_writing(self, run):
+        """Whether the process has a file without a name open in the folder: what it will rename when it is complete."""
+        try:
+            links = [os.readlink(link) for link in pathlib.Path(f"/proc/{run.pid}/fd").iterdir()]
+        except OSError:
+            return False
+        return any(link.startswith(f"{self.folder}/#") for link in links)
+
+    def test_kills_with_other_methods_and_parameters(self):
+        for seed, arguments in enumerate((("--method", "uflic"), ("--method", "lic"), ("--life", 1), ("--life", 9),
+                                          ("--jitter", "bits", "--with", "vorticity"))):
+            expected = self.whole(self.flow(), *arguments)
+            self.assertGreater(self.kill_often(4, random.Random(seed), self.flow(), *arguments), 2)
+            self.finish(expected, self.flow(), *arguments)
+            self.clear()
+
+    def test_kills_while_the_domain_changes(self):
+        for method in "auflic", "uflic":
+            arguments = (*self.moving_ball(), "--method", method)
+            expected = self.whole(*arguments)
+            self.assertGreater(self.kill_often(6, random.Random(5), *arguments), 4)
+            self.finish(expected, *arguments)
+            self.clear()
+
+    def test_kills_of_a_run_that_reads_paths(self):
+        names = [str(self.flow()) % frame for frame in range(1, FRAMES + 1)]
+        (self.folder / "names").write_text("\n".join(names), encoding="utf-8")
+        for frames in 3, 9:
+            with open(self.folder / "names", encoding="utf-8") as paths:
+                killed = self.kill_when(lambda _, n=frames: self.outputs_there() > n, "-", "--checkpoint-every", 2,
+                                        frames=None, stdin=paths)
+            self.assertTrue(killed)
+        with open(self.folder / "names", encoding="utf-8") as paths:
+            shutil.move(self.folder / "names", self.shared / "names")
+            self.finish(self.whole(self.flow()), "-", frames=None, stdin=paths)
+
+    def clear(self):
+        for path in self.folder.iterdir():
+            path.unlink()
+
+    # Signals
+
+    def test_a_stopped_run_leaves_a_checkpoint_of_the_last_frame(self):
+        expected = self.whole(self.flow())
+        for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+            messages = self.interrupted(self.flow(), number=number)
+            self.assertIn(f"{CHECKPOINT}: to go on from there, run again with --resume", messages)
+            done = self.outputs_there()
+            self.assertEqual(self.files(), [CHECKPOINT] + [f"lic.{k:04}.vdb" for k in range(1, done + 1)])
+            self.assertLess(done, FRAMES)
+            messages = self.finish(expected, self.flow())
+            self.assertIn(f"{CHECKPOINT}: {done} frames are done", messages)
+            self.clear()
+
+    def test_a_kill_during_preroll(self):
+        arguments = self.flow(), "--preroll", 200
+        expected = self.whole(*arguments, frames="1-3")
+        self.assertTrue(self.kill_when(lambda _: CHECKPOINT in self.files(), *arguments, "--checkpoint-every", 5,
+                                       frames="1-3"))
+        self.assertEqual(self.files(), [CHECKPOINT])
+        steps = vdb.readMetadata(str(self.folder / CHECKPOINT))["steps"]
+        self.assertTrue(0 < steps < 200, steps)
+        self.finish(expected, *arguments, frames="1-3")
+
+    def test_without_checkpoints(self):
+        messages = self.interrupted(self.flow(), "--checkpoint-every", 0)
+        self.assertNotIn("checkpoint", messages)
+        self.assertNotIn(CHECKPOINT, self.files())
+        messages = self.finish(self.whole(self.flow()), self.flow(), "--checkpoint-every", 0)
+        self.assertIn(f"no {CHECKPOINT}: starting from the beginning", messages)
+
+    # What else ends a run
+
+    def test_an_input_that_is_mended(self):
+        for frame in range(1, FRAMES + 1):
+            shutil.copy2(str(self.flow()) % frame, self.shared / f"w.{frame:04}.vdb")
+        broken = self.shared / "w.0009.vdb"
+        good = broken.read_bytes()
+        broken.write_bytes(good[:-30])
+        run = self.start(self.shared / "w.%04d.vdb")
+        messages = run.communicate(timeout=60)[1]
+        self.assertEqual(run.returncode, 3)
+        self.assertIn("w.0009.vdb", messages)
+        self.assertEqual(self.files(), [CHECKPOINT] + [f"lic.{k:04}.vdb" for k in range(1, 8)])
+        broken.write_bytes(good)
+        self.assertIn("7 frames are done", self.finish(self.whole(self.flow()), self.shared / "w.%04d.vdb"))
+
+    def test_a_checkpoint_that_cannot_be_written(self):
+        self.interrupted(self.flow(), "--checkpoint-every", 3)
+        output, checkpoint = (len(self.contents(name)) for name in ("lic.0001.vdb", CHECKPOINT))
+        self.assertLess(1.2 * output, checkpoint)
+        before = self.contents(CHECKPOINT)
+        limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (int(1.2 * output),) * 2),
+                 "restore_signals": False}
+        run = self.start(self.flow(), "--resume", "--checkpoint-every", 3, **limit)
+        messages = run.communicate(timeout=60)[1]
+        self.assertEqual(run.returncode, 4, messages)
+        self.assertRegex(messages, f"{CHECKPOINT}: cannot be .*File too large; --checkpoint-every 0 does without")
+        self.assertEqual(self.contents(CHECKPOINT), before)
+        self.finish(self.whole(self.flow()), self.flow())
+
+    # What is refused, and what is not
+
+    def refused(self, status, *arguments, **options):
+        """Resuming is refused and leaves everything as it is; returns the message."""
+        before = {name: self.contents(name) for name in self.files()}
+        run = self.start(*arguments, "--resume", **options)
+        out, messages = run.communicate(timeout=60)
+        self.assertEqual((run.returncode, out), (status, ""), messages)
+        self.assertEqual({name: self.contents(name) for name in self.files()}, before)
+        self.assertEqual(len(messages.splitlines()), 1, messages)
+        return messages
+
+    def test_changed_parameters(self):
+        noise = self.shared / "n.vdb"
+        self.tool("vdblic_noise", "--like", str(self.flow()) % 1, "-o", noise)
+        mask = self.shared / "mask.vdb"
+        self.tool("vdblic_noise", "--size", 24, 24, 24, "-o", mask)
+        changes = {
+            "--method": "uflic", "--life": 5, "--velocity": "velocity", "--velocity-unit": "voxel/s",
+            "--velocity-scale": 2, "--dt": 0.5, "--nonfinite": "zero", "--carry": "velocity", "--with": "q",
+            "--mask": mask, "--bbox": (0, 0, 0, 9, 9, 9), "--bbox-world": (0, 0, 0, 9, 9, 9), "--noise": noise,
+            "--seed": 2, "--preroll": 3, "--release-window": 0.5, "--sample-spacing": 0.4, "--tolerance": 0.1,
+            "--sharpen": 2, "--jitter": "bits", "--noise-share": 0.2, "--texture-name": "smoke"}
+        free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
+                "--checkpoint-every", "--output", "--frames", "--clamp-frames", "--fps", "--kernel"}
+        listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
+        self.assertEqual(listed, set(changes) | free)
+
+        self.interrupted(self.flow())
+        for option, value in changes.items():
+            values = value if isinstance(value, tuple) else (value,)
+            message = self.refused(2, self.flow(), option, *values)
+            shown = " ".join(map(str, values))
+            self.assertRegex(message, rf"{CHECKPOINT}: the run that was interrupted had (no )?{option}.*, this one has "
+                                      rf"{option} {re.escape(shown)}")
+            self.assertIn("give the same, or delete the checkpoint to start from the beginning", message)
+        self.assertIn("this one has --dt 0.5", self.refused(2, self.flow(), "--fps", 2))
+        self.clear()
+        self.interrupted(self.flow(), "--method", "lic")
+        self.assertIn("had --kernel hann, this one has --kernel box",
+                      self.refused(2, self.flow(), "--method", "lic", "--kernel", "box"))
+        self.finish(self.whole(self.flow(), "--method", "lic"), self.flow(), "--method", "lic")
+
+    def test_parameters_left_out(self):
+        self.interrupted(self.flow(), "--bbox", 0, 0, 0, 19, 19, 19)
+        self.assertIn("had --bbox 0 0 0 19 19 19, this one has no --bbox", self.refused(2, self.flow()))
+
+    def test_changed_inputs(self):
+        inputs = self.shared / "changed"
+        inputs.mkdir()
+        for frame in range(1, FRAMES + 1):
+            shutil.copy2(str(self.flow()) % frame, inputs / f"v.{frame:04}.vdb")
+        self.tool("vdblic_noise", "--like", inputs / "v.0001.vdb", "-o", inputs / "n.vdb")
+        self.tool("vdblic_noise", "--size", 24, 24, 24, "-o", inputs / "mask.vdb")
+        arguments = inputs / "v.%04d.vdb", "--noise", inputs / "n.vdb", "--mask", inputs / "mask.vdb"
+        self.interrupted(*arguments)
+        done = self.outputs_there()
+
+        for name, status in ((f"v.{done + 1:04}.vdb", 3), ("v.0002.vdb", 3), ("mask.vdb", 3), ("n.vdb", 2)):
+            path = inputs / name
+            kept, times = path.read_bytes(), (path.stat().st_atime_ns, path.stat().st_mtime_ns)
+            path.write_bytes(kept + b" ")
+            os.utime(path, ns=times)
+            # Of the noise and the frame to go on with, which are read first, the checksum tells.
+            self.assertRegex(self.refused(3, *arguments),
+                             f"size {len(kept)}.*size {len(kept) + 1}|{name}: .* its end is damaged")
+            path.write_bytes(kept)
+            os.utime(path, ns=(times[0], times[1] + 1))
+            self.assertRegex(self.refused(status, *arguments), "modified .* UTC.*modified")
+            changed = bytearray(kept)
+            changed[25] = ord("0") if changed[25] != ord("0") else ord("1")  # in the identity, as all else would change it
+            path.write_bytes(changed)
+            os.utime(path, ns=times)
+            self.assertRegex(self.refused(status, *arguments), "identity .*identity")
+            path.write_bytes(kept)
+            os.utime(path, ns=times)
+        missing = inputs / "v.0003.vdb"
+        missing.rename(inputs / "w.vdb")
+        self.assertIn("frame 3 is missing", self.refused(3, *arguments))
+        (inputs / "w.vdb").rename(missing)
+
+        # What has not been read yet may change, and the folder's name, too.
+        self.tool("vdblic_synth", "abc", "-o", inputs / "v.%04d.vdb", "--size", 24, 24, 24, "--frames", FRAMES)
+        run = self.start(*arguments, "--resume")
+        run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 0)
+
+    def test_damaged_checkpoints(self):
+        self.interrupted(self.flow())
+        good = self.contents(CHECKPOINT)
+        for damaged in good[:-100] + bytes([good[-100] ^ 1]) + good[-99:], good[: len(good) // 2], b"", b"something else":
+            (self.folder / CHECKPOINT).write_bytes(damaged)
+            message = self.refused(3, self.flow())
+            self.assertRegex(message, rf"{CHECKPOINT}: cannot be read as a \.vdb file: .*; or delete the checkpoint to "
+                                      r"start from the beginning")
+        choice = random.Random(3)
+        for _ in range(40):
+            damaged = bytearray(good)
+            for _ in range(choice.randint(1, 3)):
+                damaged[choice.randrange(choice.choice((3000, len(good))))] ^= choice.randrange(1, 256)
+            (self.folder / CHECKPOINT).write_bytes(damaged)
+            self.assertIn("delete the checkpoint to start from the beginning", self.refused(3, self.flow()))
+        shutil.copy(str(self.flow()) % 1, self.folder / CHECKPOINT)
+        self.assertIn("is no checkpoint of vdblic_advect", self.refused(3, self.flow()))
+        (self.folder / CHECKPOINT).unlink()
+        self.assertIn("starting from the beginning", self.finish(self.whole(self.flow()), self.flow()))
+
+    def test_outputs_that_are_gone(self):
+        self.interrupted(self.flow())
+        (self.folder / "lic.0002.vdb").rename(self.folder / "kept.vdb")
+        message = self.refused(3, self.flow())
+        self.assertIn("tells that lic.0002.vdb was finished, but it is not there", message)
+        (self.folder / "kept.vdb").rename(self.folder / "lic.0002.vdb")
+        self.finish(self.whole(self.flow()), self.flow())
+
+    def test_other_frames(self):
+        self.interrupted(self.flow(), frames="1-20")
+        self.assertIn("the input has only 3 now", self.refused(3, self.flow(), frames="1-3"))
+        self.assertIn("then frame 2, now frame 3", self.refused(3, self.flow(), frames="1-20x2"))
+        self.assertIn("then frame 1, now frame 2", self.refused(3, self.flow(), frames="2-20"))
+        # More at the end is no change to the frames that are done.
+        self.finish(self.whole(self.flow(), frames="1-24"), self.flow(), frames="1-24")
+
+    def test_a_run_from_the_beginning_removes_the_checkpoint(self):
+        self.interrupted(self.flow())
+        run = self.start(self.flow(), "--life", 2)
+        messages = run.communicate(timeout=60)[1]
+        self.assertEqual(run.returncode, 0)
+        self.assertIn(f"warning: {CHECKPOINT}: removed", messages)
+        self.assertNotIn(CHECKPOINT, self.files())
+        self.finish(self.whole(self.flow(), "--life", 2), self.flow(), "--life", 2)
+
+    def test_the_checkpoint_is_no_input(self):
+        shutil.copy(str(self.flow()) % 1, self.folder / CHECKPOINT)
+        self.assertIn("replace an input", self.fails(2, "vdblic_advect", CHECKPOINT, "-o", OUTPUTS))
+        self.tool("vdblic_noise", "--like", CHECKPOINT, "-o", CHECKPOINT + "2")
+        (self.folder / (CHECKPOINT + "2")).rename(self.folder / CHECKPOINT)
+        for option in "--mask", "--noise":
+            self.assertIn("replace an input", self.fails(2, "vdblic_advect", str(self.flow()) % 1, option,
+                                                         f"{CHECKPOINT}:noise", "-o", OUTPUTS))
+        self.assertEqual(self.files(), [CHECKPOINT])
+
+    def test_the_checkpoint_is_a_vdb_that_others_can_read(self):
+        self.interrupted(self.flow())
+        shown = self.printed(CHECKPOINT)
+        for part in "--life: 4", "Name: noise", "Name: texture", "Name: particles", "ptdataidx32":
+            self.assertIn(part, shown)
+        grids = {name: vdb.read(str(self.folder / CHECKPOINT), name) for name in ("noise", "texture")}
+        for grid in grids.values():
+            self.assertEqual(grid.transform, vdb.read(str(self.flow()) % 1, "velocity").transform)
+            self.assertEqual(grid.activeVoxelCount(), 24 ** 3)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,195 @@
+#include "vdblic/lic/flow_state.h"
+
+#include "lic/test_flow.h"
+#include "temporary_folder.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/lic/noise.h"
+#include "vdblic/lic/scatter.h"
+
+#include <gtest/gtest.h>
+#include <openvdb/tools/Count.h>
+
+#include <bit>
+#include <cmath>
+#include <map>
+
+namespace vdblic {
+namespace {
+
+constexpr int kSteps = 9;
+
+/// What a file gives back of some grids.
+VdbFile throughAFile(const openvdb::GridPtrVec& grids)
+{
+    const TemporaryFolder folder;
+    writeVdb(folder / "state.vdb", openvdb::GridCPtrVec(grids.begin(), grids.end()), {});
+    return readVdb(folder / "state.vdb");
+}
+
+std::size_t differingVoxels(const LeafValues<float>& a, const LeafValues<float>& b)
+{
+    EXPECT_TRUE(a.tree()->hasSameTopology(*b.tree()));
+    std::size_t differing = 0;
+    for (auto value = a.tree()->cbeginValueOn(); value; ++value)
+        differing +=
+            std::bit_cast<std::uint32_t>(*value) != std::bit_cast<std::uint32_t>(b.tree()->getValue(value.getCoord()));
+    return differing;
+}
+
+class SavedState : public testing::TestWithParam<ScatterParams> {};
+
+TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
+{
+    const auto frames = test::unsteadyFlowWithHole(kSteps + 1); // every frame has another domain
+    const auto expected = test::streamedTextures(frames, kSteps, GetParam());
+    for (const std::size_t saved : {1, 2, 5, 8}) {
+        FlowTexture before(GetParam(), FeedbackParams{}, NoiseField(7));
+        for (std::size_t k = 0; k < saved; ++k)
+            (void)before.advance(test::stepFrom(frames, k));
+        FlowTexture after(GetParam(), FeedbackParams{}, NoiseField(7));
+        after.restore(before.steps(), 1, frames[saved].domain, throughAFile(before.save()));
+        EXPECT_EQ(after.steps(), saved);
+        for (std::size_t k = saved; k < kSteps; ++k) {
+            EXPECT_EQ(differingVoxels(after.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u)
+                << "step " << k << " after " << saved;
+        }
+        // Saving takes nothing away.
+        for (std::size_t k = saved; k < kSteps; ++k) {
+            EXPECT_EQ(differingVoxels(before.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u);
+        }
+    }
+}
+
+ScatterParams params(ScatterMethod method, int lifeSpan, bool history = false)
+{
+    ScatterParams result;
+    result.method = method;
+    result.lifeSpan = lifeSpan;
+    result.history = history;
+    return result;
+}
+
+std::string nameOf(const testing::TestParamInfo<ScatterParams>& info)
+{
+    const char* method = info.param.method == ScatterMethod::kUflic ? "Uflic"
+                         : info.param.history                       ? "AuflicWithHistory"
+                                                                    : "Auflic";
+    return fmt::format("{}Life{}", method, info.param.lifeSpan);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, SavedState,
+                         testing::Values(params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
+                                         params(ScatterMethod::kAuflic, 4, true),
+                                         params(ScatterMethod::kAuflic, 1, true),
+                                         params(ScatterMethod::kAuflic, 20, true)),
+                         nameOf);
+
+std::shared_ptr<const Domain> box(const openvdb::CoordBBox& voxels)
+{
+    auto topology = std::make_shared<openvdb::MaskTree>();
+    topology->fill(voxels, true);
+    return std::make_shared<Domain>(std::move(topology));
+}
+
+TEST(ParticleGrid, KeepsEveryBitOfAParticle)
+{
+    const auto domain = box({{-16, -16, -16}, {15, 15, 15}});
+    ParticleBins bins(domain->leafCount(), 2);
+    std::map<std::uint64_t, std::pair<Particle, std::array<std::uint32_t, 2>>> expected;
+    const float half = 0.5f;
+    std::vector<float> places = {0,
+                                 1e-30f,
+                                 half,
+                                 -half,
+                                 std::nextafter(half, 0.0f), // adding a half rounds it up to 1
+                                 std::nextafter(half, 1.0f),
+                                 std::nextafter(-half, 0.0f),
+                                 std::nextafter(-half, -1.0f),
+                                 std::nextafter(1.5f, 0.0f),
+                                 std::nextafter(-15.5f, 0.0f),
+                                 std::nextafter(15.5f, 0.0f),
+                                 7.4999995f,
+                                 7.5f,
+                                 -8.5f,
+                                 3.14159274f};
+    std::uint64_t number = 0;
+    for (const float x : places) {
+        for (const float y : places) {
+            Particle particle{{x, y, -x}, {1e-38f * x, y, -3e30f}, 0, (number + 1) << Particle::kRankBits | number};
+            const std::array<std::uint32_t, 2> words = {std::uint32_t(number * 65535) << 8 | 3, ~std::uint32_t(0)};
+            particle.alive = Generation::hits(words[0]) + Generation::hits(words[1]);
+            const int leaf = domain->findLeaf(voxelOf(Float4{x, y, -x, 0}));
+            ASSERT_GE(leaf, 0);
+            bins.add(std::size_t(leaf), particle, words.data());
+            expected[particle.id] = {particle, words};
+            ++number;
+        }
+    }
+    std::vector<ParticleBins> threads;
+    threads.push_back(std::move(bins));
+    const ParticleBins read = readParticles(*domain, throughAFile({particleGrid(*domain, threads)}), 2);
+    std::size_t found = 0;
+    for (std::size_t tile = 0; tile < domain->leafCount(); ++tile) {
+        read.forEach(tile, [&](const Particle& particle, const std::uint32_t* words) {
+            const auto& [same, sameWords] = expected.at(particle.id);
+            EXPECT_EQ(particle.position, same.position);
+            EXPECT_EQ(particle.slope, same.slope);
+            EXPECT_EQ(particle.alive, same.alive);
+            EXPECT_TRUE(std::equal(sameWords.begin(), sameWords.end(), words));
+            const int leaf = domain->findLeaf(voxelOf(Float4{same.position[0], same.position[1], same.position[2], 0}));
+            EXPECT_EQ(std::size_t(leaf), tile);
+            ++found;
+        });
+    }
+    EXPECT_EQ(found, expected.size());
+}
+
+TEST(ParticleGrid, MayBeEmpty)
+{
+    const auto domain = box({{0, 0, 0}, {3, 3, 3}});
+    const ParticleBins read = readParticles(*domain, throughAFile({particleGrid(*domain, {})}), 4);
+    read.forEach(0, [](auto&&...) { ADD_FAILURE(); });
+}
+
+TEST(InputGrids, KeepEveryValue)
+{
+    const auto domain = box({{0, 0, 0}, {63, 63, 31}}); // 2 x 65536 voxels
+    const LeafValues<std::int32_t> input(*domain, 0);
+    for (std::size_t leaf = 0; leaf < domain->leafCount(); ++leaf) {
+        for (std::size_t i = 0; i < Domain::kLeafVoxels; ++i) {
+            const auto number = std::uint32_t(leaf * Domain::kLeafVoxels + i);
+            input[leaf][i] = Input::pack(number & 65535, mixBits(number) & 65535);
+        }
+    }
+    const VdbFile file = throughAFile(inputGrids(*domain, input));
+    const LeafValues<std::int32_t> read = readInput(*domain, file);
+    for (std::size_t leaf = 0; leaf < domain->leafCount(); ++leaf)
+        ASSERT_TRUE(std::equal(input[leaf], input[leaf] + Domain::kLeafVoxels, read[leaf]));
+    for (const char* name : {"noise", "texture"}) {
+        const auto range = openvdb::tools::minMax(file.find<openvdb::FloatGrid>(name)->tree());
+        EXPECT_GE(range.min(), 0);
+        EXPECT_LT(range.max(), 1);
+    }
+}
+
+TEST(SavedStates, ThatDoNotFitAreRefused)
+{
+    const auto frames = test::unsteadyFlowWithHole(4);
+    FlowTexture texture(ScatterParams{}, FeedbackParams{}, NoiseField(7));
+    for (std::size_t k = 0; k < 2; ++k)
+        (void)texture.advance(test::stepFrom(frames, k));
+    const VdbFile state = throughAFile(texture.save());
+    FlowTexture other(ScatterParams{}, FeedbackParams{}, NoiseField(7));
+    EXPECT_NO_THROW(other.restore(2, 1, frames[2].domain, state));
+    EXPECT_THROW(other.restore(2, 1, frames[3].domain, state), InputError);
+    for (std::size_t missing = 0; missing < state.grids.size(); ++missing) {
+        VdbFile part = state;
+        part.grids.erase(part.grids.begin() + std::ptrdiff_t(missing));
+        EXPECT_THROW(other.restore(2, 1, frames[2].domain, part), InputError);
+    }
+    FlowTexture longer(params(ScatterMethod::kAuflic, 5, true), FeedbackParams{}, NoiseField(7));
+    EXPECT_THROW(longer.restore(2, 1, frames[2].domain, state), InputError);
+}
+
+} // namespace
+} // namespace vdblic
