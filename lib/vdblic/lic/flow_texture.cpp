@@ -54,10 +54,9 @@ FlowTextureStep FlowTexture::advance(const FlowStep& step)
     return result;
 }
 
-openvdb::GridPtrVec FlowTexture::save()
+openvdb::GridPtrVec FlowTexture::save() const
 {
     if (mSteady) return {};
-    mField = {};
     openvdb::GridPtrVec grids = inputGrids(*mDomain, *mInput);
     grids.push_back(particleGrid(*mDomain, mScatter.particles()));
     return grids;

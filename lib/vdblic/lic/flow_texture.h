@@ -54,9 +54,8 @@ class FlowTexture {
     [[nodiscard]] std::uint64_t steps() const { return mStep; }
 
     /// What the next step starts from, as the grids of flow_state.h; none for steady LIC, which starts anew in every
-    /// frame. Releases the field, so that there is no need for more memory than a step takes.
-    /// At least one step must have been made.
-    [[nodiscard]] openvdb::GridPtrVec save();
+    /// frame. At least one step must have been made.
+    [[nodiscard]] openvdb::GridPtrVec save() const;
 
     /// Go on where another FlowTexture with these parameters was when it saved its state: what follows is the same to
     /// the bit.
