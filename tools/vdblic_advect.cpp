@@ -79,6 +79,7 @@ int main(int argc, char** argv)
     tool.option("--noise-share", params.feedback.noiseShare, "Share of the noise with --jitter mix, 0 to 1.");
     tool.option("--texture-name", params.textureName, "Name of the texture grid.");
 
+    tool.option("--json", params.json, "File to write the work and the time of every frame to.");
     tool.app().add_flag("--resume", params.resume,
                         "Go on where an interrupted run was, by the checkpoint it left beside the outputs; from the\n"
                         "beginning if there is none. The result is the same as without an interruption.");

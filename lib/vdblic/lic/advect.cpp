@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/stopwatch.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/file_stamp.h"
@@ -11,6 +12,7 @@
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/frame_writer.h"
 #include "vdblic/lic/noise_file.h"
+#include "vdblic/lic/run_report.h"
 
 namespace vdblic {
 namespace {
@@ -68,6 +70,7 @@ class Advection {
             interval = mFlow.intervalAfter(*current, next ? &*next : nullptr);
         }
         mFlow.describe(*current, interval);
+        Stopwatch watch;
         while (mTexture.steps() < preroll()) {
             advance(*current, *current, interval.seconds);
             keepState(*current);
@@ -86,6 +89,7 @@ class Advection {
         }
         mWriter.finish();
         removeCheckpoint();
+        report(watch.lap());
     }
 
     /// After an error or a request to stop: finish what is being written, and leave a checkpoint of what is finished.
@@ -113,6 +117,7 @@ class Advection {
         for (const std::filesystem::path& input : inputs) {
             checkNotInput(mPattern.path(number), input);
             checkNotInput(mCheckpointPath, input);
+            if (!mParams.json.empty()) checkNotInput(mParams.json, input);
         }
     }
 
@@ -268,14 +273,21 @@ class Advection {
         metadata.insertMeta("frame", openvdb::Int64Metadata(frame.velocity.file.frame));
         metadata.insertMeta("time", openvdb::DoubleMetadata(mTime));
         metadata.insertMeta("dt", openvdb::DoubleMetadata(seconds));
-        mReporter.detail(fmt::format("frame {}: {} voxels; particles: {} went on, {} blocked, {} released; seeds: {} "
-                                     "reused, {} copied; {} steps, {} "
-                                     "deposits; seconds: load {:.3f}, scatter {:.3f}, convolve {:.3f}, filter {:.3f}",
-                                     frame.velocity.file.frame, frame.flow.domain->voxelCount(), step.stats.particles,
-                                     step.stats.blocked, step.stats.released, step.stats.reused, step.stats.copied,
-                                     step.stats.steps, step.stats.deposits, step.times.load, step.times.scatter,
-                                     step.times.convolve, step.times.filter));
+        mReport.frames.push_back(
+            {frame.velocity.file.frame, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
+        mReporter.detail(frameLine(mReport.frames.back()));
         mWriter.write(mPattern.path(frame.velocity.file.frame), std::move(grids), std::move(metadata));
+    }
+
+    /// @param seconds from the first step to the last output
+    void report(double seconds)
+    {
+        mReport.seconds = seconds;
+        for (std::size_t i = 0; i < mReport.frames.size(); ++i)
+            mReport.frames[i].write = mWriter.seconds()[i];
+        for (const std::string& line : runLines(mReport))
+            mReporter.detail(line);
+        if (!mParams.json.empty()) writeTextFile(mParams.json, toJson(mReport));
     }
 
     /// What is odd about a frame, though it can be computed.
@@ -305,6 +317,7 @@ class Advection {
     FlowSequence mFlow;
     FrameWriter mWriter;
     CheckpointSchedule mSchedule;
+    RunReport mReport;
     double mTime = 0, mInterval = 0;
     std::vector<std::string> mInputs, mExpected; // stamps, of the frames read and of those an interrupted run read
     openvdb::math::Transform::Ptr mTransform;

@@ -31,6 +31,7 @@ struct AdvectParams {
         preroll; ///< steps on the frozen first frame before it is written; nothing: the life span, 0 for LIC
     std::string textureName = "density";
     std::vector<std::string> derived{};   ///< further grids made of the velocity, by kDerivedNames
+    std::string json{};                   ///< file for the RunReport; empty: none
     bool resume = false;                  ///< go on from the checkpoint that an interrupted run left, if there is one
     std::optional<int> checkpointEvery{}; ///< frames between checkpoints, 0 for none; nothing: CheckpointSchedule's
 

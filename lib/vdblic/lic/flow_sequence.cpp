@@ -1,6 +1,7 @@
 #include "vdblic/lic/flow_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/stopwatch.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
 
@@ -21,6 +22,7 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
 
 LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
 {
+    Stopwatch watch;
     LoadedFrame frame;
     frame.stamp = frameStamp(file, params.domain); // first: a change that comes later is found later
     frame.velocity = readVelocity(file, params.velocity);
@@ -32,6 +34,7 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
     }
+    frame.seconds = watch.lap();
     return frame;
 }
 

@@ -26,6 +26,7 @@ struct FlowSequenceParams {
 
 /// A frame that was read, with the domain it is computed on.
 struct LoadedFrame {
+    double seconds = 0; ///< that reading took
     VelocityFrame velocity;
     FlowFrame flow;
     std::string stamp; ///< FlowSequence::stampOf() when it was read

@@ -1,5 +1,6 @@
 #include "vdblic/lic/frame_writer.h"
 
+#include "vdblic/core/stopwatch.h"
 #include "vdblic/io/vdb_file.h"
 
 namespace vdblic {
@@ -9,14 +10,16 @@ void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, 
     finish();
     mPath = std::move(path);
     mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata = std::move(metadata)] {
+        Stopwatch watch;
         writeVdb(mPath, grids, metadata);
+        return watch.lap();
     });
 }
 
 void FrameWriter::finish()
 {
     if (!mPending.valid()) return;
-    mPending.get();
+    mSeconds.push_back(mPending.get());
     ++mDone;
     mReporter.finished(mPath);
     mReporter.progress(mDone, mTotal);

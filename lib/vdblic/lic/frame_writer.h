@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <future>
+#include <vector>
 
 namespace vdblic {
 
@@ -24,6 +25,9 @@ class FrameWriter {
     /// Report a file that a run before has written.
     void pass(const std::filesystem::path& path);
 
+    /// Seconds that each write() took, of those that are finished.
+    [[nodiscard]] const std::vector<double>& seconds() const { return mSeconds; }
+
     /// The number of files that are complete on disk.
     [[nodiscard]] std::size_t done() const { return mDone; }
 
@@ -31,7 +35,8 @@ class FrameWriter {
     Reporter& mReporter;
     std::size_t mTotal, mDone = 0;
     std::filesystem::path mPath;
-    std::future<void> mPending;
+    std::vector<double> mSeconds;
+    std::future<double> mPending;
 };
 
 } // namespace vdblic

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "vdblic/lic/flow_texture.h"
+
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+/// What a frame of a run took. Reading and writing run beside the computation of other frames.
+struct FrameReport {
+    std::int64_t frame = 0;
+    std::size_t voxels = 0;
+    ScatterStats stats;
+    double read = 0;  ///< seconds, of the frame's velocity
+    StageTimes times; ///< seconds
+    double write = 0; ///< seconds, of the frame's texture
+};
+
+/// The frames that one run computed.
+struct RunReport {
+    std::vector<FrameReport> frames;
+    double seconds = 0; ///< wall time from the first step to the last output
+};
+
+/// The work of a frame, in words.
+[[nodiscard]] std::string frameLine(const FrameReport& frame);
+
+/// The time of a run by stage, as Table 2 of Liu & Moorhead 2004 has it, and how steady it was from frame to frame.
+[[nodiscard]] std::vector<std::string> runLines(const RunReport& report);
+
+/// All figures, as JSON with two spaces of indentation (docs/performance.md).
+[[nodiscard]] std::string toJson(const RunReport& report);
+
+} // namespace vdblic
