@@ -96,9 +96,10 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const Look& look)
 
 float sampleShift(int x, int y, int ray)
 {
-    // The inverse powers of the plastic number, and the inverse of the golden ratio, as fractions of 2³².
-    const std::uint32_t place =
-        std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u + std::uint32_t(ray) * 2654435769u;
+    // The inverse powers of the plastic number, and the radical inverse, as fractions of 2³².
+    std::uint32_t place = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
+    for (int bit = 0; bit < 32; ++bit)
+        place += (std::uint32_t(ray) >> bit & 1) << (31 - bit);
     return float(int(place >> 8)) * 0x1p-24f;
 }
 

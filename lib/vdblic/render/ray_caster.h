@@ -62,19 +62,19 @@ class VisibleLeaves {
     std::vector<int> mLeaves;
 };
 
-/// The share of a step that the first step of a pixel's ray is long, from a low-discrepancy sequence over the picture
-/// (Roberts' R2), so that planes of samples leave no rings. Those of a pixel's further rays are spread evenly
-/// between (steps of the golden ratio).
+/// The share of a step by which the steps of a pixel's ray are shifted along it, from a low-discrepancy sequence over
+/// the picture (Roberts' R2), so that shells of samples leave no rings. Those of the pixel's further rays are spread
+/// evenly between (van der Corput's sequence).
 [[nodiscard]] float sampleShift(int x, int y, int ray = 0);
 
 /// Cast a ray through each pixel's centre, front to back, with early termination.
 ///
-/// A ray counts from where it enters what the cuts leave of the active voxels' bounds. It is cut into steps, the first
-/// of which is shorter as its pixel's shift says and the last as is left, with a sample in the middle of each. One
-/// whose voxel, which covers [i − ½, i + ½), is not shown has no opacity. Optical depth counts voxels passed in index
-/// space, so a picture does not change with the unit of length. What lies within a voxel of where its ray comes in is
-/// lit as the plane it came in through. Leaves left out of `visible` are passed over. Same pixels for any number of
-/// threads.
+/// What cuts and the active voxels' bounds leave of a ray is cut into steps at multiples of the step from the eye, plus
+/// the pixel's shift: counted from there, no slope of a face can undo the shifts. A sample lies in the middle of its
+/// step; the first and the last step are as long as is left. A sample whose voxel, which covers [i − ½, i + ½), is not
+/// shown has no opacity. Optical depth counts voxels passed in index space, so a picture does not change with the unit
+/// of length. What lies within a voxel of where its ray comes in is lit as the plane it came in through. Leaves left
+/// out of `visible` are passed over. Same pixels for any number of threads.
 /// @param ray which of a pixel's rays these are, for sampleShift()
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& params, const VisibleLeaves& visible, int ray = 0);

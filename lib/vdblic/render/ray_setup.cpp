@@ -40,7 +40,8 @@ RayTask RaySetup::ray(int x, int y) const
     const glm::dvec3 perWorld = glm::dmat3(mToIndex) * ray.direction;
     const double stepsPerWorld = glm::length(perWorld) / mStep;
     const double span = (interval.leave - interval.enter) * stepsPerWorld;
-    task.shift = sampleShift(x, y, mRay);
+    const double start = double(sampleShift(x, y, mRay)) - interval.enter * stepsPerWorld;
+    task.shift = float(start - std::floor(start));
     task.span = float(span);
     task.samples = std::max(int(std::ceil(span - double(task.shift))), 0) + 1;
     for (int axis = 0; axis < 3; ++axis) {
