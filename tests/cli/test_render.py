@@ -122,10 +122,11 @@ class Render(ToolTest):
         lonely.transform = vdb.createLinearTransform(matrix)
         lonely.fill((-4, 6, 9), (-4, 6, 9), 0.5)
         vdb.write(str(self.folder / "voxel.vdb"), grids=[lonely])
-        centre = numpy.array(lonely.transform.indexToWorld((-4, 6, 9)))
-        for projection in ("perspective", "--fov", 3), ("orthographic", "--view-height", 5):
+        for stretch, *projection in ((1, 1, 1), "perspective", "--fov", 3), ((1, 1, 1), "orthographic", "--view-height", 5), \
+                ((1, 0.5, 2), "perspective", "--fov", 3):
+            centre = numpy.array(lonely.transform.indexToWorld((-4, 6, 9))) * stretch
             self.renders("voxel.vdb", "-o", "voxel.exr", "--size", 120, 100, "--precision", "float", "--modulate", 0,
-                         "--opacity", "0:0.05", "--projection", *projection,
+                         "--opacity", "0:0.05", "--stretch", *stretch, "--projection", *projection,
                          "--target", *(centre + (0.5, 0.2, -0.4)), "--eye", *(centre + (40, -60, 30)))
             depth = -numpy.log1p(-self.pixels("voxel.exr", "A"))
             y, x = numpy.mgrid[0:100, 0:120] + 0.5

@@ -148,6 +148,22 @@ TEST(RayCaster, TurningAndScalingVolumeAndCameraChangesNothing)
     EXPECT_LT(difference(image, expected), 1e-3f);
 }
 
+TEST(RayCaster, AStretchedVolumeIsOneWithThatTransform)
+{
+    const auto grid = boxGrid("density", boxOf(20, 16, 12), scattered);
+    const ClipParams cuts{.planes = {{{8, 8, 6}, {1, 2, 3}}}, .box = std::array{glm::dvec3(2), glm::dvec3(17, 14, 9)}};
+    const glm::dvec3 stretch(1, 0.5, 3);
+    const TextureVolume stretched(*grid, *grid, stretch);
+    const Camera camera = cameraAlong(stretched, kSlanted, 80, 35, {60, 50});
+    const Image image = castRays(stretched, fullLook(), camera, {.clip = cuts.stretched(stretch)});
+
+    grid->transform().postScale(Vec3d(1, 0.5, 3));
+    const ClipParams same{.planes = {{{8, 4, 18}, {1, 4, 1}}},
+                          .box = std::array{glm::dvec3(2, 1, 6), glm::dvec3(17, 7, 27)}};
+    EXPECT_LT(difference(image, castRays(TextureVolume(*grid, *grid), fullLook(), camera, {.clip = same})), 1e-4f);
+    EXPECT_GT(difference(image, castRays(stretched, fullLook(), camera, {})), 0.1f);
+}
+
 TEST(RayCaster, PassingOverEmptySpaceChangesNoPixel)
 {
     for (const Coord& offset : {Coord(0), Coord(100'000, -130'000, 70'000)}) { // exact and coarse in single precision
