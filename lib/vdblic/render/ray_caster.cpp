@@ -98,8 +98,8 @@ float sampleShift(int x, int y, int ray)
 {
     // The inverse powers of the plastic number, and the radical inverse, as fractions of 2³².
     std::uint32_t place = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
-    for (int bit = 0; bit < 32; ++bit)
-        place += (std::uint32_t(ray) >> bit & 1) << (31 - bit);
+    for (int bit = 31; ray != 0; ray >>= 1, --bit)
+        place += std::uint32_t(ray & 1) << bit;
     return float(int(place >> 8)) * 0x1p-24f;
 }
 
