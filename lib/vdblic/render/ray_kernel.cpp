@@ -49,6 +49,7 @@ VDBLIC_INLINE Float8 spread(Float8 x)
 /// which was looked up. A lane without a ray stands still where there is nothing.
 struct alignas(32) RayKernel::Lanes {
     Float8 entry[3], direction[3], inverse[3];
+    Float8 view[3]; // direction in world space
     Float8 shift, span;
     Float8 transmittance, halo, haloPlace;
     Float8 waiting; // the weight of samples that added too little to be shaded
@@ -128,6 +129,7 @@ VDBLIC_INLINE void RayKernel::load(const RayTask& ray, int task, Lanes& lanes, i
         setLane(lanes.entry[axis], lane, ray.entry[axis]);
         setLane(lanes.direction[axis], lane, ray.direction[axis]);
         setLane(lanes.inverse[axis], lane, ray.inverse[axis]);
+        setLane(lanes.view[axis], lane, ray.shading[kViewX + axis]);
     }
     setLane(lanes.shift, lane, ray.shift);
     setLane(lanes.span, lane, ray.span);
@@ -231,26 +233,27 @@ VDBLIC_INLINE void RayKernel::sample(const Lanes& lanes, Sample& result) const
 }
 
 /// The share of the extinction that halos add.
-VDBLIC_INLINE Float8 RayKernel::haloShare(const RayTask* tasks, const Lanes& lanes, const Sample& sample,
-                                          Float8 stretched) const
+VDBLIC_INLINE Float8 RayKernel::haloShare(const Lanes& lanes, const Sample& sample, Float8 stretched) const
 {
-    Float8 density = mLook.halo.density(mLook.texture, stretched);
-    for (int lane = 0; lane < kLanes; ++lane) {
-        if (!(density[lane] > 0) || !(lanes.busy >> lane & 1)) continue;
-        const Float4 gradient =
-            sampleGradient(mVolume.gradients() + unsigned(sample.record[lane]), sample.fraction[0][lane],
-                           sample.fraction[1][lane], sample.fraction[2][lane]);
-        const Float8& view = tasks[lanes.task[lane]].shading;
-        const float square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
-        const float along = gradient[0] * view[kViewX] + gradient[1] * view[kViewY] + gradient[2] * view[kViewZ];
-        const float aside = square > 0 ? 1 - along * along / square : 0;
-        density[lane] *= aside * aside;
+    const Float8 density = mLook.halo.density(mLook.texture, stretched);
+    if (!anyOf(density > 0)) return density;
+    unsigned record[kLanes];
+    float place[3][kLanes];
+    std::memcpy(record, &sample.record, sizeof record);
+    std::memcpy(place, sample.fraction, sizeof place);
+    Float8 gradient[3];
+    sampleGradients(mVolume.gradients(), record, place[0], place[1], place[2], gradient);
+    Float8 square{}, along{};
+    for (int axis = 0; axis < 3; ++axis) {
+        square += gradient[axis] * gradient[axis];
+        along += gradient[axis] * lanes.view[axis];
     }
-    return density;
+    const Float8 aside = square > 0 ? 1 - along * along / square : Float8{};
+    return density * aside * aside;
 }
 
 /// Let the lanes' samples take their part of the light, and queue those that are seen.
-VDBLIC_INLINE void RayKernel::absorb(const RayTask* tasks, Lanes& lanes, const Sample& sample, ShadeQueue& queue) const
+VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const
 {
     const Int8 entries = mLook.transfer.entries(sample.magnitude);
     const float* extinctions = mLook.transfer.extinctions();
@@ -263,7 +266,7 @@ VDBLIC_INLINE void RayKernel::absorb(const RayTask* tasks, Lanes& lanes, const S
     }
     const Float8 stretched = mLook.texture.stretched(sample.texture);
     const Float8 density = mLook.texture.density(stretched);
-    const Float8 halo = mLook.halo.strength > 0 ? haloShare(tasks, lanes, sample, stretched) : Float8{};
+    const Float8 halo = mLook.halo.strength > 0 ? haloShare(lanes, sample, stretched) : Float8{};
     const Float8 all = density + halo;
     const Float8 left = lanes.transmittance * exponential(-extinction * all * (sample.length * mStep));
     const Float8 taken = lanes.transmittance - left;
@@ -307,7 +310,7 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
         lanes.sample += 1;
         lanes.taken += 1;
         const unsigned ended = laneBits(lanes.sample >= lanes.segmentEnd);
-        absorb(tasks, lanes, met, queue);
+        absorb(lanes, met, queue);
         if (queue.end >= ShadeQueue::kMany) {
             for (; queue.begin + kLanes <= queue.end; queue.begin += kLanes)
                 mShader.shade(queue, tasks, sums);

@@ -24,8 +24,8 @@ class RayKernel {
     void park(Lanes& lanes, int lane) const;
     void advance(const RayTask* tasks, int count, int& next, unsigned ended, Lanes& lanes, RaySum* sums) const;
     void sample(const Lanes& lanes, Sample& result) const;
-    Float8 haloShare(const RayTask* tasks, const Lanes& lanes, const Sample& sample, Float8 stretched) const;
-    void absorb(const RayTask* tasks, Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
+    Float8 haloShare(const Lanes& lanes, const Sample& sample, Float8 stretched) const;
+    void absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
 
     const TextureVolume& mVolume;
     const Look& mLook;
