@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# The pictures of docs/gallery.md: four flows, each in every look, cut open, and with halos; and a strip of frames.
+# The pictures of docs/gallery.md: four flows, each in every look, cut open, and with halos; and an animation.
 #
 #     samples/gallery.sh TOOLS [DATA]
 #
 # TOOLS is the folder of the built tools. DATA, if given, holds velocity sequences that do not ship:
-# era5_west_europe/era5.%04d.vdb and mantaflow_drift/fluid_data_%04d.vdb; without it their pictures stay as they are.
+# era5_west_europe/era5.%04d.vdb and wake/wake.%04d.vdb, the whole of samples/wake; without it their pictures stay as they
+# are. The smoke is simulated by Blender, which takes some minutes.
 set -euo pipefail
 tools=$(cd "$1" && pwd)
 data=${2:+$(cd "$2" && pwd)}
@@ -12,37 +13,49 @@ cd "$(dirname "$0")/.."
 out=out/gallery images=docs/images/gallery
 mkdir -p "$out" "$images"
 
-# picture NAME FRAME OPTIONS...
-picture() {
-    local name=$1 frame=$2
-    shift 2
-    "$tools/vdblic_render" "$out/${name%%-*}.%04d.vdb" -o "$out/$name.png" --frames "$frame" --size 720 450 --samples 4 -q "$@"
-    ffmpeg -loglevel error -y -i "$out/$name.png" -q:v 3 "$images/$name.jpg"
-}
+# render INPUT OUTPUT OPTIONS...
+render() { "$tools/vdblic_render" "$out/$1" -o "$out/$2" -q "${@:3}" >>"$out/log.txt"; }
 
-# gallery NAME FRAME CUT...
+# gallery NAME INPUT CUT OPTIONS...: CUT and OPTIONS are as docs/gallery.md gives them.
 gallery() {
-    local name=$1 frame=$2
-    shift 2
-    for look in flow ink smoke xray; do picture "$name-$look" "$frame" --look "$look"; done
-    picture "$name-cut" "$frame" "$@"
-    picture "$name-halo" "$frame" --halo 1.5 --depth-cue 0.5
+    local name=$1 input=$2 look cut
+    local -a options=("${@:4}")
+    read -ra cut <<<"$3"
+    picture() {
+        render "$input" "$name-$1.png" --samples 4 "${options[@]}" "${@:2}"
+        ffmpeg -loglevel error -y -i "$out/$name-$1.png" -q:v 3 "$images/$name-$1.jpg"
+    }
+    for look in flow ink smoke xray; do picture "$look" --look "$look"; done
+    picture cut "${cut[@]}"
+    picture halo --halo 1.5 --depth-cue 0.5
 }
 
-"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/wake.%04d.vdb" -q >"$out/log.txt"
-gallery wake 12 --clip-plane 0 0 0 0 1 0
-"$tools/vdblic_synth" tornado -o "$out/v.%04d.vdb" --size 144 73 81 --frames 1-12 -q >>"$out/log.txt"
-"$tools/vdblic_advect" "$out/v.%04d.vdb" -o "$out/tornado.%04d.vdb" -q >>"$out/log.txt"
-gallery tornado 8 --clip-plane 7.2 3.6 4.5 0 0 -1
-if [ -n "$data" ]; then
-    "$tools/vdblic_advect" "$data/era5_west_europe/era5.%04d.vdb" -o "$out/era.%04d.vdb" --frames 1-12 -q >>"$out/log.txt"
-    gallery era 10 --clip-plane 0 0 5500 0 0 -1
-    "$tools/vdblic_advect" "$data/mantaflow_drift/fluid_data_%04d.vdb" -o "$out/manta.%04d.vdb" -q >>"$out/log.txt"
-    gallery manta 26 --clip-plane 0 1 0 0 1 0
-fi
+# texture NAME VELOCITY OPTIONS...
+texture() { "$tools/vdblic_advect" "$2" -o "$out/$1.%04d.vdb" -q "${@:3}" >>"$out/log.txt"; }
 
-# Four frames one after the other: features move with the flow.
-for frame in 9 10 11 12; do
-    "$tools/vdblic_render" "$out/wake.%04d.vdb" -o "$out/strip.%04d.png" --frames "$frame" --size 420 260 -q
-done
-ffmpeg -loglevel error -y -start_number 9 -i "$out/strip.%04d.png" -frames:v 1 -vf tile=2x2:padding=4 -q:v 3 "$images/strip.jpg"
+texture wake samples/wake/wake.%04d.vdb
+gallery wake wake.%04d.vdb "--clip-plane 0 0 0 0 1 0" --frames 12 --size 720 450
+
+"$tools/vdblic_synth" tornado -o "$out/v.%04d.vdb" --size 144 73 81 --frames 1-12 -q >>"$out/log.txt"
+texture tornado "$out/v.%04d.vdb"
+gallery tornado tornado.%04d.vdb "--clip-plane 7.2 3.6 4.5 0 0 -1" --frames 8 --size 720 450
+
+if [ ! -d "$out/smoke/data" ]; then
+    blender -b --factory-startup --python-exit-code 9 --python tests/cli/blender/bake_smoke.py -- "$out/smoke" 96 38 \
+        >"$out/blender.log" 2>&1
+fi
+texture smoke "$out/smoke/data/fluid_data_%04d.vdb" --frames 30-38
+gallery smoke smoke.0038.vdb "--clip-plane 1 0 0 0 1 0" --size 480 560
+
+if [ -n "$data" ]; then
+    texture era "$data/era5_west_europe/era5.%04d.vdb" --frames 1-12
+    gallery era era.%04d.vdb "--clip-plane 0 0 5500 0 0 -1" --frames 10 --size 720 450 --stretch 1 1 30
+
+    # An animation, and four of its frames one after the other.
+    texture film "$data/wake/wake.%04d.vdb"
+    render film.%04d.vdb film.%04d.png --size 640 400 --samples 3
+    ffmpeg -loglevel error -y -framerate 8 -i "$out/film.%04d.png" -c:v libx264 -crf 24 -preset slow -pix_fmt yuv420p \
+        "$images/wake.mp4"
+    ffmpeg -loglevel error -y -start_number 9 -i "$out/film.%04d.png" -frames:v 1 -vf "scale=480:-1,tile=2x3:padding=4" \
+        -q:v 3 "$images/strip.jpg"
+fi

@@ -5,20 +5,13 @@
 
 namespace {
 
-using Numbers = std::vector<double>;
-
-glm::dvec3 vector(const Numbers& numbers)
+/// An option of three numbers. @param target a vector, or one that is chosen automatically by default
+template<typename Vector>
+void vectorOption(CLI::App& app, const std::string& name, Vector& target, const std::string& help)
 {
-    return {numbers[0], numbers[1], numbers[2]};
-}
-
-/// An option of three numbers for a vector that is chosen automatically by default.
-void vectorOption(CLI::App& app, const std::string& name, std::optional<glm::dvec3>& target, const std::string& help)
-{
+    using Numbers = std::array<double, 3>;
     app.add_option_function<Numbers>(
-           name, [&target](const Numbers& numbers) { target = vector(numbers); }, help)
-        ->expected(3)
-        ->allow_extra_args(false)
+           name, [&target](const Numbers& n) { target = glm::dvec3(n[0], n[1], n[2]); }, help)
         ->type_name("X Y Z");
 }
 
@@ -46,6 +39,9 @@ int main(int argc, char** argv)
         ->allow_extra_args(false)
         ->type_name("W H")
         ->default_str(fmt::format("{} {}", params.size.x, params.size.y));
+    vectorOption(app, "--stretch", params.stretch,
+                 "Factors on the world's axes, such as 1 1 20 to exaggerate heights; camera and lights stand in the "
+                 "stretched space, cuts in the data's own.");
     tool.option("--scale", params.scale, "Factor on the size, for previews.");
     tool.option("--samples", params.samples, "Rays to a pixel, at places of a low-discrepancy pattern.");
 
@@ -67,7 +63,7 @@ int main(int argc, char** argv)
     app.add_option("--camera", params.motion.keys, "JSON file of key frames of the camera (docs/render.md).");
 
     tool.option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.");
-    const vdblic::cli::LookOptions look(tool);
+    const vdblic::cli::LookOptions look(tool, params);
     tool.option("--by", params.by, "Float grid that drives the transfer function.");
     app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
     std::vector<std::string> layers;
@@ -83,7 +79,7 @@ int main(int argc, char** argv)
                    "Histograms of texture and magnitude with the transfer function over them, .png or .json.");
     tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
-        look.apply(params);
+        look.apply();
         params.camera.projection = vdblic::parseProjection(projection);
         params.exr.layers = vdblic::parseImageLayers(layers);
         params.rays.layers = !params.exr.layers.empty();

@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
-"""How long a picture takes, next to VTK's ray caster: the same volume, camera, step and opacities, shaded, one thread.
+"""How long a picture takes: next to VTK's ray caster and to vdb_render, on two threads, of sparse volumes, in 1080p.
 
-    xvfb-run -a /usr/bin/python3 tests/bench/render_peers.py TOOLS      e.g. build/release/tools
+    xvfb-run -a /usr/bin/python3 tests/bench/render_peers.py TOOLS [SECTION...]      e.g. build/release/tools vtk
 
-Needs python3-vtk9 and pyopenvdb. Both are asked in turn, in CPU time, and the best of each counts. VTK gets its opacities per voxel,
-for its functions of two components know no product; its gradients and our bricks are made before the clock starts.
+Sections: vtk, vdb_render, threads, sparse, video; all by default. Needs pyopenvdb, and for the first two python3-vtk9
+with xvfb-run and vdb_render. Peers get the same volume, camera and step, 512² pixels, one thread. What is compared is
+timed in turn; figures are medians: processor time where one thread works, elapsed time where two do. Our time for a
+picture is that of a further ray for each pixel (--samples), without reading and building bricks; VTK's is without its
+gradients, vdb_render's without reading.
 """
 
 import pathlib
 import re
 import resource
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -17,15 +21,54 @@ import time
 
 import numpy
 import pyopenvdb
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
-from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume,
-                                         vtkVolumeProperty)
-from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
-from vtkmodules.util.numpy_support import numpy_to_vtk
-import vtkmodules.vtkRenderingOpenGL2
-import vtkmodules.vtkRenderingVolumeOpenGL2
 
-SIZE, ROUNDS, SAMPLES = 512, 5, 5
+SIZE, ROUNDS, SAMPLES = 512, 5, 4
+
+
+def cpu_time():
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+
+
+class Bench:
+    def __init__(self, tools, folder):
+        self.tools, self.folder = tools, folder
+
+    def run(self, tool, *arguments, clock=cpu_time):
+        """Seconds that a command takes."""
+        path = self.tools / tool
+        before = clock()
+        subprocess.run([path if path.exists() else tool, *map(str, arguments)], cwd=self.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        return clock() - before
+
+    def render(self, volume, *options, threads=1, clock=cpu_time):
+        return self.run("vdblic_render", volume, "-o", "image.exr", "--threads", threads, "-q", *options, clock=clock)
+
+    def picture(self, volume, *options, clock=cpu_time, **others):
+        """Seconds for a ray to each pixel, all else being there."""
+        time = lambda samples: self.render(volume, "--samples", samples, *options, clock=clock, **others)
+        return (time(1 + SAMPLES) - time(1)) / SAMPLES
+
+    def texture(self):
+        """The flow texture of an analytic flow, 144 x 73 x 81 voxels."""
+        if not (self.folder / "lic.0004.vdb").exists():
+            self.run("vdblic_synth", "tornado", "-o", "v.%04d.vdb", "--size", 144, 73, 81, "--frames", "1-5", "-q")
+            self.run("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--frames", "1-4", "-q")
+        return "lic.0004.vdb"
+
+    def header(self):
+        """What the last image says about itself: a function from an attribute's name to its numbers."""
+        text = subprocess.run(["exrheader", self.folder / "image.exr"], capture_output=True, text=True, check=True).stdout
+        return lambda name: [float(x) for x in re.findall(r"-?[\d.]+(?:e[+-]?\d+)?",
+                                                          re.search(name + r" \(type \w+\): (.*)", text)[1])]
+
+
+def compare(title, names, times, rounds=ROUNDS):
+    """Time functions in turn and tell the medians, and of the ratios."""
+    rounds = [[one() for one in times] for _ in range(rounds)]
+    figures = ", ".join(f"{name} {statistics.median(column):.3f} s" for name, column in zip(names, zip(*rounds)))
+    ratio = statistics.median(second / first for first, second in rounds)
+    print(f"{title}: {figures}: {ratio:.2f} times", flush=True)
 
 
 def dense(path, name):
@@ -36,18 +79,21 @@ def dense(path, name):
     return values
 
 
-def attributes(path):
-    header = subprocess.run(["exrheader", path], capture_output=True, text=True, check=True).stdout
-    return lambda name: re.search(name + r" \(type \w+\): (.*)", header)[1].strip('"()')
+def vtk_window(path, header):
+    """VTK's picture. It gets opacities per voxel, for its functions of two components know no product."""
+    from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+    from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume,
+                                             vtkVolumeProperty)
+    from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    import vtkmodules.vtkRenderingOpenGL2
+    import vtkmodules.vtkRenderingVolumeOpenGL2
 
-
-def vtk_scene(path, header):
     texture, magnitude = dense(path, "density"), dense(path, "magnitude")
-    numbers = lambda name: [float(x) for x in header(name).split()]
-    (low, high), (dark, bright) = numbers("magnitudeRange"), numbers("textureRange")
-    points = [tuple(map(float, point.split(":"))) for point in header("opacity").split(",")]
-    extinction = -numpy.log1p(-numpy.interp((magnitude - low) / (high - low), *zip(*points)))
-    rise = numpy.clip(((texture - dark) / (bright - dark) - 0.42) / 0.58, 0, 1)
+    (low, high), (dark, bright), (foot,) = header("magnitudeRange"), header("textureRange"), header("textureFoot")
+    points = numpy.array(header("opacity")).reshape(-1, 2).T
+    extinction = -numpy.log1p(-numpy.interp((magnitude - low) / (high - low), *points))
+    rise = numpy.clip(((texture - dark) / (bright - dark) - foot) / (1 - foot), 0, 1)
     opacity = -numpy.expm1(-extinction * rise * rise * (3 - 2 * rise))
     image = vtkImageData()
     image.SetDimensions(*texture.shape)
@@ -80,41 +126,89 @@ def vtk_scene(path, header):
     window.SetSize(SIZE, SIZE)
     window.AddRenderer(renderer)
     camera = renderer.GetActiveCamera()
-    camera.SetFocalPoint(numbers("target"))
-    camera.SetPosition(numbers("eye"))
+    camera.SetFocalPoint(header("target"))
+    camera.SetPosition(header("eye"))
     camera.SetViewUp(0, 0, 1)
     camera.SetViewAngle(35)
     renderer.ResetCameraClippingRange()
     return window, mapper
 
 
+SQUARE = ["--size", SIZE, SIZE, "--halo", 0]
+
+
+def bench_vtk(bench):
+    volume = bench.texture()
+    bench.render(volume, *SQUARE)
+    window, mapper = vtk_window(bench.folder / volume, bench.header())
+    distances = iter(0.05 + 1e-7 * i for i in range(100))  # a change, so that it renders again
+
+    def vtk():
+        mapper.SetSampleDistance(next(distances))
+        before = time.process_time()
+        window.Render()
+        return time.process_time() - before
+
+    vtk()
+    compare("Shaded", ["vdblic_render", "VTK"], [lambda: bench.picture(volume, *SQUARE), vtk])
+
+
+def bench_vdb_render(bench):
+    volume = bench.texture()
+    bench.render(volume, *SQUARE)
+    text = lambda name: ",".join(f"{x:.9g}" for x in bench.header()(name))
+    camera = ["-translate", text("eye"), "-lookat", text("target"), "-up", "0,0,1", "-fov", 35, "-step", 0.5]
+    for title, opacity, scatter in ("Thin medium", "0:0.01", 0.1), ("Nearly opaque medium", "0:0.95", 60):
+        theirs = lambda size: bench.run("vdb_render", volume, "image.ppm", "-name", "density", "-cpus", 1, "-res",
+                                        f"{size}x{size}", "-scatter", f"{scatter},{scatter},{scatter}", "-absorb",
+                                        "0.01,0.01,0.01", *camera)
+        compare(title, ["vdblic_render", "vdb_render"],
+                [lambda: bench.picture(volume, *SQUARE, "--opacity", opacity), lambda: theirs(SIZE) - theirs(2)], rounds=2)
+
+
+def bench_threads(bench):
+    volume = bench.texture()
+    once = lambda threads: lambda: bench.picture(volume, *SQUARE, threads=threads, clock=time.perf_counter)
+    compare("Threads", ["two", "one"], [once(2), once(1)])
+
+
+def bench_sparse(bench):
+    """512³ voxels of which cubes of 16³ here and there are active, 5 % in all, and as many in one cube."""
+    random = numpy.random.default_rng(1)
+    cubes = numpy.stack(numpy.unravel_index(random.choice(32 ** 3, 32 ** 3 // 20, replace=False), (32, 32, 32)), 1) * 16
+    side = round((len(cubes) * 16 ** 3) ** (1 / 3))
+    sparse, whole = pyopenvdb.BoolGrid(), pyopenvdb.BoolGrid()
+    for cube in cubes.tolist():
+        sparse.fill(cube, [c + 15 for c in cube], True)
+    whole.fill((0, 0, 0), (side - 1, side - 1, side - 1), True)
+    for name, grid in ("sparse", sparse), ("dense", whole):
+        pyopenvdb.write(str(bench.folder / f"{name}_mask.vdb"), grids=[grid])
+        bench.run("vdblic_noise", "--like", f"{name}_mask.vdb", "-o", f"{name}.vdb", "-q")
+    options = ["--size", 256, 256, "--halo", 0, "--texture", "noise"]
+    for title, opacity in ("Sparse, thin medium", "0:0.01"), ("Sparse, nearly opaque medium", "0:0.3"):
+        one = lambda name: lambda: bench.picture(f"{name}.vdb", *options, "--opacity", opacity)
+        compare(title, ["dense", "512³ with 5 % active"], [one("dense"), one("sparse")])
+    one = lambda name: lambda: bench.render(f"{name}.vdb", *options)
+    compare("Sparse, with reading and bricks", ["dense", "512³ with 5 % active"], [one("dense"), one("sparse")])
+
+
+def bench_video(bench):
+    """A picture of 1920 x 1080 pixels of 256³ voxels, from file to file, on two threads."""
+    bench.run("vdblic_synth", "abc", "-o", "big.%04d.vdb", "--size", 256, 256, 256, "--frames", "1-2", "-q")
+    bench.run("vdblic_advect", "big.%04d.vdb", "-o", "texture.%04d.vdb", "--frames", "1", "--preroll", 2, "-q")
+    for look in "flow", "ink", "smoke", "xray":
+        times = [bench.render("texture.0001.vdb", "--size", 1920, 1080, "--look", look, threads=2,
+                              clock=time.perf_counter) for _ in range(ROUNDS)]
+        print(f"1080p of 256³, {look}: {statistics.median(times):.2f} s", flush=True)
+
+
 def main():
-    tools = pathlib.Path(sys.argv[1]).resolve()
-    with tempfile.TemporaryDirectory(prefix="vdblic-") as name:
-        folder = pathlib.Path(name)
-
-        def run(tool, *arguments):
-            before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-            subprocess.run([tools / tool, *map(str, arguments), "-q"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-            return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-
-        def render(*arguments):
-            return run("vdblic_render", "lic.0004.vdb", "-o", "image.exr", "--size", SIZE, SIZE, "--threads", 1, "--halo", 0,
-                       *arguments)
-
-        run("vdblic_synth", "tornado", "-o", "v.%04d.vdb", "--size", 144, 73, 81, "--frames", "1-5")
-        run("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--frames", "1-4")
-        render()
-        window, mapper = vtk_scene(folder / "lic.0004.vdb", attributes(folder / "image.exr"))
-        ours, theirs = [], []
-        for i in range(ROUNDS):
-            mapper.SetSampleDistance(0.05 + 1e-7 * i)  # a change, so that it renders again
-            before = time.process_time()
-            window.Render()
-            if i > 0:
-                theirs.append(time.process_time() - before)
-            ours.append((render("--samples", 1 + SAMPLES) - render()) / SAMPLES)
-        print(f"vdblic_render {min(ours):.3f} s, VTK {min(theirs):.3f} s: {min(theirs) / min(ours):.1f} times")
+    sections = {"vtk": bench_vtk, "vdb_render": bench_vdb_render, "threads": bench_threads, "sparse": bench_sparse,
+                "video": bench_video}
+    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+        bench = Bench(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(folder))
+        for section in sys.argv[2:] or sections:
+            sections[section](bench)
 
 
 if __name__ == "__main__":

@@ -122,10 +122,11 @@ class Render(ToolTest):
         lonely.transform = vdb.createLinearTransform(matrix)
         lonely.fill((-4, 6, 9), (-4, 6, 9), 0.5)
         vdb.write(str(self.folder / "voxel.vdb"), grids=[lonely])
-        centre = numpy.array(lonely.transform.indexToWorld((-4, 6, 9)))
-        for projection in ("perspective", "--fov", 3), ("orthographic", "--view-height", 5):
+        for stretch, *projection in ((1, 1, 1), "perspective", "--fov", 3), ((1, 1, 1), "orthographic", "--view-height", 5), \
+                ((1, 0.5, 2), "perspective", "--fov", 3):
+            centre = numpy.array(lonely.transform.indexToWorld((-4, 6, 9))) * stretch
             self.renders("voxel.vdb", "-o", "voxel.exr", "--size", 120, 100, "--precision", "float", "--modulate", 0,
-                         "--opacity", "0:0.05", "--projection", *projection,
+                         "--opacity", "0:0.05", "--stretch", *stretch, "--projection", *projection,
                          "--target", *(centre + (0.5, 0.2, -0.4)), "--eye", *(centre + (40, -60, 30)))
             depth = -numpy.log1p(-self.pixels("voxel.exr", "A"))
             y, x = numpy.mgrid[0:100, 0:120] + 0.5
@@ -150,8 +151,9 @@ class Render(ToolTest):
 
     def test_options_of_numbers_leave_the_input_alone(self):
         for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],
-                        ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1]):
-            self.renders("-o", "a.png", "--size", 20, 20, *options, "lic.0003.vdb")
+                        ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1], ["--stretch", 1, 2, 1],
+                        ["--eye", 9, 9, 9], ["--opacity", "0:1"], ["--size", 20, 20]):
+            self.renders("-o", "a.png", "--scale", 0.1, *options, "lic.0003.vdb")
 
     def test_region(self):
         region = vdb.BoolGrid()
@@ -284,6 +286,7 @@ class Render(ToolTest):
                     ["--clip-box", 1, 1, 1, 0, 0, 0], ["--clip-plane", 0, 0, 1], ["--threads", 0], ["--frames", "1-3"], ["--unknown"],
                     ["--projection", "fisheye"], ["--view-height", 2], ["--orbit", "nan"], ["--orbit", 1],
                     ["--orbit-frames", 10], ["--scale", 0], ["--scale", "nan"], ["--scale", 1e308], ["--samples", 0],
+                    ["--stretch", 1, 1, 0], ["--stretch", 1, 1, "nan"], ["--stretch", 1, 1], ["--stretch", "", "", ""],
                     ["--orbit", ""], ["--view-height", ""], ["--modulate", ""], ["--eye", "", "", ""], ["--orbit", 1, "--orbit-frames", 0], ["--eye", 1e308, 0, 0],
                     ["--compression", "lzw"], ["--precision", "double"], ["--aov", "albedo"], ["--aov", ""],
                     ["--projection", "orthographic", "--view-height", 0], ["--orbit", 1e308, "--orbit-frames", 2]):
@@ -293,6 +296,14 @@ class Render(ToolTest):
         self.refuses(2, "lic.0003.vdb", "-o", "a.jpg")
         self.refuses(2, "lic.%04d.vdb", "-o", "a.png")
         self.refuses(2, "-", "-o", "a.%04d.png", "--orbit", 1)
+
+    def test_a_picture_that_memory_does_not_hold(self):
+        good = ("lic.0003.vdb", "-o", "a.png")
+        for size in (["--size", 200000, 200000], ["--size", 8, 8, "--scale", 30000], ["--size", 1, 10**9]):
+            self.assertIn("pixels a side", self.refuses(2, *good, *size))
+        for size in (["--size", 8000, 8000], ["--scale", 8]):
+            self.assertIn("--scale", self.refuses(3, *good, *size, "--max-memory", "500M"))
+        self.renders(*good, "--size", 80, 80, "--max-memory", "500M")
 
     def test_bad_input(self):
         self.assertIn("nothing.vdb", self.refuses(3, "nothing.vdb", "-o", "a.png"))

@@ -1,5 +1,6 @@
 #include "cli/look_options.h"
 
+#include "vdblic/render/look_preset.h"
 #include "vdblic/render/transfer_file.h"
 
 #include <fmt/ranges.h>
@@ -8,96 +9,95 @@ namespace vdblic::cli {
 namespace {
 
 template<std::size_t N>
-glm::dvec3 vector(const std::array<double, N>& numbers, std::size_t first = 0)
+using Numbers = std::array<double, N>;
+
+template<std::size_t N>
+glm::dvec3 vector(const Numbers<N>& numbers, std::size_t first = 0)
 {
     return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
 
 } // namespace
 
-LookOptions::LookOptions(Tool& tool)
+LookOptions::LookOptions(Tool& tool, RenderParams& params) : mApp(tool.app()), mParams(params)
 {
-    CLI::App& app = tool.app();
+    LookParams& look = params.look;
+    TransferParams& transfer = look.transfer;
+    Shading& shading = look.shading;
+    ClipParams& clip = params.rays.clip;
+
     tool.option("--look", mLook,
                 fmt::format("Look that all of the following start from: {}.", fmt::join(lookPresetNames(), ", ")));
-    app.add_option("--transfer", mTransfer, "JSON file of a transfer function (docs/render.md).");
-    app.add_option("--colormap", mColorMap, fmt::format("Colours of magnitude: {}.", fmt::join(colorMapNames(), ", ")));
-    app.add_option("--opacity", mOpacity,
-                   "Opacity of one voxel over the range of magnitudes, e.g. 0:0,0.4:0.05,1:0.8. By default it rises "
-                   "with magnitude, scaled so that one sees into the volume.")
+    option<std::string>("--transfer", "JSON file of a transfer function (docs/render.md).",
+                        [&](const auto& file) { readTransferFile(file, transfer); });
+    option<std::string>("--colormap", fmt::format("Colours of magnitude: {}.", fmt::join(colorMapNames(), ", ")),
+                        [&](const auto& name) {
+                            transfer.colorMap = name;
+                            transfer.colors.clear();
+                        });
+    option<std::string>("--opacity",
+                        "Opacity of one voxel over the range of magnitudes, e.g. 0:0,0.4:0.05,1:0.8. By default it "
+                        "rises with magnitude, scaled so that one sees into the volume.",
+                        [&](const auto& text) { transfer.opacity = parseOpacity(text); })
         ->type_name("POSITION:OPACITY,...");
-    app.add_option("--range", mRange,
-                   "Magnitudes at positions 0 and 1 [world/s]; percentiles of the frames by default.")
+    option<Numbers<2>>("--range", "Magnitudes at positions 0 and 1 [world/s]; percentiles of the frames by default.",
+                       [&](const auto& range) { transfer.range = range; })
         ->type_name("LO HI");
-    app.add_option("--modulate", mModulate, "How strongly the texture shows in opacity, 0 to 1.");
-    app.add_option("--limb-darkening", mLimb,
-                   "How strongly the texture shows in colour: dark rims of streaks, 0 to 1.");
+    number("--modulate", look.textureStrength, "How strongly the texture shows in opacity, 0 to 1.");
+    number("--limb-darkening", look.limbDarkening,
+           "How strongly the texture shows in colour: dark rims of streaks, 0 to 1.");
 
-    app.add_option("--shading", mShading,
-                   "phong: by the texture's gradient; lines: as thin lines, by the direction the texture changes least "
-                   "in; none.");
-    app.add_option("--ambient", mAmbient, "Ambient reflection.");
-    app.add_option("--diffuse", mDiffuse, "Diffuse reflection.");
-    app.add_option("--specular", mSpecular, "Specular reflection.");
-    app.add_option("--shininess", mShininess, "Exponent of highlights.");
-    app.add_option("--head-light", mHeadLight, "Intensity of the light at the eye.");
-    app.add_option("--light", mLights,
-                   "Direction towards a far-away light [world], in place of the look's; may be repeated.")
+    option<std::string>("--shading",
+                        "phong: by the texture's gradient; lines: as thin lines, by the direction the texture changes "
+                        "least in; none.",
+                        [&](const auto& name) { shading.model = shadingModel(name); });
+    number("--ambient", shading.ambient, "Ambient reflection.");
+    number("--diffuse", shading.diffuse, "Diffuse reflection.");
+    number("--specular", shading.specular, "Specular reflection.");
+    number("--shininess", shading.shininess, "Exponent of highlights.");
+    number("--head-light", shading.headLight, "Intensity of the light at the eye.");
+    option<std::vector<Numbers<3>>>(
+        "--light", "Direction towards a far-away light [world], in place of the look's; may be repeated.",
+        [&](const auto& lights) {
+            shading.lights.clear();
+            for (const auto& light : lights)
+                shading.lights.push_back({vector(light)});
+        })
         ->allow_extra_args(false)
         ->type_name("X Y Z");
-    app.add_option("--halo", mHalo, "Strength of the gaps that streaks cut into what is behind them; 0: none.");
-    app.add_option("--depth-cue", mDepthCue, "How far the most distant samples fade into the background, 0 to 1.");
+    number("--halo", look.halo, "Strength of the gaps that streaks cut into what is behind them; 0: none.");
+    number("--depth-cue", look.depthCue, "How far the most distant samples fade into the background, 0 to 1.");
 
-    app.add_option("--clip-plane", mClipPlanes,
-                   "Plane through a point, cutting away what its normal points away from [world]; may be repeated.")
+    option<std::vector<Numbers<6>>>(
+        "--clip-plane",
+        "Plane through a point, cutting away what its normal points away from [world]; may be repeated.",
+        [&](const auto& planes) {
+            for (const auto& plane : planes)
+                clip.planes.push_back({vector(plane), vector(plane, 3)});
+        })
         ->allow_extra_args(false)
         ->type_name("X Y Z NX NY NZ");
-    app.add_option("--clip-box", mClipBox, "Low and high corner of a box, cutting away what is outside [world].")
+    option<Numbers<6>>("--clip-box", "Low and high corner of a box, cutting away what is outside [world].",
+                       [&](const auto& box) {
+                           clip.box = {vector(box), vector(box, 3)};
+                       })
         ->type_name("X Y Z X Y Z");
-    app.add_option("--background", mBackground, "Background as displayed, 0 to 1; the look's by default.")
+    option<Numbers<3>>("--background", "Background as displayed, 0 to 1; the look's by default.",
+                       [&](const auto& color) {
+                           mParams.background = {vector(color), 1};
+                       })
         ->type_name("R G B");
-    app.add_option("--background-alpha", mBackgroundAlpha,
-                   "How opaque the background is in .exr, 0 to 1; by default 1 if --background is given, else 0.");
+    number("--background-alpha", params.background.alpha,
+           "How opaque the background is in .exr, 0 to 1; by default 1 if --background is given, else 0.");
 }
 
-void LookOptions::apply(RenderParams& params) const
+void LookOptions::apply() const
 {
     const LookPreset preset = lookPreset(mLook);
-    params.look = preset.look;
-    params.background = {preset.background, 0};
-    if (mBackground) params.background = {vector(*mBackground), 1};
-    if (mBackgroundAlpha) params.background.alpha = *mBackgroundAlpha;
-    ClipParams& clip = params.rays.clip;
-    for (const auto& plane : mClipPlanes)
-        clip.planes.push_back({vector(plane), vector(plane, 3)});
-    if (mClipBox) clip.box = {vector(*mClipBox), vector(*mClipBox, 3)};
-
-    TransferParams& transfer = params.look.transfer;
-    if (mTransfer) readTransferFile(*mTransfer, transfer);
-    if (mColorMap) {
-        transfer.colorMap = *mColorMap;
-        transfer.colors.clear();
-    }
-    if (mOpacity) transfer.opacity = parseOpacity(*mOpacity);
-    if (mRange) transfer.range = mRange;
-
-    const auto set = [](const auto& given, auto& target) {
-        if (given) target = *given;
-    };
-    set(mModulate, params.look.textureStrength);
-    set(mLimb, params.look.limbDarkening);
-    set(mHalo, params.look.halo);
-    set(mDepthCue, params.look.depthCue);
-    Shading& shading = params.look.shading;
-    if (mShading) shading.model = shadingModel(*mShading);
-    set(mAmbient, shading.ambient);
-    set(mDiffuse, shading.diffuse);
-    set(mSpecular, shading.specular);
-    set(mShininess, shading.shininess);
-    set(mHeadLight, shading.headLight);
-    if (!mLights.empty()) shading.lights.clear();
-    for (const auto& light : mLights)
-        shading.lights.push_back({vector(light)});
+    mParams.look = preset.look;
+    mParams.background = {preset.background, 0};
+    for (const auto& change : mChanges)
+        change();
 }
 
 } // namespace vdblic::cli

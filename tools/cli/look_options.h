@@ -1,35 +1,43 @@
 #pragma once
 
 #include "cli/tool.h"
-#include "vdblic/render/look_preset.h"
 #include "vdblic/render/render_sequence.h"
 
-#include <optional>
+#include <functional>
 
 namespace vdblic::cli {
 
 /// The options of how a picture looks and what is cut away, on top of a look with a name.
 ///
-/// Add them before parsing; they must outlive it.
+/// Add them before parsing; they and the parameters must outlive it.
 class LookOptions {
   public:
-    explicit LookOptions(Tool& tool);
+    LookOptions(Tool& tool, RenderParams& params);
 
     /// Set look, cuts and background as they were asked for.
     /// @throws ParameterError, InputError naming a transfer function's file
-    void apply(RenderParams& params) const;
+    void apply() const;
 
   private:
+    /// An option whose value is used once the look is set.
+    template<typename Value>
+    CLI::Option* option(const std::string& name, const std::string& help, std::function<void(const Value&)> change)
+    {
+        const auto keep = [this, change](const Value& value) {
+            mChanges.push_back([change, value] { change(value); });
+        };
+        return mApp.add_option_function<Value>(name, keep, help);
+    }
+    template<typename Number>
+    void number(const std::string& name, Number& target, const std::string& help)
+    {
+        option<Number>(name, help, [&target](Number value) { target = value; });
+    }
+
+    CLI::App& mApp;
+    RenderParams& mParams;
     std::string mLook = "flow";
-    std::optional<std::string> mTransfer, mColorMap, mOpacity, mShading;
-    std::optional<std::array<double, 2>> mRange;
-    std::optional<double> mModulate, mLimb, mHalo, mDepthCue;
-    std::optional<float> mAmbient, mDiffuse, mSpecular, mShininess, mHeadLight;
-    std::vector<std::array<double, 3>> mLights;
-    std::vector<std::array<double, 6>> mClipPlanes;
-    std::optional<std::array<double, 6>> mClipBox;
-    std::optional<std::array<double, 3>> mBackground;
-    std::optional<double> mBackgroundAlpha;
+    std::vector<std::function<void()>> mChanges; // in the order in which the options were added
 };
 
 } // namespace vdblic::cli

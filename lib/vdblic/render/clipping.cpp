@@ -46,24 +46,18 @@ std::vector<ClipPlane> ClipParams::allPlanes() const
     return all;
 }
 
-void RayInterval::clip(const glm::dvec3& origin, const glm::dvec3& direction, const ClipPlane& plane,
-                       const glm::dvec3& outward)
+ClipParams ClipParams::stretched(const glm::dvec3& factors) const
 {
-    const double above = glm::dot(origin - plane.point, plane.normal);
-    const double slope = glm::dot(direction, plane.normal);
-    if (slope == 0) {
-        if (above < 0) leave = -1;
-        return;
+    ClipParams result = *this;
+    for (auto& [point, normal] : result.planes) {
+        point *= factors;
+        normal /= factors;
     }
-    const double crossing = -above / slope;
-    if (slope > 0) {
-        if (crossing > enter) {
-            enter = crossing;
-            entryNormal = outward;
-        }
-    } else {
-        leave = std::min(leave, crossing);
+    if (result.box) {
+        for (glm::dvec3& corner : *result.box)
+            corner *= factors;
     }
+    return result;
 }
 
 } // namespace vdblic

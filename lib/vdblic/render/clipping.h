@@ -1,7 +1,9 @@
 #pragma once
 
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -23,6 +25,8 @@ struct ClipParams {
     void validate() const;
     /// The planes and the sides of the box.
     [[nodiscard]] std::vector<ClipPlane> allPlanes() const;
+    /// The same cuts in a space whose axes are longer by some factors, all above 0.
+    [[nodiscard]] ClipParams stretched(const glm::dvec3& factors) const;
 };
 
 /// The part of a ray that is left, and the face it comes in through.
@@ -36,5 +40,25 @@ struct RayInterval {
     /// `outward` is what the entry normal becomes if the ray comes in here.
     void clip(const glm::dvec3& origin, const glm::dvec3& direction, const ClipPlane& plane, const glm::dvec3& outward);
 };
+
+inline void RayInterval::clip(const glm::dvec3& origin, const glm::dvec3& direction, const ClipPlane& plane,
+                              const glm::dvec3& outward)
+{
+    const double above = glm::dot(origin - plane.point, plane.normal);
+    const double slope = glm::dot(direction, plane.normal);
+    if (slope == 0) {
+        if (above < 0) leave = -1;
+        return;
+    }
+    const double crossing = -above / slope;
+    if (slope > 0) {
+        if (crossing > enter) {
+            enter = crossing;
+            entryNormal = outward;
+        }
+    } else {
+        leave = std::min(leave, crossing);
+    }
+}
 
 } // namespace vdblic

@@ -1,5 +1,7 @@
 #include "vdblic/render/frames_in_flight.h"
 
+#include "vdblic/core/memory.h"
+
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -8,16 +10,17 @@
 namespace vdblic {
 namespace {
 
-/// What the system could give without swapping, in bytes; infinite if it does not say.
+/// What the system could give without swapping and this process may take, in bytes.
 double availableMemory()
 {
+    const auto limit = double(memoryLimit());
     std::ifstream file("/proc/meminfo");
     std::string word;
     while (file >> word) {
         double kilobytes = 0;
-        if (word == "MemAvailable:" && file >> kilobytes) return kilobytes * 1024;
+        if (word == "MemAvailable:" && file >> kilobytes) return std::min(kilobytes * 1024, limit);
     }
-    return std::numeric_limits<double>::infinity();
+    return limit;
 }
 
 } // namespace

@@ -1,6 +1,99 @@
 #include "vdblic/render/image_attributes.h"
 
+#include <fmt/ranges.h>
+
 namespace vdblic {
+namespace {
+
+using Attributes = std::vector<std::pair<std::string, ImageAttribute>>;
+
+// Each of these takes a struct apart by all its members: one more does not compile until it has its place here.
+
+std::string text(const glm::dvec3& v)
+{
+    return fmt::format("{} {} {}", v.x, v.y, v.z);
+}
+
+template<typename Items, typename Text>
+std::string listText(const Items& items, const Text& itemText)
+{
+    std::vector<std::string> parts;
+    for (const auto& item : items)
+        parts.push_back(itemText(item));
+    return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void add(Attributes& attributes, const Camera& camera)
+{
+    attributes.insert(attributes.end(), {{"projection", std::string(toString(camera.projection()))},
+                                         {"eye", glm::vec3(camera.eye())},
+                                         {"target", glm::vec3(camera.target())},
+                                         {"up", glm::vec3(camera.up())}});
+    if (camera.projection() == Projection::kPerspective) {
+        attributes.emplace_back("fieldOfView", float(camera.fieldOfView()));
+    } else {
+        attributes.emplace_back("viewHeight", float(2 * camera.halfExtent().y));
+    }
+}
+
+void add(Attributes& attributes, const CameraMotion& motion)
+{
+    const auto& [orbit, orbitFrames, keys] = motion;
+    attributes.emplace_back("orbit", float(orbit));
+    if (orbitFrames) attributes.emplace_back("orbitFrames", int(*orbitFrames));
+    if (!keys.empty()) attributes.emplace_back("cameraKeys", keys.filename().string());
+}
+
+void add(Attributes& attributes, const TransferFunction& transfer)
+{
+    const auto& [colorMap, colors, opacity, range] = transfer.params();
+    const auto colorText = [](const ColorPoint& point) {
+        return fmt::format("{}:{}", point.position, text(point.color));
+    };
+    attributes.emplace_back("colorMap", colors.empty() ? colorMap : listText(colors, colorText));
+    attributes.emplace_back("opacity", opacityText(opacity));
+    attributes.emplace_back("magnitudeRange", glm::vec2((*range)[0], (*range)[1]));
+}
+
+void add(Attributes& attributes, const TextureModulation& texture)
+{
+    const auto& [low, high, strength, limbDarkening, foot] = texture;
+    attributes.insert(attributes.end(), {{"textureRange", glm::vec2(low, high)},
+                                         {"textureStrength", strength},
+                                         {"limbDarkening", limbDarkening},
+                                         {"textureFoot", foot}});
+}
+
+void add(Attributes& attributes, const Shading& shading)
+{
+    const auto& [model, ambient, diffuse, specular, shininess, headLight, lights, leastGradient] = shading;
+    const auto lightText = [](const DirectionalLight& light) {
+        return fmt::format("{} {}", text(light.direction), light.intensity);
+    };
+    attributes.insert(attributes.end(), {{"shading", std::string(shadingModelName(model))},
+                                         {"ambient", ambient},
+                                         {"diffuse", diffuse},
+                                         {"specular", specular},
+                                         {"shininess", shininess},
+                                         {"headLight", headLight},
+                                         {"lights", listText(lights, lightText)},
+                                         {"leastGradient", leastGradient}});
+}
+
+void add(Attributes& attributes, const RayCastParams& rays)
+{
+    const auto& [step, leastTransmittance, clip, layers] = rays;
+    const auto& [planes, box] = clip;
+    const auto planeText = [](const ClipPlane& plane) {
+        return fmt::format("{} {}", text(plane.point), text(plane.normal));
+    };
+    attributes.emplace_back("step", float(step));
+    attributes.emplace_back("leastTransmittance", float(leastTransmittance));
+    attributes.emplace_back("clipPlanes", listText(planes, planeText));
+    attributes.emplace_back("clipBox", box ? fmt::format("{} {}", text((*box)[0]), text((*box)[1])) : std::string());
+}
+
+} // namespace
 
 ImageHeader imageHeader(const RenderParams& params, const Look& look, const Camera& camera, const FrameFile& file)
 {
@@ -8,39 +101,29 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToCamera = camera.worldToCamera();
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
-    header.attributes = {
-        {"frame", int(file.frame)},
-        {"source", file.path.filename().string()},
-        {"textureGrid", params.texture},
-        {"projection", std::string(toString(camera.projection()))},
-        {"eye", glm::vec3(camera.eye())},
-        {"target", glm::vec3(camera.target())},
-        {"up", glm::vec3(camera.up())},
-        {"samples", params.samples},
-        {"step", float(params.rays.step)},
-        {"leastTransmittance", float(params.rays.leastTransmittance)},
-        {"colorMap", look.transfer.colorMapName()},
-        {"opacity", opacityText(look.transfer.opacity())},
-        {"magnitudeRange", glm::vec2(look.transfer.range()[0], look.transfer.range()[1])},
-        {"textureRange", glm::vec2(look.texture.low, look.texture.high)},
-        {"textureStrength", look.texture.strength},
-        {"ambient", look.shading.ambient},
-        {"diffuse", look.shading.diffuse},
-        {"specular", look.shading.specular},
-        {"shininess", look.shading.shininess},
-        {"leastGradient", look.shading.leastGradient},
-        {"backgroundColor", glm::vec3(params.background.color)},
-        {"backgroundAlpha", float(params.background.alpha)},
-    };
-    if (camera.projection() == Projection::kPerspective) {
-        header.attributes.emplace_back("fieldOfView", float(camera.fieldOfView()));
-    } else {
-        header.attributes.emplace_back("viewHeight", float(2 * camera.halfExtent().y));
-    }
-    if (params.motion.orbit != 0) header.attributes.emplace_back("orbit", float(params.motion.orbit));
-    if (!params.motion.keys.empty()) {
-        header.attributes.emplace_back("cameraKeys", params.motion.keys.filename().string());
-    }
+    const auto& [input, skipExisting, output, histogram, texture, by, region, stretch, size, scale, samples,
+                 cameraParams, motion, lookParams, rays, background, exr] = params;
+    const auto& [transfer, modulation, shading, halo, depthCue, fading] = look;
+    Attributes& attributes = header.attributes;
+    attributes = {{"frame", int(file.frame)},
+                  {"source", file.path.filename().string()},
+                  {"textureGrid", texture},
+                  {"by", by},
+                  {"region", region},
+                  {"stretch", glm::vec3(stretch)},
+                  {"scale", float(scale)},
+                  {"samples", samples},
+                  {"halo", halo.strength},
+                  {"depthCue", depthCue},
+                  {"opticalDepth", float(lookParams.opticalDepth)},
+                  {"backgroundColor", glm::vec3(background.color)},
+                  {"backgroundAlpha", float(background.alpha)}};
+    add(attributes, camera);
+    add(attributes, motion);
+    add(attributes, transfer);
+    add(attributes, modulation);
+    add(attributes, shading);
+    add(attributes, rays);
     return header;
 }
 

@@ -4,7 +4,8 @@
 
 namespace vdblic {
 
-/// What the header of a frame's image says: all that made it.
+/// What the header of a frame's image says: all that made it, in the spelling of the
+/// command line where one attribute holds several numbers.
 [[nodiscard]] ImageHeader imageHeader(const RenderParams& params, const Look& look, const Camera& camera,
                                       const FrameFile& file);
 

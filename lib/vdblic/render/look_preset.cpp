@@ -33,8 +33,8 @@ LookPreset lookPreset(std::string_view name)
     } else if (name == "smoke") {
         look.transfer.colorMap = "gray";
         look.transfer.colors = {{0, {0.55, 0.58, 0.62}}, {1, {0.97, 0.96, 0.94}}};
-        look.textureStrength = 0.9;
-        look.limbDarkening = 0.8;
+        look.textureStrength = 0.97;
+        look.limbDarkening = 0.9;
         look.opticalDepth = 2;
         look.shading.ambient = 0.25f;
         look.shading.diffuse = 0.55f;

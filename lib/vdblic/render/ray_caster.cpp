@@ -20,14 +20,20 @@ int everySecondBit(int i)
     return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8);
 }
 
+/// The part of a ray's alpha whose colour was found.
+float shaded(const RaySum& sum)
+{
+    return sum.alpha - sum.halo - sum.waiting;
+}
+
 PixelLayers layersOf(const RaySum& sum, const RayTask& task)
 {
     PixelLayers layers;
     layers.samples = float(sum.samples);
     if (!(sum.alpha > 0)) return layers;
     const float haloDepth = task.shading[kEntryDepth] * sum.halo + task.shading[kDepthPerStep] * sum.haloPlace;
-    layers.depth = (sum.numbers[0] + haloDepth) / sum.alpha;
-    const float weight = sum.alpha - sum.halo; // a halo has a place, but nothing else
+    layers.depth = (sum.numbers[0] + haloDepth) / (shaded(sum) + sum.halo);
+    const float weight = shaded(sum); // a halo has a place, but nothing else
     if (!(weight > 0)) return layers;
     layers.magnitude = sum.numbers[1] / weight;
     layers.texture = sum.numbers[2] / weight;
@@ -66,13 +72,13 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std:
     if (box.empty()) return;
     mFirst = box.min().offsetBy(-8);
     for (int axis = 0; axis < 3; ++axis)
-        mDim[axis] = unsigned((box.max()[axis] - mFirst[axis]) >> kBlockShift) + 1;
-    mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2], -1);
+        mDim[axis] = int((box.max()[axis] - mFirst[axis]) >> kBlockShift) + 1;
+    mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2] + 1, -1);
     for (std::size_t leaf = 0; leaf < visible.size(); ++leaf) {
         if (!visible[leaf]) continue;
         const openvdb::Coord c = domain.origin(leaf) - mFirst;
         int& block = mBlocks[(std::size_t(c[0] >> kBlockShift) * mDim[1] + std::size_t(c[1] >> kBlockShift)) * mDim[2] +
-                             std::size_t(c[2] >> kBlockShift)];
+                             std::size_t(c[2] >> kBlockShift) + 1];
         if (block < 0) {
             block = int(mLeaves.size() / kBlockLeaves);
             mLeaves.resize(mLeaves.size() + kBlockLeaves, kNoLeaf);
@@ -88,22 +94,24 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const Look& look)
 {
 }
 
-float sampleShift(int x, int y)
+float sampleShift(int x, int y, int ray)
 {
-    // The inverse powers of the plastic number as fractions of 2³².
-    const std::uint32_t place = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
+    // The inverse powers of the plastic number, and the radical inverse, as fractions of 2³².
+    std::uint32_t place = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
+    for (int bit = 31; ray != 0; ray >>= 1, --bit)
+        place += std::uint32_t(ray & 1) << bit;
     return float(int(place >> 8)) * 0x1p-24f;
 }
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-               const VisibleLeaves& visible)
+               const VisibleLeaves& visible, int ray)
 {
     params.validate();
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());
     const SampleShader shader(volume, look, camera, params);
-    const RaySetup setup(volume, visible, camera, params, shader);
+    const RaySetup setup(volume, visible, camera, params, shader, ray);
     const RayKernel kernel(volume, look, params, visible, shader);
     const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
     tbb::parallel_for(0, tilesX * tilesY, [&](int tile) {
@@ -122,7 +130,9 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
         kernel.trace(tasks.data(), int(tasks.size()), sums.data());
         for (std::size_t i = 0; i < tasks.size(); ++i) {
             const RaySum& sum = sums[i];
-            const glm::vec3 color(sum.color[0], sum.color[1], sum.color[2]);
+            // What was not shaded takes on the colour of what was.
+            const float part = shaded(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;
+            const glm::vec3 color = glm::vec3(sum.color[0], sum.color[1], sum.color[2]) * whole;
             const auto pixel = std::size_t(tasks[i].pixel);
             image.pixels[pixel] = glm::vec4(color + look.background * sum.halo, sum.alpha);
             if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);

@@ -19,11 +19,13 @@ class RayKernel {
     struct Lanes;
     struct Sample;
 
-    bool findSegment(const RayTask* tasks, Lanes& lanes, int lane) const;
-    void refill(const RayTask* tasks, Lanes& lanes, int lane, int& next, int count) const;
+    unsigned findSegments(Lanes& lanes, unsigned which) const;
+    void load(const RayTask& ray, int task, Lanes& lanes, int lane) const;
+    void park(Lanes& lanes, int lane) const;
+    void advance(const RayTask* tasks, int count, int& next, unsigned ended, Lanes& lanes, RaySum* sums) const;
     void sample(const Lanes& lanes, Sample& result) const;
-    Float8 haloShare(const RayTask* tasks, const Lanes& lanes, const Sample& sample, Float8 stretched) const;
-    void absorb(const RayTask* tasks, Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
+    Float8 haloShare(const Lanes& lanes, const Sample& sample, Float8 stretched) const;
+    void absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
 
     const TextureVolume& mVolume;
     const Look& mLook;

@@ -9,7 +9,7 @@ namespace vdblic {
 class RaySetup {
   public:
     RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
-             const RayCastParams& params, const SampleShader& shader);
+             const RayCastParams& params, const SampleShader& shader, int ray);
 
     /// The ray through a pixel's centre; without samples if it misses.
     [[nodiscard]] RayTask ray(int x, int y) const;
@@ -23,6 +23,7 @@ class RaySetup {
     const Camera& mCamera;
     const SampleShader& mShader;
     double mStep;
+    int mRay;                 // of a pixel's
     glm::dmat4 mToIndex;      // from world space to places as VisibleLeaves count them
     std::vector<Face> mFaces; // of the volume's bounds and of the cuts, in world space
 };

@@ -43,13 +43,29 @@ VDBLIC_INLINE GradientPair sampleGradients(const GradientRecord* a, const Gradie
             along(mix(mix(odd(c00), odd(c01), y), mix(odd(c10), odd(c11), y), x))};
 }
 
-VDBLIC_INLINE Float4 sampleGradient(const GradientRecord* corner, float x, float y, float z)
+/// The gradients of eight samples. @param record numbers of the records at the cells' lowest corners
+VDBLIC_INLINE void sampleGradients(const GradientRecord* gradients, const unsigned* record, const float* x,
+                                   const float* y, const float* z, Float8* result)
 {
-    const GradientPair pair = sampleGradients(corner, corner, broadcast8(x), broadcast8(y), broadcast8(z));
-    return Float4{pair.xz[0], pair.y[0], pair.xz[1], 0};
+    GradientPair pairs[4];
+    for (int a = 0; a < 4; ++a) {
+        const int b = a + 4;
+        const auto both = [&](const float* values) {
+            const Float4 low = broadcast4(values[a]), high = broadcast4(values[b]);
+            return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+        };
+        pairs[a] = sampleGradients(gradients + record[a], gradients + record[b], both(x), both(y), both(z));
+    }
+    const auto interleave = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 0, 8, 1, 9, 4, 12, 5, 13); };
+    const auto front = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 0, 1, 8, 9, 4, 5, 12, 13); };
+    const auto back = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 2, 3, 10, 11, 6, 7, 14, 15); };
+    const Float8 xz[] = {interleave(pairs[0].xz, pairs[1].xz), interleave(pairs[2].xz, pairs[3].xz)};
+    result[0] = front(xz[0], xz[1]);
+    result[1] = front(interleave(pairs[0].y, pairs[1].y), interleave(pairs[2].y, pairs[3].y));
+    result[2] = back(xz[0], xz[1]);
 }
 
-/// The same of line directions.
+/// Trilinear interpolation of line directions.
 VDBLIC_INLINE Float8 sampleLine(const LineRecord* corner, float x, float y, float z)
 {
     constexpr int kY = kBrickDim, kX = kBrickDim * kBrickDim;

@@ -1,6 +1,7 @@
 #include "vdblic/render/render_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
@@ -18,6 +19,7 @@ namespace vdblic {
 namespace {
 
 constexpr int kMostPixels = 32768; // a side
+constexpr double kMostStretch = 1e6;
 
 /// A frame's turn, or an error in place of it.
 struct FrameTask {
@@ -41,8 +43,9 @@ struct RenderedFrame {
 class SequenceRenderer {
   public:
     SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
-        : mParams(params), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
+        : mParams(params), mRays(params.rays), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
     {
+        mRays.clip = params.rays.clip.stretched(params.stretch);
         if (params.output.empty()) return;
         mOutput.emplace(params.output);
         if (mTotal > 0) checkOutputPattern(*mOutput, mTotal);
@@ -147,7 +150,7 @@ class SequenceRenderer {
         ImageHeader header;
         if (task.scene) {
             const Camera camera = task.scene->cameras.at(task.file.frame);
-            image = castSamples(frame->volume, task.scene->look, camera, mParams.rays, mParams.samples);
+            image = castSamples(frame->volume, task.scene->look, camera, mRays, mParams.samples);
             header = imageHeader(mParams, task.scene->look, camera, task.file);
         } else if (mParams.rays.layers) {
             image.layers.resize(image.pixels.size());
@@ -193,6 +196,7 @@ class SequenceRenderer {
     }
 
     const RenderParams& mParams;
+    RayCastParams mRays;
     Reporter& mReporter;
     std::size_t mTotal = 0, mTaken = 0, mDone = 0;
     FrameSource mSource;
@@ -225,6 +229,12 @@ void RenderParams::validate() const
     if (motion.orbit != 0 && !motion.orbitFrames && (input.pattern == "-" || !FramePattern(input.pattern).hasField())) {
         throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
     }
+    for (const double factor : {stretch.x, stretch.y, stretch.z}) {
+        if (!(factor >= 1 / kMostStretch && factor <= kMostStretch)) {
+            throw ParameterError(
+                fmt::format("stretch {} must be between {} and {}", factor, 1 / kMostStretch, kMostStretch));
+        }
+    }
     if (!(scale > 0 && scale <= kMostPixels)) {
         throw ParameterError(fmt::format("scale {} must be above 0 and at most {}", scale, kMostPixels));
     }
@@ -244,9 +254,21 @@ glm::ivec2 RenderParams::scaledSize() const
     return {scaled(size.x), scaled(size.y)};
 }
 
+double RenderParams::imageBytes() const
+{
+    // The sum over the samples, one of them, the file's pixels, and the file.
+    const double perPixel = sizeof(glm::vec4) * 4 + (rays.layers ? 2 * sizeof(PixelLayers) : 0);
+    return double(scaledSize().x) * scaledSize().y * perPixel;
+}
+
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter)
 {
     params.validate();
+    if (!params.output.empty()) {
+        const glm::ivec2 size = params.scaledSize();
+        checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
+                    "make it smaller with --size or --scale");
+    }
     SequenceRenderer(params, lines, reporter).run();
 }
 

@@ -21,9 +21,12 @@ struct RenderParams {
     std::string texture = "density"; ///< the grid that holds the texture
     std::string by = "magnitude";    ///< the grid that drives the transfer function
     std::string region;              ///< FILE or FILE:GRID whose active voxels are all that is shown; empty: everything
-    glm::ivec2 size{1024, 1024};     ///< width and height [pixels]
-    double scale = 1;                ///< factor on the size, for previews
-    int samples = 1;                 ///< rays to a pixel
+    /// Factors on the world's axes for all that is shown, such as 1 1 20 for weather; camera and lights stand in the
+    /// stretched space, cuts and region in the grids' own.
+    glm::dvec3 stretch{1};
+    glm::ivec2 size{1024, 1024}; ///< width and height [pixels]
+    double scale = 1;            ///< factor on the size, for previews
+    int samples = 1;             ///< rays to a pixel
     CameraParams camera;
     CameraMotion motion;
     LookParams look;
@@ -33,6 +36,8 @@ struct RenderParams {
 
     /// The size of the images that are made, at least one pixel.
     [[nodiscard]] glm::ivec2 scaledSize() const;
+    /// About what one of them takes in memory until it is written.
+    [[nodiscard]] double imageBytes() const;
     /// @throws ParameterError
     void validate() const;
 };

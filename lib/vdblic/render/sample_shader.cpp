@@ -102,30 +102,6 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queu
     return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
 }
 
-/// The gradients of eight samples.
-VDBLIC_INLINE void SampleShader::sampleNormals(const ShadeQueue& queue, Float8* gradient) const
-{
-    const int first = queue.begin;
-    GradientPair pairs[kLanes / 2];
-    for (int i = 0; i < kLanes / 2; ++i) {
-        const int a = first + i, b = a + kLanes / 2;
-        const auto both = [&](const float* values) {
-            const Float4 low = broadcast4(values[a]), high = broadcast4(values[b]);
-            return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
-        };
-        const auto& [x, y, z] = queue.fraction;
-        pairs[i] = sampleGradients(mVolume.gradients() + queue.record[a], mVolume.gradients() + queue.record[b],
-                                   both(x), both(y), both(z));
-    }
-    const auto interleave = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 0, 8, 1, 9, 4, 12, 5, 13); };
-    const auto front = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 0, 1, 8, 9, 4, 5, 12, 13); };
-    const auto back = [](Float8 p, Float8 q) { return __builtin_shufflevector(p, q, 2, 3, 10, 11, 6, 7, 14, 15); };
-    const Float8 xz[] = {interleave(pairs[0].xz, pairs[1].xz), interleave(pairs[2].xz, pairs[3].xz)};
-    gradient[0] = front(xz[0], xz[1]);
-    gradient[1] = front(interleave(pairs[0].y, pairs[1].y), interleave(pairs[2].y, pairs[3].y));
-    gradient[2] = back(xz[0], xz[1]);
-}
-
 VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth,
                                            RaySum* sums) const
 {
@@ -158,7 +134,8 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     const bool surfaces = mLook.shading.model == ShadingModel::kSurface;
     Float8 normal[3] = {}, surface = {};
     if (surfaces || mLayers) {
-        sampleNormals(queue, normal);
+        const auto& [x, y, z] = queue.fraction;
+        sampleGradients(mVolume.gradients(), queue.record + first, x + first, y + first, z + first, normal);
         const Float8 length = squareRoot(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
         const Float8 along = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
         const Float8 unit = 1 / (length + 1e-20f);

@@ -27,7 +27,6 @@ class SampleShader {
     Light lightSurface(const Float8* normal, const Float8* view) const;
     Light lightLine(const ShadeQueue& queue, const Float8* view) const;
     Float8 highlight(Float8 cosine) const;
-    void sampleNormals(const ShadeQueue& queue, Float8* gradient) const;
     void addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
 
     const TextureVolume& mVolume;

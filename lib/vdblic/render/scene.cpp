@@ -17,9 +17,7 @@ double memoryOf(const RenderParams& params, const TextureVolume& volume)
     const double record =
         double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
     const double brick = kBrickSize * record;
-    const double pixels = double(params.scaledSize().x) * params.scaledSize().y;
-    const double perPixel = sizeof(glm::vec4) * 3 + (params.rays.layers ? 2 * sizeof(PixelLayers) : 0);
-    return double(volume.domain().leafCount()) * (kGridLeaf + brick) + pixels * perPixel;
+    return double(volume.domain().leafCount()) * (kGridLeaf + brick) + params.imageBytes();
 }
 
 } // namespace
@@ -39,7 +37,7 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
     const bool hasDriver = params.by != RenderParams{}.by || file.find<openvdb::FloatGrid>(params.by);
     const auto driver = hasDriver ? find(params.by, "to drive the transfer function", "--by") : texture;
     try {
-        LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver)};
+        LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver, params.stretch)};
         if (!params.region.empty()) {
             loaded.volume.cut(*makeDomain(std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology()),
                                           texture->transform(), {.mask = params.region}, frame.frame));
@@ -86,8 +84,10 @@ std::optional<Scene> sceneOfSequence(const RenderParams& params)
     } else {
         files = selectFrames(params.input);
     }
-    const std::optional<SequenceBounds> bounds = sequenceBounds(files, params.texture);
+    std::optional<SequenceBounds> bounds = sequenceBounds(files, params.texture);
     if (!bounds) return std::nullopt;
+    for (glm::dvec3& corner : bounds->box)
+        corner *= params.stretch;
     // The look is made from a few frames over the whole sequence; what cannot be read is reported when it is its turn.
     constexpr std::size_t kLookFrames = 4;
     std::vector<LoadedTexture> frames;

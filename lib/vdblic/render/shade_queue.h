@@ -11,7 +11,7 @@ struct alignas(32) RayTask {
     Float4 entry, direction; ///< the direction has length 1; fourth lanes 0
     Float4 inverse;          ///< of the direction's components, huge for those near 0
     Float8 shading;          ///< what shading needs to know, by RayNumber
-    float shift;             ///< of the samples
+    float shift;             ///< length of the first step
     float span;              ///< from entry to exit
     int samples;             ///< that represent the span
     int pixel;
@@ -30,10 +30,9 @@ enum RayNumber {
 
 /// Samples that are seen and wait to be shaded, of any rays, side by side.
 ///
-/// They wait until there are twice as many as are shaded at once: what has just been stored piecewise cannot be loaded
-/// as a whole without waiting for the stores.
+/// They wait until there are many, so that the processor can mostly foresee that there are not enough yet.
 struct ShadeQueue {
-    static constexpr int kCapacity = 256;
+    static constexpr int kMany = 128, kCapacity = kMany + 4 * kLanes;
 
     float fraction[3][kCapacity]; ///< place in the cell
     unsigned record[kCapacity];   ///< number of the record at the cell's lowest corner
@@ -43,8 +42,6 @@ struct ShadeQueue {
     float texture[kCapacity], magnitude[kCapacity];
     int begin = 0, end = 0;
 
-    [[nodiscard]] VDBLIC_INLINE bool ready() const { return end - begin >= 2 * kLanes; }
-
     /// Append some lanes to one of the arrays; `end` stays. @param order the lanes, of kPacking
     template<typename T, typename Vector>
     VDBLIC_INLINE void put(T* array, Vector values, Int8 order) const
@@ -53,12 +50,10 @@ struct ShadeQueue {
         std::memcpy(array + end, &packed, sizeof packed);
     }
 
-    /// Forget the first eight.
-    VDBLIC_INLINE void pop()
+    /// Move what is left to the front.
+    VDBLIC_INLINE void compact()
     {
-        begin += kLanes;
-        if (begin < kCapacity - 4 * kLanes) return;
-        const auto shift = [&](auto* array) { std::memmove(array, array + begin, 2 * kLanes * sizeof *array); };
+        const auto shift = [&](auto* array) { std::memmove(array, array + begin, kLanes * sizeof *array); };
         for (float* array : {fraction[0], fraction[1], fraction[2], place, weight, texture, magnitude})
             shift(array);
         shift(record);
@@ -76,6 +71,7 @@ struct alignas(16) RaySum {
     float alpha = 0;
     float halo = 0;      ///< the part of alpha that is halo
     float haloPlace = 0; ///< along the ray [steps], times that
+    float waiting = 0;   ///< the part of alpha that was too little to be shaded
     int samples = 0;
 };
 

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/render/texture_block.h"
 
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/matrix.hpp>
 
 #include <tbb/blocked_range.h>
@@ -33,8 +34,10 @@ glm::dmat4 affine(const openvdb::math::Transform& transform, const std::string& 
 
 } // namespace
 
-TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& magnitude)
-    : mIndexToWorld(affine(texture.transform(), texture.getName())), mWorldToIndex(glm::inverse(mIndexToWorld))
+TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& magnitude,
+                             const glm::dvec3& stretch)
+    : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) * affine(texture.transform(), texture.getName())),
+      mWorldToIndex(glm::inverse(mIndexToWorld))
 {
     if (texture.transform() != magnitude.transform()) {
         throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",

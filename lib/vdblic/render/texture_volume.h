@@ -27,8 +27,10 @@ class TextureVolume {
     using Mask = Domain::Mask;
 
     /// @param magnitude may be the texture itself
+    /// @param stretch   factors on the grids' world space, along its axes: the volume's own is that much longer
     /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ
-    TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& magnitude);
+    TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& magnitude,
+                  const glm::dvec3& stretch = glm::dvec3(1));
 
     [[nodiscard]] const Domain& domain() const { return *mDomain; }
     [[nodiscard]] bool empty() const { return domain().leafCount() == 0; }

@@ -54,7 +54,9 @@ class TransferFunction {
     [[nodiscard]] const Entry* table() const { return mTable.data(); }
     /// The entries' extinctions alone, side by side.
     [[nodiscard]] const float* extinctions() const { return mExtinctions.data(); }
-    /// What it was made from; the colour map's name is `points` if points were given.
+    /// What it was made from.
+    [[nodiscard]] const TransferParams& params() const { return mParams; }
+    /// `points` if points were given.
     [[nodiscard]] std::string colorMapName() const { return mParams.colors.empty() ? mParams.colorMap : "points"; }
     [[nodiscard]] const std::vector<OpacityPoint>& opacity() const { return mParams.opacity; }
     [[nodiscard]] const std::array<double, 2>& range() const { return *mParams.range; }

@@ -148,6 +148,22 @@ TEST(RayCaster, TurningAndScalingVolumeAndCameraChangesNothing)
     EXPECT_LT(difference(image, expected), 1e-3f);
 }
 
+TEST(RayCaster, AStretchedVolumeIsOneWithThatTransform)
+{
+    const auto grid = boxGrid("density", boxOf(20, 16, 12), scattered);
+    const ClipParams cuts{.planes = {{{8, 8, 6}, {1, 2, 3}}}, .box = std::array{glm::dvec3(2), glm::dvec3(17, 14, 9)}};
+    const glm::dvec3 stretch(1, 0.5, 3);
+    const TextureVolume stretched(*grid, *grid, stretch);
+    const Camera camera = cameraAlong(stretched, kSlanted, 80, 35, {60, 50});
+    const Image image = castRays(stretched, fullLook(), camera, {.clip = cuts.stretched(stretch)});
+
+    grid->transform().postScale(Vec3d(1, 0.5, 3));
+    const ClipParams same{.planes = {{{8, 4, 18}, {1, 4, 1}}},
+                          .box = std::array{glm::dvec3(2, 1, 6), glm::dvec3(17, 7, 27)}};
+    EXPECT_LT(difference(image, castRays(TextureVolume(*grid, *grid), fullLook(), camera, {.clip = same})), 1e-4f);
+    EXPECT_GT(difference(image, castRays(stretched, fullLook(), camera, {})), 0.1f);
+}
+
 TEST(RayCaster, PassingOverEmptySpaceChangesNoPixel)
 {
     for (const Coord& offset : {Coord(0), Coord(100'000, -130'000, 70'000)}) { // exact and coarse in single precision
@@ -230,9 +246,10 @@ glm::vec4 referencePixel(const openvdb::FloatGrid& texture, const Look& look, co
 
     glm::dvec3 color(0);
     double transmittance = 1;
-    const double shift = double(sampleShift(x, y)), span = (leave - enter) / step;
-    for (int n = 0; n == 0 || n + shift - 0.5 < span; ++n) {
-        const double begin = n > 0 ? n + shift - 0.5 : 0, end = std::min(n + shift + 0.5, span);
+    const double start = double(sampleShift(x, y)) - enter / step, span = (leave - enter) / step;
+    const double shift = start - std::floor(start);
+    for (int n = 0; n == 0 || n - 1 + shift < span; ++n) {
+        const double begin = std::max(n - 1 + shift, 0.0), end = std::min(n + shift, span);
         const double distance = (begin + end) / 2 * step;
         const Vec3d p = origin + direction * (enter + distance);
         if (!tree.isValueOn(Coord::floor(p + Vec3d(0.5)))) continue;
@@ -298,6 +315,22 @@ TEST(RayCaster, EndsARayNoEarlierThanAsked)
     const Image ended = castRays(volume, plainLook(0.4), camera, {.leastTransmittance = 0.01});
     EXPECT_GT(difference(whole, ended), 0.f);
     EXPECT_LT(difference(whole, ended), 0.01f);
+}
+
+TEST(RayCaster, SamplesThatAddLittleLoseNoLight)
+{
+    const auto grid = boxGrid("density", boxOf(40, 40, 40), scattered);
+    const TextureVolume volume(*grid, *grid);
+    const Camera camera = cameraAlong(volume, kSlanted, 100, 25, {60, 60});
+    for (const double opacity : {0.0005, 0.02, 0.4}) {
+        const RayCastParams fine{.step = 0.1};
+        for (const glm::vec4& pixel : castRays(volume, plainLook(opacity), camera, fine).pixels)
+            EXPECT_NEAR(pixel.r, pixel.a, 1e-5); // white, premultiplied
+        Look look = fullLook();
+        look.transfer = TransferFunction({.opacity = {{0, 0}, {1, opacity}}, .range = std::array{0.0, 1.0}});
+        const Image each = castRays(volume, look, camera, {.step = 0.1, .leastTransmittance = 0});
+        EXPECT_LT(difference(castRays(volume, look, camera, fine), each), 4 / 256.f); // neighbours are unlike
+    }
 }
 
 TEST(RayCaster, SeesFromInside)

@@ -46,6 +46,20 @@ TEST(Supersampling, MeansOfLayersAreOfWhatIsSeen)
     EXPECT_TRUE(std::isinf(plate(5).layers.at(3).depth));
 }
 
+TEST(Supersampling, ShiftsOfAPixelsRaysAreSpreadEvenly)
+{
+    for (const int count : {2, 3, 5, 8, 13, 50}) {
+        std::vector<float> shifts;
+        for (int ray = 0; ray < count; ++ray)
+            shifts.push_back(sampleShift(17, 5, ray));
+        std::sort(shifts.begin(), shifts.end());
+        for (int i = 1; i < count; ++i) {
+            EXPECT_GT(shifts[i] - shifts[i - 1], 0.5f / float(count)) << count;
+            EXPECT_LT(shifts[i] - shifts[i - 1], 2 / float(count)) << count;
+        }
+    }
+}
+
 TEST(Supersampling, OneSampleIsThePlainPicture)
 {
     const auto grid = boxGrid("density", boxOf(20, 20, 20), scattered);

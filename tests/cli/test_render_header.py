@@ -1,0 +1,105 @@
+"""The header of an image says all that made it: each option of vdblic_render, as --help names them, shows there.
+
+An option that somebody adds fails this test until it is given a value here, and an attribute in the header.
+"""
+
+import json
+import re
+import subprocess
+import unittest
+
+import pyopenvdb as vdb
+
+from support import ToolTest
+
+# Of what is read, what is written, and how the work is done: nothing in the picture depends on these.
+NOT_OF_THE_PICTURE = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--frames",
+                      "--clamp-frames", "--skip-existing", "--output", "--histogram"}
+ORTHOGRAPHIC = ["--projection", "orthographic"]
+# Other values than the defaults', after what else they need.
+VALUES = {
+    "--texture": ([], "magnitude"),
+    "--size": ([], 30, 20),
+    "--stretch": ([], 1, 1, 2),
+    "--scale": ([], 0.5),
+    "--samples": ([], 2),
+    "--eye": ([], 9, 9, 9),
+    "--target": ([], 0, 0, 0),
+    "--up": ([], 0, 1, 0),
+    "--projection": ([], "orthographic"),
+    "--fov": ([], 50),
+    "--view-height": (ORTHOGRAPHIC, 5),
+    "--orbit": ([], 1),
+    "--orbit-frames": (["--orbit", 0.25], 10),
+    "--camera": ([], "keys.json"),
+    "--step": ([], 0.25),
+    "--look": ([], "smoke"),
+    "--transfer": ([], "function.json"),
+    "--colormap": ([], "viridis"),
+    "--opacity": ([], "0:0.5"),
+    "--range": ([], 0, 1),
+    "--modulate": ([], 0.5),
+    "--limb-darkening": ([], 0.5),
+    "--shading": ([], "none"),
+    "--ambient": ([], 0.1),
+    "--diffuse": ([], 0.1),
+    "--specular": ([], 0.1),
+    "--shininess": ([], 2),
+    "--head-light": ([], 0.1),
+    "--light": ([], 1, 2, 3),
+    "--halo": ([], 1),
+    "--depth-cue": ([], 0.5),
+    "--clip-plane": ([], 0.5, 0, 0, 1, 0, 0),
+    "--clip-box": ([], 0, 0, 0, 0.5, 0.5, 0.5),
+    "--background": ([], 1, 1, 1),
+    "--background-alpha": ([], 0.5),
+    "--by": ([], "density"),
+    "--roi": ([], "lic.0001.vdb:magnitude"),
+    "--aov": ([], "depth"),
+    "--precision": ([], "float"),
+    "--compression": ([], "piz"),
+}
+
+
+class Header(ToolTest):
+    def setUp(self):
+        super().setUp()
+        grids = []
+        for name in "density", "magnitude":
+            grid = vdb.FloatGrid()
+            grid.name = name
+            grid.transform = vdb.createLinearTransform(voxelSize=0.1)
+            for i in range(12):
+                grid.fill((i, 0, 0), (i, 9, 9), i / 12, True)
+            grids.append(grid)
+        vdb.write(str(self.folder / "lic.0001.vdb"), grids=grids)
+        (self.folder / "keys.json").write_text(json.dumps({"keys": [{"frame": 1, "eye": [9, 0, 9]}]}))
+        (self.folder / "function.json").write_text('{"colors": [[0, 1, 0, 0], [1, 0, 0, 1]]}')
+
+    def header(self, *options):
+        (image,) = self.outputs("vdblic_render", "lic.%04d.vdb", "-o", "a.%04d.exr", *options)
+        return subprocess.run(["exrheader", image], text=True, capture_output=True, check=True).stdout
+
+    def test_every_option_of_the_picture_is_in_the_header(self):
+        names = re.findall(r"^  (-[\w,-]+)", self.run_tool("vdblic_render", "--help").stdout, re.MULTILINE)
+        options = {max(name.split(","), key=len) for name in names} - NOT_OF_THE_PICTURE
+        self.assertEqual(options, set(VALUES))
+        small = ["--size", 12, 10]
+        for option, (needs, *values) in VALUES.items():
+            others = needs if option == "--size" else [*small, *needs]
+            with self.subTest(option=option):
+                self.assertNotEqual(self.header(*others, option, *values), self.header(*others))
+
+    def test_what_it_says(self):
+        header = self.header("--size", 12, 10, "--clip-plane", 0.5, 0, 0, 1, 0, 0, "--clip-plane", 0, 1, 0, 0, -1, 0,
+                             "--clip-box", 0, 0, 0, 1, 2, 0.5, "--light", 1, 2, 3, "--transfer", "function.json",
+                             "--stretch", 1, 1, 2, "--roi", "lic.0001.vdb:magnitude")
+        for line in ('clipPlanes (type string): "0.5 0 0 1 0 0, 0 1 0 0 -1 0"', 'clipBox (type string): "0 0 0 1 2 0.5"',
+                     'lights (type string): "1 2 3 1"', 'colorMap (type string): "0:1 0 0, 1:0 0 1"',
+                     "stretch (type v3f): (1 1 2)", 'region (type string): "lic.0001.vdb:magnitude"',
+                     'shading (type string): "phong"', "frame (type int): 1"):
+            self.assertIn(line, header)
+
+
+if __name__ == "__main__":
+    unittest.main()
