@@ -1,7 +1,8 @@
 """vdblic_advect as a user runs it."""
 
-import pathlib
+import json
 import os
+import pathlib
 import unittest
 
 import numpy
@@ -89,6 +90,24 @@ class Advect(ToolTest):
         self.assertAlmostEqual(metadata["time"], 0.1, 5)
         self.assertAlmostEqual(metadata["dt"], 0.05, 5)
         self.assertEqual((metadata["method"], metadata["life_span"], metadata["seed"]), ("auflic", 5, 9))
+
+    def test_work_and_time_as_json(self):
+        run = self.run_tool("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-4", "--json", "run.json", "-v")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        report = json.loads((self.folder / "run.json").read_text())
+        self.assertEqual([frame["frame"] for frame in report["frames"]], [1, 2, 3, 4])
+        for frame in report["frames"]:
+            # Every voxel releases one seed, along a pathline that went on, downstream, or from scratch.
+            self.assertEqual(frame["reused"] + frame["copied"] + frame["released"], frame["voxels"])
+            self.assertGreater(frame["steps"], frame["went_on"])
+            self.assertGreater(frame["deposits"], frame["voxels"])
+            stages = ["read", "load", "scatter", "convolve", "filter", "write"]
+            self.assertEqual(list(frame["seconds"]), stages)
+            self.assertTrue(all(frame["seconds"][stage] > 0 for stage in stages), frame["seconds"])
+        steps = [frame["steps"] / frame["voxels"] for frame in report["frames"]]
+        self.assertAlmostEqual(report["steps_per_voxel"]["mean"], sum(steps) / 4, places=9)
+        self.assertLess(report["steps_per_voxel"]["deviation"], 0.05 * sum(steps) / 4)
+        self.assertIn("balance: ", run.stderr)
 
     def test_same_voxels_for_any_number_of_threads(self):
         for method in "auflic", "uflic":

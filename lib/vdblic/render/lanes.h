@@ -32,27 +32,17 @@ VDBLIC_INLINE Float8 squareRoot(Float8 x)
     return root;
 }
 
-/// A number in every lane. Filled lane by lane it becomes one instruction; the braces of broadcast8() become eight.
-template<typename Vector>
-VDBLIC_INLINE Vector everyLane(auto x)
-{
-    Vector result{};
-    for (int i = 0; i < kLanes; ++i)
-        result[i] = x;
-    return result;
-}
-
 /// Set one lane, with the whole vector loaded and stored: single lanes stored into memory would make the next load of
 /// the vector wait for them.
 VDBLIC_INLINE void setLane(Float8& vector, int lane, float value)
 {
     constexpr Int8 kNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
-    vector = kNumbers == lane ? everyLane<Float8>(value) : vector;
+    vector = kNumbers == lane ? broadcast8(value) : vector;
 }
 VDBLIC_INLINE void setLane(Int8& vector, int lane, int value)
 {
     constexpr Int8 kNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
-    vector = kNumbers == lane ? everyLane<Int8>(value) : vector;
+    vector = kNumbers == lane ? broadcastInt8(value) : vector;
 }
 
 VDBLIC_INLINE Float8 positive(Float8 x)

@@ -93,14 +93,14 @@ VDBLIC_INLINE unsigned RayKernel::findSegments(Lanes& lanes, unsigned which) con
 
     // The samples before the ray comes within the margin of leaving this box are surely inside.
     const Int8 dim =
-        found == VisibleLeaves::kNoBlock ? everyLane<Int8>(1 << VisibleLeaves::kBlockShift) : everyLane<Int8>(8);
+        found == VisibleLeaves::kNoBlock ? broadcastInt8(1 << VisibleLeaves::kBlockShift) : broadcastInt8(8);
     const Float8 depth = __builtin_convertvector(dim, Float8) - mMargin;
     Int8 origin[3];
     Float8 nearest = broadcast8(std::numeric_limits<float>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
         origin[axis] = voxel[axis] & -dim;
         const Float8 low = __builtin_convertvector(origin[axis], Float8) - 0.5f;
-        const Float8 exit = low + (lanes.inverse[axis] > 0 ? depth : everyLane<Float8>(mMargin));
+        const Float8 exit = low + (lanes.inverse[axis] > 0 ? depth : broadcast8(mMargin));
         const Float8 there = (exit - lanes.entry[axis]) * lanes.inverse[axis];
         nearest = there < nearest ? there : nearest;
     }
