@@ -24,6 +24,7 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -420,6 +421,7 @@ double peakOf(const std::vector<std::string>& command)
     arguments.push_back(nullptr);
     const pid_t child = ::fork();
     if (child == 0) {
+        ::dup2(::open("/dev/null", O_WRONLY), STDOUT_FILENO);
         ::execv(arguments[0], arguments.data());
         ::_exit(127);
     }
@@ -472,6 +474,7 @@ int main(int argc, char** argv)
         }
     }
     json report;
+    report["memory"] = memory(); // first: a child's peak counts what it had of its parent's
     {
         const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
         const BoxSize paper{144, 73, 81};
@@ -483,6 +486,5 @@ int main(int argc, char** argv)
         }
     }
     report["sweeps"] = sweeps();
-    report["memory"] = memory();
     if (!output.empty()) std::ofstream(output) << report.dump(2) << '\n';
 }
