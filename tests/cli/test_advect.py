@@ -109,6 +109,11 @@ class Advect(ToolTest):
         self.assertLess(report["steps_per_voxel"]["deviation"], 0.05 * sum(steps) / 4)
         self.assertIn("balance: ", run.stderr)
 
+    def test_a_report_that_cannot_be_written_is_told_of_at_once(self):
+        message = self.fails(4, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-2", "--json", "no/run.json")
+        self.assertIn("no", message)
+        self.assertEqual(self.files(), [])
+
     def test_same_voxels_for_any_number_of_threads(self):
         for method in "auflic", "uflic":
             arrays = []

@@ -43,6 +43,7 @@ class Advection {
           mWriter(reporter, mFlow.total()), mSchedule(params.checkpointEvery)
     {
         if (mFlow.total() > 0) checkOutputPattern(mPattern, mFlow.total());
+        if (!mParams.json.empty()) AtomicFile{mParams.json}; // can it be written? Not only after hours
     }
 
     void run()
