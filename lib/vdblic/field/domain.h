@@ -105,9 +105,9 @@ struct LeafWindow {
     [[nodiscard]] VDBLIC_INLINE Int8 place(Int8 x, Int8 y, Int8 z) const
     {
         const Int8 i = (x >> 3) - first[0], j = (y >> 3) - first[1], k = (z >> 3) - first[2];
-        const auto beyond = [](Int8 n) { return reinterpret_cast<Unsigned8>(n) > 2u; };
-        const Int8 elsewhere = reinterpret_cast<Int8>(beyond(i) | beyond(j) | beyond(k));
-        const Int8 inside = (i << 3) + i + (j << 1) + j + k;
+        const auto a = Unsigned8(i), b = Unsigned8(j), c = Unsigned8(k); // what is far away may wrap around
+        const Int8 elsewhere = Int8((a > 2u) | (b > 2u) | (c > 2u));
+        const auto inside = Int8((a << 3) + a + (b << 1) + b + c);
         return elsewhere ? Int8{} + kElsewhere : inside;
     }
 };

@@ -1,0 +1,3 @@
+#include "vdblic/core/grid_instances.h"
+
+VDBLIC_GRID_INSTANCE(, openvdb::points::PointDataTree);
