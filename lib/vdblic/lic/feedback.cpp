@@ -115,12 +115,46 @@ float coverageAt(const Domain& domain, Float4 position)
     return coverage;
 }
 
-/// Whether every voxel within 8 of a leaf's is in the domain.
-bool isDeepInside(const Domain& domain, const LeafWindow& window)
-{
-    return std::all_of(window.leaves.begin(), window.leaves.begin() + LeafWindow::kElsewhere,
-                       [&](int leaf) { return leaf >= 0 && domain.mask(std::size_t(leaf)).isOn(); });
-}
+/// A box of voxels around a leaf that are all in the domain: as many of the leaves around as are full, or nothing.
+class FullBox {
+  public:
+    FullBox(const Domain& domain, const LeafWindow& window)
+    {
+        int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // places along each axis
+        const auto full = [&] {
+            for (int x = first[0]; x <= last[0]; ++x) {
+                for (int y = first[1]; y <= last[1]; ++y) {
+                    for (int z = first[2]; z <= last[2]; ++z) {
+                        const int leaf = window.leaves[std::size_t((x * 3 + y) * 3 + z)];
+                        if (leaf < 0 || !domain.mask(std::size_t(leaf)).isOn()) return false;
+                    }
+                }
+            }
+            return true;
+        };
+        if (!full()) return;
+        for (int axis = 0; axis < 3; ++axis) {
+            first[axis] = 0;
+            if (!full()) first[axis] = 1;
+            last[axis] = 2;
+            if (!full()) last[axis] = 1;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            mFirst[axis] = float((window.first[axis] + first[axis]) * Domain::Leaf::DIM);
+            mLast[axis] = float((window.first[axis] + last[axis] + 1) * Domain::Leaf::DIM - 1);
+        }
+    }
+
+    /// Which of eight positions lie between voxels of the box.
+    [[nodiscard]] VDBLIC_INLINE Int8 contains(const Vector8& p) const
+    {
+        return (p.x >= mFirst[0]) & (p.x < mLast[0]) & (p.y >= mFirst[1]) & (p.y < mLast[1]) & (p.z >= mFirst[2]) &
+               (p.z < mLast[2]);
+    }
+
+  private:
+    float mFirst[3] = {0, 0, 0}, mLast[3] = {0, 0, 0};
+};
 
 /// What nothing was before: the noise, which is its own history.
 void fillWithNoise(const NoiseField& noise, const openvdb::Coord& origin, std::int32_t* input)
@@ -261,7 +295,7 @@ struct FeedForward {
         const openvdb::Coord origin = domain.origin(leaf);
         const LeafWindow window(domain, origin);
         const LocalContrast::Leaf around(contrast, origin);
-        const bool deepInside = isDeepInside(domain, window);
+        const FullBox inside(domain, window);
         const LeafVelocities displacements(velocities, origin);
         const Domain::Mask& mask = domain.mask(leaf);
         for (int row = 0; row < 64; ++row) {
@@ -281,13 +315,11 @@ struct FeedForward {
             }
 
             Int8 value = filtered(around, row, upstream.sharp, input + 8 * row);
-            const Float8 reach2 = squaredLength(way);
-            if (!deepInside || anyOf(maskOf(lanes) & (reach2 >= float(Domain::Leaf::DIM * Domain::Leaf::DIM)))) {
-                renewEntering(window, centre, way, lanes, value);
-            }
+            const Vector8 before = centre - way;
+            if (anyOf(maskOf(lanes) & ~inside.contains(before))) renewEntering(window, centre, before, lanes, value);
             // The texture alone would be smoothed again in each generation, and streaks grow until nothing seems to
             // move.
-            const Int8 history = (toFixed(upstream.texture) + value) >> 1;
+            const Int8 history = (toFixed(upstream.texture) * 3 + value) >> 2;
             for (int z = 0; z < 8; ++z) {
                 if (lanes >> z & 1)
                     input[8 * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));
@@ -317,15 +349,17 @@ struct FeedForward {
     }
 
     /// Where fluid came into the domain during the step, new noise comes with it.
-    [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& way,
+    /// @param before where the fluid in the voxels was at the step's start
+    [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& before,
                                          unsigned lanes, Int8& value) const
     {
-        const Vector8 before = centre - way;
         const TextureBricks::Samples there = texture.at(window, before, lanes);
+        const Int8 place = window.place(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
         for (int z = 0; z < 8; ++z) {
             if (!(lanes >> z & 1)) continue;
             // Bricks go on below the domain with its first values; here that is outside.
-            const bool inBrick = domain.findLeaf(floorToInt(before.lane(z))) >= 0;
+            const bool inBrick = place[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
+                                                                    : window.leaves[std::size_t(place[z])] >= 0;
             const float stayed = inBrick ? there.coverage[z] : coverageAt(domain, before.lane(z));
             const openvdb::Coord at(int(centre.x[z]), int(centre.y[z]), int(centre.z[z]));
             if (stayed < 1 && noise.fromOutside(at, step, stayed)) value[z] = noise.entering(at, step);

@@ -136,26 +136,27 @@ void TileScatter::takeArriving()
     for (ParticleBins& bins : mScene.arriving)
         bins.take(mLeaf, mParticles, mParticleGenerations, mLeaving);
     mTurns.clear();
+    const std::uint64_t newestFirst = mHistory ? ~std::uint64_t(0) << Particle::kRankBits : 0;
     for (std::size_t i = 0; i < mParticles.size(); ++i) {
         const unsigned voxel = Domain::offset(voxelOf(toVector(mParticles[i].position)));
-        mTurns.push_back({mParticles[i].id, std::uint32_t(i), voxel});
+        mTurns.push_back({mParticles[i].id ^ newestFirst, std::uint32_t(i), voxel});
     }
     sortTurns();
     if (mHistory) coalesce(); // afterwards: where a voxel collects more values than fit, the order decides which
 }
 
-/// Of all particles in a voxel only the oldest will find it open: it takes over the values of the others.
+/// Of all particles in a voxel only the first will find it open: it takes over the values of the others.
 void TileScatter::coalesce()
 {
-    constexpr Turn kNone{~std::uint64_t(0), 0, 0};
-    std::array<Turn, Domain::kLeafVoxels> oldest;
-    oldest.fill(kNone);
-    for (const Turn& turn : mTurns) {
-        if (turn.id < oldest[turn.voxel].id) oldest[turn.voxel] = turn;
-    }
+    constexpr std::uint32_t kNone = ~std::uint32_t(0);
+    std::array<std::uint32_t, Domain::kLeafVoxels> first;
+    first.fill(kNone);
     mStats.blocked += std::erase_if(mTurns, [&](const Turn& turn) {
-        const std::uint32_t heir = oldest[turn.voxel].particle;
-        if (heir == turn.particle) return false;
+        std::uint32_t& heir = first[turn.voxel];
+        if (heir == kNone) {
+            heir = turn.particle;
+            return false;
+        }
         for (std::size_t i = 0; i < mGenerationCount; ++i) {
             std::uint32_t& to = mParticleGenerations[heir * mGenerationCount + i];
             const std::uint32_t from = mParticleGenerations[turn.particle * mGenerationCount + i];
@@ -167,13 +168,13 @@ void TileScatter::coalesce()
     });
 }
 
-/// Sort by id. Particles come in few runs that are sorted already, one from each tile around: merge those.
+/// Particles come in few runs that are sorted already, one from each tile around: merge those.
 void TileScatter::sortTurns()
 {
-    const auto older = [](const Turn& a, const Turn& b) { return a.id < b.id; };
+    const auto earlier = [](const Turn& a, const Turn& b) { return a.order < b.order; };
     mRuns.assign(1, 0);
     for (std::size_t i = 1; i < mTurns.size(); ++i) {
-        if (older(mTurns[i], mTurns[i - 1])) mRuns.push_back(i);
+        if (earlier(mTurns[i], mTurns[i - 1])) mRuns.push_back(i);
     }
     mRuns.push_back(mTurns.size());
     while (mRuns.size() > 2) {
@@ -183,7 +184,7 @@ void TileScatter::sortTurns()
             const std::size_t middle = mRuns[i + 1], end = i + 2 < mRuns.size() ? mRuns[i + 2] : middle;
             const auto at = [&](std::size_t n) { return mTurns.begin() + std::ptrdiff_t(n); };
             std::merge(at(mRuns[i]), at(middle), at(middle), at(end), mMerged.begin() + std::ptrdiff_t(mRuns[i]),
-                       older);
+                       earlier);
             mRuns[kept++] = mRuns[i];
         }
         mRuns[kept++] = mTurns.size();

@@ -20,15 +20,16 @@ struct ScatterScene {
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).
 ///
 /// A voxel is *open* until a seed has been released in it during this step, then *closed*. First the tile's
-/// particles of earlier steps are advanced, oldest first: one that starts in an open voxel, or passes one within the
+/// particles of earlier steps are advanced: one that starts in an open voxel, or passes one within the
 /// release window, closes it and takes up its value (pathline reuse, and pathline copying for every further voxel).
 /// Then each voxel that is still open, in scan order, releases a particle of its own, which likewise takes up the open
 /// voxels it passes.
 ///
-/// A particle whose own voxel is closed when its turn comes is blocked. With ScatterParams::history it ends there; of
-/// several that begin the step in one voxel the oldest takes over the values of the others. Without, one that took up
-/// nothing in a whole step takes up no more, and ends when the values it carries have expired. With UFLIC every voxel
-/// releases a particle, and none takes up a second value.
+/// A particle whose own voxel is closed when its turn comes is blocked. With ScatterParams::history those released last
+/// go first, and a blocked one ends there; of several that begin the step in one voxel the first takes over the values
+/// of the others. Without, the oldest go first, one that took up nothing in a whole step takes up no more, and ends
+/// when the values it carries have expired. With UFLIC every voxel releases a particle, and none takes up a second
+/// value.
 ///
 /// One object serves one thread; what it writes is its own but for the accumulator.
 class TileScatter {
@@ -43,9 +44,9 @@ class TileScatter {
     [[nodiscard]] ParticleBins& leaving() { return mLeaving; }
 
   private:
-    /// A particle's turn: the oldest first.
+    /// A particle's turn, in ascending order.
     struct Turn {
-        std::uint64_t id;
+        std::uint64_t order;
         std::uint32_t particle; // its place in mParticles
         std::uint32_t voxel;    // that it is in
     };

@@ -265,13 +265,13 @@ class LiteralHistory {
             }
         }
 
-        // Those in one voxel become one; the oldest go first.
+        // Those in one voxel become one; those released last go first.
         std::map<Coord, Mote> byVoxel;
-        std::sort(mMotes.begin(), mMotes.end(), older);
+        std::sort(mMotes.begin(), mMotes.end(), goesFirst);
         for (const Mote& mote : mMotes) {
             if (!domain.isValueOn(voxelAt(mote.position))) continue;
-            const auto [heir, isOldest] = byVoxel.try_emplace(voxelAt(mote.position), mote);
-            if (isOldest) continue;
+            const auto [heir, isFirst] = byVoxel.try_emplace(voxelAt(mote.position), mote);
+            if (isFirst) continue;
             for (const auto& [process, values] : mote.values) {
                 auto& to = heir->second.values[process];
                 to.insert(to.end(), values.begin(), values.end());
@@ -280,7 +280,7 @@ class LiteralHistory {
         std::vector<Mote> live;
         for (const auto& [voxel, mote] : byVoxel)
             live.push_back(mote);
-        std::sort(live.begin(), live.end(), older);
+        std::sort(live.begin(), live.end(), goesFirst);
 
         mMotes.clear();
         for (Mote& mote : live)
@@ -310,9 +310,9 @@ class LiteralHistory {
         Float4 position, slope;
         std::map<std::int64_t, std::vector<std::uint32_t>> values; // by scattering process
     };
-    static bool older(const Mote& a, const Mote& b)
+    static bool goesFirst(const Mote& a, const Mote& b)
     {
-        return std::pair(a.releaseStep, a.rank) < std::pair(b.releaseStep, b.rank);
+        return a.releaseStep != b.releaseStep ? a.releaseStep > b.releaseStep : a.rank < b.rank;
     }
 
     void scatter(std::size_t k, const VelocityField& field, Mote mote)
