@@ -1,8 +1,8 @@
 #!/bin/sh
 # The one list of what VDBLIC needs, and the one place that installs it.
 #
-# Each line names a Debian package and a probe that shows it is there: a command, a header, or a Python
-# module of /usr/bin/python3. As root on Debian the missing ones are installed; anywhere else they are
+# Each line names a Debian package and a probe that shows it is there: a command, a header, a Python
+# module of /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are
 # named and the status is 1, so that a caller can stop before a confusing compiler error.
 set -u
 
@@ -33,6 +33,8 @@ openexr                 command exrheader
 openimageio-tools       command idiff
 ffmpeg                  command ffmpeg
 blender                 command blender
+clang                   command clang++
+libclang-rt-14-dev      clang   fuzzer
 LIST
 }
 
@@ -40,6 +42,8 @@ present() {
     case $1 in
         command) command -v "$2" >/dev/null 2>&1 ;;
         header) printf '#if !__has_include(<%s>)\n#error missing\n#endif\n' "$2" | c++ -std=c++20 -E -x c++ - >/dev/null 2>&1 ;;
+        clang) echo 'extern "C" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }' |
+            clang++ -fsanitize="$2" -x c++ - -o /dev/null >/dev/null 2>&1 ;;
         python) /usr/bin/python3 -c "import importlib.util as u, sys; sys.exit(u.find_spec('$2') is None)" >/dev/null 2>&1 ;;
     esac
 }

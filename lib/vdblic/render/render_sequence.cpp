@@ -53,7 +53,12 @@ class SequenceRenderer {
 
     void run()
     {
-        if (mParams.input.pattern != "-") mScene = sceneOfSequence(mParams);
+        if (mParams.input.pattern != "-") {
+            if (std::optional<SequenceScene> found = sceneOfSequence(mParams)) {
+                mScene = std::move(found->scene);
+                mOnlyFrame = std::move(found->onlyFrame);
+            }
+        }
         mReporter.progress(0, mTotal);
         // How many fit side by side is known once one has been seen.
         if (!mScene) runPipeline(1, /*untilScene=*/true);
@@ -105,6 +110,7 @@ class SequenceRenderer {
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // paths of which there is a second one
             task.file = *file;
+            if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
                 if (!task.loaded->volume.empty())
@@ -202,6 +208,7 @@ class SequenceRenderer {
     FrameSource mSource;
     std::optional<FramePattern> mOutput;
     std::optional<Scene> mScene;
+    std::shared_ptr<const LoadedTexture> mOnlyFrame; // if it was read to make the scene
     std::optional<TextureHistograms> mHistograms;
     std::atomic<bool> mStopped = false; // no further frame is to be taken
     std::exception_ptr mError;

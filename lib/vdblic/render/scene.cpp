@@ -71,7 +71,7 @@ Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> fra
     }
 }
 
-std::optional<Scene> sceneOfSequence(const RenderParams& params)
+std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
 {
     const FramePattern pattern(params.input.pattern);
     std::vector<FrameFile> files;
@@ -103,7 +103,9 @@ std::optional<Scene> sceneOfSequence(const RenderParams& params)
     }
     std::erase_if(frames, [](const LoadedTexture& frame) { return frame.volume.empty(); });
     if (frames.empty()) return std::nullopt;
-    return chooseScene(params, frames, bounds->box, span);
+    SequenceScene result{chooseScene(params, frames, bounds->box, span), nullptr};
+    if (files.size() == 1) result.onlyFrame = std::make_shared<const LoadedTexture>(std::move(frames.front()));
+    return result;
 }
 
 } // namespace vdblic

@@ -4,6 +4,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -32,7 +33,13 @@ struct Scene {
 [[nodiscard]] Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box,
                                 const FrameSpan& span);
 
+/// A scene, and the sequence's frame that was read to make it if that is its only one.
+struct SequenceScene {
+    Scene scene;
+    std::shared_ptr<const LoadedTexture> onlyFrame;
+};
+
 /// The scene as the frames on disk give it, whichever are selected; nothing if none has an active voxel.
-[[nodiscard]] std::optional<Scene> sceneOfSequence(const RenderParams& params);
+[[nodiscard]] std::optional<SequenceScene> sceneOfSequence(const RenderParams& params);
 
 } // namespace vdblic

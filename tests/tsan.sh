@@ -1,0 +1,31 @@
+#!/bin/sh
+# Runs the unit tests under the thread sanitizer: tests/tsan.sh [options of vdblic_tests]
+#
+# The sanitizer must see how TBB hands work from thread to thread, so TBB is built with it, too, from Debian's source:
+# that needs a Debian with the network, as root. Takes some twenty minutes the first time.
+set -eu
+cd "$(dirname "$0")/.."
+root=$PWD
+tbb=$root/build/tbb-tsan
+
+library() { find "$tbb/build" -name libtbb.so 2>/dev/null; }
+if [ -z "$(library)" ]; then
+    mkdir -p "$tbb/source"
+    (
+        cd "$tbb"
+        lists=$tbb/lists # a list of our own: the machine's stay as they are
+        mkdir -p "$lists/partial"
+        echo "deb-src http://deb.debian.org/debian $(. /etc/os-release && echo "$VERSION_CODENAME") main" > sources.list
+        set -- -o Dir::Etc::SourceList="$tbb/sources.list" -o Dir::Etc::SourceParts=/dev/null -o Dir::State::Lists="$lists"
+        apt-get update -qq "$@"
+        apt-get source -qq --download-only "$@" onetbb
+        tar xf onetbb_*.orig.tar.* -C source --strip-components=1
+    )
+    cmake -S "$tbb/source" -B "$tbb/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTBB_SANITIZE=thread \
+        -DTBB_TEST=OFF -DTBBMALLOC_BUILD=OFF -DTBB_STRICT=OFF
+    cmake --build "$tbb/build"
+fi
+cmake --preset tsan
+cmake --build --preset tsan --target vdblic_tests
+export LD_LIBRARY_PATH="$(dirname "$(library)")" TSAN_OPTIONS="suppressions=$root/tests/support/tsan.supp"
+exec build/tsan/tests/vdblic_tests "$@"
