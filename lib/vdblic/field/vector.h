@@ -10,6 +10,7 @@ using Float4 = float __attribute__((vector_size(16)));
 using Float8 = float __attribute__((vector_size(32), aligned(32)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Int8 = std::int32_t __attribute__((vector_size(32), aligned(32)));
+using Unsigned4 = std::uint32_t __attribute__((vector_size(16)));
 using Unsigned8 = std::uint32_t __attribute__((vector_size(32), aligned(32)));
 
 /// Functions that hot loops are made of: always merged into their caller, so that they take on its instruction set.
@@ -43,16 +44,18 @@ VDBLIC_INLINE Int8 broadcastInt8(int x)
     return all;
 }
 
-/// The largest integers not above x, for |x| < 2³¹.
+/// The largest integers not above x, for |x| < 2³¹; beyond, any numbers.
 VDBLIC_INLINE Int4 floorToInt(Float4 x)
 {
     const Int4 truncated = __builtin_convertvector(x, Int4);
-    return truncated + (x < __builtin_convertvector(truncated, Float4)); // a true comparison is −1
+    const Int4 below = x < __builtin_convertvector(truncated, Float4); // a true comparison is −1
+    return Int4(Unsigned4(truncated) + Unsigned4(below));
 }
 VDBLIC_INLINE Int8 floorToInt(Float8 x)
 {
     const Int8 truncated = __builtin_convertvector(x, Int8);
-    return truncated + (x < __builtin_convertvector(truncated, Float8));
+    const Int8 below = x < __builtin_convertvector(truncated, Float8);
+    return Int8(Unsigned8(truncated) + Unsigned8(below));
 }
 
 /// Whether a lane of a comparison's result holds true.
