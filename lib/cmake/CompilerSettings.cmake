@@ -19,7 +19,8 @@ endif()
 
 set(VDBLIC_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them")
 if(VDBLIC_SANITIZE)
-    # Left out is what takes half the time to compile: checks of every access, which the address sanitizer has as well.
+    # Left out is what takes half the time to compile: checks of every access, most of which the address
+    # sanitizer has as well.
     target_compile_options(vdblic_settings INTERFACE -fsanitize=${VDBLIC_SANITIZE} -fno-sanitize-recover=all
         -fno-omit-frame-pointer -fno-sanitize=null,object-size,vptr,alignment)
     target_link_options(vdblic_settings INTERFACE -fsanitize=${VDBLIC_SANITIZE})
