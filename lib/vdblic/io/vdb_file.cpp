@@ -6,6 +6,7 @@
 #include "vdblic/core/version.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/checksum.h"
+#include "vdblic/io/guarded_buffer.h"
 #include "vdblic/io/vdb_layout.h"
 
 #include <openvdb/io/Archive.h>
@@ -62,7 +63,7 @@ void stampChecksums(std::fstream& file)
 /// A file that is open for reading, its header checked and, if it has them, its checksums.
 class GuardedFile {
   public:
-    explicit GuardedFile(const std::filesystem::path& path) : mPath(path), mBuffer(std::size_t(1) << 16)
+    explicit GuardedFile(const std::filesystem::path& path) : mPath(path), mMemory(std::size_t(1) << 16)
     {
         std::error_code error;
         if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
@@ -70,11 +71,11 @@ class GuardedFile {
             throw InputError(fmt::format("{}: is no regular file; a .vdb file must be one", path.string()));
         }
         try {
-            mStream.rdbuf()->pubsetbuf(mBuffer.data(), std::streamsize(mBuffer.size()));
+            mBuffer.pubsetbuf(mMemory.data(), std::streamsize(mMemory.size()));
             errno = 0;
-            mStream.open(path, std::ios::binary);
+            const bool open = mBuffer.open(path, std::ios::in | std::ios::binary) != nullptr;
             mSize = std::filesystem::file_size(path, error);
-            if (!mStream || error) throw InputError(std::generic_category().message(errno));
+            if (!open || error) throw InputError(std::generic_category().message(errno));
             mLayout = readLayout(mStream, mSize);
             mHasChecksums = vdblic::hasChecksums(mLayout);
             if (mHasChecksums) verifyChecksums(mStream, mLayout, mSize);
@@ -98,6 +99,7 @@ class GuardedFile {
         errno = 0;
         try {
             mStream.seekg(0);
+            mBuffer.guard(mStream, mLayout);
             openvdb::io::Stream input(mStream, /*delayLoad=*/false);
             VdbFile result;
             result.grids = *input.getGrids();
@@ -122,8 +124,9 @@ class GuardedFile {
     }
 
     std::filesystem::path mPath;
-    std::vector<char> mBuffer; // used by the stream
-    std::ifstream mStream;
+    std::vector<char> mMemory; // used by the buffer
+    GuardedBuffer mBuffer;
+    std::istream mStream{&mBuffer};
     std::uint64_t mSize = 0;
     VdbLayout mLayout;
     bool mHasChecksums = false;

@@ -105,8 +105,9 @@ float coverageAt(const Domain& domain, Float4 position)
     float coverage = 0;
     for (int corner = 0; corner < 8; ++corner) {
         const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
-        const int leaf = domain.findLeaf(base + step);
-        if (leaf < 0 || !domain.isActive(leaf, Domain::offset(base + step))) continue;
+        const auto voxel = Int4(Unsigned4(base) + Unsigned4(step)); // wraps around far outside
+        const int leaf = domain.findLeaf(voxel);
+        if (leaf < 0 || !domain.isActive(leaf, Domain::offset(voxel))) continue;
         float weight = 1;
         for (int axis = 0; axis < 3; ++axis)
             weight *= step[axis] ? fraction[axis] : 1 - fraction[axis];

@@ -6,7 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include <openvdb/io/File.h>
+
 #include <csignal>
+#include <cstring>
+#include <fstream>
 #include <sys/resource.h>
 
 namespace vdblic {
@@ -87,6 +91,60 @@ TEST(VdbFile, RefusesMissingAndDamagedFiles)
         FAIL();
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("bell"), std::string::npos) << error.what();
+    }
+}
+
+/// The size that the last node's values say to have, made larger than the buffer they are read into.
+template<typename Grid>
+void expectNoOverflow(bool half, std::uint32_t compression, std::int64_t bytes)
+{
+    SCOPED_TRACE(fmt::format("{} half {} compression {}", Grid::gridType(), half, compression));
+    const TemporaryFolder folder;
+    const auto first = openvdb::FloatGrid::create();
+    const auto grid = Grid::create();
+    for (int i = 0; i < 11; ++i)
+        grid->tree().setValue({0, i % 8, i / 8}, typename Grid::ValueType(i));
+    grid->setName("last");
+    grid->setSaveFloatAsHalf(half);
+    {
+        openvdb::io::File file((folder / "a.vdb").string());
+        file.setCompression(compression);
+        file.write(openvdb::GridPtrVec{first, grid});
+    }
+    EXPECT_EQ(readVdb(folder / "a.vdb").grids.size(), 2u);
+
+    std::ifstream file(folder / "a.vdb", std::ios::binary);
+    std::string content{std::istreambuf_iterator<char>(file), {}};
+    const auto sizeAt = [&](std::size_t place) {
+        std::int64_t size = 0;
+        std::memcpy(&size, content.data() + place, sizeof size);
+        return size;
+    };
+    std::size_t place = content.size() - 9; // the last size is that of all that follows it
+    while (std::abs(sizeAt(place)) != std::int64_t(content.size() - place - 8))
+        --place;
+    const std::int64_t wrong = -bytes - 2;
+    std::memcpy(content.data() + place, &wrong, sizeof wrong);
+    content.append(std::size_t(-wrong), 'x');
+    try {
+        (void)readVdb(folder.add("b.vdb", content));
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find(fmt::format("take {} bytes", -wrong)), std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(VdbFile, ReadsNoMoreThanThereIsRoomFor)
+{
+    openvdb::initialize();
+    using namespace openvdb::io;
+    for (const std::uint32_t how : {COMPRESS_ZIP, COMPRESS_BLOSC}) {
+        expectNoOverflow<openvdb::FloatGrid>(false, how, 512 * 4);
+        expectNoOverflow<openvdb::FloatGrid>(false, how | COMPRESS_ACTIVE_MASK, 11 * 4);
+        expectNoOverflow<openvdb::FloatGrid>(true, how | COMPRESS_ACTIVE_MASK, 11 * 2);
+        expectNoOverflow<openvdb::Vec3SGrid>(false, how | COMPRESS_ACTIVE_MASK, 11 * 12);
+        expectNoOverflow<openvdb::Vec3SGrid>(true, how | COMPRESS_ACTIVE_MASK, 11 * 6);
     }
 }
 
