@@ -155,6 +155,12 @@ class Advect(ToolTest):
                 self.fails(2, "vdblic_advect", *arguments)
         self.assertEqual(self.files(), [])
 
+    def test_two_outputs_of_one_name(self):
+        for name in "lic.0002.vdb", "./checkpoint.lic.vdb":
+            message = self.fails(2, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "2-3", "--json", name)
+            self.assertIn(name, message)
+        self.assertEqual(self.files(), [])
+
     def test_bad_input(self):
         message = self.fails(3, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "15-17")
         self.assertIn("frame 17 is missing", message)

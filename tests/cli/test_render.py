@@ -307,6 +307,10 @@ class Render(ToolTest):
             self.assertIn("--scale", self.refuses(3, *good, *size, "--max-memory", "500M"))
         self.renders(*good, "--size", 80, 80, "--max-memory", "500M")
 
+    def test_two_outputs_of_one_name(self):
+        message = self.refuses(2, "lic.%04d.vdb", "-o", "a.%04d.png", "--histogram", "./a.0003.png")
+        self.assertIn("./a.0003.png", message)
+
     def test_bad_input(self):
         self.assertIn("nothing.vdb", self.refuses(3, "nothing.vdb", "-o", "a.png"))
         self.assertIn("density", self.refuses(3, "lic.0003.vdb", "-o", "a.png", "--texture", "smoke"))

@@ -94,6 +94,15 @@ void checkNotInput(const std::filesystem::path& output, const std::filesystem::p
     throw ParameterError(fmt::format("output '{}' would replace an input; name another file", output.string()));
 }
 
+void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other)
+{
+    std::error_code ignored;
+    const auto whole = [&](const auto& path) { return std::filesystem::weakly_canonical(path, ignored); };
+    if (whole(output) != whole(other)) return;
+    throw ParameterError(
+        fmt::format("'{}' would be written twice, as two outputs; name another file", output.string()));
+}
+
 void writeTextFile(const std::filesystem::path& path, std::string_view text)
 {
     AtomicFile output(path);

@@ -38,6 +38,8 @@ class AtomicFile {
 
 /// Check that writing an output will not replace an input. @throws ParameterError if they are the same file
 void checkNotInput(const std::filesystem::path& output, const std::filesystem::path& input);
+/// Check that two outputs of a run have different names, whether they exist or not. @throws ParameterError
+void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other);
 
 /// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason
 void writeTextFile(const std::filesystem::path& path, std::string_view text);

@@ -120,6 +120,9 @@ class Advection {
             checkNotInput(mCheckpointPath, input);
             if (!mParams.json.empty()) checkNotInput(mParams.json, input);
         }
+        if (mParams.json.empty()) return;
+        checkDistinct(mParams.json, mPattern.path(number));
+        checkDistinct(mParams.json, mCheckpointPath);
     }
 
     [[nodiscard]] std::uint64_t preroll() const { return std::uint64_t(mParams.prerollSteps()); }

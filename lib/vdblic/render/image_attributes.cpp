@@ -57,11 +57,10 @@ void add(Attributes& attributes, const TransferFunction& transfer)
 
 void add(Attributes& attributes, const TextureModulation& texture)
 {
-    const auto& [low, high, strength, limbDarkening, foot] = texture;
-    attributes.insert(attributes.end(), {{"textureRange", glm::vec2(low, high)},
-                                         {"textureStrength", strength},
-                                         {"limbDarkening", limbDarkening},
-                                         {"textureFoot", foot}});
+    attributes.insert(attributes.end(), {{"textureRange", glm::vec2(texture.low, texture.high)},
+                                         {"textureStrength", texture.strength},
+                                         {"limbDarkening", texture.limbDarkening},
+                                         {"textureFoot", texture.foot}});
 }
 
 void add(Attributes& attributes, const Shading& shading)

@@ -59,11 +59,16 @@ VDBLIC_INLINE Float8 clamped(Float8 x)
 /// One bit for each lane whose comparison is true.
 VDBLIC_INLINE unsigned laneBits(Int8 mask)
 {
-    constexpr Int8 kBits = {1, 2, 4, 8, 16, 32, 64, 128};
-    Int8 bits = mask & kBits;
-    bits |= __builtin_shufflevector(bits, bits, 4, 5, 6, 7, 0, 1, 2, 3);
-    bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1, 6, 7, 4, 5);
-    return unsigned(bits[0] | bits[1]);
+#ifdef __SSE__
+    const auto low = __builtin_bit_cast(Float4, __builtin_shufflevector(mask, mask, 0, 1, 2, 3));
+    const auto high = __builtin_bit_cast(Float4, __builtin_shufflevector(mask, mask, 4, 5, 6, 7));
+    return unsigned(__builtin_ia32_movmskps(low)) | unsigned(__builtin_ia32_movmskps(high)) << 4;
+#else
+    unsigned bits = 0;
+    for (int lane = 0; lane < kLanes; ++lane)
+        bits |= unsigned(mask[lane] & 1) << lane;
+    return bits;
+#endif
 }
 
 /// For each set of lanes, the lanes of the set in rising order, at the front.

@@ -12,17 +12,18 @@ struct TextureModulation {
     float strength = 1;      ///< in opacity; 0: it does not show; 1: dark texture is transparent, bright texture full
     float limbDarkening = 1; ///< in colour; 0: it does not show; 1: the dark rims of streaks are darkest
     float foot = 0.42f;      ///< stretched textures below this are the space between streaks
+    float perTexture = 1 / (high - low), perRise = 1 / (1 - foot); ///< known, so that no sample has to divide
 
     [[nodiscard]] VDBLIC_INLINE Float8 stretched(Float8 texture) const
     {
-        const Float8 t = (texture - low) * (1 / (high - low));
+        const Float8 t = (texture - low) * perTexture;
         const Float8 most = t < 1 ? t : broadcast8(1);
         return most > 0 ? most : Float8{};
     }
     /// The share of the extinction that is left: none below the foot, then rising smoothly to all of it.
     [[nodiscard]] VDBLIC_INLINE Float8 density(Float8 stretched) const
     {
-        const Float8 rise = (stretched - foot) * (1 / (1 - foot));
+        const Float8 rise = (stretched - foot) * perRise;
         const Float8 t = rise > 0 ? rise : Float8{};
         return 1 + (t * t * (3 - 2 * t) - 1) * strength;
     }

@@ -64,6 +64,7 @@ void RayCastParams::validate() const
 }
 
 VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std::uint8_t>& visible)
+    : mLeaves(kBlockLeaves, kNothing)
 {
     const Domain& domain = volume.domain();
     openvdb::CoordBBox box;
@@ -72,20 +73,18 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std:
     if (box.empty()) return;
     mFirst = box.min().offsetBy(-8);
     for (int axis = 0; axis < 3; ++axis)
-        mDim[axis] = int((box.max()[axis] - mFirst[axis]) >> kBlockShift) + 1;
-    mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2] + 1, -1);
+        mDim[axis] = (box.max()[axis] - mFirst[axis]) / kBlockDim + 1;
+    mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2], kNoBlock);
     for (std::size_t leaf = 0; leaf < visible.size(); ++leaf) {
         if (!visible[leaf]) continue;
-        const openvdb::Coord c = domain.origin(leaf) - mFirst;
-        int& block = mBlocks[(std::size_t(c[0] >> kBlockShift) * mDim[1] + std::size_t(c[1] >> kBlockShift)) * mDim[2] +
-                             std::size_t(c[2] >> kBlockShift) + 1];
-        if (block < 0) {
-            block = int(mLeaves.size() / kBlockLeaves);
-            mLeaves.resize(mLeaves.size() + kBlockLeaves, kNoLeaf);
+        const openvdb::Coord voxel = domain.origin(leaf) - mFirst;
+        int& block = mBlocks[blockPlace(voxel[0] / kBlockDim, voxel[1] / kBlockDim, voxel[2] / kBlockDim)];
+        if (block == kNoBlock) {
+            block = int(mLeaves.size());
+            mLeaves.resize(mLeaves.size() + kBlockLeaves, kNothing);
         }
-        const int inBlock = ((c[0] >> 3) & 15) << 8 | ((c[1] >> 3) & 15) << 4 | ((c[2] >> 3) & 15);
-        mLeaves[std::size_t(block) * kBlockLeaves + std::size_t(inBlock)] =
-            int(leaf) * 2 + int(!volume.shown(leaf).isOn());
+        mLeaves[std::size_t(block) + inBlock(voxel[0], voxel[1], voxel[2])] =
+            unsigned(leaf) * kBrickSize + (volume.shown(leaf).isOn() ? 0 : kPartly);
     }
 }
 

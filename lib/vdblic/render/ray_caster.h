@@ -23,7 +23,8 @@ struct RayCastParams {
     void validate() const;
 };
 
-/// Which leaves can contribute, found by place: what empty-space skipping needs.
+/// Which leaves can contribute, found by place: what empty-space skipping needs. A block is a cube of 16³ leaves; only
+/// blocks in which a leaf is visible have a table of them.
 ///
 /// Places count from `first()`, below every leaf, so that they are never negative.
 class VisibleLeaves {
@@ -32,34 +33,51 @@ class VisibleLeaves {
     VisibleLeaves(const TextureVolume& volume, const std::vector<std::uint8_t>& visible);
     VisibleLeaves(const TextureVolume& volume, const Look& look);
 
-    static constexpr int kBlockShift = 7; ///< a block is 128 voxels wide
-    static constexpr int kNoLeaf = -1;    ///< the leaf is not there or not visible
-    static constexpr int kNoBlock = -2;   ///< nor is any in its block
+    static constexpr int kBlockDim = 128; ///< in voxels
+    static constexpr int kNoBlock = 0;    ///< the table of all blocks in which nothing is visible
+    /// An entry of a table is the number of the first record of the leaf's brick, with flags in the low bits.
+    static constexpr unsigned kNothing = 1; ///< the leaf is not there or not visible
+    static constexpr unsigned kPartly = 2;  ///< some of its voxels are not shown
+    static constexpr unsigned kFlags = kNothing | kPartly;
+    static_assert(kBrickSize % (kFlags + 1) == 0);
 
-    /// Twice the number of the leaf that covers a voxel, odd if some of its voxels are not shown; or kNoLeaf, kNoBlock.
-    /// @param lanes those that are asked for; the others get kNoBlock
-    [[nodiscard]] VDBLIC_INLINE Int8 find(const Int8* voxel, unsigned lanes) const
+    /// Where the table of the block around a voxel begins.
+    [[nodiscard]] int findBlock(int x, int y, int z) const
     {
-        const Int8 x = voxel[0] >> kBlockShift, y = voxel[1] >> kBlockShift, z = voxel[2] >> kBlockShift;
-        const Int8 inside = (x >= 0) & (x < mDim[0]) & (y >= 0) & (y < mDim[1]) & (z >= 0) & (z < mDim[2]);
-        const Int8 block = ((x * mDim[1] + y) * mDim[2] + z + 1) & inside;
-        const Int8 inBlock = ((voxel[0] >> 3) & 15) << 8 | ((voxel[1] >> 3) & 15) << 4 | ((voxel[2] >> 3) & 15);
-        Int8 found = {kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock};
-        for (; lanes != 0; lanes &= lanes - 1) {
-            const int lane = __builtin_ctz(lanes), number = mBlocks[unsigned(block[lane])];
-            if (number >= 0) found[lane] = mLeaves[std::size_t(number) * kBlockLeaves + unsigned(inBlock[lane])];
-        }
-        return found;
+        x /= kBlockDim;
+        y /= kBlockDim;
+        z /= kBlockDim;
+        return x < mDim[0] && y < mDim[1] && z < mDim[2] ? mBlocks[blockPlace(x, y, z)] : kNoBlock;
+    }
+    /// The entries of the leaves around eight voxels. @param blocks where the tables of their blocks begin
+    [[nodiscard]] VDBLIC_INLINE Unsigned8 findLeaves(Int8 blocks, const Int8* voxel) const
+    {
+        const Int8 place = blocks + inBlock(voxel[0], voxel[1], voxel[2]);
+        Unsigned8 entries;
+        for (int lane = 0; lane < 8; ++lane)
+            entries[lane] = mLeaves[unsigned(place[lane])];
+        return entries;
     }
     [[nodiscard]] const openvdb::Coord& first() const { return mFirst; }
 
   private:
     static constexpr std::size_t kBlockLeaves = 4096;
 
+    [[nodiscard]] std::size_t blockPlace(int x, int y, int z) const
+    {
+        return (std::size_t(x) * unsigned(mDim[1]) + unsigned(y)) * unsigned(mDim[2]) + unsigned(z);
+    }
+    /// The place of a voxel's leaf in its block's table.
+    template<typename Integer>
+    VDBLIC_INLINE static Integer inBlock(Integer x, Integer y, Integer z)
+    {
+        return (x << 5 & 0xf00) | (y << 1 & 0xf0) | (z >> 3 & 0xf);
+    }
+
     openvdb::Coord mFirst{0};
-    int mDim[3] = {0, 0, 0};
-    std::vector<int> mBlocks; // number of the block at a place, after that of no place; −1 if it is empty
-    std::vector<int> mLeaves;
+    int mDim[3] = {0, 0, 0};       // in blocks
+    std::vector<int> mBlocks;      // where their tables begin
+    std::vector<unsigned> mLeaves; // all tables
 };
 
 /// The share of a step by which the steps of a pixel's ray are shifted along it, from a low-discrepancy sequence over

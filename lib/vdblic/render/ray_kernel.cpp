@@ -20,13 +20,6 @@ VDBLIC_INLINE SamplePlaces samplePlace(Int8 sample, Float8 shift, Float8 span)
     return {(begin + end) * 0.5f, end - begin};
 }
 
-/// A number for a cell, so that neighbours within a leaf differ as their records do; wraps around.
-template<typename Integer>
-VDBLIC_INLINE Integer placeNumber(Integer x, Integer y, Integer z)
-{
-    return (x * kBrickDim + y) * kBrickDim + z;
-}
-
 /// The cells of two lanes side by side: values at a corner and its neighbour along z, of the one and of the other.
 VDBLIC_INLINE Float8 loadPairs(const ValueRecord* a, const ValueRecord* b)
 {
@@ -45,26 +38,27 @@ VDBLIC_INLINE Float8 spread(Float8 x)
 
 } // namespace
 
-/// Eight rays under way. The samples up to segmentEnd are sure to lie in the same visible leaf, but for the first,
-/// which was looked up. A lane without a ray stands still where there is nothing.
+/// Eight rays under way. A lane without a ray stands still where there is nothing.
 struct alignas(32) RayKernel::Lanes {
     Float8 entry[3], direction[3], inverse[3];
     Float8 view[3]; // direction in world space
     Float8 shift, span;
     Float8 transmittance, halo, haloPlace;
     Float8 waiting; // the weight of samples that added too little to be shaded
-    Int8 samples, sample, segmentEnd, taken, task;
-    Int8 leaf;
-    Int8 offset;     // from a place's number in index space, placeNumber(), to that of its record
-    unsigned masked; // lanes in leaves that are not shown whole
-    unsigned busy;   // lanes that have a ray
+    Int8 samples, sample, taken, task;
+    Int8 spent; // too little light was left before the last sample; that after it would have to be waited for
+    Int8 blockOrigin[3], block; // where they are, as VisibleLeaves has them
+    unsigned busy;              // lanes that have a ray
 };
 
-/// What the lanes' samples met.
+/// The lanes' samples: where they lie and what they meet there.
 struct alignas(32) RayKernel::Sample {
     Float8 place, length; // along the ray [steps]
-    Float8 fraction[3];   // in the cell
-    Int8 record;          // number of the record at the cell's lowest corner
+    Float8 position[3];
+    Int8 voxel[3];
+    Unsigned8 leaf;     // the entry of VisibleLeaves
+    Float8 fraction[3]; // in the cell
+    Int8 record;        // number of the record at the cell's lowest corner
     Float8 texture, magnitude;
     unsigned hidden; // lanes whose voxel is not shown
 };
@@ -81,25 +75,44 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
     mMargin = float(1e-5 + reach * 0x1p-20);
 }
 
-/// Find the leaves in which some lanes' next samples lie, and how many more do. @return the lanes whose leaf is
-/// visible; the others have moved to the first sample behind it
-VDBLIC_INLINE unsigned RayKernel::findSegments(Lanes& lanes, unsigned which) const
+/// Find where the lanes' next samples lie, and in which leaves if it is in the same blocks as the last ones.
+VDBLIC_INLINE void RayKernel::place(const Lanes& lanes, Sample& result) const
 {
-    const Float8 distance = samplePlace(lanes.sample, lanes.shift, lanes.span).place * mStep;
-    Int8 voxel[3];
-    for (int axis = 0; axis < 3; ++axis)
-        voxel[axis] = __builtin_convertvector(lanes.entry[axis] + lanes.direction[axis] * distance + 0.5f, Int8);
-    const Int8 found = mVisible.find(voxel, which);
+    const SamplePlaces sample = samplePlace(lanes.sample, lanes.shift, lanes.span);
+    result.place = sample.place;
+    result.length = sample.length;
+    const Float8 distance = sample.place * mStep;
+    for (int axis = 0; axis < 3; ++axis) {
+        result.position[axis] = lanes.entry[axis] + lanes.direction[axis] * distance; // not negative
+        result.voxel[axis] = __builtin_convertvector(result.position[axis] + 0.5f, Int8);
+    }
+    result.leaf = mVisible.findLeaves(lanes.block, result.voxel);
+}
 
+VDBLIC_INLINE Int8 RayKernel::isOver(const Lanes& lanes) const
+{
+    return (lanes.sample >= lanes.samples) | lanes.spent;
+}
+
+/// The lanes whose ray is over or leaves its block, or is where nothing is visible.
+VDBLIC_INLINE unsigned RayKernel::leaving(const Lanes& lanes, const Sample& sample) const
+{
+    const Int8 apart = (sample.voxel[0] ^ lanes.blockOrigin[0]) | (sample.voxel[1] ^ lanes.blockOrigin[1]) |
+                       (sample.voxel[2] ^ lanes.blockOrigin[2]);
+    const Int8 here = (apart & -VisibleLeaves::kBlockDim) | Int8(sample.leaf & VisibleLeaves::kNothing);
+    return laneBits((here != 0) | isOver(lanes)) & lanes.busy;
+}
+
+/// Take lanes to the first sample behind the leaf or the block they are in.
+VDBLIC_INLINE void RayKernel::skip(Lanes& lanes, const Sample& sample, unsigned which) const
+{
     // The samples before the ray comes within the margin of leaving this box are surely inside.
     const Int8 dim =
-        found == VisibleLeaves::kNoBlock ? broadcastInt8(1 << VisibleLeaves::kBlockShift) : broadcastInt8(8);
+        lanes.block == VisibleLeaves::kNoBlock ? broadcastInt8(VisibleLeaves::kBlockDim) : broadcastInt8(8);
     const Float8 depth = __builtin_convertvector(dim, Float8) - mMargin;
-    Int8 origin[3];
     Float8 nearest = broadcast8(std::numeric_limits<float>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
-        origin[axis] = voxel[axis] & -dim;
-        const Float8 low = __builtin_convertvector(origin[axis], Float8) - 0.5f;
+        const Float8 low = __builtin_convertvector(sample.voxel[axis] & -dim, Float8) - 0.5f;
         const Float8 exit = low + (lanes.inverse[axis] > 0 ? depth : broadcast8(mMargin));
         const Float8 there = (exit - lanes.entry[axis]) * lanes.inverse[axis];
         nearest = there < nearest ? there : nearest;
@@ -108,18 +121,7 @@ VDBLIC_INLINE unsigned RayKernel::findSegments(Lanes& lanes, unsigned which) con
     const Float8 all = __builtin_convertvector(lanes.samples, Float8);
     const Int8 inside = __builtin_convertvector(last < all ? last : all, Int8);
     const Int8 next = (inside > lanes.sample ? inside : lanes.sample) + 1;
-    const Int8 end = next < lanes.samples ? next : lanes.samples;
-
-    const Int8 active = maskOf(which), visible = active & (found >= 0);
-    lanes.sample = active & ~visible ? end : lanes.sample;
-    lanes.segmentEnd = visible ? end : lanes.segmentEnd;
-    lanes.leaf = visible ? found >> 1 : lanes.leaf;
-    const auto number = Unsigned8(placeNumber(origin[0], origin[1], origin[2]));
-    const auto first = Int8(Unsigned8(lanes.leaf) * kBrickSize + unsigned(brickIndex(0, 0, 0)) - number);
-    lanes.offset = visible ? first : lanes.offset;
-    const unsigned result = laneBits(visible);
-    lanes.masked = (lanes.masked & ~result) | (laneBits((found & 1) != 0) & result);
-    return result;
+    lanes.sample = maskOf(which) ? next : lanes.sample;
 }
 
 /// Give a lane a ray.
@@ -139,67 +141,69 @@ VDBLIC_INLINE void RayKernel::load(const RayTask& ray, int task, Lanes& lanes, i
         setLane(*sum, lane, 0);
     setLane(lanes.sample, lane, 0);
     setLane(lanes.taken, lane, 0);
+    setLane(lanes.spent, lane, 0);
     setLane(lanes.task, lane, task);
     lanes.busy |= 1u << lane;
 }
 
-/// Let a lane stand still in the first leaf's first cell, where no light is left to take.
+/// Let a lane stand still, where no light is left to take.
 VDBLIC_INLINE void RayKernel::park(Lanes& lanes, int lane) const
 {
     for (int axis = 0; axis < 3; ++axis) {
         setLane(lanes.entry[axis], lane, 0);
         setLane(lanes.direction[axis], lane, 0);
     }
-    setLane(lanes.offset, lane, 0);
     setLane(lanes.transmittance, lane, 0);
-    setLane(lanes.segmentEnd, lane, std::numeric_limits<int>::max());
-    lanes.masked &= ~(1u << lane);
     lanes.busy &= ~(1u << lane);
 }
 
-/// Take lanes that left their leaf on to the next visible one, on their ray or, if that is over, on the next ray.
-VDBLIC_INLINE void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned ended, Lanes& lanes,
-                                      RaySum* sums) const
+/// Take lanes to the next sample in a visible leaf, on their ray or, if that is over, on the next ray.
+VDBLIC_INLINE void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes,
+                                      Sample& sample, RaySum* sums) const
 {
-    while (ended != 0) {
-        const Int8 over = (lanes.sample >= lanes.samples) | (lanes.transmittance < mLeastTransmittance);
-        for (unsigned left = ended & laneBits(over); left != 0; left &= left - 1) {
+    do {
+        for (unsigned left = leaving & laneBits(isOver(lanes)); left != 0; left &= left - 1) {
             const int lane = __builtin_ctz(left);
-            if (lanes.busy >> lane & 1) {
-                RaySum& sum = sums[lanes.task[lane]];
-                sum.alpha = 1 - lanes.transmittance[lane];
-                sum.halo = lanes.halo[lane];
-                sum.haloPlace = lanes.haloPlace[lane];
-                sum.waiting = lanes.waiting[lane];
-                sum.samples = lanes.taken[lane];
-            }
+            RaySum& sum = sums[lanes.task[lane]];
+            sum.alpha = 1 - lanes.transmittance[lane];
+            sum.halo = lanes.halo[lane];
+            sum.haloPlace = lanes.haloPlace[lane];
+            sum.waiting = lanes.waiting[lane];
+            sum.samples = lanes.taken[lane];
             if (next < count) {
                 load(tasks[next], next, lanes, lane);
                 ++next;
             } else {
                 park(lanes, lane);
-                ended &= ~(1u << lane);
+                leaving &= ~(1u << lane);
             }
         }
-        ended &= ~findSegments(lanes, ended);
-    }
+        place(lanes, sample);
+        for (unsigned left = leaving; left != 0; left &= left - 1) {
+            const int lane = __builtin_ctz(left);
+            const auto& [x, y, z] = sample.voxel;
+            setLane(lanes.block, lane, mVisible.findBlock(x[lane], y[lane], z[lane]));
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            const Int8 origin = sample.voxel[axis] & -VisibleLeaves::kBlockDim;
+            lanes.blockOrigin[axis] = maskOf(leaving) ? origin : lanes.blockOrigin[axis];
+        }
+        sample.leaf = mVisible.findLeaves(lanes.block, sample.voxel);
+        leaving &= laneBits((sample.leaf & VisibleLeaves::kNothing) != 0);
+        if (leaving != 0) skip(lanes, sample, leaving);
+    } while (leaving != 0);
 }
 
 /// Texture and magnitude at the lanes' samples.
-VDBLIC_INLINE void RayKernel::sample(const Lanes& lanes, Sample& result) const
+VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
 {
-    const SamplePlaces sample = samplePlace(lanes.sample, lanes.shift, lanes.span);
-    result.place = sample.place;
-    result.length = sample.length;
-    const Float8 distance = sample.place * mStep;
-    Float8 position[3];
-    Int8 base[3];
+    Int8 cell[3]; // in the leaf; from −1 on
     for (int axis = 0; axis < 3; ++axis) {
-        position[axis] = lanes.entry[axis] + lanes.direction[axis] * distance;
-        base[axis] = __builtin_convertvector(position[axis], Int8); // none is negative
-        result.fraction[axis] = position[axis] - __builtin_convertvector(base[axis], Float8);
+        const Int8 base = __builtin_convertvector(result.position[axis], Int8);
+        result.fraction[axis] = result.position[axis] - __builtin_convertvector(base, Float8);
+        cell[axis] = base - (result.voxel[axis] & -8);
     }
-    result.record = placeNumber(base[0], base[1], base[2]) + lanes.offset;
+    result.record = Int8(result.leaf & ~VisibleLeaves::kFlags) + brickIndex(cell[0], cell[1], cell[2]);
 
     const ValueRecord* records = mVolume.values();
     constexpr int kY = kBrickDim, kX = kBrickDim * kBrickDim;
@@ -221,14 +225,11 @@ VDBLIC_INLINE void RayKernel::sample(const Lanes& lanes, Sample& result) const
     result.magnitude = __builtin_shufflevector(front, back, 2, 3, 10, 11, 6, 7, 14, 15);
 
     result.hidden = 0;
-    if (lanes.masked == 0) return;
-    Int8 voxel[3];
-    for (int axis = 0; axis < 3; ++axis)
-        voxel[axis] = __builtin_convertvector(position[axis] + 0.5f, Int8) & 7;
-    const Int8 offsets = voxel[0] << 6 | voxel[1] << 3 | voxel[2];
-    for (unsigned left = lanes.masked; left != 0; left &= left - 1) {
+    const Int8 offsets = (result.voxel[0] & 7) << 6 | (result.voxel[1] & 7) << 3 | (result.voxel[2] & 7);
+    for (unsigned left = laneBits((result.leaf & VisibleLeaves::kPartly) != 0); left != 0; left &= left - 1) {
         const int lane = __builtin_ctz(left);
-        result.hidden |= unsigned(!mVolume.shown(std::size_t(lanes.leaf[lane])).isOn(unsigned(offsets[lane]))) << lane;
+        const bool shown = mVolume.shown(result.leaf[lane] / kBrickSize).isOn(unsigned(offsets[lane]));
+        result.hidden |= unsigned(!shown) << lane;
     }
 }
 
@@ -255,6 +256,7 @@ VDBLIC_INLINE Float8 RayKernel::haloShare(const Lanes& lanes, const Sample& samp
 /// Let the lanes' samples take their part of the light, and queue those that are seen.
 VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const
 {
+    lanes.spent = lanes.transmittance < mLeastTransmittance;
     const Int8 entries = mLook.transfer.entries(sample.magnitude);
     const float* extinctions = mLook.transfer.extinctions();
     Float8 extinction;
@@ -284,39 +286,48 @@ VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQu
     lanes.waiting = enough ? Float8{} : weight;
     const unsigned seen = laneBits(enough);
     const Int8 order = kPacking[seen];
+    const int end = queue.end;
     for (int axis = 0; axis < 3; ++axis)
-        queue.put(queue.fraction[axis], sample.fraction[axis], order);
-    queue.put(queue.record, sample.record, order);
-    queue.put(queue.task, lanes.task, order);
-    queue.put(queue.place, sample.place, order);
-    queue.put(queue.weight, weight, order);
-    queue.put(queue.texture, sample.texture, order);
-    queue.put(queue.magnitude, sample.magnitude, order);
-    queue.end += __builtin_popcount(seen);
+        queue.put(queue.fraction[axis] + end, sample.fraction[axis], order);
+    queue.put(queue.record + end, sample.record, order);
+    queue.put(queue.task + end, lanes.task, order);
+    queue.put(queue.place + end, sample.place, order);
+    queue.put(queue.weight + end, weight, order);
+    queue.put(queue.texture + end, sample.texture, order);
+    queue.put(queue.magnitude + end, sample.magnitude, order);
+    queue.end = end + __builtin_popcount(seen);
 }
 
 VDBLIC_KERNEL
 void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
 {
     Lanes lanes{};
-    ShadeQueue queue;
+    for (Int8& origin : lanes.blockOrigin)
+        origin = broadcastInt8(-1); // of no block
     int next = 0;
-    advance(tasks, count, next, (1u << kLanes) - 1, lanes, sums);
-
-    Sample met;
-    while (lanes.busy != 0) {
-        sample(lanes, met);
-        // Which lanes leave their leaf does not depend on what they meet, so that the processor need not wait for it.
+    for (int lane = 0; lane < kLanes; ++lane) {
+        if (next < count) {
+            load(tasks[next], next, lanes, lane);
+            ++next;
+        } else {
+            park(lanes, lane);
+        }
+    }
+    ShadeQueue queue;
+    Sample sample;
+    while (true) {
+        place(lanes, sample);
+        if (const unsigned left = leaving(lanes, sample)) advance(tasks, count, next, left, lanes, sample, sums);
+        if (lanes.busy == 0) break;
+        interpolate(sample);
+        absorb(lanes, sample, queue);
         lanes.sample += 1;
         lanes.taken += 1;
-        const unsigned ended = laneBits(lanes.sample >= lanes.segmentEnd);
-        absorb(lanes, met, queue);
         if (queue.end >= ShadeQueue::kMany) {
             for (; queue.begin + kLanes <= queue.end; queue.begin += kLanes)
                 mShader.shade(queue, tasks, sums);
             queue.compact();
         }
-        advance(tasks, count, next, ended, lanes, sums);
     }
     while (queue.begin < queue.end) {
         for (int i = queue.end; i < queue.begin + kLanes; ++i) {

@@ -19,11 +19,15 @@ class RayKernel {
     struct Lanes;
     struct Sample;
 
-    unsigned findSegments(Lanes& lanes, unsigned which) const;
     void load(const RayTask& ray, int task, Lanes& lanes, int lane) const;
     void park(Lanes& lanes, int lane) const;
-    void advance(const RayTask* tasks, int count, int& next, unsigned ended, Lanes& lanes, RaySum* sums) const;
-    void sample(const Lanes& lanes, Sample& result) const;
+    Int8 isOver(const Lanes& lanes) const;
+    void place(const Lanes& lanes, Sample& result) const;
+    unsigned leaving(const Lanes& lanes, const Sample& sample) const;
+    void skip(Lanes& lanes, const Sample& sample, unsigned which) const;
+    void advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes, Sample& sample,
+                 RaySum* sums) const;
+    void interpolate(Sample& result) const;
     Float8 haloShare(const Lanes& lanes, const Sample& sample, Float8 stretched) const;
     void absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
 

@@ -15,7 +15,7 @@ class RaySetup {
     [[nodiscard]] RayTask ray(int x, int y) const;
 
   private:
-    struct Face {
+    struct Cut {
         ClipPlane plane;
         glm::dvec3 outward; // of length 1
     };
@@ -23,9 +23,11 @@ class RaySetup {
     const Camera& mCamera;
     const SampleShader& mShader;
     double mStep;
-    int mRay;                 // of a pixel's
-    glm::dmat4 mToIndex;      // from world space to places as VisibleLeaves count them
-    std::vector<Face> mFaces; // of the volume's bounds and of the cuts, in world space
+    int mRay;               // of a pixel's
+    glm::dmat4 mToIndex;    // from world space to places as VisibleLeaves count them
+    glm::dvec3 mLow, mHigh; // the volume's bounds there
+    glm::dvec3 mAlong[3];   // the normals of their faces, towards the high ones, in world space
+    std::vector<Cut> mCuts;
 };
 
 } // namespace vdblic

@@ -108,6 +108,7 @@ class SequenceRenderer {
             const std::optional<FrameFile> file = mSource();
             if (!file) return false;
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
+            if (mOutput && !mParams.histogram.empty()) checkDistinct(mParams.histogram, mOutput->path(file->frame));
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // paths of which there is a second one
             task.file = *file;
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);

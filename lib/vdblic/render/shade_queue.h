@@ -42,12 +42,12 @@ struct ShadeQueue {
     float texture[kCapacity], magnitude[kCapacity];
     int begin = 0, end = 0;
 
-    /// Append some lanes to one of the arrays; `end` stays. @param order the lanes, of kPacking
+    /// Write some lanes to one of the arrays, from a place on. @param order the lanes, of kPacking
     template<typename T, typename Vector>
-    VDBLIC_INLINE void put(T* array, Vector values, Int8 order) const
+    VDBLIC_INLINE static void put(T* place, Vector values, Int8 order)
     {
         const Vector packed = __builtin_shuffle(values, order);
-        std::memcpy(array + end, &packed, sizeof packed);
+        std::memcpy(place, &packed, sizeof packed);
     }
 
     /// Move what is left to the front.

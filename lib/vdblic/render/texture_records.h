@@ -36,7 +36,8 @@ inline constexpr int kBrickDim = 10;
 inline constexpr int kBrickSize = kBrickDim * kBrickDim * kBrickDim;
 
 /// @param x from −1 to 8, counted from the leaf's origin; so are y and z
-constexpr int brickIndex(int x, int y, int z)
+template<typename Integer>
+constexpr Integer brickIndex(Integer x, Integer y, Integer z)
 {
     return ((x + 1) * kBrickDim + y + 1) * kBrickDim + z + 1;
 }

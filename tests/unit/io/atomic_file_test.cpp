@@ -99,6 +99,14 @@ TEST(CheckNotInput, KnowsAFileByAnyName)
     EXPECT_NO_THROW(checkNotInput(folder / "b.vdb", folder / "none.vdb"));
 }
 
+TEST(CheckDistinct, KnowsNamesThatAreNotThereYet)
+{
+    const TemporaryFolder folder;
+    EXPECT_THROW(checkDistinct(folder / "a.vdb", folder.path() / "." / "a.vdb"), ParameterError);
+    EXPECT_THROW(checkDistinct("a.vdb", fs::current_path() / "none" / ".." / "a.vdb"), ParameterError);
+    EXPECT_NO_THROW(checkDistinct(folder / "a.vdb", folder / "b.vdb"));
+}
+
 TEST(AtomicFile, WritesToTheCurrentFolderToo)
 {
     const TemporaryFolder folder;
