@@ -97,7 +97,9 @@ void checkNotInput(const std::filesystem::path& output, const std::filesystem::p
 void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other)
 {
     std::error_code ignored;
-    const auto whole = [&](const auto& path) { return std::filesystem::weakly_canonical(path, ignored); };
+    const auto whole = [&](const std::filesystem::path& path) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored);
+    };
     if (whole(output) != whole(other)) return;
     throw ParameterError(
         fmt::format("'{}' would be written twice, as two outputs; name another file", output.string()));
