@@ -1,31 +1,54 @@
 #include "vdblic/render/texture_block.h"
 
-#include <cmath>
-#include <cstring>
+#include <algorithm>
 
 namespace vdblic {
 namespace {
 
-/// Copy what one node or tile holds of a block, for each of the 27 leaves that a block meets.
-template<typename Visit>
-void visitLeaves(const openvdb::FloatTree& tree, const openvdb::Coord& origin, const Visit& visit)
+/// Copy the values of a block, from the 27 leaves or tiles that it meets. @param active receives which of them are,
+/// unless it is null
+void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values, int* active)
 {
     constexpr int kBegin[] = {-2, 0, 8}, kEnd[] = {0, 8, 10};
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
     for (int part = 0; part < 27; ++part) {
         const int p[] = {part / 9, part / 3 % 3, part % 3};
-        const openvdb::Coord begin(kBegin[p[0]], kBegin[p[1]], kBegin[p[2]]), end(kEnd[p[0]], kEnd[p[1]], kEnd[p[2]]);
+        const openvdb::Coord begin(kBegin[p[0]], kBegin[p[1]], kBegin[p[2]]);
         const openvdb::FloatTree::LeafNodeType* leaf = accessor.probeConstLeaf(origin + begin);
         float tile = 0;
-        const bool active = !leaf && accessor.probeValue(origin + begin, tile);
-        visit(begin, end, leaf, tile, active);
+        const bool tileActive = !leaf && accessor.probeValue(origin + begin, tile);
+        const int count = kEnd[p[2]] - begin[2];
+        for (int x = begin[0]; x < kEnd[p[0]]; ++x) {
+            for (int y = begin[1]; y < kEnd[p[1]]; ++y) {
+                const int i = TextureBlock::index(x, y, begin[2]);
+                const unsigned offset = Domain::offset(Int4{x, y, begin[2], 0});
+                if (leaf) {
+                    std::copy_n(leaf->buffer().data() + offset, count, values + i);
+                } else {
+                    std::fill_n(values + i, count, tile);
+                }
+                if (!active) continue;
+                std::uint64_t bits = tileActive ? ~std::uint64_t{0} : 0;
+                if (leaf) bits = leaf->getValueMask().getWord<openvdb::Index64>(offset >> 6) >> (offset & 63);
+                for (int z = 0; z < count; ++z)
+                    active[i + z] = int(bits >> z & 1);
+            }
+        }
     }
 }
 
-/// The derivative along one axis from the neighbours that are there, in texture per voxel.
-float difference(const float* value, const bool* active, int stride)
+/// 1 if a number is finite, by its exponent, so that many are looked at at once.
+int isFinite(float x)
+{
+    constexpr std::uint32_t kExponent = 0x7f800000;
+    return (__builtin_bit_cast(std::uint32_t, x) & kExponent) != kExponent;
+}
+
+/// The derivative along one axis from the neighbours that are there, in texture per voxel; 0 where a voxel is inactive.
+float difference(const float* value, const int* active, int stride)
 {
     const bool before = active[-stride], after = active[stride];
+    if (!*active) return 0;
     if (before && after) return (value[stride] - value[-stride]) * 0.5f;
     if (after) return value[stride] - *value;
     return before ? *value - value[-stride] : 0.0f;
@@ -36,63 +59,58 @@ float difference(const float* value, const bool* active, int stride)
 void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatTree& magnitude,
                         const openvdb::Coord& origin)
 {
-    const auto row = [](int x, int y) { return Domain::offset(Int4{x, y, 0, 0}); };
-    bool whole = true;
-    visitLeaves(texture, origin, [&](auto begin, auto end, const auto* leaf, float tile, bool active) {
-        for (int x = begin[0]; x < end[0]; ++x) {
-            for (int y = begin[1]; y < end[1]; ++y) {
-                for (int z = begin[2]; z < end[2]; ++z) {
-                    const int i = index(x, y, z);
-                    const unsigned offset = row(x, y) + unsigned(z & 7);
-                    mTexture[i] = leaf ? leaf->buffer().data()[offset] : tile;
-                    mActive[i] = (leaf ? leaf->isValueOn(offset) : active) && std::isfinite(mTexture[i]);
-                    whole &= mActive[i];
-                }
-            }
-        }
-    });
-    visitLeaves(magnitude, origin, [&](auto begin, auto end, const auto* leaf, float tile, bool) {
-        for (int x = begin[0]; x < end[0]; ++x) {
-            for (int y = begin[1]; y < end[1]; ++y) {
-                for (int z = begin[2]; z < end[2]; ++z) {
-                    const int i = index(x, y, z);
-                    mMagnitude[i] = leaf ? leaf->buffer().data()[row(x, y) + unsigned(z & 7)] : tile;
-                    if (!std::isfinite(mMagnitude[i])) whole = mActive[i] = false;
-                }
-            }
-        }
-    });
-    mWhole = whole;
+    copyValues(texture, origin, mTexture, mActive);
+    copyValues(magnitude, origin, mMagnitude, nullptr);
+    int active = 0;
+    for (int i = 0; i < kSize; ++i) {
+        mActive[i] &= isFinite(mTexture[i]) & isFinite(mMagnitude[i]);
+        active += mActive[i];
+    }
+    mWhole = active == kSize;
 }
 
 void TextureBlock::extend()
 {
     if (mWhole) return;
+    unsigned rows[kDim * kDim] = {}; // a bit for each active voxel
+    for (int row = 0; row < kDim * kDim; ++row) {
+        for (int z = 0; z < kDim; ++z)
+            rows[row] |= unsigned(mActive[row * kDim + z]) << z;
+    }
     for (int x = -1; x <= 8; ++x) {
         for (int y = -1; y <= 8; ++y) {
-            for (int z = -1; z <= 8; ++z) {
-                const int i = index(x, y, z);
-                if (mActive[i]) continue;
-                float texture[4] = {}, magnitude[4] = {}, count[4] = {}; // by how many axes a neighbour differs along
-                for (int n = 0; n < 27; ++n) {
-                    const int dx = n / 9 - 1, dy = n / 3 % 3 - 1, dz = n % 3 - 1;
-                    const int j = i + (dx * kDim + dy) * kDim + dz;
-                    if (!mActive[j]) continue;
-                    const int distance = (dx != 0) + (dy != 0) + (dz != 0);
-                    texture[distance] += mTexture[j];
-                    magnitude[distance] += mMagnitude[j];
-                    count[distance] += 1;
-                }
+            const int row = index(x, y, -2) / kDim;
+            unsigned around = 0; // voxels with an active neighbour
+            for (const int dx : {-kDim, 0, kDim})
+                around |= rows[row + dx - 1] | rows[row + dx] | rows[row + dx + 1];
+            around |= around << 1 | around >> 1;
+            for (int z = 1; z <= kBrickDim; ++z) {
+                if (rows[row] >> z & 1) continue;
+                const int i = row * kDim + z;
                 mTexture[i] = mMagnitude[i] = 0;
-                for (int distance = 1; distance <= 3; ++distance) {
-                    if (count[distance] == 0) continue;
-                    mTexture[i] = texture[distance] / count[distance];
-                    mMagnitude[i] = magnitude[distance] / count[distance];
-                    break;
-                }
+                if (around >> z & 1) extend(i);
             }
         }
     }
+}
+
+void TextureBlock::extend(int i)
+{
+    float texture[4] = {}, magnitude[4] = {}, count[4] = {}; // by how many axes a neighbour differs along
+    for (int n = 0; n < 27; ++n) {
+        const int dx = n / 9 - 1, dy = n / 3 % 3 - 1, dz = n % 3 - 1;
+        const int j = i + (dx * kDim + dy) * kDim + dz;
+        if (!mActive[j]) continue;
+        const int distance = (dx != 0) + (dy != 0) + (dz != 0);
+        texture[distance] += mTexture[j];
+        magnitude[distance] += mMagnitude[j];
+        count[distance] += 1;
+    }
+    int nearest = 1;
+    while (count[nearest] == 0)
+        ++nearest;
+    mTexture[i] = texture[nearest] / count[nearest];
+    mMagnitude[i] = magnitude[nearest] / count[nearest];
 }
 
 LeafRange TextureBlock::range() const
@@ -130,19 +148,27 @@ void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientReco
     constexpr int kStrides[] = {kDim * kDim, kDim, 1};
     for (int x = -1; x <= 8; ++x) {
         for (int y = -1; y <= 8; ++y) {
-            const int i = index(x, y, -1);
-            GradientRecord* row = brick + brickIndex(x, y, -1);
-            for (int z = 0; z < kBrickDim; ++z) {
-                const float* value = mTexture + i + z;
-                glm::vec3 gradient;
-                for (int axis = 0; axis < 3; ++axis) {
-                    gradient[axis] = mWhole ? (value[kStrides[axis]] - value[-kStrides[axis]]) * 0.5f
-                                            : difference(value, mActive + i + z, kStrides[axis]);
+            const float* value = mTexture + index(x, y, -1);
+            const int* active = mActive + index(x, y, -1);
+            float gradient[3][kBrickDim];
+            for (int axis = 0; axis < 3; ++axis) {
+                const int stride = kStrides[axis];
+                for (int z = 0; z < kBrickDim; ++z) {
+                    gradient[axis][z] = mWhole ? (value[z + stride] - value[z - stride]) * 0.5f
+                                               : difference(value + z, active + z, stride);
                 }
-                if (!mActive[i + z]) gradient = glm::vec3(0);
-                gradient = gradientToWorld * gradient;
-                row[z] = {{halfFloat(gradient.x), halfFloat(gradient.y), halfFloat(gradient.z), 0}};
             }
+            std::uint32_t world[3][kBrickDim];
+            for (int axis = 0; axis < 3; ++axis) {
+                for (int z = 0; z < kBrickDim; ++z) {
+                    world[axis][z] = halfFloat(gradientToWorld[0][axis] * gradient[0][z] +
+                                               gradientToWorld[1][axis] * gradient[1][z] +
+                                               gradientToWorld[2][axis] * gradient[2][z]);
+                }
+            }
+            GradientRecord* row = brick + brickIndex(x, y, -1);
+            for (int z = 0; z < kBrickDim; ++z)
+                row[z] = {{HalfFloat(world[0][z]), HalfFloat(world[1][z]), HalfFloat(world[2][z]), 0}};
         }
     }
 }

@@ -26,15 +26,18 @@ class TextureBlock {
     /// Take inactive voxels of the leaf itself out of its mask. @return how many of the mask's were
     std::size_t removeInactive(TextureVolume::Mask& mask) const;
 
-  private:
     static constexpr int kDim = 12;
-    static constexpr int kSize = kDim * kDim * kDim;
-
+    /// Where a voxel is. @param x from −2 to 9, counted from the leaf's origin; so are y and z
     static constexpr int index(int x, int y, int z) { return ((x + 2) * kDim + y + 2) * kDim + z + 2; }
 
+  private:
+    static constexpr int kSize = kDim * kDim * kDim;
+
+    void extend(int voxel);
+
     float mTexture[kSize], mMagnitude[kSize];
-    bool mActive[kSize];
-    bool mWhole; // all of it is active
+    int mActive[kSize]; // 1 or 0; as wide as the values, for they are looked at together
+    bool mWhole;        // all of it is active
 };
 
 } // namespace vdblic
