@@ -89,6 +89,7 @@ VDBLIC_INLINE void RayKernel::place(const Lanes& lanes, Sample& result) const
     result.leaf = mVisible.findLeaves(lanes.block, result.voxel);
 }
 
+/// The lanes whose ray is at its end, or has no light left to take.
 VDBLIC_INLINE Int8 RayKernel::isOver(const Lanes& lanes) const
 {
     return (lanes.sample >= lanes.samples) | lanes.spent;
