@@ -156,7 +156,7 @@ class Advect(ToolTest):
         self.assertEqual(self.files(), [])
 
     def test_two_outputs_of_one_name(self):
-        for name in "lic.0002.vdb", "./checkpoint.lic.vdb":
+        for name in "lic.0003.vdb", "./checkpoint.lic.vdb":
             message = self.fails(2, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "2-3", "--json", name)
             self.assertIn(name, message)
         self.assertEqual(self.files(), [])

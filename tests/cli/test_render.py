@@ -308,8 +308,8 @@ class Render(ToolTest):
         self.renders(*good, "--size", 80, 80, "--max-memory", "500M")
 
     def test_two_outputs_of_one_name(self):
-        message = self.refuses(2, "lic.%04d.vdb", "-o", "a.%04d.png", "--histogram", "./a.0003.png")
-        self.assertIn("./a.0003.png", message)
+        message = self.refuses(2, "lic.%04d.vdb", "-o", "a.%04d.png", "--histogram", "./a.0004.png")
+        self.assertIn("./a.0004.png", message)
 
     def test_bad_input(self):
         self.assertIn("nothing.vdb", self.refuses(3, "nothing.vdb", "-o", "a.png"))

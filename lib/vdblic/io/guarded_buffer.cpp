@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -16,7 +17,7 @@ struct ValueSize {
     std::string_view type;
     int whole, half;
 };
-constexpr int kLargest = 24;
+constexpr int kLargest = 24; // where the file does not tell the type
 constexpr ValueSize kValueSizes[] = {{"Tree_bool_", 1, 1},       {"Tree_mask_", 1, 1},   {"Tree_int32_", 4, 4},
                                      {"Tree_int64_", 8, 8},      {"Tree_float_", 4, 2},  {"Tree_double_", 8, 2},
                                      {"Tree_vec3i_", 12, 12},    {"Tree_vec3s_", 12, 6}, {"Tree_vec3d_", 24, 6},

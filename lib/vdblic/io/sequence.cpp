@@ -1,6 +1,7 @@
 #include "vdblic/io/sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
 
 #include <fmt/format.h>
 
@@ -162,6 +163,20 @@ std::filesystem::path FramePattern::companion(std::string_view name) const
     return mFolder / fmt::format("{}{}{}{}", name, common.empty() ? "" : ".", common, mSuffix);
 }
 
+std::optional<std::int64_t> FramePattern::frameOf(const std::filesystem::path& path) const
+{
+    const std::string name = path.filename().string();
+    if (name.size() <= mPrefix.size() + mSuffix.size()) return std::nullopt;
+    if (!name.starts_with(mPrefix) || !name.ends_with(mSuffix)) return std::nullopt;
+    const char* begin = name.data() + mPrefix.size();
+    const char* end = name.data() + name.size() - mSuffix.size();
+    std::int64_t frame = 0;
+    const auto [last, failed] = std::from_chars(begin, end, frame);
+    if (failed != std::errc{} || last != end) return std::nullopt;
+    // Only the name this pattern gives the frame: 7 and 0007 are not both frame 7 of %04d.
+    return padded(frame, *mWidth) == std::string_view(begin, end) ? std::optional(frame) : std::nullopt;
+}
+
 std::vector<std::int64_t> FramePattern::framesOnDisk() const
 {
     const std::filesystem::path folder = mFolder.empty() ? "." : mFolder;
@@ -171,17 +186,8 @@ std::vector<std::int64_t> FramePattern::framesOnDisk() const
 
     std::vector<std::int64_t> frames;
     for (const auto& entry : entries) {
-        const std::string name = entry.path().filename().string();
         if (entry.is_directory(error)) continue;
-        if (name.size() <= mPrefix.size() + mSuffix.size()) continue;
-        if (!name.starts_with(mPrefix) || !name.ends_with(mSuffix)) continue;
-        const char* begin = name.data() + mPrefix.size();
-        const char* end = name.data() + name.size() - mSuffix.size();
-        std::int64_t frame = 0;
-        const auto [last, failed] = std::from_chars(begin, end, frame);
-        if (failed != std::errc{} || last != end) continue;
-        // Only the name this pattern gives the frame: 7 and 0007 are not both frame 7 of %04d.
-        if (padded(frame, *mWidth) == std::string_view(begin, end)) frames.push_back(frame);
+        if (const auto frame = frameOf(entry.path())) frames.push_back(*frame);
     }
     std::sort(frames.begin(), frames.end());
     return frames;
@@ -301,6 +307,12 @@ std::optional<std::int64_t> frameOfName(const std::filesystem::path& path)
         begin > 0 && stem[begin - 1] == '-' && (begin == 1 || stem[begin - 2] == '.' || stem[begin - 2] == '_');
     const std::int64_t frame = std::stoll(stem.substr(begin));
     return negative ? -frame : frame;
+}
+
+void checkNoFrame(const std::filesystem::path& output, const FramePattern& frames)
+{
+    const std::optional<std::int64_t> frame = frames.hasField() ? frames.frameOf(output) : 0;
+    if (frame) checkDistinct(output, frames.path(*frame));
 }
 
 void checkOutputPattern(const FramePattern& pattern, std::size_t frames)

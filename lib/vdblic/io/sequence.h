@@ -35,6 +35,9 @@ class FramePattern {
     /// The frames on disk, in numeric order. @throws InputError if the folder cannot be read
     [[nodiscard]] std::vector<std::int64_t> framesOnDisk() const;
 
+    /// Which frame a file's name is that of, whatever its folder, if any. Only for a pattern with a field.
+    [[nodiscard]] std::optional<std::int64_t> frameOf(const std::filesystem::path& path) const;
+
   private:
     std::string mText;
     std::filesystem::path mFolder;
@@ -76,6 +79,9 @@ struct SequenceParams {
 
 /// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one.
 [[nodiscard]] std::optional<std::int64_t> frameOfName(const std::filesystem::path& path);
+
+/// Check that a further output of a run has the name of none of its frames. @throws ParameterError
+void checkNoFrame(const std::filesystem::path& output, const FramePattern& frames);
 
 /// Check that a pattern can name `frames` different outputs. @throws ParameterError
 void checkOutputPattern(const FramePattern& pattern, std::size_t frames);

@@ -43,7 +43,10 @@ class Advection {
           mWriter(reporter, mFlow.total()), mSchedule(params.checkpointEvery)
     {
         if (mFlow.total() > 0) checkOutputPattern(mPattern, mFlow.total());
-        if (!mParams.json.empty()) AtomicFile{mParams.json}; // can it be written? Not only after hours
+        if (mParams.json.empty()) return;
+        checkNoFrame(mParams.json, mPattern);
+        checkDistinct(mParams.json, mCheckpointPath);
+        AtomicFile{mParams.json}; // can it be written? Not only after hours
     }
 
     void run()
@@ -120,9 +123,6 @@ class Advection {
             checkNotInput(mCheckpointPath, input);
             if (!mParams.json.empty()) checkNotInput(mParams.json, input);
         }
-        if (mParams.json.empty()) return;
-        checkDistinct(mParams.json, mPattern.path(number));
-        checkDistinct(mParams.json, mCheckpointPath);
     }
 
     [[nodiscard]] std::uint64_t preroll() const { return std::uint64_t(mParams.prerollSteps()); }

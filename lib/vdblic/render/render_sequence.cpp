@@ -49,6 +49,7 @@ class SequenceRenderer {
         if (params.output.empty()) return;
         mOutput.emplace(params.output);
         if (mTotal > 0) checkOutputPattern(*mOutput, mTotal);
+        if (!mParams.histogram.empty()) checkNoFrame(mParams.histogram, *mOutput);
     }
 
     void run()
@@ -108,7 +109,6 @@ class SequenceRenderer {
             const std::optional<FrameFile> file = mSource();
             if (!file) return false;
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
-            if (mOutput && !mParams.histogram.empty()) checkDistinct(mParams.histogram, mOutput->path(file->frame));
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // paths of which there is a second one
             task.file = *file;
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
