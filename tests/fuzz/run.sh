@@ -10,7 +10,7 @@ command -v clang++ >/dev/null || { echo "clang++ is missing; not fuzzed" >&2; ex
 compile() {
     target=$1
     shift
-    clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Ilib \
+    clang++ -std=c++20 -g -O1 -Wno-psabi -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Ilib \
         -include algorithm -include vector -include string -include fmt/format.h \
         "tests/fuzz/$target.cpp" "$@" -lfmt -o "$out/$target"
 }
@@ -18,7 +18,8 @@ compile() {
 mkdir -p "$out/corpus/layout" "$out/corpus/text"
 io=lib/vdblic/io render=lib/vdblic/render
 compile fuzz_layout $io/vdb_layout.cpp $io/checksum.cpp &
-compile fuzz_text lib/vdblic/core/memory.cpp $io/sequence.cpp $io/grid_reference.cpp $render/transfer_function.cpp $render/color_map.cpp
+compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/sequence.cpp $io/grid_reference.cpp \
+    $render/transfer_function.cpp $render/color_map.cpp
 wait $!
 for parser in layout text; do
     "$out/fuzz_$parser" -max_total_time=$((seconds / 2)) -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \
