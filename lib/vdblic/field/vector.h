@@ -137,20 +137,24 @@ VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
     }
 }
 
-/// Eight rows of four numbers into four columns.
-VDBLIC_INLINE void transpose(const Float4* rows, Float8* columns)
+/// Eight rows of four numbers, row i beside row i + 4, into four columns.
+VDBLIC_INLINE void transposePairs(const Float8* pairs, Float8* columns)
 {
-    Float8 joined[4]; // rows i and i + 4
-    for (int i = 0; i < 4; ++i)
-        joined[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
-    const Float8 a = __builtin_shufflevector(joined[0], joined[1], 0, 8, 1, 9, 4, 12, 5, 13);
-    const Float8 b = __builtin_shufflevector(joined[2], joined[3], 0, 8, 1, 9, 4, 12, 5, 13);
-    const Float8 c = __builtin_shufflevector(joined[0], joined[1], 2, 10, 3, 11, 6, 14, 7, 15);
-    const Float8 d = __builtin_shufflevector(joined[2], joined[3], 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 a = __builtin_shufflevector(pairs[0], pairs[1], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 b = __builtin_shufflevector(pairs[2], pairs[3], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 c = __builtin_shufflevector(pairs[0], pairs[1], 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 d = __builtin_shufflevector(pairs[2], pairs[3], 2, 10, 3, 11, 6, 14, 7, 15);
     columns[0] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
     columns[1] = __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
     columns[2] = __builtin_shufflevector(c, d, 0, 1, 8, 9, 4, 5, 12, 13);
     columns[3] = __builtin_shufflevector(c, d, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+VDBLIC_INLINE void transpose(const Float4* rows, Float8* columns)
+{
+    Float8 pairs[4];
+    for (int i = 0; i < 4; ++i)
+        pairs[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    transposePairs(pairs, columns);
 }
 
 /// The voxel a position lies in; centres are at integers, so voxel i covers [i − ½, i + ½).

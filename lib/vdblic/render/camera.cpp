@@ -149,12 +149,23 @@ Camera Camera::shifted(const glm::dvec2& pixels) const
     return result;
 }
 
+PictureRays Camera::rays() const
+{
+    const glm::dmat3 axes(mCameraToWorld);
+    const glm::dvec2 pitch = 2.0 * mHalfExtent / glm::dvec2(mSize), corner = mShift * pitch - mHalfExtent;
+    const PictureGradient<glm::dvec3> place{axes * glm::dvec3(corner.x, -corner.y, 0), axes[0] * pitch.x,
+                                            axes[1] * -pitch.y};
+    const glm::dvec3 none(0);
+    if (mProjection == Projection::kOrthographic) {
+        return {{mEye + place.corner, place.perX, place.perY}, {axes[2], none, none}};
+    }
+    return {{mEye, none, none}, {axes[2] + place.corner, place.perX, place.perY}};
+}
+
 Ray Camera::ray(const glm::dvec2& pixel) const
 {
-    const glm::dvec2 place = ((pixel + mShift) / glm::dvec2(mSize) * 2.0 - 1.0) * mHalfExtent;
-    const glm::dmat3 axes(mCameraToWorld);
-    if (mProjection == Projection::kOrthographic) return {mEye + axes * glm::dvec3(place.x, -place.y, 0), axes[2]};
-    return {mEye, glm::normalize(axes * glm::dvec3(place.x, -place.y, 1))};
+    const PictureRays all = rays();
+    return {all.origin(pixel), glm::normalize(all.direction(pixel))};
 }
 
 } // namespace vdblic

@@ -41,6 +41,19 @@ struct Ray {
     glm::dvec3 origin, direction; ///< world space; the direction has length 1
 };
 
+/// What changes evenly over the picture.
+template<typename T>
+struct PictureGradient {
+    T corner, perX, perY; ///< at the top left corner of pixel (0, 0), and its change from pixel to pixel
+
+    [[nodiscard]] T operator()(const glm::dvec2& pixel) const { return corner + perX * pixel.x + perY * pixel.y; }
+};
+
+/// The rays of a picture, in world space. Directions are as long as a step of depth 1 is.
+struct PictureRays {
+    PictureGradient<glm::dvec3> origin, direction;
+};
+
 /// A camera that has been placed. Immutable.
 ///
 /// Camera space is OpenEXR's: x right, y up, z forward, left-handed. Pixel (0, 0) is the top left one and covers
@@ -71,6 +84,7 @@ class Camera {
     /// The same camera with every ray moved in the picture; its matrices stay. @param pixels to the right and down
     [[nodiscard]] Camera shifted(const glm::dvec2& pixels) const;
 
+    [[nodiscard]] PictureRays rays() const;
     /// The ray through a place in the picture, in pixels.
     [[nodiscard]] Ray ray(const glm::dvec2& pixel) const;
 

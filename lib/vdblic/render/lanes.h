@@ -10,18 +10,17 @@ namespace vdblic {
 /// Arithmetic on eight lanes, for the ray caster.
 inline constexpr int kLanes = 8;
 
-/// e^x for x ≤ 0, to a relative 3e-6 and exact at 0: 2^i · e^(f ln 2), |f| ≤ ½, with a Taylor polynomial of degree 5,
+/// 2^x for x ≤ 0, to a relative 3e-6 and exact at 0: 2^i · e^(f ln 2), |f| ≤ ½, with a Taylor polynomial of degree 5,
 /// its terms paired so that few wait for each other (Estrin 1960).
-VDBLIC_INLINE Float8 exponential(Float8 x)
+VDBLIC_INLINE Float8 powerOfTwo(Float8 x)
 {
-    const Float8 scaled = x * 1.44269504f;
-    const Float8 power = scaled > -126 ? scaled : broadcast8(-126);
-    constexpr float kRound = 0x1.8p23f; // adding it rounds to an integer, which stands in the low bits
+    const Float8 power = x > -126 ? x : broadcast8(-126);
+    constexpr float kRound = 0x1.8p23f + 127; // adding it rounds to an integer, which stands, biased, in the low bits
     const Float8 rounded = power + kRound;
     const Float8 t = (power - (rounded - kRound)) * 0.693147181f;
     const Float8 square = t * t;
     const Float8 series = (1 + t) + square * ((1 / 2.0f + t * (1 / 6.0f)) + square * (1 / 24.0f + t * (1 / 120.0f)));
-    return series * __builtin_bit_cast(Float8, (__builtin_bit_cast(Int8, rounded) + 127) << 23);
+    return series * __builtin_bit_cast(Float8, __builtin_bit_cast(Int8, rounded) << 23);
 }
 
 VDBLIC_INLINE Float8 squareRoot(Float8 x)
@@ -56,17 +55,17 @@ VDBLIC_INLINE Float8 clamped(Float8 x)
     return positive(x < 1 ? x : broadcast8(1));
 }
 
-/// One bit for each lane whose comparison is true.
-VDBLIC_INLINE unsigned laneBits(Int8 mask)
+/// One bit for each lane that is negative, as those are whose comparison is true.
+VDBLIC_INLINE unsigned laneBits(Int8 x)
 {
 #ifdef __SSE__
-    const auto low = __builtin_bit_cast(Float4, __builtin_shufflevector(mask, mask, 0, 1, 2, 3));
-    const auto high = __builtin_bit_cast(Float4, __builtin_shufflevector(mask, mask, 4, 5, 6, 7));
+    const auto low = __builtin_bit_cast(Float4, __builtin_shufflevector(x, x, 0, 1, 2, 3));
+    const auto high = __builtin_bit_cast(Float4, __builtin_shufflevector(x, x, 4, 5, 6, 7));
     return unsigned(__builtin_ia32_movmskps(low)) | unsigned(__builtin_ia32_movmskps(high)) << 4;
 #else
     unsigned bits = 0;
     for (int lane = 0; lane < kLanes; ++lane)
-        bits |= unsigned(mask[lane] & 1) << lane;
+        bits |= unsigned(x[lane] < 0) << lane;
     return bits;
 #endif
 }

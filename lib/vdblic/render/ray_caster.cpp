@@ -7,18 +7,10 @@
 #include <glm/geometric.hpp>
 #include <tbb/parallel_for.h>
 
-#include <cmath>
+#include <array>
 
 namespace vdblic {
 namespace {
-
-constexpr int kTile = 16; // pixels a side
-
-/// Bits 0, 2, 4 and 6 together: a place along a curve through a tile that stays in small squares (Morton 1966).
-int everySecondBit(int i)
-{
-    return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8);
-}
 
 /// The part of a ray's alpha whose colour was found.
 float shaded(const RaySum& sum)
@@ -84,8 +76,15 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std:
             mLeaves.resize(mLeaves.size() + kBlockLeaves, kNothing);
         }
         mLeaves[std::size_t(block) + inBlock(voxel[0], voxel[1], voxel[2])] =
-            unsigned(leaf) * kBrickSize + (volume.shown(leaf).isOn() ? 0 : kPartly);
+            entryOf(leaf, voxel) | (volume.shown(leaf).isOn() ? 0 : kPartly);
     }
+}
+
+unsigned VisibleLeaves::entryOf(std::size_t leaf, const openvdb::Coord& origin)
+{
+    static_assert(kBrickSize % (kFlags + 1) == 0 && brickIndex(0, 0, 0) % (kFlags + 1) == kFlags);
+    const auto record = unsigned(leaf * kBrickSize) + brickIndex(0, 0, 0);
+    return record - kFlags - unsigned(recordSteps(origin[0], origin[1], origin[2]));
 }
 
 VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const Look& look)
@@ -112,22 +111,14 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     const SampleShader shader(volume, look, camera, params);
     const RaySetup setup(volume, visible, camera, params, shader, ray);
     const RayKernel kernel(volume, look, params, visible, shader);
+    constexpr int kTile = RaySetup::kTile;
     const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
     tbb::parallel_for(0, tilesX * tilesY, [&](int tile) {
-        const int beginX = tile % tilesX * kTile, beginY = tile / tilesX * kTile;
-        std::vector<RayTask> tasks;
-        tasks.reserve(kTile * kTile);
-        // Neighbours follow each other, so that the rays in flight meet the same leaves.
-        for (int i = 0; i < kTile * kTile; ++i) {
-            const int x = beginX + everySecondBit(i), y = beginY + everySecondBit(i >> 1);
-            if (x >= size.x || y >= size.y) continue;
-            tasks.push_back(setup.ray(x, y));
-            if (tasks.back().samples == 0) tasks.pop_back();
-        }
-        if (tasks.empty()) return;
-        std::vector<RaySum> sums(tasks.size());
-        kernel.trace(tasks.data(), int(tasks.size()), sums.data());
-        for (std::size_t i = 0; i < tasks.size(); ++i) {
+        std::array<RayTask, kTile * kTile> tasks;
+        const int count = setup.rays(tile % tilesX * kTile, tile / tilesX * kTile, tasks.data());
+        std::array<RaySum, kTile * kTile> sums{};
+        kernel.trace(tasks.data(), count, sums.data());
+        for (std::size_t i = 0; i < std::size_t(count); ++i) {
             const RaySum& sum = sums[i];
             // What was not shaded takes on the colour of what was.
             const float part = shaded(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;

@@ -35,11 +35,9 @@ class VisibleLeaves {
 
     static constexpr int kBlockDim = 128; ///< in voxels
     static constexpr int kNoBlock = 0;    ///< the table of all blocks in which nothing is visible
-    /// An entry of a table is the number of the first record of the leaf's brick, with flags in the low bits.
-    static constexpr unsigned kNothing = 1; ///< the leaf is not there or not visible
-    static constexpr unsigned kPartly = 2;  ///< some of its voxels are not shown
-    static constexpr unsigned kFlags = kNothing | kPartly;
-    static_assert(kBrickSize % (kFlags + 1) == 0);
+    /// An entry of a table tells where the leaf's brick is, with flags in its lowest bits.
+    static constexpr int kNothingBit = 0; ///< the leaf is not there or not visible
+    static constexpr int kPartlyBit = 1;  ///< some of its voxels are not shown
 
     /// Where the table of the block around a voxel begins.
     [[nodiscard]] int findBlock(int x, int y, int z) const
@@ -58,10 +56,28 @@ class VisibleLeaves {
             entries[lane] = mLeaves[unsigned(place[lane])];
         return entries;
     }
+    /// The numbers of the records of voxels in or beside leaves. @param entries of the leaves
+    [[nodiscard]] VDBLIC_INLINE static Unsigned8 findRecords(Unsigned8 entries, const Int8* voxel)
+    {
+        return (entries | kFlags) + Unsigned8(recordSteps(voxel[0], voxel[1], voxel[2]));
+    }
+    /// Lanes whose entries have a flag are negative.
+    [[nodiscard]] VDBLIC_INLINE static Int8 flagged(Unsigned8 entries, int bit) { return Int8(entries << (31 - bit)); }
     [[nodiscard]] const openvdb::Coord& first() const { return mFirst; }
 
   private:
     static constexpr std::size_t kBlockLeaves = 4096;
+    static constexpr unsigned kFlags = 7, kNothing = 1 << kNothingBit, kPartly = 1 << kPartlyBit;
+
+    /// How far records are from each other in a brick.
+    template<typename Integer>
+    VDBLIC_INLINE static Integer recordSteps(Integer x, Integer y, Integer z)
+    {
+        return (x * kBrickDim + y) * kBrickDim + z;
+    }
+    /// The entry of a leaf: the number that the record of the place 0 0 0 would have if its brick went on to there,
+    /// modulo 2³². Its lowest bits are always those of kFlags, so that flags can take their place.
+    static unsigned entryOf(std::size_t leaf, const openvdb::Coord& origin);
 
     [[nodiscard]] std::size_t blockPlace(int x, int y, int z) const
     {

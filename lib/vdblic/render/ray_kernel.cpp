@@ -2,6 +2,8 @@
 
 #include "vdblic/render/record_sampling.h"
 
+#include <numbers>
+
 namespace vdblic {
 namespace {
 
@@ -20,22 +22,6 @@ VDBLIC_INLINE SamplePlaces samplePlace(Int8 sample, Float8 shift, Float8 span)
     return {(begin + end) * 0.5f, end - begin};
 }
 
-/// The cells of two lanes side by side: values at a corner and its neighbour along z, of the one and of the other.
-VDBLIC_INLINE Float8 loadPairs(const ValueRecord* a, const ValueRecord* b)
-{
-    Float4 first, second;
-    std::memcpy(&first, a, sizeof first);
-    std::memcpy(&second, b, sizeof second);
-    return __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
-}
-
-/// Lane i of eight, four times, and lane i + 4, four times.
-template<int i>
-VDBLIC_INLINE Float8 spread(Float8 x)
-{
-    return __builtin_shufflevector(x, x, i, i, i, i, i + 4, i + 4, i + 4, i + 4);
-}
-
 } // namespace
 
 /// Eight rays under way. A lane without a ray stands still where there is nothing.
@@ -44,10 +30,12 @@ struct alignas(32) RayKernel::Lanes {
     Float8 view[3]; // direction in world space
     Float8 shift, span;
     Float8 transmittance, halo, haloPlace;
-    Float8 waiting; // the weight of samples that added too little to be shaded
-    Int8 samples, sample, taken, task;
+    Float8 waiting;          // the weight of samples that added too little to be shaded
+    Int8 sample, last, task; // of the samples, the next and the last
+    Int8 since;              // the turn with which the ray began
     Int8 spent; // too little light was left before the last sample; that after it would have to be waited for
     Int8 blockOrigin[3], block; // where they are, as VisibleLeaves has them
+    int turn;                   // how many samples each has taken, rays after each other
     unsigned busy;              // lanes that have a ray
 };
 
@@ -58,9 +46,8 @@ struct alignas(32) RayKernel::Sample {
     Int8 voxel[3];
     Unsigned8 leaf;     // the entry of VisibleLeaves
     Float8 fraction[3]; // in the cell
-    Int8 record;        // number of the record at the cell's lowest corner
-    Float8 texture, magnitude;
-    unsigned hidden; // lanes whose voxel is not shown
+    Unsigned8 record;   // number of the record at the cell's lowest corner
+    Float8 values[2];   // texture and magnitude
 };
 
 RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params,
@@ -68,6 +55,9 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
     : mVolume(volume), mLook(look), mVisible(visible), mShader(shader), mStep(float(params.step)),
       mPerStep(float(1 / params.step)), mLeastTransmittance(float(params.leastTransmittance))
 {
+    mPowers.assign(look.transfer.extinctions(), look.transfer.extinctions() + TransferFunction::kEntries);
+    for (float& power : mPowers)
+        power *= -mStep * std::numbers::log2e_v<float>;
     // More than single precision can be wrong by, in voxels, when it says where a ray leaves a box.
     double reach = 0;
     for (int axis = 0; axis < 3; ++axis)
@@ -89,10 +79,10 @@ VDBLIC_INLINE void RayKernel::place(const Lanes& lanes, Sample& result) const
     result.leaf = mVisible.findLeaves(lanes.block, result.voxel);
 }
 
-/// The lanes whose ray is at its end, or has no light left to take.
+/// Negative in the lanes whose ray is at its end, or has no light left to take.
 VDBLIC_INLINE Int8 RayKernel::isOver(const Lanes& lanes) const
 {
-    return (lanes.sample >= lanes.samples) | lanes.spent;
+    return (lanes.last - lanes.sample) | lanes.spent;
 }
 
 /// The lanes whose ray is over or leaves its block, or is where nothing is visible.
@@ -100,8 +90,9 @@ VDBLIC_INLINE unsigned RayKernel::leaving(const Lanes& lanes, const Sample& samp
 {
     const Int8 apart = (sample.voxel[0] ^ lanes.blockOrigin[0]) | (sample.voxel[1] ^ lanes.blockOrigin[1]) |
                        (sample.voxel[2] ^ lanes.blockOrigin[2]);
-    const Int8 here = (apart & -VisibleLeaves::kBlockDim) | Int8(sample.leaf & VisibleLeaves::kNothing);
-    return laneBits((here != 0) | isOver(lanes)) & lanes.busy;
+    const Int8 elsewhere = -Int8(Unsigned8(apart) / VisibleLeaves::kBlockDim);
+    const Int8 nothing = VisibleLeaves::flagged(sample.leaf, VisibleLeaves::kNothingBit);
+    return laneBits(elsewhere | nothing | isOver(lanes)) & lanes.busy;
 }
 
 /// Take lanes to the first sample behind the leaf or the block they are in.
@@ -119,8 +110,8 @@ VDBLIC_INLINE void RayKernel::skip(Lanes& lanes, const Sample& sample, unsigned 
         nearest = there < nearest ? there : nearest;
     }
     const Float8 last = nearest * mPerStep - lanes.shift + 0.5f;
-    const Float8 all = __builtin_convertvector(lanes.samples, Float8);
-    const Int8 inside = __builtin_convertvector(last < all ? last : all, Int8);
+    const Float8 end = __builtin_convertvector(lanes.last, Float8);
+    const Int8 inside = __builtin_convertvector(last < end ? last : end, Int8);
     const Int8 next = (inside > lanes.sample ? inside : lanes.sample) + 1;
     lanes.sample = maskOf(which) ? next : lanes.sample;
 }
@@ -136,12 +127,12 @@ VDBLIC_INLINE void RayKernel::load(const RayTask& ray, int task, Lanes& lanes, i
     }
     setLane(lanes.shift, lane, ray.shift);
     setLane(lanes.span, lane, ray.span);
-    setLane(lanes.samples, lane, ray.samples);
+    setLane(lanes.last, lane, ray.samples - 1);
     setLane(lanes.transmittance, lane, 1);
     for (Float8* sum : {&lanes.halo, &lanes.haloPlace, &lanes.waiting})
         setLane(*sum, lane, 0);
     setLane(lanes.sample, lane, 0);
-    setLane(lanes.taken, lane, 0);
+    setLane(lanes.since, lane, lanes.turn);
     setLane(lanes.spent, lane, 0);
     setLane(lanes.task, lane, task);
     lanes.busy |= 1u << lane;
@@ -154,13 +145,15 @@ VDBLIC_INLINE void RayKernel::park(Lanes& lanes, int lane) const
         setLane(lanes.entry[axis], lane, 0);
         setLane(lanes.direction[axis], lane, 0);
     }
+    setLane(lanes.block, lane, VisibleLeaves::kNoBlock);
     setLane(lanes.transmittance, lane, 0);
     lanes.busy &= ~(1u << lane);
 }
 
 /// Take lanes to the next sample in a visible leaf, on their ray or, if that is over, on the next ray.
-VDBLIC_INLINE void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes,
-                                      Sample& sample, RaySum* sums) const
+VDBLIC_KERNEL
+void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes, Sample& sample,
+                        RaySum* sums) const
 {
     do {
         for (unsigned left = leaving & laneBits(isOver(lanes)); left != 0; left &= left - 1) {
@@ -170,7 +163,7 @@ VDBLIC_INLINE void RayKernel::advance(const RayTask* tasks, int count, int& next
             sum.halo = lanes.halo[lane];
             sum.haloPlace = lanes.haloPlace[lane];
             sum.waiting = lanes.waiting[lane];
-            sum.samples = lanes.taken[lane];
+            sum.samples = lanes.turn - lanes.since[lane];
             if (next < count) {
                 load(tasks[next], next, lanes, lane);
                 ++next;
@@ -190,7 +183,7 @@ VDBLIC_INLINE void RayKernel::advance(const RayTask* tasks, int count, int& next
             lanes.blockOrigin[axis] = maskOf(leaving) ? origin : lanes.blockOrigin[axis];
         }
         sample.leaf = mVisible.findLeaves(lanes.block, sample.voxel);
-        leaving &= laneBits((sample.leaf & VisibleLeaves::kNothing) != 0);
+        leaving &= laneBits(VisibleLeaves::flagged(sample.leaf, VisibleLeaves::kNothingBit));
         if (leaving != 0) skip(lanes, sample, leaving);
     } while (leaving != 0);
 }
@@ -198,80 +191,69 @@ VDBLIC_INLINE void RayKernel::advance(const RayTask* tasks, int count, int& next
 /// Texture and magnitude at the lanes' samples.
 VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
 {
-    Int8 cell[3]; // in the leaf; from −1 on
+    Int8 cell[3];
     for (int axis = 0; axis < 3; ++axis) {
-        const Int8 base = __builtin_convertvector(result.position[axis], Int8);
-        result.fraction[axis] = result.position[axis] - __builtin_convertvector(base, Float8);
-        cell[axis] = base - (result.voxel[axis] & -8);
+        cell[axis] = __builtin_convertvector(result.position[axis], Int8);
+        result.fraction[axis] = result.position[axis] - __builtin_convertvector(cell[axis], Float8);
     }
-    result.record = Int8(result.leaf & ~VisibleLeaves::kFlags) + brickIndex(cell[0], cell[1], cell[2]);
-
-    const ValueRecord* records = mVolume.values();
-    constexpr int kY = kBrickDim, kX = kBrickDim * kBrickDim;
-    const auto both = [&](Float8 x, Float8 y, Float8 z, unsigned a, unsigned b) {
-        const auto mix = [](Float8 from, Float8 to, Float8 t) { return from + (to - from) * t; };
-        const auto pairs = [&](int i) { return loadPairs(records + a + i, records + b + i); };
-        const Float8 across = mix(mix(pairs(0), pairs(kY), y), mix(pairs(kX), pairs(kX + kY), y), x);
-        return mix(across, __builtin_shufflevector(across, across, 2, 3, 2, 3, 6, 7, 6, 7), z);
-    };
-    const auto& [x, y, z] = result.fraction;
-    const Int8& record = result.record;
-    const Float8 values[] = {both(spread<0>(x), spread<0>(y), spread<0>(z), unsigned(record[0]), unsigned(record[4])),
-                             both(spread<1>(x), spread<1>(y), spread<1>(z), unsigned(record[1]), unsigned(record[5])),
-                             both(spread<2>(x), spread<2>(y), spread<2>(z), unsigned(record[2]), unsigned(record[6])),
-                             both(spread<3>(x), spread<3>(y), spread<3>(z), unsigned(record[3]), unsigned(record[7]))};
-    const Float8 front = __builtin_shufflevector(values[0], values[1], 0, 8, 1, 9, 4, 12, 5, 13);
-    const Float8 back = __builtin_shufflevector(values[2], values[3], 0, 8, 1, 9, 4, 12, 5, 13);
-    result.texture = __builtin_shufflevector(front, back, 0, 1, 8, 9, 4, 5, 12, 13);
-    result.magnitude = __builtin_shufflevector(front, back, 2, 3, 10, 11, 6, 7, 14, 15);
-
-    result.hidden = 0;
-    const Int8 offsets = (result.voxel[0] & 7) << 6 | (result.voxel[1] & 7) << 3 | (result.voxel[2] & 7);
-    for (unsigned left = laneBits((result.leaf & VisibleLeaves::kPartly) != 0); left != 0; left &= left - 1) {
-        const int lane = __builtin_ctz(left);
-        const bool shown = mVolume.shown(result.leaf[lane] / kBrickSize).isOn(unsigned(offsets[lane]));
-        result.hidden |= unsigned(!shown) << lane;
-    }
+    result.record = VisibleLeaves::findRecords(result.leaf, cell);
+    sampleValues(mVolume.values(), result.record, result.fraction, result.values);
 }
 
-/// The share of the extinction that halos add.
-VDBLIC_INLINE Float8 RayKernel::haloShare(const Lanes& lanes, const Sample& sample, Float8 stretched) const
+/// Those of some lanes whose voxels are not shown.
+unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
 {
-    const Float8 density = mLook.halo.density(mLook.texture, stretched);
-    if (!anyOf(density > 0)) return density;
-    unsigned record[kLanes];
-    float place[3][kLanes];
-    std::memcpy(record, &sample.record, sizeof record);
-    std::memcpy(place, sample.fraction, sizeof place);
+    unsigned hidden = 0;
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const auto& [x, y, z] = sample.voxel;
+        const int offset = (x[lane] & 7) << 6 | (y[lane] & 7) << 3 | (z[lane] & 7);
+        const bool shown = mVolume.shown(sample.record[lane] / kBrickSize).isOn(unsigned(offset));
+        hidden |= unsigned(!shown) << lane;
+    }
+    return hidden;
+}
+
+/// How far the flanks at the samples are turned aside: of halos, the share that is left.
+/// @param view by axis
+VDBLIC_KERNEL
+void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& result) const
+{
     Float8 gradient[3];
-    sampleGradients(mVolume.gradients(), record, place[0], place[1], place[2], gradient);
+    sampleGradients(mVolume.gradients(), sample.record, sample.fraction, gradient);
     Float8 square{}, along{};
     for (int axis = 0; axis < 3; ++axis) {
         square += gradient[axis] * gradient[axis];
-        along += gradient[axis] * lanes.view[axis];
+        along += gradient[axis] * view[axis];
     }
     const Float8 aside = square > 0 ? 1 - along * along / square : Float8{};
-    return density * aside * aside;
+    result = aside * aside;
 }
 
 /// Let the lanes' samples take their part of the light, and queue those that are seen.
 VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const
 {
     lanes.spent = lanes.transmittance < mLeastTransmittance;
-    const Int8 entries = mLook.transfer.entries(sample.magnitude);
-    const float* extinctions = mLook.transfer.extinctions();
-    Float8 extinction;
+    const Int8 entries = mLook.transfer.entries(sample.values[1]);
+    Float8 power;
     for (int lane = 0; lane < kLanes; ++lane)
-        extinction[lane] = extinctions[unsigned(entries[lane])];
-    if (sample.hidden != 0) {
-        for (int lane = 0; lane < kLanes; ++lane)
-            extinction[lane] = sample.hidden >> lane & 1 ? 0 : extinction[lane];
+        power[lane] = mPowers[unsigned(entries[lane])];
+    const Int8 partly = VisibleLeaves::flagged(sample.leaf, VisibleLeaves::kPartlyBit);
+    if (const unsigned doubtful = laneBits(partly) & lanes.busy) {
+        power = maskOf(findHidden(doubtful, sample)) ? Float8{} : power;
     }
-    const Float8 stretched = mLook.texture.stretched(sample.texture);
+    const Float8 stretched = mLook.texture.stretched(sample.values[0]);
     const Float8 density = mLook.texture.density(stretched);
-    const Float8 halo = mLook.halo.strength > 0 ? haloShare(lanes, sample, stretched) : Float8{};
+    Float8 halo{};
+    if (mLook.halo.strength > 0) {
+        const Float8 most = mLook.halo.density(mLook.texture, stretched);
+        if (anyOf(most > 0)) {
+            findFlanks(sample, lanes.view, halo);
+            halo *= most;
+        }
+    }
     const Float8 all = density + halo;
-    const Float8 left = lanes.transmittance * exponential(-extinction * all * (sample.length * mStep));
+    const Float8 left = lanes.transmittance * powerOfTwo(power * all * sample.length);
     const Float8 taken = lanes.transmittance - left;
     lanes.transmittance = left;
     Float8 weight = taken;
@@ -294,8 +276,8 @@ VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQu
     queue.put(queue.task + end, lanes.task, order);
     queue.put(queue.place + end, sample.place, order);
     queue.put(queue.weight + end, weight, order);
-    queue.put(queue.texture + end, sample.texture, order);
-    queue.put(queue.magnitude + end, sample.magnitude, order);
+    queue.put(queue.stretched + end, stretched, order);
+    queue.put(queue.entry + end, entries, order);
     queue.end = end + __builtin_popcount(seen);
 }
 
@@ -304,7 +286,7 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
 {
     Lanes lanes{};
     for (Int8& origin : lanes.blockOrigin)
-        origin = broadcastInt8(-1); // of no block
+        origin = broadcastInt8(1 << 30); // of no block
     int next = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
         if (next < count) {
@@ -323,7 +305,7 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
         interpolate(sample);
         absorb(lanes, sample, queue);
         lanes.sample += 1;
-        lanes.taken += 1;
+        ++lanes.turn;
         if (queue.end >= ShadeQueue::kMany) {
             for (; queue.begin + kLanes <= queue.end; queue.begin += kLanes)
                 mShader.shade(queue, tasks, sums);
@@ -335,7 +317,8 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
             queue.weight[i] = 0;
             queue.record[i] = 0;
             queue.task[i] = 0;
-            queue.place[i] = queue.texture[i] = queue.magnitude[i] = 0;
+            queue.entry[i] = 0;
+            queue.place[i] = queue.stretched[i] = 0;
             for (float* fraction : queue.fraction)
                 fraction[i] = 0;
         }

@@ -25,17 +25,20 @@ class RayKernel {
     void place(const Lanes& lanes, Sample& result) const;
     unsigned leaving(const Lanes& lanes, const Sample& sample) const;
     void skip(Lanes& lanes, const Sample& sample, unsigned which) const;
-    void advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes, Sample& sample,
-                 RaySum* sums) const;
     void interpolate(Sample& result) const;
-    Float8 haloShare(const Lanes& lanes, const Sample& sample, Float8 stretched) const;
     void absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
+    // What is seldom needed is called, not merged into the loop, which then has less to keep in registers.
+    [[gnu::noinline]] void advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes,
+                                   Sample& sample, RaySum* sums) const;
+    [[gnu::noinline]] unsigned findHidden(unsigned lanes, const Sample& sample) const;
+    [[gnu::noinline]] void findFlanks(const Sample& sample, const Float8* view, Float8& result) const;
 
     const TextureVolume& mVolume;
     const Look& mLook;
     const VisibleLeaves& mVisible;
     const SampleShader& mShader;
     float mStep, mPerStep, mLeastTransmittance, mMargin;
+    std::vector<float> mPowers; // of 2: what a step at full density lets through, by the transfer function's entries
 };
 
 } // namespace vdblic

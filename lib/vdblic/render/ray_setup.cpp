@@ -6,73 +6,164 @@
 #include <cmath>
 
 namespace vdblic {
+namespace {
+
+/// Four neighbouring rays: a square of pixels, row by row.
+using Double4 = double __attribute__((vector_size(32), aligned(32)));
+using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
+constexpr int kSquare = 4;
+
+/// Every second bit from the lowest on, together: a place along a curve through a tile that stays in small squares
+/// (Morton 1966).
+int everySecondBit(int i)
+{
+    return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4);
+}
+
+VDBLIC_INLINE Double4 evaluate(const PictureGradient<double>& gradient, Double4 x, Double4 y)
+{
+    return gradient.corner + gradient.perX * x + gradient.perY * y;
+}
+
+VDBLIC_INLINE void evaluate(const PictureGradient<glm::dvec3>& gradient, Double4 x, Double4 y, Double4* result)
+{
+    for (int axis = 0; axis < 3; ++axis)
+        result[axis] = gradient.corner[axis] + gradient.perX[axis] * x + gradient.perY[axis] * y;
+}
+
+VDBLIC_INLINE Double4 length(const Double4* v)
+{
+    const Double4 square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    return Double4{std::sqrt(square[0]), std::sqrt(square[1]), std::sqrt(square[2]), std::sqrt(square[3])};
+}
+
+/// A number near 0 that takes its place, so that nothing across it is ever reached.
+VDBLIC_INLINE Double4 notZero(Double4 x)
+{
+    constexpr double kTiny = 1e-12;
+    return (x > kTiny) | (x < -kTiny) ? x : Double4{} + kTiny;
+}
+
+/// Four columns of numbers into rows.
+VDBLIC_INLINE void toRows(const Double4& a, const Double4& b, const Double4& c, const Double4& d, Float4* rows)
+{
+    const auto single = [](const Double4& x) { return __builtin_convertvector(x, Float4); };
+    const Float4 ab = __builtin_shufflevector(single(a), single(b), 0, 4, 1, 5);
+    const Float4 cd = __builtin_shufflevector(single(c), single(d), 0, 4, 1, 5);
+    const Float4 abEnd = __builtin_shufflevector(single(a), single(b), 2, 6, 3, 7);
+    const Float4 cdEnd = __builtin_shufflevector(single(c), single(d), 2, 6, 3, 7);
+    rows[0] = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+    rows[1] = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+    rows[2] = __builtin_shufflevector(abEnd, cdEnd, 0, 1, 4, 5);
+    rows[3] = __builtin_shufflevector(abEnd, cdEnd, 2, 3, 6, 7);
+}
+
+Float4 toFloat4(const glm::dvec3& v)
+{
+    return Float4{float(v.x), float(v.y), float(v.z), 0};
+}
+
+} // namespace
 
 RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
                    const RayCastParams& params, const SampleShader& shader, int ray)
-    : mCamera(camera), mShader(shader), mStep(params.step), mRay(ray), mToIndex(volume.worldToIndex())
+    : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mWorld(camera.rays())
 {
-    for (int axis = 0; axis < 3; ++axis)
-        mToIndex[3][axis] -= visible.first()[axis];
     const glm::dvec3 first(visible.first()[0], visible.first()[1], visible.first()[2]);
     mLow = volume.low() - first;
     mHigh = volume.high() - first;
-    const glm::dmat3 gradients = glm::transpose(glm::dmat3(volume.worldToIndex())); // of the index, by axis
-    for (int axis = 0; axis < 3; ++axis)
-        mAlong[axis] = glm::normalize(gradients[axis]);
-    for (const ClipPlane& plane : params.clip.allPlanes())
-        mCuts.push_back({plane, -glm::normalize(plane.normal)});
+    const glm::dmat3 toIndex(volume.worldToIndex());
+    const auto linear = [&](const PictureGradient<glm::dvec3>& world) {
+        return PictureGradient<glm::dvec3>{toIndex * world.corner, toIndex * world.perX, toIndex * world.perY};
+    };
+    mIndex = {linear(mWorld.origin), linear(mWorld.direction)};
+    mIndex.origin.corner += glm::dvec3(volume.worldToIndex()[3]) - first;
+
+    const glm::dmat3 gradients = glm::transpose(toIndex); // of the index, by axis
+    for (int axis = 0; axis < 3; ++axis) {
+        const glm::dvec3 along = glm::normalize(gradients[axis]);
+        mOutward.insert(mOutward.end(), {toFloat4(-along), toFloat4(along)});
+    }
+    for (const ClipPlane& plane : params.clip.allPlanes()) {
+        const glm::dvec3 normal = glm::normalize(plane.normal);
+        const auto along = [&](const PictureGradient<glm::dvec3>& world) {
+            return PictureGradient<double>{glm::dot(world.corner, normal), glm::dot(world.perX, normal),
+                                           glm::dot(world.perY, normal)};
+        };
+        Cut cut{along(mWorld.origin), along(mWorld.direction)};
+        cut.above.corner = glm::dot(mWorld.origin.corner - plane.point, normal);
+        mCuts.push_back(cut);
+        mOutward.push_back(toFloat4(-normal));
+    }
 }
 
-RayTask RaySetup::ray(int x, int y) const
+VDBLIC_KERNEL
+int RaySetup::rays(int x, int y, RayTask* tasks) const
 {
-    const Ray ray = mCamera.ray({x + 0.5, y + 0.5});
-    const glm::dmat3 toIndex(mToIndex);
-    const glm::dvec3 origin = toIndex * ray.origin + glm::dvec3(mToIndex[3]), perWorld = toIndex * ray.direction;
-    const double voxelsPerWorld = glm::length(perWorld);
-    RayTask task{};
-    RayInterval interval;
-    int entered = -1; // the axis across which the ray comes in
-    for (int axis = 0; axis < 3; ++axis) {
-        constexpr double kTiny = 1e-12; // in place of 0, so that no face is ever reached
-        const double direction = perWorld[axis] / voxelsPerWorld;
-        const double inverse = 1 / (std::abs(direction) > kTiny ? direction : kTiny);
-        const double low = (mLow[axis] - origin[axis]) * inverse, high = (mHigh[axis] - origin[axis]) * inverse;
-        const double enter = std::min(low, high);
-        entered = enter > interval.enter ? axis : entered;
-        interval.enter = std::max(interval.enter, enter);
-        interval.leave = std::min(interval.leave, std::max(low, high));
-        task.direction[axis] = float(direction);
-        task.inverse[axis] = float(inverse);
-        task.shading[kViewX + axis] = float(ray.direction[axis]);
-    }
-    if (interval.empty()) return task;
-    interval.enter /= voxelsPerWorld;
-    interval.leave /= voxelsPerWorld;
-    if (entered >= 0) interval.entryNormal = perWorld[entered] > 0 ? -mAlong[entered] : mAlong[entered];
-    for (const Cut& cut : mCuts)
-        interval.clip(ray.origin, ray.direction, cut.plane, cut.outward);
-    if (interval.empty()) return task;
+    Float4 outward[kTile * kTile]; // normals of the faces where rays come in, with 1 behind; 0 where there is none
+    int count = 0;
+    for (int i = 0; i < kTile * kTile / kSquare; ++i) {
+        const int left = x + 2 * everySecondBit(i), top = y + 2 * everySecondBit(i >> 1);
+        const Double4 pixelX = double(left) + Double4{0.5, 1.5, 0.5, 1.5};
+        const Double4 pixelY = double(top) + Double4{0.5, 0.5, 1.5, 1.5};
+        Double4 origin[3], direction[3], inverse[3];
+        evaluate(mIndex.origin, pixelX, pixelY, origin);
+        evaluate(mIndex.direction, pixelX, pixelY, direction);
+        const Double4 voxelsPerDepth = length(direction), depthPerVoxel = 1 / voxelsPerDepth;
 
-    task.pixel = y * mCamera.size().x + x;
-    const double stepsPerWorld = voxelsPerWorld / mStep;
-    const double span = (interval.leave - interval.enter) * stepsPerWorld;
-    const double start = double(sampleShift(x, y, mRay)) - interval.enter * stepsPerWorld;
-    task.shift = float(start - std::floor(start));
-    task.span = float(span);
-    task.samples = std::max(int(std::ceil(span - double(task.shift))), 0) + 1;
-    for (int axis = 0; axis < 3; ++axis)
-        task.entry[axis] = float(origin[axis] + perWorld[axis] * interval.enter);
-    const double depthPerWorld = (mCamera.worldToCamera() * glm::dvec4(ray.direction, 0)).z;
-    const double originDepth = (mCamera.worldToCamera() * glm::dvec4(ray.origin, 1)).z;
-    task.shading[kEntryDepth] = float(originDepth + interval.enter * depthPerWorld);
-    task.shading[kDepthPerStep] = float(depthPerWorld / stepsPerWorld);
-    task.shading[kFaceLit] = -1;
-    if (interval.entryNormal) {
-        const SampleShader::FaceLight face = mShader.lightFace(*interval.entryNormal, ray.direction);
-        task.shading[kFaceLit] = face.lit;
-        task.shading[kFaceWhite] = face.white;
+        Double4 enter{}, leave = enter + std::numeric_limits<double>::infinity(); // in voxels from the origin
+        Long4 face = Long4{} - 1;                                                 // of mOutward
+        for (int axis = 0; axis < 3; ++axis) {
+            direction[axis] *= depthPerVoxel;
+            inverse[axis] = 1 / notZero(direction[axis]);
+            const Double4 low = (mLow[axis] - origin[axis]) * inverse[axis];
+            const Double4 high = (mHigh[axis] - origin[axis]) * inverse[axis];
+            const Double4 first = low < high ? low : high, last = low < high ? high : low;
+            face = first > enter ? 2 * axis - (low > high) : face;
+            enter = first > enter ? first : enter;
+            leave = last < leave ? last : leave;
+        }
+        for (std::size_t cut = 0; cut < mCuts.size(); ++cut) {
+            const Double4 slope = notZero(evaluate(mCuts[cut].slope, pixelX, pixelY));
+            const Double4 crossing = -evaluate(mCuts[cut].above, pixelX, pixelY) / slope * voxelsPerDepth;
+            const Long4 in = slope > 0, later = in & (crossing > enter);
+            face = later ? Long4{} + (6 + std::int64_t(cut)) : face;
+            enter = later ? crossing : enter;
+            leave = ~in & (crossing < leave) ? crossing : leave;
+        }
+        const Long4 hit = (enter < leave) & (pixelX < mSize.x) & (pixelY < mSize.y);
+
+        Double4 view[3], entry[3];
+        evaluate(mWorld.direction, pixelX, pixelY, view);
+        const Double4 perView = 1 / length(view), none{};
+        for (int axis = 0; axis < 3; ++axis)
+            entry[axis] = origin[axis] + direction[axis] * enter;
+        const Double4 perStep = none + 1 / mStep, enterSteps = enter * perStep, span = (leave - enter) * perStep;
+        Float4 entries[kSquare], directions[kSquare], inverses[kSquare], views[kSquare], depths[kSquare];
+        toRows(entry[0], entry[1], entry[2], none, entries);
+        toRows(direction[0], direction[1], direction[2], none, directions);
+        toRows(inverse[0], inverse[1], inverse[2], none, inverses);
+        toRows(view[0] * perView, view[1] * perView, view[2] * perView, none, views);
+        toRows(none, enter * depthPerVoxel, mStep * depthPerVoxel, none, depths);
+        for (int lane = 0; lane < kSquare; ++lane) {
+            if (hit[lane] == 0) continue;
+            const int pixel[] = {left + lane % 2, top + lane / 2};
+            const double start = double(sampleShift(pixel[0], pixel[1], mRay)) - enterSteps[lane];
+            RayTask& task = tasks[count];
+            task.entry = entries[lane];
+            task.direction = directions[lane];
+            task.inverse = inverses[lane];
+            task.shading = __builtin_shufflevector(views[lane], depths[lane], 0, 1, 2, 3, 4, 5, 6, 7);
+            task.shift = float(start - std::floor(start));
+            task.span = float(span[lane]);
+            task.samples = std::max(int(std::ceil(span[lane] - double(task.shift))), 0) + 1;
+            task.pixel = pixel[1] * mSize.x + pixel[0];
+            outward[count] = face[lane] < 0 ? Float4{} : mOutward[std::size_t(face[lane])] + Float4{0, 0, 0, 1};
+            ++count;
+        }
     }
-    return task;
+    mShader.lightFaces(outward, tasks, count);
+    return count;
 }
 
 } // namespace vdblic

@@ -14,10 +14,18 @@ VDBLIC_INLINE Float8 load8(const float* values)
     return result;
 }
 
-VDBLIC_INLINE Float8 mix(Float8 a, Float8 b, Float8 share)
-{
-    return a + (b - a) * share;
-}
+/// The places in their cells of the first eight samples of a queue, and the numbers of their records.
+struct Cells {
+    Float8 place[3];
+    Unsigned8 record;
+
+    VDBLIC_INLINE explicit Cells(const ShadeQueue& queue)
+        : place{load8(queue.fraction[0] + queue.begin), load8(queue.fraction[1] + queue.begin),
+                load8(queue.fraction[2] + queue.begin)}
+    {
+        std::memcpy(&record, queue.record + queue.begin, sizeof record);
+    }
+};
 
 VDBLIC_INLINE const Float4& asFloat4(const TransferFunction::Entry& entry)
 {
@@ -109,8 +117,10 @@ VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8
     const Float8 weight = load8(queue.weight + first);
     const Float8 normals[] = {normal[0] * weight * surface, normal[1] * weight * surface, normal[2] * weight * surface,
                               Float8{}};
-    const Float8 numbers[] = {depth * weight, load8(queue.magnitude + first) * weight,
-                              load8(queue.texture + first) * weight, Float8{}};
+    const Cells cells(queue);
+    Float8 values[2];
+    sampleValues(mVolume.values(), cells.record, cells.place, values);
+    const Float8 numbers[] = {depth * weight, values[1] * weight, values[0] * weight, Float8{}};
     Float4 rows[kLanes];
     transposeBack(normals, rows);
     for (int i = 0; i < kLanes; ++i)
@@ -134,8 +144,8 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     const bool surfaces = mLook.shading.model == ShadingModel::kSurface;
     Float8 normal[3] = {}, surface = {};
     if (surfaces || mLayers) {
-        const auto& [x, y, z] = queue.fraction;
-        sampleGradients(mVolume.gradients(), queue.record + first, x + first, y + first, z + first, normal);
+        const Cells cells(queue);
+        sampleGradients(mVolume.gradients(), cells.record, cells.place, normal);
         const Float8 length = squareRoot(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
         const Float8 along = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
         const Float8 unit = 1 / (length + 1e-20f);
@@ -158,13 +168,12 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     light = {mix(light.lit, ray[kFaceLit], face), mix(light.white, ray[kFaceWhite], face)};
 
     // Magnitude chooses the colour, the texture darkens it.
-    const Int8 entries = mLook.transfer.entries(load8(queue.magnitude + first));
     Float4 rows[kLanes];
     for (int i = 0; i < kLanes; ++i)
-        rows[i] = asFloat4(mLook.transfer.table()[entries[i]]);
+        rows[i] = asFloat4(mLook.transfer.table()[queue.entry[first + i]]);
     Float8 color[4];
     transpose(rows, color);
-    const Float8 tint = mLook.texture.brightness(mLook.texture.stretched(load8(queue.texture + first))) * light.lit;
+    const Float8 tint = mLook.texture.brightness(load8(queue.stretched + first)) * light.lit;
     const Float8 depth = ray[kEntryDepth] + ray[kDepthPerStep] * place;
     const Float8 far = clamped((depth - mNearest) * mCuePerDepth);
     const Float8 weight = load8(queue.weight + first);
@@ -178,24 +187,28 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     if (mLayers) addLayers(queue, normal, surface, depth, sums);
 }
 
-SampleShader::FaceLight SampleShader::lightFace(const glm::dvec3& normal, const glm::dvec3& view) const
+VDBLIC_KERNEL
+void SampleShader::lightFaces(const Float4* outward, RayTask* tasks, int count) const
 {
-    if (mLook.shading.model == ShadingModel::kNone) return {-1, 0};
-    const auto highlightOf = [&](double cosine) {
-        const double power = mLook.shading.shininess, c = std::clamp(cosine, 0.0, 1.0);
-        return c / (power - power * c + c + 1e-20);
-    };
-    const Shading& shading = mLook.shading;
-    const double facing = -glm::dot(normal, view);
-    double diffuse = facing * shading.headLight, specular = highlightOf(2 * facing * facing - 1) * shading.headLight;
-    for (const glm::vec4& light : mLights) {
-        const glm::dvec3 direction(light);
-        const double cosine = glm::dot(normal, direction);
-        if (cosine <= 0) continue;
-        diffuse += cosine * light.w;
-        specular += highlightOf(2 * cosine * facing + glm::dot(view, direction)) * light.w;
+    for (int first = 0; first < count; first += kLanes) {
+        const int end = std::min(kLanes, count - first);
+        Float4 normals[kLanes], views[kLanes];
+        for (int i = 0; i < kLanes; ++i) {
+            const int ray = first + std::min(i, end - 1);
+            normals[i] = outward[ray];
+            const Float8 shading = tasks[ray].shading;
+            views[i] = __builtin_shufflevector(shading, shading, 0, 1, 2, 3);
+        }
+        Float8 normal[4], view[4];
+        transpose(normals, normal);
+        transpose(views, view);
+        const Light light = lightSurface(normal, view);
+        const bool lit = mLook.shading.model != ShadingModel::kNone;
+        for (int i = 0; i < end; ++i) {
+            tasks[first + i].shading[kFaceLit] = lit && normal[3][i] > 0 ? light.lit[i] : -1;
+            tasks[first + i].shading[kFaceWhite] = light.white[i];
+        }
     }
-    return {float(shading.ambient + shading.diffuse * diffuse), float(shading.specular * specular)};
 }
 
 } // namespace vdblic

@@ -14,11 +14,9 @@ class SampleShader {
     /// have weight 0.
     void shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const;
 
-    struct FaceLight {
-        float lit, white; ///< RayTask's kFaceLit and kFaceWhite
-    };
-    /// How a plane face shows that is seen along a direction, both of length 1 in world space.
-    [[nodiscard]] FaceLight lightFace(const glm::dvec3& normal, const glm::dvec3& view) const;
+    /// Light the faces through which rays come in.
+    /// @param outward their normals, of length 1 in world space, with 1 behind; 0 for rays that come in through none
+    void lightFaces(const Float4* outward, RayTask* tasks, int count) const;
 
   private:
     struct Light {

@@ -39,7 +39,8 @@ struct ShadeQueue {
     int task[kCapacity];          ///< number of the ray
     float place[kCapacity];       ///< along the ray [steps]
     float weight[kCapacity];      ///< in the pixel
-    float texture[kCapacity], magnitude[kCapacity];
+    float stretched[kCapacity];   ///< the texture
+    int entry[kCapacity];         ///< of the transfer function
     int begin = 0, end = 0;
 
     /// Write some lanes to one of the arrays, from a place on. @param order the lanes, of kPacking
@@ -54,10 +55,11 @@ struct ShadeQueue {
     VDBLIC_INLINE void compact()
     {
         const auto shift = [&](auto* array) { std::memmove(array, array + begin, kLanes * sizeof *array); };
-        for (float* array : {fraction[0], fraction[1], fraction[2], place, weight, texture, magnitude})
+        for (float* array : {fraction[0], fraction[1], fraction[2], place, weight, stretched})
             shift(array);
         shift(record);
-        shift(task);
+        for (int* array : {task, entry})
+            shift(array);
         end -= begin;
         begin = 0;
     }

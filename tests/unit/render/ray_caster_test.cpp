@@ -342,6 +342,18 @@ TEST(RayCaster, SeesFromInside)
     EXPECT_NEAR(std::log(1 - image.at(4, 4).a) / std::log(0.95), 20, 0.1);
 }
 
+TEST(RayCaster, PicturesOfAnySizeAreFilled)
+{
+    const auto grid = boxGrid("density", boxOf(40, 40, 40), [](const Coord&) { return 1.0f; });
+    const TextureVolume volume(*grid, *grid);
+    for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(3, 33), glm::ivec2(17, 16), glm::ivec2(31, 2)}) {
+        const Image image = castRays(volume, plainLook(0.5), cameraAlong(volume, {1, 0, 0}, 1e4, 0.01, size), {});
+        ASSERT_EQ(image.pixels.size(), std::size_t(size.x) * std::size_t(size.y));
+        for (const glm::vec4& pixel : image.pixels)
+            EXPECT_GT(pixel.a, 0.99f) << size.x;
+    }
+}
+
 TEST(RayCaster, ClipPlanesCutToThePixel)
 {
     const auto grid = boxGrid("density", boxOf(40, 40, 40), [](const Coord&) { return 1.0f; });
