@@ -1,41 +1,38 @@
+#include "vdblic/field/vector.h"
 #include "vdblic/render/texture_volume.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <array>
+#include <cstring>
 
 namespace vdblic {
 namespace {
 
-float fullFloat(HalfFloat x)
+/// Eight symmetric matrices.
+struct Symmetric8 {
+    Float8 xx, yy, zz, xy, xz, yz;
+};
+
+/// The matrices over their traces; of no direction where that is 0.
+VDBLIC_INLINE Symmetric8 ofTraceOne(const Symmetric8& m)
 {
-    return __builtin_bit_cast(float, std::uint32_t(x) << 16);
+    const Float8 trace = m.xx + m.yy + m.zz, perTrace = 1 / trace;
+    const auto scaled = [&](Float8 x, float without) { return trace > 0 ? x * perTrace : broadcast8(without); };
+    constexpr float kThird = 1 / 3.0f;
+    return {scaled(m.xx, kThird), scaled(m.yy, kThird), scaled(m.zz, kThird),
+            scaled(m.xy, 0),      scaled(m.xz, 0),      scaled(m.yz, 0)};
 }
 
-/// A symmetric matrix, xx yy zz xy xz yz.
-using Symmetric = std::array<float, 6>;
-
-/// The matrix over its trace; of no direction if that is 0.
-Symmetric ofTraceOne(Symmetric m)
+VDBLIC_INLINE Symmetric8 adjugate(const Symmetric8& m)
 {
-    const float trace = m[0] + m[1] + m[2];
-    if (!(trace > 0)) return {1 / 3.0f, 1 / 3.0f, 1 / 3.0f, 0, 0, 0};
-    for (float& value : m)
-        value /= trace;
-    return m;
-}
-
-Symmetric adjugate(const Symmetric& m)
-{
-    const auto [xx, yy, zz, xy, xz, yz] = m;
+    const auto& [xx, yy, zz, xy, xz, yz] = m;
     return {yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy,
             xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - yz * xx};
 }
 
-Symmetric squared(const Symmetric& m)
+VDBLIC_INLINE Symmetric8 squared(const Symmetric8& m)
 {
-    const auto [xx, yy, zz, xy, xz, yz] = m;
+    const auto& [xx, yy, zz, xy, xz, yz] = m;
     return {xx * xx + xy * xy + xz * xz, xy * xy + yy * yy + yz * yz, xz * xz + yz * yz + zz * zz,
             xx * xy + xy * yy + xz * yz, xx * xz + xy * yz + xz * zz, xy * xz + yy * yz + yz * zz};
 }
@@ -44,46 +41,84 @@ Symmetric squared(const Symmetric& m)
 ///
 /// The adjugate has that direction as its strongest one; squaring it makes it all but the only one. Where no direction
 /// stands out the result stays undecided, which lights a sample evenly.
-Symmetric lineProjector(const Symmetric& structure)
+VDBLIC_INLINE Symmetric8 lineProjector(const Symmetric8& structure)
 {
-    Symmetric m = ofTraceOne(adjugate(ofTraceOne(structure)));
+    Symmetric8 m = ofTraceOne(adjugate(ofTraceOne(structure)));
     for (int i = 0; i < 2; ++i)
         m = ofTraceOne(squared(m));
     return m;
 }
 
 /// The structure tensor of a brick, smoothed by 1 2 1 along each axis: right for the leaf's own voxels.
-struct StructureBlock {
-    float values[6][kBrickSize];
-
-    void fill(const GradientRecord* gradients)
+class StructureBlock {
+  public:
+    VDBLIC_INLINE void fill(const GradientRecord* gradients)
     {
-        for (int i = 0; i < kBrickSize; ++i) {
-            const float x = fullFloat(gradients[i].values[0]), y = fullFloat(gradients[i].values[1]),
-                        z = fullFloat(gradients[i].values[2]);
-            const float products[] = {x * x, y * y, z * z, x * y, x * z, y * z};
+        static_assert(kBrickSize % 8 == 0);
+        for (int i = 0; i < kBrickSize; i += 8) {
+            Int8 front, back; // of each gradient x and y, then z
+            std::memcpy(&front, gradients + i, sizeof front);
+            std::memcpy(&back, gradients + i + 4, sizeof back);
+            const Int8 xy = __builtin_shufflevector(front, back, 0, 2, 4, 6, 8, 10, 12, 14);
+            const auto x = __builtin_bit_cast(Float8, xy << 16);
+            const auto y = __builtin_bit_cast(Float8, xy & int(0xffff0000));
+            const auto z =
+                __builtin_bit_cast(Float8, __builtin_shufflevector(front, back, 1, 3, 5, 7, 9, 11, 13, 15) << 16);
+            const Float8 products[] = {x * x, y * y, z * z, x * y, x * z, y * z};
             for (int k = 0; k < 6; ++k)
-                values[k][i] = products[k];
+                std::memcpy(mValues[k] + i, &products[k], sizeof products[k]);
         }
-        for (float* value : values) {
-            for (const int stride : {1, kBrickDim, kBrickDim * kBrickDim})
-                smooth(value, stride);
+        for (float* value : mValues) {
+            float once[kBrickSize], twice[kBrickSize];
+            smooth(value, once, 1);
+            smooth(once, twice, kBrickDim);
+            smooth(twice, value, kBrickDim * kBrickDim);
         }
     }
 
-    /// In place: what is overwritten is kept for the next one, a stride on.
-    static void smooth(float* value, int stride)
+    /// Of the eight records from one on.
+    VDBLIC_INLINE Symmetric8 row(int record) const
     {
-        float before[kBrickDim * kBrickDim];
-        std::copy(value, value + stride, before);
-        for (int i = stride; i < kBrickSize - stride; ++i) {
-            float& previous = before[i % stride];
-            const float here = value[i];
-            value[i] = previous + 2 * here + value[i + stride];
-            previous = here;
+        const auto load = [&](int k) {
+            Float8 values;
+            std::memcpy(&values, mValues[k] + record, sizeof values);
+            return values;
+        };
+        return {load(0), load(1), load(2), load(3), load(4), load(5)};
+    }
+
+  private:
+    /// Of the outermost records the result is of no use.
+    VDBLIC_INLINE static void smooth(const float* values, float* result, int stride)
+    {
+        std::copy(values, values + stride, result);
+        for (int i = stride; i < kBrickSize - stride; ++i)
+            result[i] = values[i - stride] + 2 * values[i] + values[i + stride];
+        std::copy(values + kBrickSize - stride, values + kBrickSize, result + kBrickSize - stride);
+    }
+
+    float mValues[6][kBrickSize];
+};
+
+/// The records of a leaf's own voxels.
+VDBLIC_KERNEL
+void writeLines(const GradientRecord* gradients, LineRecord* lines)
+{
+    StructureBlock block;
+    block.fill(gradients);
+    for (int x = 0; x < 8; ++x) {
+        for (int y = 0; y < 8; ++y) {
+            const int first = brickIndex(x, y, 0);
+            const Symmetric8 line = lineProjector(block.row(first));
+            Float8 rows[8] = {line.xx, line.yy, line.zz, line.xy, line.xz, line.yz};
+            transpose(rows, rows);
+            for (int z = 0; z < 8; ++z) {
+                for (int k = 0; k < 8; ++k)
+                    lines[first + z].values[k] = halfFloat(rows[z][k]);
+            }
         }
     }
-};
+}
 
 } // namespace
 
@@ -91,38 +126,27 @@ void TextureVolume::addLines()
 {
     const std::size_t leaves = domain().leafCount();
     mLines.reset(new LineRecord[leaves * kBrickSize]);
-    using Range = tbb::blocked_range<std::size_t>;
-    tbb::parallel_for(Range(0, leaves), [&](const Range& some) {
-        const auto block = std::make_unique<StructureBlock>();
-        for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
-            block->fill(mGradients.get() + leaf * kBrickSize);
-            for (int offset = 0; offset < Domain::kLeafVoxels; ++offset) {
-                const int i = brickIndex(offset >> 6, offset >> 3 & 7, offset & 7);
-                Symmetric structure;
-                for (std::size_t k = 0; k < 6; ++k)
-                    structure[k] = block->values[k][i];
-                const Symmetric line = lineProjector(structure);
-                LineRecord& record = mLines[leaf * kBrickSize + std::size_t(i)];
-                record = {};
-                for (std::size_t k = 0; k < 6; ++k)
-                    record.values[k] = halfFloat(line[k]);
-            }
-        }
+    tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
+        writeLines(mGradients.get() + leaf * kBrickSize, mLines.get() + leaf * kBrickSize);
     });
     // The voxels around a leaf are its neighbours' own, or, where it has none, its last ones.
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
         const openvdb::Coord origin = domain().origin(leaf);
-        for (int i = 0; i < kBrickSize; ++i) {
-            const int place[] = {i / (kBrickDim * kBrickDim) - 1, i / kBrickDim % kBrickDim - 1, i % kBrickDim - 1};
-            if (std::all_of(place, place + 3, [](int p) { return p >= 0 && p < 8; })) continue;
-            const Int4 voxel{origin[0] + place[0], origin[1] + place[1], origin[2] + place[2]};
-            const int neighbour = domain().findLeaf(voxel);
-            const auto inside = [&](int axis) {
-                return neighbour >= 0 ? voxel[axis] & 7 : std::clamp(place[axis], 0, 7);
-            };
-            mLines[leaf * kBrickSize + std::size_t(i)] =
-                mLines[(neighbour >= 0 ? std::size_t(neighbour) : leaf) * kBrickSize +
-                       std::size_t(brickIndex(inside(0), inside(1), inside(2)))];
+        LineRecord* const brick = mLines.get() + leaf * kBrickSize;
+        const auto begin = [](int side) { return side < 0 ? -1 : side * 8; };
+        const auto end = [](int side) { return side < 0 ? 0 : 8 + side; };
+        for (const openvdb::Coord& side : openvdb::CoordBBox(openvdb::Coord(-1), openvdb::Coord(1))) {
+            if (side == openvdb::Coord(0)) continue;
+            const int found =
+                domain().findLeaf(Int4{origin[0] + 8 * side[0], origin[1] + 8 * side[1], origin[2] + 8 * side[2]});
+            const LineRecord* const source = found >= 0 ? mLines.get() + std::size_t(found) * kBrickSize : brick;
+            const auto inside = [&](int place) { return found >= 0 ? place & 7 : std::clamp(place, 0, 7); };
+            for (int x = begin(side[0]); x < end(side[0]); ++x) {
+                for (int y = begin(side[1]); y < end(side[1]); ++y) {
+                    for (int z = begin(side[2]); z < end(side[2]); ++z)
+                        brick[brickIndex(x, y, z)] = source[brickIndex(inside(x), inside(y), inside(z))];
+                }
+            }
         }
     });
 }

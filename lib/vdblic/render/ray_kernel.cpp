@@ -247,7 +247,7 @@ VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQu
     Float8 halo{};
     if (mLook.halo.strength > 0) {
         const Float8 most = mLook.halo.density(mLook.texture, stretched);
-        if (anyOf(most > 0)) {
+        if (anyOf((most > 0) & (power < 0))) {
             findFlanks(sample, lanes.view, halo);
             halo *= most;
         }

@@ -138,6 +138,30 @@ TEST(TextureVolume, LinesLieAlongTheDirectionOfLeastChange)
     }
 }
 
+TEST(TextureVolume, LinesAroundALeafAreItsNeighboursOrItsLast)
+{
+    const auto grid = boxGrid("density", boxOf(16, 16, 8), scattered); // two by two leaves, and nothing around them
+    TextureVolume volume(*grid, *grid);
+    volume.addLines();
+    const auto sameLine = [&](std::size_t a, const Coord& voxel) {
+        const LineRecord &first = volume.lines()[a], &second = volume.lines()[numberAt(volume, voxel)];
+        return std::equal(first.values, first.values + 8, second.values);
+    };
+    const auto leaf = std::size_t(volume.domain().findLeaf(Int4{0, 8, 0}));
+    for (int x = -1; x <= 8; ++x) {
+        for (int y = -1; y <= 8; ++y) {
+            for (int z = -1; z <= 8; ++z) {
+                const std::size_t record = leaf * kBrickSize + std::size_t(brickIndex(x, y, z));
+                // Where no leaf is, all three coordinates go to the nearest voxel of this one.
+                const bool there = x >= 0 && y < 8 && z >= 0 && z < 8;
+                const Coord expected = there ? Coord(x, 8 + y, z)
+                                             : Coord(std::clamp(x, 0, 7), 8 + std::clamp(y, 0, 7), std::clamp(z, 0, 7));
+                EXPECT_TRUE(sameLine(record, expected)) << x << " " << y << " " << z;
+            }
+        }
+    }
+}
+
 TEST(TextureVolume, ShowsWhatACutLeaves)
 {
     const auto grid = boxGrid("density", boxOf(20, 8, 8), scattered);
