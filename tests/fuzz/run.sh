@@ -21,7 +21,10 @@ compile fuzz_layout $io/vdb_layout.cpp $io/checksum.cpp &
 compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/sequence.cpp $io/grid_reference.cpp \
     $render/transfer_function.cpp $render/color_map.cpp
 wait $!
-for parser in layout text; do
-    "$out/fuzz_$parser" -max_total_time=$((seconds / 2)) -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \
-        -print_final_stats=1 "$out/corpus/$parser" "tests/fuzz/corpus/$parser"
-done
+fuzz() {
+    "$out/fuzz_$1" -max_total_time=$((seconds / 2)) -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \
+        -print_final_stats=1 "$out/corpus/$1" "tests/fuzz/corpus/$1"
+}
+fuzz layout &
+fuzz text
+wait $!
