@@ -10,8 +10,6 @@
 namespace vdblic::compare {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Compares region after region, with room for the values of one.
 template<typename TreeT>
 class RegionMeter {

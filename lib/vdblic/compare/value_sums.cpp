@@ -13,8 +13,6 @@ namespace {
 using Double4 = double __attribute__((vector_size(32)));
 using Long4 = std::int64_t __attribute__((vector_size(32)));
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 VDBLIC_INLINE Double4 load(const double* p)
 {
     Double4 x;

@@ -10,6 +10,8 @@
 
 namespace vdblic::compare {
 
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 /// Values are measured in blocks of one leaf.
 inline constexpr std::size_t kBlockValues = 512;
 /// One bit a value; bit n of word n / 64, as in a leaf's own mask.

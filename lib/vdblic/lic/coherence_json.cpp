@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value)
+Json finiteOrNull(double value)
 {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
@@ -18,7 +18,7 @@ Json numbers(const std::array<double, kLagCount>& values)
 {
     Json result = Json::array();
     for (const double value : values)
-        result.push_back(number(value));
+        result.push_back(finiteOrNull(value));
     return result;
 }
 
@@ -26,7 +26,7 @@ Json ofFigures(const CoherenceFigures& figures)
 {
     Json result;
     for (const NamedFigure& figure : kNamedFigures)
-        result[figure.name] = number(figures.*figure.value);
+        result[figure.name] = finiteOrNull(figures.*figure.value);
     result["along"] = numbers(figures.along);
     result["across"] = numbers(figures.across);
     return result;
@@ -48,8 +48,9 @@ Json ofMeans(const MeanFigures& means)
     Json result;
     for (std::size_t i = 0; i < kNamedFigures.size(); ++i) {
         const Estimate& estimate = means.figures[i];
-        result[kNamedFigures[i].name] = {
-            {"mean", number(estimate.mean)}, {"half_width", number(estimate.halfWidth)}, {"frames", estimate.frames}};
+        result[kNamedFigures[i].name] = {{"mean", finiteOrNull(estimate.mean)},
+                                         {"half_width", finiteOrNull(estimate.halfWidth)},
+                                         {"frames", estimate.frames}};
     }
     result["along"] = numbers(means.along);
     result["across"] = numbers(means.across);

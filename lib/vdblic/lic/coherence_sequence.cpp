@@ -12,7 +12,7 @@
 namespace vdblic {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Of Student's distribution: 95 % of it lie between −t and t.
 double studentQuantile(int freedom)
@@ -151,7 +151,7 @@ void checkNoInput(const std::string& output, const SequenceCoherenceParams& para
 
 Estimate estimateMean(const std::vector<double>& values)
 {
-    Estimate result{kNone, kNone, 0};
+    Estimate result{kUnknown, kUnknown, 0};
     double sum = 0, squares = 0;
     for (const double value : values) {
         if (std::isnan(value)) continue;

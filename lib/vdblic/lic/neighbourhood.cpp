@@ -7,15 +7,15 @@ constexpr int kLeafDim = Domain::Leaf::DIM;
 constexpr int kDim = kLeafDim + 2; // the leaf and the voxels around it
 
 /// A number for each voxel of a leaf and those around it, x slowest.
-using Numbers = float[kDim][kDim][kDim];
+using Cube = float[kDim][kDim][kDim];
 
 /// Copy numbers together: row(leaf, x, y) gives the 8 of a leaf's row, the leaf −1 where there is none.
 template<typename RowOf>
-VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Numbers& numbers)
+VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Cube& cube)
 {
     for (int x = -1; x <= kLeafDim; ++x) {
         for (int y = -1; y <= kLeafDim; ++y) {
-            float* to = numbers[x + 1][y + 1];
+            float* to = cube[x + 1][y + 1];
             const int* leaves = &window.leaves[std::size_t((((x + 8) >> 3) * 3 + ((y + 8) >> 3)) * 3)];
             to[0] = row(leaves[0], x & 7, y & 7)[7];
             const Float8 middle = row(leaves[1], x & 7, y & 7);
@@ -25,7 +25,7 @@ VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Numbers& n
     }
 }
 
-VDBLIC_INLINE void sum(const Numbers& numbers, float centre, float* sums)
+VDBLIC_INLINE void sum(const Cube& cube, float centre, float* sums)
 {
     const auto load = [](const float* from) {
         Float8 row;
@@ -36,7 +36,7 @@ VDBLIC_INLINE void sum(const Numbers& numbers, float centre, float* sums)
     for (int x = 0; x < kDim; ++x) {
         Float8 rows[kDim];
         for (int y = 0; y < kDim; ++y) {
-            const float* row = numbers[x][y];
+            const float* row = cube[x][y];
             rows[y] = load(row) + load(row + 1) * centre + load(row + 2);
         }
         for (int y = 0; y < kLeafDim; ++y)
@@ -53,14 +53,14 @@ VDBLIC_INLINE void sum(const Numbers& numbers, float centre, float* sums)
 VDBLIC_KERNEL void sumLeaf(const Domain& domain, const LeafValues<float>& values, const LeafWindow& window,
                            float centre, NeighbourSums& sums)
 {
-    alignas(32) Numbers numbers;
+    alignas(32) Cube cube;
     const auto valueRow = [&](int leaf, int x, int y) {
         Float8 row{};
         if (leaf >= 0) __builtin_memcpy(&row, values[std::size_t(leaf)] + (x * kLeafDim + y) * kLeafDim, sizeof row);
         return row;
     };
-    gather(window, valueRow, numbers);
-    sum(numbers, centre, sums.value.data());
+    gather(window, valueRow, cube);
+    sum(cube, centre, sums.value.data());
 
     bool whole = true;
     for (int place = 0; place < LeafWindow::kElsewhere; ++place) {
@@ -77,8 +77,8 @@ VDBLIC_KERNEL void sumLeaf(const Domain& domain, const LeafValues<float>& values
         const Int8 on = maskOf(unsigned(bits));
         return on ? broadcast8(1) : Float8{};
     };
-    gather(window, maskRow, numbers);
-    sum(numbers, centre, sums.weight.data());
+    gather(window, maskRow, cube);
+    sum(cube, centre, sums.weight.data());
 }
 
 } // namespace

@@ -18,7 +18,7 @@ constexpr double kFarthest = 1e7;           // the eye, in diagonals of the box
 // Beyond it squares of lengths leave single precision.
 constexpr double kFarthestCoordinate = 1e18;
 
-bool finite(const glm::dvec3& v)
+bool representable(const glm::dvec3& v)
 {
     return std::abs(v.x) <= kFarthestCoordinate && std::abs(v.y) <= kFarthestCoordinate &&
            std::abs(v.z) <= kFarthestCoordinate;
@@ -68,7 +68,7 @@ glm::dvec3 middleOf(const Corners& box)
 void CameraParams::validate() const
 {
     const auto check = [](const char* name, const std::optional<glm::dvec3>& v) {
-        if (v && !finite(*v))
+        if (v && !representable(*v))
             throw ParameterError(fmt::format("camera {} {} must be at most {}", name, text(*v), kFarthestCoordinate));
     };
     check("eye", eye);
