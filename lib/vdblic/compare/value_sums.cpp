@@ -9,10 +9,6 @@
 namespace vdblic::compare {
 namespace {
 
-// Four lanes are AVX2's width; wider vectors of the compiler's are taken apart into scalars.
-using Double4 = double __attribute__((vector_size(32)));
-using Long4 = std::int64_t __attribute__((vector_size(32)));
-
 VDBLIC_INLINE Double4 load(const double* p)
 {
     Double4 x;

@@ -5,13 +5,19 @@
 namespace vdblic {
 
 /// Short vectors of the compiler's vector extension: arithmetic and comparison act per lane, on any processor. Those of
-/// 32 bytes are aligned to that, which the baseline would not ask for but kernels for AVX do.
+/// 32 bytes are aligned to that, which the baseline would not ask for but kernels for AVX do; wider ones would be taken
+/// apart into scalars.
 using Float4 = float __attribute__((vector_size(16)));
 using Float8 = float __attribute__((vector_size(32), aligned(32)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Int8 = std::int32_t __attribute__((vector_size(32), aligned(32)));
 using Unsigned4 = std::uint32_t __attribute__((vector_size(16)));
 using Unsigned8 = std::uint32_t __attribute__((vector_size(32), aligned(32)));
+using Double4 = double __attribute__((vector_size(32), aligned(32)));
+using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
+
+/// How many particles or rays are worked on side by side: enough loads in flight to hide the memory's latency.
+inline constexpr int kLanes = 8;
 
 /// Functions that hot loops are made of: always merged into their caller, so that they take on its instruction set.
 #define VDBLIC_INLINE [[gnu::always_inline]] inline
@@ -61,7 +67,6 @@ VDBLIC_INLINE Int8 floorToInt(Float8 x)
 /// Whether a lane of a comparison's result holds true.
 VDBLIC_INLINE bool anyOf(Int8 mask)
 {
-    using Long4 = std::int64_t __attribute__((vector_size(32)));
     const auto words = reinterpret_cast<Long4>(mask);
     return (words[0] | words[1] | words[2] | words[3]) != 0;
 }

@@ -16,9 +16,6 @@ struct PathlineParams {
     void validate() const; ///< @throws ParameterError
 };
 
-/// How many particles are advanced side by side: enough loads in flight to hide the memory's latency.
-inline constexpr int kLanes = 8;
-
 /// One integration step of up to eight particles, each a cubic Hermite curve.
 struct Segment {
     Vector8 start, end;           ///< index space, voxel centres at integers

@@ -3,12 +3,8 @@
 #include "vdblic/field/vector.h"
 
 #include <array>
-#include <cmath>
 
 namespace vdblic {
-
-/// Arithmetic on eight lanes, for the ray caster.
-inline constexpr int kLanes = 8;
 
 /// 2^x for x ≤ 0, to a relative 3e-6 and exact at 0: 2^i · e^(f ln 2), |f| ≤ ½, with a Taylor polynomial of degree 5,
 /// its terms paired so that few wait for each other (Estrin 1960).
@@ -21,14 +17,6 @@ VDBLIC_INLINE Float8 powerOfTwo(Float8 x)
     const Float8 square = t * t;
     const Float8 series = (1 + t) + square * ((1 / 2.0f + t * (1 / 6.0f)) + square * (1 / 24.0f + t * (1 / 120.0f)));
     return series * __builtin_bit_cast(Float8, __builtin_bit_cast(Int8, rounded) << 23);
-}
-
-VDBLIC_INLINE Float8 squareRoot(Float8 x)
-{
-    Float8 root;
-    for (int i = 0; i < kLanes; ++i)
-        root[i] = std::sqrt(x[i]);
-    return root;
 }
 
 /// Set one lane, with the whole vector loaded and stored: single lanes stored into memory would make the next load of

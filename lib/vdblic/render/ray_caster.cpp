@@ -84,7 +84,7 @@ unsigned VisibleLeaves::entryOf(std::size_t leaf, const openvdb::Coord& origin)
 {
     static_assert(kBrickSize % (kFlags + 1) == 0 && brickIndex(0, 0, 0) % (kFlags + 1) == kFlags);
     const auto record = unsigned(leaf * kBrickSize) + brickIndex(0, 0, 0);
-    return record - kFlags - unsigned(recordSteps(origin[0], origin[1], origin[2]));
+    return record - kFlags - recordSteps(unsigned(origin[0]), unsigned(origin[1]), unsigned(origin[2]));
 }
 
 VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const Look& look)

@@ -59,7 +59,7 @@ class VisibleLeaves {
     /// The numbers of the records of voxels in or beside leaves. @param entries of the leaves
     [[nodiscard]] VDBLIC_INLINE static Unsigned8 findRecords(Unsigned8 entries, const Int8* voxel)
     {
-        return (entries | kFlags) + Unsigned8(recordSteps(voxel[0], voxel[1], voxel[2]));
+        return (entries | kFlags) + recordSteps(Unsigned8(voxel[0]), Unsigned8(voxel[1]), Unsigned8(voxel[2]));
     }
     /// Lanes whose entries have a flag are negative.
     [[nodiscard]] VDBLIC_INLINE static Int8 flagged(Unsigned8 entries, int bit) { return Int8(entries << (31 - bit)); }
@@ -69,7 +69,7 @@ class VisibleLeaves {
     static constexpr std::size_t kBlockLeaves = 4096;
     static constexpr unsigned kFlags = 7, kNothing = 1 << kNothingBit, kPartly = 1 << kPartlyBit;
 
-    /// How far records are from each other in a brick.
+    /// How far records are from each other in a brick, modulo 2³².
     template<typename Integer>
     VDBLIC_INLINE static Integer recordSteps(Integer x, Integer y, Integer z)
     {

@@ -4,14 +4,12 @@
 #include <glm/matrix.hpp>
 
 #include <cmath>
+#include <limits>
 
 namespace vdblic {
 namespace {
 
-/// Four neighbouring rays: a square of pixels, row by row.
-using Double4 = double __attribute__((vector_size(32), aligned(32)));
-using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
-constexpr int kSquare = 4;
+constexpr int kSquare = 4; // neighbouring rays set up together: a square of pixels, row by row
 
 /// Every second bit from the lowest on, together: a place along a curve through a tile that stays in small squares
 /// (Morton 1966).

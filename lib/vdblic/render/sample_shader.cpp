@@ -105,7 +105,7 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queu
         const Float8 sine = squareSine(lighted[0] * light.x + lighted[1] * light.y + lighted[2] * light.z);
         const Float8 both = -(viewed[0] * light.x + viewed[1] * light.y + viewed[2] * light.z);
         diffuse += sine * sine * light.w;
-        specular += highlight(squareRoot(sine * viewSine) - both) * light.w;
+        specular += highlight(squareRoots(sine * viewSine) - both) * light.w;
     }
     return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
 }
@@ -146,7 +146,7 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     if (surfaces || mLayers) {
         const Cells cells(queue);
         sampleGradients(mVolume.gradients(), cells.record, cells.place, normal);
-        const Float8 length = squareRoot(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        const Float8 length = squareRoots(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
         const Float8 along = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
         const Float8 unit = 1 / (length + 1e-20f);
         const Float8 scale = along > 0 ? -unit : unit;
