@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 .ci/packages.sh || echo "going on with what is there" >&2
 cmake --preset release
-cmake --build --preset release --target vdblic_advect vdblic_render
+cmake --build --preset release --target tool_advect tool_render
 
 tools=build/release/tools
 out=out/quickstart
