@@ -1,6 +1,8 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
 #include "vdblic/field/vector.h"
 
 #include <tbb/parallel_for.h>
@@ -41,8 +43,11 @@ class BricksOf {
     struct alignas(sizeof(Vector)) Record {
         float values[kNumbers];
     };
-    static constexpr int kDim = 9;
+    static constexpr int kDim = LeafVoxel::kDim + 1;
     static constexpr int kSize = kDim * kDim * kDim;
+
+    /// The index in its brick of a voxel's record. @param x, y, z coordinates in the brick, 0 to kDim − 1
+    [[nodiscard]] VDBLIC_INLINE static constexpr int index(int x, int y, int z) { return (x * kDim + y) * kDim + z; }
 
     /// Stand for a domain; no leaf has a brick.
     void cover(std::shared_ptr<const Domain> domain)
@@ -97,17 +102,17 @@ class BricksOf {
             leaf = clampToLeaf(position, base);
             if (leaf < 0) return {nullptr, position};
         }
-        return {record(leaf, ((base[0] & 7) * kDim + (base[1] & 7)) * kDim + (base[2] & 7)),
+        return {record(leaf, index(LeafVoxel::local(base[0]), LeafVoxel::local(base[1]), LeafVoxel::local(base[2]))),
                 position - __builtin_convertvector(base, Float4)};
     }
 
     /// locate(), kept out of line: for the rare position that is not where it was expected.
     [[nodiscard]] [[gnu::noinline]] Cell locateAnywhere(Float4 position) const { return locate(position); }
 
-    /// A record of a leaf's brick, by its place among the kSize.
-    [[nodiscard]] VDBLIC_INLINE const Record* record(int leaf, int place) const
+    /// A record of a leaf's brick. @param index of the record, see index()
+    [[nodiscard]] VDBLIC_INLINE const Record* record(int leaf, int index) const
     {
-        return mBricks[std::size_t(leaf)].get() + place;
+        return mBricks[std::size_t(leaf)].get() + index;
     }
 
     /// Trilinear interpolation of the premultiplied numbers.
@@ -126,19 +131,20 @@ class BricksOf {
                                    Vector (&rows)[8]) const
     {
         const Int8 x = floorToInt(position.x), y = floorToInt(position.y), z = floorToInt(position.z);
-        const auto nine = [](Int8 n) { return (n << 3) + n; };
-        alignas(32) int places[8], records[8];
+        static_assert(kDim == 9);
+        const auto nine = [](Int8 n) { return (n << 3) + n; }; // without a multiplication
+        alignas(32) int slots[8], records[8];
         alignas(32) float weights[8][8]; // of a corner, of a lane
         const auto store = [](auto& to, auto values) { __builtin_memcpy(&to, &values, sizeof values); };
-        store(places, window.place(x, y, z));
-        store(records, nine(nine(x & 7) + (y & 7)) + (z & 7));
+        store(slots, window.slots(x, y, z));
+        store(records, nine(nine(LeafVoxel::local(x)) + LeafVoxel::local(y)) + LeafVoxel::local(z));
         const auto fraction = [](Float8 p, Int8 base) { return p - __builtin_convertvector(base, Float8); };
         weightCorners(fraction(position.x, x), fraction(position.y, y), fraction(position.z, z),
                       [&](int corner, Float8 weight) { store(weights[corner], weight); });
         for (int i = 0; i < 8; ++i) {
             Vector row{};
             if (lanes >> i & 1) {
-                const int leaf = window.leaves[std::size_t(places[i])];
+                const int leaf = window.leaves[std::size_t(slots[i])];
                 if (__builtin_expect(leaf >= 0, 1)) {
                     row = weigh(record(leaf, records[i]), [&](int corner) { return weights[corner][i]; });
                 } else if (const Cell cell = locateAnywhere(position.lane(i)); cell.corner) {
@@ -170,9 +176,9 @@ class BricksOf {
     template<typename WeightOf>
     VDBLIC_INLINE static Vector weigh(const Record* lowest, const WeightOf& weightOf)
     {
-        constexpr int kY = kDim, kX = kDim * kDim;
-        const auto part = [&](int corner, int place) {
-            return *reinterpret_cast<const Vector*>(lowest[place].values) * weightOf(corner);
+        constexpr int kX = index(1, 0, 0), kY = index(0, 1, 0);
+        const auto part = [&](int corner, int offset) {
+            return *reinterpret_cast<const Vector*>(lowest[offset].values) * weightOf(corner);
         };
         return ((part(0, 0) + part(1, 1)) + (part(2, kY) + part(3, kY + 1))) +
                ((part(4, kX) + part(5, kX + 1)) + (part(6, kX + kY) + part(7, kX + kY + 1)));
@@ -213,16 +219,17 @@ template<typename Visit>
 void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
 {
     const openvdb::Coord origin = domain.origin(leaf);
+    constexpr int kLeafDim = LeafVoxel::kDim;
     for (int part = 0; part < 8; ++part) {
-        const Int4 begin = {part & 4 ? 8 : 0, part & 2 ? 8 : 0, part & 1 ? 8 : 0, 0};
-        const Int4 end = begin + (begin == 0 ? Int4{8, 8, 8, 8} : Int4{1, 1, 1, 1});
+        const Int4 begin = {part & 4 ? kLeafDim : 0, part & 2 ? kLeafDim : 0, part & 1 ? kLeafDim : 0, 0};
+        const Int4 end = begin + (begin == 0 ? Int4{} + kLeafDim : Int4{} + 1);
         const int there = domain.findLeaf(begin + Int4{origin[0], origin[1], origin[2], 0});
         const Domain::Mask* mask = there < 0 ? nullptr : &domain.mask(std::size_t(there));
         for (int x = begin[0]; x < end[0]; ++x) {
             for (int y = begin[1]; y < end[1]; ++y) {
                 for (int z = begin[2]; z < end[2]; ++z) {
                     const unsigned offset = Domain::offset(Int4{x, y, z, 0});
-                    visit((x * Bricks::kDim + y) * Bricks::kDim + z, mask && mask->isOn(offset) ? there : -1, offset);
+                    visit(Bricks::index(x, y, z), mask && mask->isOn(offset) ? there : -1, offset);
                 }
             }
         }
@@ -233,16 +240,16 @@ void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
 template<typename TreeT, typename Visit>
 void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& visit)
 {
+    constexpr int kLeafDim = LeafVoxel::kDim;
     for (int part = 0; part < 8; ++part) {
-        const openvdb::Coord begin((part >> 2) & 1 ? 8 : 0, (part >> 1) & 1 ? 8 : 0, part & 1 ? 8 : 0);
-        const openvdb::Coord end(begin[0] ? 9 : 8, begin[1] ? 9 : 8, begin[2] ? 9 : 8);
+        const openvdb::Coord begin(part & 4 ? kLeafDim : 0, part & 2 ? kLeafDim : 0, part & 1 ? kLeafDim : 0);
+        const auto endOf = [](int first) { return first == 0 ? kLeafDim : Bricks::kDim; };
+        const openvdb::Coord end(endOf(begin[0]), endOf(begin[1]), endOf(begin[2]));
         const auto forEachVoxel = [&](const auto& visitVoxel) {
             for (int x = begin[0]; x < end[0]; ++x) {
                 for (int y = begin[1]; y < end[1]; ++y) {
-                    const int record = (x * Bricks::kDim + y) * Bricks::kDim;
-                    const unsigned row = Domain::offset(Int4{x, y, 0, 0});
                     for (int z = begin[2]; z < end[2]; ++z)
-                        visitVoxel(record + z, row + unsigned(z & 7));
+                        visitVoxel(Bricks::index(x, y, z), unsigned(LeafVoxel::offset(x, y, z)));
                 }
             }
         };

@@ -89,8 +89,8 @@ class VelocityField {
     void fillBricks(const Leaves& leaves);
     VDBLIC_INLINE const float* recordOf(int leaf, unsigned offset) const
     {
-        const int place = (int(offset >> 6) * Bricks::kDim + int(offset >> 3 & 7)) * Bricks::kDim + int(offset & 7);
-        return mBricks.record(leaf, place)->values;
+        const LeafVoxel voxel = LeafVoxel::at(offset);
+        return mBricks.record(leaf, Bricks::index(voxel.x, voxel.y, voxel.z))->values;
     }
     Bricks mBricks;
     std::optional<VelocityLevel> mStart, mEnd;

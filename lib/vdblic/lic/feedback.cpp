@@ -1,6 +1,7 @@
 #include "vdblic/lic/feedback.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_window.h"
 #include "vdblic/lic/local_contrast.h"
 #include "vdblic/lic/neighbourhood.h"
 #include "vdblic/lic/noise.h"
@@ -121,12 +122,12 @@ class FullBox {
   public:
     FullBox(const Domain& domain, const LeafWindow& window)
     {
-        int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // places along each axis
+        int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // leaves of the window along each axis
         const auto full = [&] {
             for (int x = first[0]; x <= last[0]; ++x) {
                 for (int y = first[1]; y <= last[1]; ++y) {
                     for (int z = first[2]; z <= last[2]; ++z) {
-                        const int leaf = window.leaves[std::size_t((x * 3 + y) * 3 + z)];
+                        const int leaf = window.leaves[std::size_t(LeafWindow::slot(x, y, z))];
                         if (leaf < 0 || !domain.mask(std::size_t(leaf)).isOn()) return false;
                     }
                 }
@@ -141,8 +142,8 @@ class FullBox {
             if (!full()) last[axis] = 1;
         }
         for (int axis = 0; axis < 3; ++axis) {
-            mFirst[axis] = float((window.first[axis] + first[axis]) * Domain::Leaf::DIM);
-            mLast[axis] = float((window.first[axis] + last[axis] + 1) * Domain::Leaf::DIM - 1);
+            mFirst[axis] = float((window.first[axis] + first[axis]) * LeafVoxel::kDim);
+            mLast[axis] = float((window.first[axis] + last[axis] + 1) * LeafVoxel::kDim - 1);
         }
     }
 
@@ -193,10 +194,11 @@ void FeedbackParams::validate() const
 
 void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
 {
-    for (int row = 0; row < 64; ++row) {
-        const std::uint64_t column = noiseColumn(origin[0] + (row >> 3), origin[1] + (row & 7), mSeed);
-        for (int z = 0; z < 8; ++z)
-            values[row << 3 | z] = noiseInColumn(column, origin[2] + z);
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const std::uint64_t column =
+            noiseColumn(origin[0] + LeafVoxel::ofRow(row).x, origin[1] + LeafVoxel::ofRow(row).y, mSeed);
+        for (int z = 0; z < LeafVoxel::kDim; ++z)
+            values[LeafVoxel::kDim * row + z] = noiseInColumn(column, origin[2] + z);
     }
     if (!mGrid) return;
     if (const auto* leaf = mGrid->tree().probeConstLeaf(origin)) {
@@ -262,8 +264,8 @@ class LeafVelocities {
     [[nodiscard]] VDBLIC_INLINE Vector8 row(int row) const
     {
         Vector8 stored{};
-        for (int z = 0; z < 8; ++z) {
-            const auto offset = openvdb::Index(row << 3 | z);
+        for (int z = 0; z < LeafVoxel::kDim; ++z) {
+            const auto offset = openvdb::Index(LeafVoxel::kDim * row + z);
             const openvdb::Vec3f value = !mLeaf                     ? mTile
                                          : mLeaf->isValueOn(offset) ? mLeaf->buffer().data()[offset]
                                                                     : openvdb::Vec3f(0);
@@ -299,13 +301,14 @@ struct FeedForward {
         const FullBox inside(domain, window);
         const LeafVelocities displacements(velocities, origin);
         const Domain::Mask& mask = domain.mask(leaf);
-        for (int row = 0; row < 64; ++row) {
+        for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
             if (lanes == 0) continue;
             const Vector8 way = displacements.row(row);
+            const LeafVoxel first = LeafVoxel::ofRow(row);
             Vector8 centre;
-            centre.x = broadcast8(float(origin[0] + (row >> 3)));
-            centre.y = broadcast8(float(origin[1] + (row & 7)));
+            centre.x = broadcast8(float(origin[0] + first.x));
+            centre.y = broadcast8(float(origin[1] + first.y));
             centre.z = Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(origin[2]);
             TextureBricks::Samples upstream = texture.at(window, centre - way * 0.5f, lanes);
             if (anyOf(maskOf(lanes) & !(upstream.coverage > 0))) {
@@ -315,34 +318,34 @@ struct FeedForward {
                 upstream.sharp = known ? upstream.sharp : here.sharp;
             }
 
-            Int8 value = filtered(around, row, upstream.sharp, input + 8 * row);
+            Int8 value = filtered(around, first, upstream.sharp, input + LeafVoxel::kDim * row);
             const Vector8 before = centre - way;
             if (anyOf(maskOf(lanes) & ~inside.contains(before))) renewEntering(window, centre, before, lanes, value);
             // The texture alone would be smoothed again in each generation, and streaks grow until nothing seems to
             // move.
             const Int8 history = (toFixed(upstream.texture) * 3 + value) >> 2;
-            for (int z = 0; z < 8; ++z) {
+            for (int z = 0; z < LeafVoxel::kDim; ++z) {
                 if (lanes >> z & 1)
-                    input[8 * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));
+                    input[LeafVoxel::kDim * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));
             }
         }
     }
 
-    /// Restore contrast and add noise. @param input the original noise of the row
-    [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, int row, Float8 sharp,
+    /// Restore contrast and add noise. @param first voxel of the row  @param input its original noise
+    [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, LeafVoxel first, Float8 sharp,
                                               const std::int32_t* input) const
     {
         Float8 original;
-        for (int z = 0; z < 8; ++z)
+        for (int z = 0; z < LeafVoxel::kDim; ++z)
             original[z] = float(Input::value(input[z])) / kFull;
         if (params.jitter == Jitter::kBits) {
             Float8 jittered;
-            for (int z = 0; z < 8; ++z)
+            for (int z = 0; z < LeafVoxel::kDim; ++z)
                 jittered[z] = jitterBits(sharp[z], original[z]);
             return toFixed(jittered);
         }
         // Where there is next to no contrast there is none to restore.
-        const LocalContrast::Row local = around.row(row >> 3, row & 7);
+        const LocalContrast::Row local = around.row(first.x, first.y);
         const Float8 least = broadcast8(params.deviation / kMaxGain);
         const Float8 gain = params.deviation / (local.deviation > least ? local.deviation : least);
         const Float8 restored = clampToUnit(0.5f + gain * (sharp - local.mean));
@@ -355,12 +358,12 @@ struct FeedForward {
                                          unsigned lanes, Int8& value) const
     {
         const TextureBricks::Samples there = texture.at(window, before, lanes);
-        const Int8 place = window.place(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
-        for (int z = 0; z < 8; ++z) {
+        const Int8 slots = window.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
+        for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (!(lanes >> z & 1)) continue;
             // Bricks go on below the domain with its first values; here that is outside.
-            const bool inBrick = place[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
-                                                                    : window.leaves[std::size_t(place[z])] >= 0;
+            const bool inBrick = slots[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
+                                                                    : window.leaves[std::size_t(slots[z])] >= 0;
             const float stayed = inBrick ? there.coverage[z] : coverageAt(domain, before.lane(z));
             const openvdb::Coord at(int(centre.x[z]), int(centre.y[z]), int(centre.z[z]));
             if (stayed < 1 && noise.fromOutside(at, step, stayed)) value[z] = noise.entering(at, step);
@@ -387,7 +390,7 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
     LeafValues<std::int32_t> input = noiseInput(next, noise);
     const Slabs slabs(domain);
     // Samples lie up to the whole way upstream, and in the cell around that place.
-    const int reach = int(std::ceil((std::min(field.largest()[slabs.axis()], 1e6f) + 1) / float(Domain::Leaf::DIM)));
+    const int reach = int(std::ceil((std::min(field.largest()[slabs.axis()], 1e6f) + 1) / float(LeafVoxel::kDim)));
     slabs.sweep(
         reach, [&](Slabs::Leaves leaves) { bricks.fill(leaves); },
         [&](Slabs::Leaves leaves) { bricks.release(leaves); },

@@ -34,7 +34,7 @@ class LocalContrast {
 
   private:
     static constexpr int kBlock = 4, kBlocks = 2; // voxels of a block, blocks of a leaf; along each axis
-    static int blockOf(int x, int y, int z) { return (x / kBlock * kBlocks + y / kBlock) * kBlocks + z / kBlock; }
+    static int blockOf(LeafVoxel v) { return (v.x / kBlock * kBlocks + v.y / kBlock) * kBlocks + v.z / kBlock; }
 
     /// Of each block of a leaf: number, sum and sum of squares of its values.
     using Moments = std::array<Float4, kBlocks * kBlocks * kBlocks>;

@@ -10,10 +10,10 @@ void fillLeaf(const Domain& domain, std::size_t leaf, std::uint32_t seed, float*
     const openvdb::Coord origin = domain.origin(leaf);
     const Domain::Mask& mask = domain.mask(leaf);
     int offset = 0;
-    for (int x = 0; x < 8; ++x) {
-        for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < LeafVoxel::kDim; ++x) {
+        for (int y = 0; y < LeafVoxel::kDim; ++y) {
             const std::uint64_t column = noiseColumn(origin.x() + x, origin.y() + y, seed);
-            for (int z = 0; z < 8; ++z, ++offset) {
+            for (int z = 0; z < LeafVoxel::kDim; ++z, ++offset) {
                 if (mask.isOn(offset)) values[offset] = float(noiseInColumn(column, origin.z() + z)) / float(kNoiseMax);
             }
         }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/leaf_window.h"
 #include "vdblic/field/velocity_field.h"
 
 #include <algorithm>
@@ -128,9 +129,10 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const LeafWindow& wi
 /// The voxels that the paths of a batch lead through, at the middles of even pieces of each segment's length, so that
 /// their mean is the segment's.
 struct PathSamples {
-    /// One sample of each lane, as a code: place in the window · 512 + offset in the leaf; −1 − n for far voxel n.
+    /// One sample of each lane, as the code of a WindowVoxel; far ones are indices in `far`.
     struct Row {
         Int8 code;
+        [[nodiscard]] VDBLIC_INLINE WindowVoxel voxel(int lane) const { return {code[lane]}; }
     };
     /// The samples on a segment: those of lane m are rows[firstRow + j].code[m], j from 0 to count[m].
     struct Run {
@@ -139,20 +141,27 @@ struct PathSamples {
         Int8 count;
         Int8 early; ///< how many of them lie before a given time
     };
-    /// A voxel that is not in the window.
-    struct FarVoxel {
+    /// A voxel of a domain.
+    struct Voxel {
         int leaf; ///< −1 where there is none
         unsigned offset;
     };
 
     std::vector<Run> runs;
     std::vector<Row> rows;
-    std::vector<FarVoxel> far;
+    std::vector<Voxel> far; ///< the samples outside the window
+
+    /// The voxel of a sample, near or far. @param window that the samples were taken with
+    [[nodiscard]] VDBLIC_INLINE Voxel find(WindowVoxel sample, const LeafWindow& window) const
+    {
+        if (sample.isFar()) return far[sample.farIndex()];
+        return {window.leaves[std::size_t(sample.slot())], sample.offset()};
+    }
 };
 
 /// Sample the paths of a batch.
 ///
-/// @param window the codes' places refer to
+/// @param window that the samples' codes refer to
 /// @param until  samples before this time count as early, as a fraction of the time step
 /// Cubic Hermite dense output: Hairer, Nørsett & Wanner, Solving ODEs I, II.6. Even arc length takes the speed to
 /// change linearly over the segment.
@@ -193,14 +202,14 @@ VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, con
             const Int8 y = floorToInt(((u * c3.y + c2.y) * u + m0.y) * u + c0.y);
             const Int8 z = floorToInt(((u * c3.z + c2.z) * u + m0.z) * u + c0.z);
             const Int8 valid = count > j;
-            const Int8 place = window.place(x, y, z);
-            Int8 code = place << 9 | (x & 7) << 6 | (y & 7) << 3 | (z & 7);
+            const Int8 slots = window.slots(x, y, z);
+            Int8 code = WindowVoxel::encode(slots, x, y, z);
             early -= valid & (u * segment.duration + segment.time < until);
-            if (__builtin_expect(anyOf(valid & (place == LeafWindow::kElsewhere)), 0)) {
+            if (__builtin_expect(anyOf(valid & (slots == LeafWindow::kElsewhere)), 0)) {
                 for (int i = 0; i < kLanes; ++i) {
-                    if (!valid[i] || place[i] != LeafWindow::kElsewhere) continue;
+                    if (!valid[i] || slots[i] != LeafWindow::kElsewhere) continue;
                     const Int4 voxel = {x[i], y[i], z[i], 0};
-                    code[i] = -1 - int(samples.far.size());
+                    code[i] = WindowVoxel::encodeFar(samples.far.size());
                     samples.far.push_back({domain.findLeaf(voxel), Domain::offset(voxel)});
                 }
             }

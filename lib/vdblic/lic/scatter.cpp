@@ -50,7 +50,7 @@ openvdb::Coord reachOf(const ScatterScene& scene)
             slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
         constexpr float kFarAway = 1e6f;
         const float voxels = std::min(kSwing * slope + kRounding, kFarAway);
-        reach[int(axis)] = int(std::ceil(voxels / float(Domain::Leaf::DIM)));
+        reach[int(axis)] = int(std::ceil(voxels / float(LeafVoxel::kDim)));
     }
     return reach;
 }

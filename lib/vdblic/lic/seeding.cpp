@@ -64,9 +64,10 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
         taken = Generation::add(taken, value);
         alive += Hits::pack(value, 1);
     };
-    const auto add = [&](int code) {
-        if (__builtin_expect(code >= 0, 1)) return deposit<kShared>(mTarget[std::size_t(code >> 9)][code & 511], alive);
-        const PathSamples::FarVoxel& voxel = mSamples.far[std::size_t(-1 - code)];
+    const auto add = [&](WindowVoxel sample) {
+        if (__builtin_expect(!sample.isFar(), 1))
+            return deposit<kShared>(mTarget[std::size_t(sample.slot())][sample.offset()], alive);
+        const PathSamples::Voxel& voxel = mSamples.far[sample.farIndex()];
         return voxel.leaf >= 0 && deposit<kShared>(mScene.accumulator[std::size_t(voxel.leaf)][voxel.offset], alive);
     };
     if (mayTakeUp) takeUp(Domain::offset(voxelOf(mBatch.segments.front().start.lane(lane))));
@@ -77,16 +78,16 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
         const int early = mayTakeUp ? run.early[lane] : 0, count = run.count[lane];
         int i = 0;
         for (; inside && i < early; ++i) {
-            const int code = row[i].code[lane];
-            if (code >> 9 == LeafWindow::kCentre && mDomain.isActive(int(mLeaf), unsigned(code & 511))) {
-                takeUp(unsigned(code & 511));
+            const WindowVoxel sample = row[i].voxel(lane);
+            if (sample.slot() == LeafWindow::kCentre && mDomain.isActive(int(mLeaf), sample.offset())) {
+                takeUp(sample.offset());
             }
-            inside = add(code);
+            inside = add(sample);
             if (inside) hits += Hits::count(alive);
         }
         const int first = i;
         for (; inside && i < count; ++i)
-            inside = add(row[i].code[lane]);
+            inside = add(row[i].voxel(lane));
         if (!inside) --i; // the one that was not added
         deposits += std::size_t(i);
         if (i > first) hits += std::size_t(i - first) * Hits::count(alive);
@@ -302,9 +303,9 @@ void TileScatter::run(std::size_t leaf, bool shared)
 {
     mLeaf = leaf;
     mWindow = LeafWindow(mDomain, mDomain.origin(leaf));
-    for (std::size_t place = 0; place < mTarget.size(); ++place) {
-        const int there = mWindow.leaves[place];
-        mTarget[place] = there >= 0 ? mScene.accumulator[std::size_t(there)] : nowhere();
+    for (std::size_t slot = 0; slot < mTarget.size(); ++slot) {
+        const int there = mWindow.leaves[slot];
+        mTarget[slot] = there >= 0 ? mScene.accumulator[std::size_t(there)] : nowhere();
     }
     mInput = mScene.input[leaf];
     mOpen = mDomain.mask(leaf);

@@ -14,7 +14,8 @@ TileSchedule::TileSchedule(const Domain& domain, Slabs::Leaves leaves, const ope
         Group group{leaves.subspan(begin, std::min(kGroupLeaves, leaves.size() - begin)), {}};
         for (const std::uint32_t leaf : group.leaves) {
             const openvdb::Coord origin = domain.origin(leaf);
-            group.box.expand(openvdb::Coord(origin[0] >> 3, origin[1] >> 3, origin[2] >> 3));
+            group.box.expand(openvdb::Coord(LeafVoxel::leafCoordinate(origin[0]), LeafVoxel::leafCoordinate(origin[1]),
+                                            LeafVoxel::leafCoordinate(origin[2])));
         }
         mGroups.push_back(group);
     }

@@ -13,7 +13,8 @@ namespace {
 
 double memoryOf(const RenderParams& params, const TextureVolume& volume)
 {
-    constexpr double kGridLeaf = 2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * 512 * sizeof(float);
+    constexpr double kGridLeaf =
+        2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * LeafVoxel::kCount * sizeof(float);
     const double record =
         double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
     const double brick = kBrickSize * record;

@@ -66,17 +66,8 @@ Trace trace(const VelocityField& field, const ScatterParams& params, Float4 posi
     Trace result{batch.position.lane(0), batch.slope.lane(0), {}, false};
     for (const PathSamples::Run& run : samples.runs) {
         for (int i = 0; i < run.count[0] && !result.ended; ++i) {
-            const int code = samples.rows[run.firstRow + std::size_t(i)].code[0];
-            int leaf;
-            unsigned offset;
-            if (code >= 0) {
-                leaf = window.leaves[std::size_t(code >> 9)];
-                offset = unsigned(code & 511);
-            } else {
-                const PathSamples::FarVoxel& far = samples.far[std::size_t(-1 - code)];
-                leaf = far.leaf;
-                offset = far.offset;
-            }
+            const WindowVoxel sample = samples.rows[run.firstRow + std::size_t(i)].voxel(0);
+            const auto [leaf, offset] = samples.find(sample, window);
             result.ended = leaf < 0 || !domain.isActive(leaf, offset);
             if (result.ended) break;
             const Coord voxel = domain.origin(std::size_t(leaf)) + Domain::Leaf::offsetToLocalCoord(offset);
