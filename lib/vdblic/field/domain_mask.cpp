@@ -103,13 +103,10 @@ openvdb::GridBase::Ptr readMask(const std::string& argument, std::int64_t frame,
     const auto [pattern, name] = parseGridReference(argument);
     const std::filesystem::path path = FramePattern(pattern.string()).path(frame);
     const VdbFile file = readVdb(path);
-    for (const auto& grid : file.grids) {
-        if (!name.empty() && grid->getName() != name) continue;
-        where = fmt::format("mask {}: grid {}", path.string(), grid->getName());
-        return grid;
-    }
-    throw InputError(fmt::format("mask {}: {}; the file holds {}", path.string(),
-                                 name.empty() ? "no grid" : fmt::format("no grid '{}'", name), file.contents()));
+    const bool first = name.empty() && !file.grids.empty();
+    auto grid = first ? file.grids.front() : file.get<openvdb::GridBase>(name, "FILE:GRID");
+    where = fmt::format("mask {}: grid {}", path.string(), grid->getName());
+    return grid;
 }
 
 } // namespace

@@ -104,6 +104,7 @@ class GuardedFile {
             VdbFile result;
             result.grids = *input.getGrids();
             result.metadata = *input.getMetadata();
+            result.path = mPath;
             return result;
         } catch (const std::ios::failure&) {
             fail(mStream.eof() ? "it ends too early"
@@ -133,6 +134,12 @@ class GuardedFile {
 };
 
 } // namespace
+
+InputError VdbFile::missing(std::string_view what, std::string_view choice) const
+{
+    return InputError(fmt::format("{}: no {}; the file holds {}{}{}", path.string(), what, contents(),
+                                  choice.empty() ? "" : "; choose with ", choice));
+}
 
 std::string VdbFile::contents() const
 {

@@ -1,11 +1,15 @@
 #pragma once
 
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace vdblic {
 
@@ -13,18 +17,39 @@ namespace vdblic {
 struct VdbFile {
     openvdb::GridPtrVec grids;
     openvdb::MetaMap metadata;
+    std::filesystem::path path; ///< for messages
 
-    /// The first grid of a name and type, or null.
+    /// The first grid of a name and type, or null. openvdb::GridBase stands for any type.
     template<typename GridT>
     [[nodiscard]] typename GridT::Ptr find(std::string_view name) const
     {
         for (const openvdb::GridBase::Ptr& grid : grids) {
-            if (grid->getName() == name) {
-                if (auto typed = openvdb::gridPtrCast<GridT>(grid)) return typed;
+            if (grid->getName() != name) continue;
+            if constexpr (std::is_same_v<GridT, openvdb::GridBase>) {
+                return grid;
+            } else if (auto typed = openvdb::gridPtrCast<GridT>(grid)) {
+                return typed;
             }
         }
         return nullptr;
     }
+
+    /// The first grid of a name and type, as find().
+    /// @param choice how to name another grid, for the message; may be empty
+    /// @throws InputError, as missing() makes it, if there is none
+    template<typename GridT>
+    [[nodiscard]] typename GridT::Ptr get(std::string_view name, std::string_view choice = {}) const
+    {
+        if (const auto grid = find<GridT>(name)) return grid;
+        std::string type;
+        if constexpr (!std::is_same_v<GridT, openvdb::GridBase>) {
+            type = std::string(openvdb::typeNameAsString<typename GridT::ValueType>()) + ' ';
+        }
+        throw missing(fmt::format("{}grid '{}'", type, name), choice);
+    }
+
+    /// An error for what the file lacks: "PATH: no WHAT; the file holds CONTENTS; choose with CHOICE".
+    [[nodiscard]] InputError missing(std::string_view what, std::string_view choice = {}) const;
 
     /// The names and types in the file, for messages: "density (float), velocity (vec3s)".
     [[nodiscard]] std::string contents() const;

@@ -61,13 +61,7 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
 void carry(const VdbFile& file, const std::vector<std::string>& names, VelocityFrame& frame)
 {
     for (const std::string& name : names) {
-        const auto found = std::find_if(file.grids.begin(), file.grids.end(),
-                                        [&](const openvdb::GridBase::Ptr& grid) { return grid->getName() == name; });
-        if (found == file.grids.end()) {
-            throw InputError(fmt::format("{}: no grid '{}' to carry along; the file holds {}", frame.file.path.string(),
-                                         name, file.contents()));
-        }
-        frame.carried.push_back(*found);
+        frame.carried.push_back(file.get<openvdb::GridBase>(name, "`carry`"));
     }
 }
 
@@ -140,10 +134,8 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params)
     if (name.empty()) {
         const std::vector<std::string> names = velocityNames(contents);
         if (names.empty()) {
-            throw InputError(
-                fmt::format("{}: no Vec3 grid, and no three scalars called 'velocity', 'vel' or 'v' with x, y "
-                            "and z; the file holds {}: choose with --velocity NAME",
-                            path, contents.contents()));
+            throw contents.missing("Vec3 grid, and no three scalars called 'velocity', 'vel' or 'v' with x, y and z",
+                                   "`velocity`");
         }
         name = names.front();
         if (names.size() > 1) {

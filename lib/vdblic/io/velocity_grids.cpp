@@ -249,9 +249,7 @@ VelocityGrid findVelocity(const VdbFile& file, const std::string& name, const st
     }
     std::string fullName;
     const auto scalars = scalarsOf(file, name, fullName);
-    if (!scalars[0]) {
-        throw InputError(fmt::format("{}: no velocity '{}'; the file holds {}", path, name, file.contents()));
-    }
+    if (!scalars[0]) throw file.missing(fmt::format("velocity '{}'", name), "`velocity`");
     const std::string where = fmt::format("{}: grids {}", path, fullName);
     for (const auto& grid : scalars)
         checkTransform(*grid, where);
