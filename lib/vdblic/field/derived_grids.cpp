@@ -1,7 +1,7 @@
 #include "vdblic/field/derived_grids.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/io/velocity_grids.h"
+#include "vdblic/field/index_axes.h"
 
 #include <fmt/ranges.h>
 #include <tbb/parallel_for.h>

@@ -1,4 +1,4 @@
-#include "vdblic/io/velocity.h"
+#include "vdblic/field/velocity_frame.h"
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
@@ -307,7 +307,7 @@ TEST_F(VelocityFile, RefusesOrMendsValuesThatAreNotNumbers)
     grid->tree().setValue({1, 5, 1}, Vec3f(0, std::numeric_limits<float>::quiet_NaN(), 0));
     grid->tree().setValue({0, 5, 1}, Vec3f(std::numeric_limits<float>::infinity(), 0, 0));
     const std::string message = messageOf({grid});
-    for (const char* part : {"grid velocity", "frame 1", "2 voxels", "[0, 5, 1]", "--nonfinite zero"}) {
+    for (const char* part : {"grid velocity", "frame 1", "2 voxels", "[0, 5, 1]", "`non_finite` zero"}) {
         EXPECT_NE(message.find(part), std::string::npos) << message;
     }
     VelocityParams mend;

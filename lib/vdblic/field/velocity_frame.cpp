@@ -1,15 +1,20 @@
-#include "vdblic/io/velocity.h"
+#include "vdblic/field/velocity_frame.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/centred_velocity.h"
+#include "vdblic/field/index_axes.h"
+#include "vdblic/field/largest_value.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/velocity_grids.h"
 
-#include <openvdb/tree/LeafManager.h>
-#include <openvdb/tree/NodeManager.h>
-#include <tbb/parallel_reduce.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -50,7 +55,7 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
     const std::string found = fmt::format("{}: grid {}, frame {}: {} {} not finite, the first at [{}, {}, {}]",
                                           frame.file.path.string(), frame.gridName, frame.file.frame, count,
                                           count == 1 ? "voxel is" : "voxels are", first[0], first[1], first[2]);
-    if (nonFinite == NonFinite::kRefuse) throw InputError(found + "; mend the file or give --nonfinite zero");
+    if (nonFinite == NonFinite::kRefuse) throw InputError(found + "; mend the file or give `non_finite` zero");
     frame.values = frame.values->deepCopy();
     for (auto value = frame.values->beginValueOn(); value; ++value) {
         if (!isFinite(*value)) value.setValue(Vec3f(0));
@@ -60,9 +65,8 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
 
 void carry(const VdbFile& file, const std::vector<std::string>& names, VelocityFrame& frame)
 {
-    for (const std::string& name : names) {
+    for (const std::string& name : names)
         frame.carried.push_back(file.get<openvdb::GridBase>(name, "`carry`"));
-    }
 }
 
 } // namespace
@@ -105,29 +109,15 @@ Mat3d VelocityFrame::toVoxelsPerStep(double interval) const
 double VelocityFrame::largestDisplacement(double interval) const
 {
     const openvdb::Mat3s toStep(toVoxelsPerStep(interval));
-    using Leaves = openvdb::tree::LeafManager<const openvdb::Vec3STree>;
-    const Leaves leaves(values->tree());
-    float largest = tbb::parallel_reduce(
-        leaves.leafRange(), 0.0f,
-        [&](const Leaves::LeafRange& range, float most) {
-            for (auto leaf = range.begin(); leaf; ++leaf) {
-                for (auto value = leaf->cbeginValueOn(); value; ++value)
-                    most = std::max(most, (toStep * *value).lengthSqr());
-            }
-            return most;
-        },
+    const float squared = largestValue(
+        values->tree(), 0.0f, [&](const Vec3f& value) { return (toStep * value).lengthSqr(); },
         [](float a, float b) { return std::max(a, b); });
-    auto tile = values->cbeginValueOn();
-    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
-    for (; tile; ++tile)
-        largest = std::max(largest, (toStep * *tile).lengthSqr());
-    return std::sqrt(double(largest));
+    return std::sqrt(double(squared));
 }
 
 VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params)
 {
     const VdbFile contents = readVdb(file.path);
-    const std::string path = file.path.string();
     VelocityFrame frame;
     frame.file = file;
     std::string name = params.grid;
@@ -140,12 +130,13 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params)
         name = names.front();
         if (names.size() > 1) {
             frame.remarks.push_back(
-                fmt::format("the files hold several velocities ({}): taking '{}'; choose with --velocity",
+                fmt::format("the files hold several velocities ({}): taking '{}'; choose with `velocity`",
                             fmt::join(names, ", "), name));
         }
     }
-    const VelocityGrid found = findVelocity(contents, name, path);
-    frame.gridName = found.name;
+    const VelocityGrids grids = findVelocityGrids(contents, name);
+    const CentredVelocity found = centredVelocity(grids, file.path.string());
+    frame.gridName = grids.name;
     frame.values = found.values;
     mendNonFinite(frame, params.nonFinite);
 
