@@ -5,15 +5,17 @@
 
 namespace vdblic {
 
-/// Whether an output is there, and so finished: outputs have their final names only when they are complete.
+/// Whether an output exists and so is complete: an output has its final name only then.
 [[nodiscard]] bool isFinished(const std::filesystem::path& output);
 
 /// An output that appears under its final name complete or not at all.
 ///
 /// Write to temporary(), then commit(): the data is flushed to disk, the file renamed, the folder flushed. Without
 /// commit() nothing stays. The temporary file has no name until commit(), so that a killed process leaves none behind.
-/// File systems that cannot do that (NFS) get a hidden one with the name `.FINAL.part`; what a killed process leaves
-/// under it is removed by the next that writes the same output.
+/// On file systems without unnamed files (NFS) it has the hidden name `.FINAL.HOST-N.part`, N the first number that no
+/// living process uses. Writers of one output, in one process or several, so never share a file: the last commit()
+/// wins. What a killed process leaves is removed by the next on its host that writes the same output. A lock (flock)
+/// tells the living from the dead, not a process number, which may be used again or belong to another container.
 class AtomicFile {
   public:
     enum class Temporary { kUnnamedIfPossible, kNamed };
