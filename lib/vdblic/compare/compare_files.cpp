@@ -148,9 +148,9 @@ void checkNoInput(const std::filesystem::path& output, const std::vector<FrameDi
 void CompareSequencesParams::validate() const
 {
     compare.validate();
-    if (skipExisting && output.empty()) throw ParameterError("--skip-existing needs --output to look for");
+    if (skipExisting && output.empty()) throw ParameterError("`skip_existing` needs `output` to look for");
     if (compare.firstOnly && !output.empty()) {
-        throw ParameterError("--first stops before every difference is known; leave out --output or --first");
+        throw ParameterError("`first` stops before every difference is known; leave out `output` or `first`");
     }
 }
 

@@ -29,18 +29,18 @@ std::vector<std::string> creationMetadata()
 
 void CompareParams::validate() const
 {
-    checkTolerance("the failure tolerance (--fail)", fail);
-    checkTolerance("the relative tolerance (--relative)", relative);
-    checkTolerance("the share of failures (--fail-percent)", failPercent);
+    checkTolerance("the failure tolerance (`fail`)", fail);
+    checkTolerance("the relative tolerance (`relative`)", relative);
+    checkTolerance("the share of failures (`fail_percent`)", failPercent);
     if (failPercent > 100) {
-        throw ParameterError(fmt::format("the share of failures (--fail-percent) is {}; at most 100", failPercent));
+        throw ParameterError(fmt::format("the share of failures (`fail_percent`) is {}; at most 100", failPercent));
     }
-    if (hardFail) checkTolerance("the hard limit (--hard-fail)", *hardFail);
-    if (warn) checkTolerance("the warning tolerance (--warn)", *warn);
+    if (hardFail) checkTolerance("the hard limit (`hard_fail`)", *hardFail);
+    if (warn) checkTolerance("the warning tolerance (`warn`)", *warn);
     checkTolerance("the transform tolerance", transformTolerance);
     if (firstOnly && failPercent > 0) {
         throw ParameterError(
-            "--first stops before the share of failures is known; leave out --fail-percent or --first");
+            "`first` stops before the share of failures is known; leave out `fail_percent` or `first`");
     }
 }
 

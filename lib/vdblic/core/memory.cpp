@@ -89,7 +89,7 @@ void checkMemory(double needed, const std::string& what, const std::string& mend
 {
     const auto limit = double(memoryLimit());
     if (needed <= limit) return;
-    throw InputError(fmt::format("{} would take {} of memory or more, and {} may be used: {}, or raise --max-memory",
+    throw InputError(fmt::format("{} would take {} of memory or more, and {} may be used: {}, or raise `max_memory`",
                                  what, memoryText(needed), memoryText(limit), mend));
 }
 
@@ -97,7 +97,7 @@ void checkVoxels(std::uint64_t count, const std::string& where)
 {
     constexpr double kLeast = 16; // bytes a voxel
     checkMemory(double(count) * kLeast, fmt::format("{}{}{} voxels", where, where.empty() ? "" : ": ", count),
-                "cut the domain with --bbox or --mask");
+                "cut the domain with `box` or `mask`");
 }
 
 } // namespace vdblic

@@ -225,7 +225,7 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     if (!pattern.hasField()) {
         if (!params.frames.empty()) {
             throw ParameterError(
-                fmt::format("'{}' is one file; --frames needs a pattern such as name.%04d.vdb", params.pattern));
+                fmt::format("'{}' is one file; `frames` needs a pattern such as name.%04d.vdb", params.pattern));
         }
         const std::filesystem::path path = pattern.path(1);
         if (!isFile(path)) throw InputError(fmt::format("{}: no such file", path.string()));
@@ -250,8 +250,8 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
         if (!std::binary_search(found.begin(), found.end(), frame)) {
             const bool overshoots = frame < found.front() || frame > found.back();
             throw InputError(fmt::format("frame {} is missing: {}; {}", frame, pattern.path(frame).string(),
-                                         overshoots ? "--clamp-frames leaves out what lies beyond the files on disk"
-                                                    : "--frames can select the others"));
+                                         overshoots ? "`clamp_frames` leaves out what lies beyond the files on disk"
+                                                    : "`frames` can select the others"));
         }
         files.push_back({frame, pattern.path(frame)});
     }
@@ -267,7 +267,7 @@ std::int64_t frameSpacing(const SequenceParams& params)
 FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count)
 {
     if (params.pattern == "-") {
-        if (!params.frames.empty()) throw ParameterError("--frames cannot select from paths on standard input");
+        if (!params.frames.empty()) throw ParameterError("`frames` cannot select from paths on standard input");
         count = 0;
         return [&lines, next = std::int64_t{1},
                 taken = std::map<std::int64_t, std::string>{}]() mutable -> std::optional<FrameFile> {

@@ -111,7 +111,7 @@ class GuardedFile {
                  : errno != 0  ? std::generic_category().message(errno)
                                : "it is damaged");
         } catch (const std::bad_alloc&) {
-            fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise --max-memory",
+            fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise `max_memory`",
                              memoryText(double(memoryLimit()))));
         } catch (const std::exception& e) {
             fail(e.what());

@@ -46,7 +46,7 @@ TEST(Memory, IsCheckedBeforeItIsAllocated)
                         .starts_with("grid v: 1152921504606846976 voxels would take 16777216.0 TiB "
                                      "of memory or more, and "))
             << error.what();
-        EXPECT_NE(std::string(error.what()).find("--bbox"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("`box`"), std::string::npos);
     }
 }
 

@@ -204,7 +204,7 @@ TEST(SelectFrames, TakesOneFile)
     EXPECT_EQ(selectFrames({numbered, ""})[0].frame, 42);
     EXPECT_EQ(selectFrames({plain, ""})[0].frame, 1);
     EXPECT_EQ(selectFrames({plain, ""})[0].path, plain);
-    expectContains(messageOf<ParameterError>([&] { (void)selectFrames({plain, "1-3"}); }), "--frames");
+    expectContains(messageOf<ParameterError>([&] { (void)selectFrames({plain, "1-3"}); }), "`frames`");
     expectContains(messageOf<InputError>([&] { (void)selectFrames({plain + "x", ""}); }), "smoke.vdbx");
     EXPECT_THROW((void)selectFrames({folder.path().string(), ""}), InputError);
 }
