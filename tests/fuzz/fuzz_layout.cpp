@@ -3,8 +3,11 @@
 #include "vdblic/io/checksum.h"
 #include "vdblic/io/vdb_layout.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <sstream>
+#include <string>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {

@@ -5,8 +5,12 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/render/transfer_function.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace {
 

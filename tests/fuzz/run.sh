@@ -11,7 +11,6 @@ compile() {
     target=$1
     shift
     clang++ -std=c++20 -g -O1 -Wno-psabi -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Ilib \
-        -include algorithm -include vector -include string -include fmt/format.h \
         "tests/fuzz/$target.cpp" "$@" -lfmt -o "$out/$target"
 }
 

@@ -7,9 +7,15 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <system_error>
+#include <utility>
 
 namespace vdblic {
 namespace {

@@ -6,7 +6,12 @@
 #include "vdblic/compare/tree_difference.h"
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointDataGrid.h>
+
 #include <cmath>
+#include <type_traits>
 
 namespace vdblic {
 namespace {

@@ -4,6 +4,11 @@
 #include "vdblic/compare/value_metric.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cstddef>
+#include <limits>
+#include <type_traits>
 
 namespace vdblic {
 namespace {

@@ -2,9 +2,16 @@
 
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace vdblic::compare {
 namespace {

@@ -4,6 +4,10 @@
 
 #include <openvdb/openvdb.h>
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace vdblic::compare {
 
 /// The metadata that is not the same, by name, without the ignored.

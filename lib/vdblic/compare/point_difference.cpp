@@ -2,11 +2,23 @@
 
 #include "vdblic/compare/measure.h"
 #include "vdblic/compare/point_list.h"
+#include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/points/PointDataGrid.h>
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic::compare {
 namespace {

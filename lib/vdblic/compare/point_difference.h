@@ -3,6 +3,7 @@
 #include "vdblic/compare/compare.h"
 
 #include <openvdb/openvdb.h>
+#include <openvdb/points/PointDataGrid.h>
 
 namespace vdblic::compare {
 

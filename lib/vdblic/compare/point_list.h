@@ -6,10 +6,12 @@
 #include <openvdb/points/PointDataGrid.h>
 #include <tbb/parallel_for.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace vdblic::compare {

@@ -3,9 +3,15 @@
 #include "vdblic/compare/measure.h"
 #include "vdblic/compare/tree_regions.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
+#include <type_traits>
+#include <vector>
 
 namespace vdblic::compare {
 namespace {

@@ -2,7 +2,10 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstdint>
 #include <map>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace vdblic::compare {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <type_traits>

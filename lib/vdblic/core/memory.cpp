@@ -8,8 +8,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <sys/resource.h>
+#include <system_error>
 #include <unistd.h>
 
 namespace vdblic {

@@ -2,8 +2,13 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace vdblic {
 namespace {

@@ -2,6 +2,8 @@
 
 #include "vdblic/field/box_domain.h"
 
+#include <openvdb/openvdb.h>
+
 #include <functional>
 #include <span>
 #include <string_view>

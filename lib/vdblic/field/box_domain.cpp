@@ -2,6 +2,11 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
+
 namespace vdblic {
 
 void checkBoxSize(const BoxSize& size)

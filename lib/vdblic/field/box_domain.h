@@ -3,6 +3,7 @@
 #include "vdblic/field/domain.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 
 namespace vdblic {

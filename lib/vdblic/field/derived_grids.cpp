@@ -3,10 +3,15 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/field/index_axes.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 
 namespace vdblic {
 namespace {

@@ -2,6 +2,8 @@
 
 #include "vdblic/field/domain.h"
 
+#include <openvdb/openvdb.h>
+
 #include <string>
 #include <string_view>
 #include <vector>

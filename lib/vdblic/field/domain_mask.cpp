@@ -5,10 +5,18 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
 #include <openvdb/tree/LeafManager.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <memory>
+#include <type_traits>
+#include <utility>
 
 namespace vdblic {
 namespace {

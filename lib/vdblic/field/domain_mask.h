@@ -6,6 +6,8 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 

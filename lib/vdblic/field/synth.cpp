@@ -4,7 +4,15 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace vdblic {
 namespace {

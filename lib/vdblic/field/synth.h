@@ -3,6 +3,8 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/analytic_flow.h"
 
+#include <openvdb/openvdb.h>
+
 #include <string>
 
 namespace vdblic {

@@ -5,6 +5,7 @@
 #include <fmt/chrono.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <fstream>
 #include <sys/stat.h>
 #include <vector>

@@ -2,9 +2,11 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/Compression.h>
 
 #include <bit>
+#include <cstdint>
 #include <cstring>
 #include <string_view>
 #include <utility>

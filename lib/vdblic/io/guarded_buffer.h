@@ -2,7 +2,9 @@
 
 #include "vdblic/io/vdb_layout.h"
 
+#include <cstdint>
 #include <fstream>
+#include <vector>
 
 namespace vdblic {
 

@@ -7,11 +7,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <istream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <regex>
 #include <set>
+#include <system_error>
 
 namespace vdblic {
 namespace {

@@ -13,8 +13,13 @@
 #include <openvdb/io/Stream.h>
 
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
 #include <fstream>
+#include <new>
 #include <system_error>
+#include <vector>
 
 namespace vdblic {
 namespace {

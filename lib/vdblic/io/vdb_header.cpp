@@ -2,9 +2,11 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 
+#include <exception>
 #include <fstream>
 
 namespace vdblic {

@@ -5,8 +5,13 @@
 #include <openvdb/points/PointGroup.h>
 
 #include <gtest/gtest.h>
+#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {

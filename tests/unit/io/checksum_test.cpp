@@ -4,7 +4,13 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+
+#include <filesystem>
+#include <fstream>
+#include <istream>
 
 namespace vdblic {
 namespace {

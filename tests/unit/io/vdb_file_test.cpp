@@ -8,9 +8,13 @@
 
 #include <openvdb/io/File.h>
 
+#include <cmath>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <sys/resource.h>
 
 namespace vdblic {

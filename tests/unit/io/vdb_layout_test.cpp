@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
 
+#include <cstddef>
 #include <cstring>
+#include <fstream>
 #include <sstream>
 
 namespace vdblic {
