@@ -27,7 +27,7 @@ void checkTolerance(const char* name, double value)
 
 std::vector<std::string> creationMetadata()
 {
-    // Not every file_*: Mantaflow's file_base_resolution, for one, says what is in the file.
+    // Not every file_*: Mantaflow's file_base_resolution, for example, describes the content.
     return {"creator",        "file_bbox_min",    "file_bbox_max",     "file_compression",
             "file_mem_bytes", "file_voxel_count", "file_delayed_load", "is_saved_as_half_float"};
 }
@@ -58,7 +58,7 @@ GridDifference compareGrids(const openvdb::GridBase& a, const openvdb::GridBase&
     result.typeB = b.valueType();
     result.metadata = compare::compareMetadata(a, b, params.ignoredMetadata);
     result.transform = compare::compareTransforms(a, b, params.transformTolerance);
-    // Value types stand for grid types: OpenVDB reads one configuration of each.
+    // A value type identifies the grid type here: OpenVDB reads one tree configuration of each.
     if (a.type() != b.type()) {
         if (result.typeA == result.typeB) {
             result.typeA = a.type();

@@ -15,7 +15,7 @@ namespace {
 
 using namespace openvdb;
 
-/// The grid that holds the differences of another.
+/// The type of the grid that holds the differences of two grids.
 template<typename GridT>
 struct DifferenceOf {
     using Type = FloatGrid;
@@ -75,7 +75,7 @@ GridBase::Ptr makeDifference(const GridT& a, const GridT& b)
     auto tree = std::make_shared<Tree>(a.tree(), zeroVal<D>(), TopologyCopy());
     tree->topologyUnion(b.tree());
 
-    // What is still a tile is a constant on both sides.
+    // A tile of the union is a constant on both sides.
     auto it = tree->beginValueOn();
     it.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);
     for (; it; ++it) {

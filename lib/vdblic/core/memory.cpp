@@ -17,14 +17,14 @@
 namespace vdblic {
 namespace {
 
-/// The number a file begins with, or no limit: "max", or no such file.
+/// The number at the start of a file; no limit if the file says "max" or does not exist.
 std::uint64_t limitIn(const std::string& path)
 {
     std::uint64_t bytes = 0;
     return std::ifstream(path) >> bytes ? bytes : UINT64_MAX;
 }
 
-/// The least limit of this process's control groups, of either version, and of all the groups these lie in.
+/// The least limit of this process's control groups (v1 or v2) and of their ancestors.
 std::uint64_t groupLimit()
 {
     std::uint64_t least = UINT64_MAX;

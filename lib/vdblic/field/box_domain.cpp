@@ -11,7 +11,7 @@ namespace vdblic {
 
 void checkBoxSize(const BoxSize& size)
 {
-    constexpr int kLongest = 100'000; // a domain's indices end a little beyond
+    constexpr int kLongest = 100'000; // about the largest index that a Domain supports
     for (const int side : size) {
         if (side < 1 || side > kLongest) {
             throw ParameterError(

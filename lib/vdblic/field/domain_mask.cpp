@@ -24,7 +24,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3d;
 
-/// Keep the voxels for which keep(coordinate) holds; it is made once a leaf by makeKeep().
+/// Keep the voxels for which keep(index) holds. makeKeep() makes keep once a leaf.
 template<typename MakeKeep>
 void filterVoxels(openvdb::MaskTree& topology, const MakeKeep& makeKeep)
 {
@@ -95,8 +95,8 @@ void cutByMask(openvdb::MaskTree& topology, const openvdb::math::Transform& tran
         using GridT = std::decay_t<decltype(typed)>;
         filterVoxels(topology, [&] {
             return [&, values = typed.getConstAccessor()](const Coord& voxel) {
-                const Vec3d there = typed.worldToIndex(transform.indexToWorld(voxel));
-                return includes<GridT>(values, Coord::round(there), levelSet);
+                const Vec3d inMask = typed.worldToIndex(transform.indexToWorld(voxel));
+                return includes<GridT>(values, Coord::round(inMask), levelSet);
             };
         });
     });

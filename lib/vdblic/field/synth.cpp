@@ -29,7 +29,7 @@ void SynthParams::validate() const
     (void)findAnalyticFlow(flow);
     checkBoxSize(size);
     checkVoxelSize(voxelSize);
-    constexpr double kLongest = 1e6; // seconds; formulas of sines lose their meaning far beyond
+    constexpr double kLongest = 1e6; // seconds; the sines of the flows lose precision far beyond
     if (!(dt > 0 && dt <= kLongest)) {
         throw ParameterError(fmt::format("dt {}: must be a positive number of seconds, at most {}", dt, kLongest));
     }

@@ -34,7 +34,7 @@ bool isFinite(const Vec3f& v)
     return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
-/// Look at every active value. @return the number of voxels that are not finite, and the first of them
+/// The number of active voxels that are not finite, and the first of them.
 std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
 {
     std::size_t count = 0;
@@ -47,7 +47,7 @@ std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
     return {count, first};
 }
 
-/// Refuse velocities that are not numbers, or make them 0 and say how many there were.
+/// Refuse velocities that are not finite, or set them to 0 and add a remark.
 void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
 {
     const auto [count, first] = findNonFinite(*frame.values);

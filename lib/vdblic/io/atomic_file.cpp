@@ -30,7 +30,7 @@ std::filesystem::path folderOf(const std::filesystem::path& path)
     return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-/// Flush a folder to disk; those of some file systems cannot be, which is no error.
+/// Flush a folder to disk. On some file systems that is impossible, which is no error.
 void flushFolder(const std::filesystem::path& folder)
 {
     const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -40,7 +40,7 @@ void flushFolder(const std::filesystem::path& folder)
 }
 
 /// Lock a temporary file for as long as it is open. The system frees the lock when the process ends, however it ends.
-/// @return false if another holds the lock. File systems without locks give true: nobody removes files there.
+/// @return false if another writer has locked it. True on file systems without locks, where no file is ever removed.
 bool lock(int descriptor)
 {
     return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;

@@ -12,10 +12,11 @@ namespace vdblic {
 ///
 /// Write to temporary(), then commit(): the data is flushed to disk, the file renamed, the folder flushed. Without
 /// commit() nothing stays. The temporary file has no name until commit(), so that a killed process leaves none behind.
-/// On file systems without unnamed files (NFS) it has the hidden name `.FINAL.HOST-N.part`, N the first number that no
-/// living process uses. Writers of one output, in one process or several, so never share a file: the last commit()
-/// wins. What a killed process leaves is removed by the next on its host that writes the same output. A lock (flock)
-/// tells the living from the dead, not a process number, which may be used again or belong to another container.
+/// On file systems without unnamed files (NFS) it has the hidden name `.FINAL.HOST-N.part`, where N is the first number
+/// that no living writer uses. So writers of one output, in one process or several, never share a temporary file; the
+/// last commit() wins. The next writer of the same output on the host removes the files of killed writers. A writer
+/// locks its file (flock), so that others see it is alive; a process id would not do, since ids are reused and differ
+/// between containers.
 class AtomicFile {
   public:
     enum class Temporary { kUnnamedIfPossible, kNamed };
@@ -26,10 +27,10 @@ class AtomicFile {
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// Where to write, until commit().
+    /// The path to write to until commit().
     [[nodiscard]] const std::filesystem::path& temporary() const { return mTemporary; }
 
-    /// @throws OutputError naming the file and the system's reason; the final name is then as it was
+    /// @throws OutputError naming the file and the system's reason; a file of the final name is then unchanged
     void commit();
 
   private:
@@ -38,9 +39,9 @@ class AtomicFile {
     bool mUnnamed = false;
 };
 
-/// Check that writing an output will not replace an input. @throws ParameterError if they are the same file
+/// Check that an output will not replace an input. @throws ParameterError if they are the same file
 void checkNotInput(const std::filesystem::path& output, const std::filesystem::path& input);
-/// Check that two outputs of a run have different names, whether they exist or not. @throws ParameterError
+/// Check that two outputs of a run have different paths; they need not exist. @throws ParameterError
 void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other);
 
 /// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kDigits = 16;
 
-/// The hash of some of a file's bytes.
+/// Hashes ranges of a file's bytes.
 class RangeHash {
   public:
     explicit RangeHash(std::istream& stream) : mStream(stream), mBlock(std::size_t(1) << 18)
@@ -33,7 +33,7 @@ class RangeHash {
             left -= size;
         }
     }
-    /// The hash, and begin anew.
+    /// The hash of the bytes added since the last take().
     std::string take()
     {
         const XXH64_hash_t hash = XXH3_64bits_digest(&mState);

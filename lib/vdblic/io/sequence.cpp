@@ -19,16 +19,16 @@
 namespace vdblic {
 namespace {
 
-/// A number as printf's %0*d writes it.
+/// A number formatted as by printf's %0*d.
 std::string padded(std::int64_t frame, int width)
 {
     return fmt::format("{:0{}d}", frame, width);
 }
 
-// A file name's length; patterns of it are matched by recursion.
+// PATH_MAX. std::regex matches by recursion, so the length must be bounded.
 constexpr std::size_t kLongestPattern = 4096;
 
-/// Takes a number off a text's front, if one is there.
+/// Remove a number from the front of a text and return it, if there is one.
 std::optional<std::int64_t> takeNumber(std::string_view& text)
 {
     constexpr std::int64_t kMost = 1'000'000'000'000;
@@ -96,7 +96,7 @@ std::int64_t leastSpacing(const std::vector<std::int64_t>& frames)
     return std::max<std::int64_t>(spacing, 1);
 }
 
-/// The frames from the first found to the last in even steps: a gap is a frame that was lost.
+/// The frames found, and in each gap one frame that is not on disk, to be reported as missing.
 std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
 {
     std::vector<std::int64_t> frames;
@@ -104,7 +104,7 @@ std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
     for (std::size_t i = 0; i < found.size(); ++i) {
         frames.push_back(found[i]);
         const bool gap = i + 1 < found.size() && found[i + 1] - found[i] != spacing;
-        if (gap) frames.push_back(found[i] + spacing); // to be reported as missing
+        if (gap) frames.push_back(found[i] + spacing);
     }
     return frames;
 }
@@ -122,7 +122,7 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
     const std::string name = whole.filename().string();
     if (name.empty()) throw ParameterError(fmt::format("'{}' is not a file name", pattern));
     mPrefix = name;
-    // A file that is there under the very name is meant as it is, whatever characters it has.
+    // An existing file of exactly this name is meant literally, even if the name looks like a pattern.
     if (isFile(whole)) return;
 
     static const std::regex field(R"(%(0\d+)?d|#+|@+|\$F(\d*)|<F(\d*)>)");
@@ -176,7 +176,7 @@ std::optional<std::int64_t> FramePattern::frameOf(const std::filesystem::path& p
     std::int64_t frame = 0;
     const auto [last, failed] = std::from_chars(begin, end, frame);
     if (failed != std::errc{} || last != end) return std::nullopt;
-    // Only the name this pattern gives the frame: 7 and 0007 are not both frame 7 of %04d.
+    // Only the spelling of this pattern counts: with %04d, 0007 is frame 7 and 7 is not.
     return padded(frame, *mWidth) == std::string_view(begin, end) ? std::optional(frame) : std::nullopt;
 }
 
@@ -280,7 +280,7 @@ FrameSource openSequence(const SequenceParams& params, std::istream& lines, std:
                 if (!isFile(line)) throw InputError(fmt::format("{}: no such file (named on standard input)", line));
                 const std::int64_t frame = frameOfName(line).value_or(next);
                 next = frame + 1;
-                // Outputs are named by frame: a second one would overwrite the first's.
+                // Outputs are named by frame: the second would overwrite the first.
                 if (const auto [before, isNew] = taken.emplace(frame, line); !isNew) {
                     throw InputError(fmt::format("{}: frame {} comes twice on standard input; the first was {}", line,
                                                  frame, before->second));

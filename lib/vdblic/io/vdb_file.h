@@ -55,10 +55,10 @@ struct VdbFile {
     [[nodiscard]] std::string contents() const;
 };
 
-/// Read a whole file at once, never delayed: the one door for volumes, whoever made them (docs/survival.md).
+/// Read a whole file, without delayed loading. All volumes are read by this function (docs/survival.md).
 ///
-/// The header is checked first, then the checksums if the file is one of ours, then whether the grids fit into memory,
-/// and only then does OpenVDB see it. What OpenVDB does with hostile bytes that get so far is up to HazardHooks.
+/// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
+/// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.
 /// @throws InputError naming the file and the reason
 [[nodiscard]] VdbFile readVdb(const std::filesystem::path& path);
 
@@ -66,12 +66,12 @@ struct VdbFile {
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid
 bool verifyVdb(const std::filesystem::path& path);
 
-/// Write grids and file metadata atomically, blosc-compressed; `creator` and `checksum` are added. Equal content gives
+/// Write grids and file metadata atomically, blosc-compressed, and add `creator` and `checksum`. Equal content gives
 /// equal files.
-/// @throws OutputError naming the file and the reason; a full disk is one
+/// @throws OutputError naming the file and the reason, such as a full disk
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata);
 
-/// A number stored as any of the numeric metadata types, or nothing.
+/// A number stored as double, float, int32 or int64 metadata, if there is one.
 [[nodiscard]] std::optional<double> numericMetadata(const openvdb::MetaMap& metadata, const std::string& name);
 
 } // namespace vdblic

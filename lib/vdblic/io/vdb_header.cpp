@@ -12,7 +12,7 @@
 namespace vdblic {
 namespace {
 
-/// Reads up to a grid's voxels and no further; OpenVDB does so only from files it may keep open.
+/// Reads a grid up to its voxels. OpenVDB's own way to do so keeps the file open.
 class HeaderArchive : public openvdb::io::Archive {
   public:
     openvdb::GridBase::Ptr read(std::istream& stream, const std::string& name)

@@ -26,7 +26,7 @@ TEST(Memory, IsNoMoreThanTheProcessAllowsItself)
     rlimit before{};
     ::getrlimit(RLIMIT_DATA, &before);
     const rlimit limit{std::min<rlim_t>(rlim_t(1) << 40, before.rlim_max), before.rlim_max};
-    ::setrlimit(RLIMIT_DATA, &limit); // more than there is: no limit
+    ::setrlimit(RLIMIT_DATA, &limit); // more than the memory of the machine: no limit
     const std::uint64_t machine = memoryLimit();
     const rlimit least{rlim_t(1) << 30, before.rlim_max};
     ::setrlimit(RLIMIT_DATA, &least);

@@ -70,7 +70,7 @@ TEST(AtomicFile, WithoutCommitLeavesAllAsItWas)
 
 constexpr auto kNamed = AtomicFile::Temporary::kNamed;
 
-/// A process that writes an output to a file with a name, until the test lets it commit or kills it.
+/// Another process that writes an output to a named temporary file until the test lets it commit or kills it.
 class Writer {
   public:
     explicit Writer(const fs::path& output)
@@ -159,7 +159,7 @@ TEST(AtomicFile, HasAHiddenNameWhereItMustHaveOne)
         EXPECT_TRUE(fs::exists(file.temporary()));
     }
     EXPECT_TRUE(folder.empty());
-    EXPECT_NO_THROW(AtomicFile(folder / std::string(255, 'x'), kNamed).commit()); // as long as a name may be
+    EXPECT_NO_THROW(AtomicFile(folder / std::string(255, 'x'), kNamed).commit()); // the longest name possible
 }
 
 TEST(AtomicFile, OfTwoAtOnceTheLastStaysWhole)
@@ -262,7 +262,7 @@ TEST(AtomicFile, SaysWhenItCannotBeRenamed)
     fs::create_directory(folder / "out.vdb"); // meanwhile
     EXPECT_THROW(file.commit(), OutputError);
     EXPECT_TRUE(fs::is_directory(folder / "out.vdb"));
-    EXPECT_EQ(fileCount(folder), 2u); // the hidden name goes with the object
+    EXPECT_EQ(fileCount(folder), 2u); // the destructor removes the hidden one
 }
 
 } // namespace

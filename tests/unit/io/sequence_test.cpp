@@ -18,7 +18,7 @@ std::string nameOf(const char* pattern, std::int64_t frame)
     return FramePattern(pattern).path(frame).string();
 }
 
-/// What an error's message says, or nothing if there is no such error.
+/// The message of an error; empty if none of the type is thrown.
 template<typename ErrorT, typename Call>
 std::string messageOf(const Call& call)
 {
@@ -96,7 +96,7 @@ TEST(FramePattern, RefusesWhatIsAmbiguous)
           "<F4>/v.vdb", "", "folder/", "%021d.vdb", "$F99.vdb", "<F0>.vdb"}) {
         EXPECT_THROW(FramePattern{pattern}, ParameterError) << pattern;
     }
-    // Characters that folders often have are no fields there.
+    // Characters that are common in folder names are not fields there.
     EXPECT_EQ(nameOf("shot #3/user@host/v.%02d.vdb", 4), "shot #3/user@host/v.04.vdb");
 }
 
@@ -187,12 +187,12 @@ TEST(SelectFrames, TakesWhatIsOnDiskOrWhatIsAsked)
 
     expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, "1-5"}); }), "frame 2 is missing");
     expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, "1-5"}); }), "v.0002.vdb");
-    // Found frames step by two, so 7 was lost.
+    // The frames found are two apart, so 7 is missing.
     expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, ""}); }), "frame 7 is missing");
     folder.add("v.0007.vdb");
     EXPECT_EQ(selectFrames({pattern, ""}).size(), 5u);
     EXPECT_THROW((void)selectFrames({(folder / "w.%04d.vdb").string(), ""}), InputError);
-    // A folder of a frame's name is no frame.
+    // A folder with a frame's name is not a frame.
     std::filesystem::create_directory(folder / "v.0011.vdb");
     EXPECT_THROW((void)selectFrames({pattern, "11"}), InputError);
 }
@@ -219,7 +219,7 @@ TEST(OpenSequence, ReadsPathsFromAStream)
     std::size_t count = 99;
     const FrameSource next = openSequence({"-", ""}, lines, count);
     EXPECT_EQ(count, 0u);
-    // A name without a number follows its predecessor.
+    // A name without a number gets its predecessor's number plus one.
     for (const auto& [frame, path] : {std::pair(7, a), std::pair(8, b), std::pair(3, c), std::pair(4, b)}) {
         const std::optional<FrameFile> file = next();
         ASSERT_TRUE(file);
@@ -243,7 +243,7 @@ TEST(OpenSequence, ReadsPathsAsTheyCome)
     std::size_t count = 0;
     const FrameSource next = openSequence({"-", ""}, lines, count);
     EXPECT_EQ(next()->frame, 1);
-    lines << (folder / "a.0002.vdb").string() << "\n"; // not there yet when the first was handed out
+    lines << (folder / "a.0002.vdb").string() << "\n"; // appears after the first was returned
     folder.add("a.0002.vdb");
     const std::optional<FrameFile> second = next();
     ASSERT_TRUE(second);
@@ -286,7 +286,7 @@ TEST(CheckOutputPattern, WantsAFieldForSeveralFrames)
     EXPECT_NO_THROW(checkOutputPattern(FramePattern("v.vdb"), 1));
     EXPECT_NO_THROW(checkOutputPattern(FramePattern("v.%d.vdb"), 5));
     EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 2), ParameterError);
-    EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 0), ParameterError); // the number is not known yet
+    EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 0), ParameterError); // the number of frames is unknown
 }
 
 } // namespace

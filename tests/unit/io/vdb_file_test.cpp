@@ -81,7 +81,7 @@ TEST(VdbFile, RefusesMissingAndDamagedFiles)
     EXPECT_EQ(readVdb(whole).contents(), "velocity (float), density (float)");
     const auto size = std::filesystem::file_size(whole);
     const std::filesystem::path cut = folder / "cut.vdb";
-    // Many places in the header and the descriptors, and some among the voxels.
+    // Many offsets in the header and the descriptors, and some in the voxels.
     for (std::uintmax_t length = 0; length < size; length += length < 1500 ? 11 : 9973) {
         std::filesystem::copy_file(whole, cut, std::filesystem::copy_options::overwrite_existing);
         std::filesystem::resize_file(cut, length);
@@ -98,7 +98,7 @@ TEST(VdbFile, RefusesMissingAndDamagedFiles)
     }
 }
 
-/// The size that the last node's values say to have, made larger than the buffer they are read into.
+/// A file whose last node states a size of its values that is larger than the buffer for them.
 template<typename Grid>
 void expectNoOverflow(bool half, std::uint32_t compression, std::int64_t bytes)
 {
@@ -119,16 +119,16 @@ void expectNoOverflow(bool half, std::uint32_t compression, std::int64_t bytes)
 
     std::ifstream file(folder / "a.vdb", std::ios::binary);
     std::string content{std::istreambuf_iterator<char>(file), {}};
-    const auto sizeAt = [&](std::size_t place) {
+    const auto sizeAt = [&](std::size_t offset) {
         std::int64_t size = 0;
-        std::memcpy(&size, content.data() + place, sizeof size);
+        std::memcpy(&size, content.data() + offset, sizeof size);
         return size;
     };
-    std::size_t place = content.size() - 9; // the last size is that of all that follows it
-    while (std::abs(sizeAt(place)) != std::int64_t(content.size() - place - 8))
-        --place;
+    std::size_t offset = content.size() - 9; // the last size counts all bytes after it
+    while (std::abs(sizeAt(offset)) != std::int64_t(content.size() - offset - 8))
+        --offset;
     const std::int64_t wrong = -bytes - 2;
-    std::memcpy(content.data() + place, &wrong, sizeof wrong);
+    std::memcpy(content.data() + offset, &wrong, sizeof wrong);
     content.append(std::size_t(-wrong), 'x');
     try {
         (void)readVdb(folder.add("b.vdb", content));
@@ -152,7 +152,7 @@ TEST(VdbFile, ReadsNoMoreThanThereIsRoomFor)
     }
 }
 
-/// While it lives, no file of this process can grow beyond a size; writing more fails as on a full disk.
+/// Limits the size of this process's files during its lifetime; writing more fails as on a full disk.
 class FileSizeLimit {
   public:
     explicit FileSizeLimit(rlim_t bytes) : mHandler(std::signal(SIGXFSZ, SIG_IGN))
