@@ -17,7 +17,7 @@ compile() {
 mkdir -p "$out/corpus/layout" "$out/corpus/text"
 io=lib/vdblic/io render=lib/vdblic/render
 compile fuzz_layout $io/vdb_layout.cpp $io/checksum.cpp &
-compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/sequence.cpp $io/grid_reference.cpp \
+compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/frame_list.cpp $io/sequence.cpp $io/grid_reference.cpp \
     $render/transfer_function.cpp $render/color_map.cpp
 wait $!
 fuzz() {

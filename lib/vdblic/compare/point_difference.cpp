@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -44,8 +45,7 @@ std::optional<std::vector<std::int64_t>> idsOf(const PointList& points)
 std::vector<std::uint64_t> sorted(const std::vector<std::int64_t>& ids)
 {
     std::vector<std::uint64_t> order(ids.size());
-    for (std::size_t i = 0; i < order.size(); ++i)
-        order[i] = i;
+    std::iota(order.begin(), order.end(), std::uint64_t(0));
     tbb::parallel_sort(order.begin(), order.end(),
                        [&](std::uint64_t a, std::uint64_t b) { return ids[a] != ids[b] ? ids[a] < ids[b] : a < b; });
     return order;

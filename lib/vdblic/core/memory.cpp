@@ -71,9 +71,7 @@ std::uint64_t parseMemory(std::string_view text)
     }
     constexpr double kMost = double(std::uint64_t(1) << 50);
     if (error != std::errc{} || !(number >= 1 && number <= kMost)) {
-        constexpr std::size_t kLongest = 60;
-        throw ParameterError(
-            fmt::format("'{}' is no size of memory; give one such as 800M or 16G", text.substr(0, kLongest)));
+        throw ParameterError(fmt::format("'{:.60}' is no size of memory; give one such as 800M or 16G", text));
     }
     return std::uint64_t(number);
 }

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <openvdb/tree/LeafManager.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -41,16 +40,12 @@ void filterVoxels(openvdb::MaskTree& topology, const MakeKeep& makeKeep)
 /// The smallest index box that holds every voxel whose centre may lie in a world-space box.
 openvdb::CoordBBox indexBox(const std::array<double, 6>& world, const openvdb::math::Transform& transform)
 {
-    openvdb::BBoxd box;
-    for (int corner = 0; corner < 8; ++corner) {
-        box.expand(transform.worldToIndex(
-            Vec3d(world[corner & 1 ? 3 : 0], world[corner & 2 ? 4 : 1], world[corner & 4 ? 5 : 2])));
-    }
-    constexpr double kFar = 1 << 30;
-    const auto clamped = [&](double x) { return std::clamp(x, -kFar, kFar); };
-    const Vec3d &low = box.min(), &high = box.max();
-    return {Coord::floor(Vec3d(clamped(low[0]), clamped(low[1]), clamped(low[2]))),
-            Coord::ceil(Vec3d(clamped(high[0]), clamped(high[1]), clamped(high[2])))};
+    const openvdb::BBoxd box = openvdb::BBoxd(Vec3d(world[0], world[1], world[2]), Vec3d(world[3], world[4], world[5]))
+                                   .applyInverseMap(*transform.baseMap());
+    const auto clamped = [far = Vec3d(1 << 30)](const Vec3d& corner) {
+        return openvdb::math::minComponent(openvdb::math::maxComponent(corner, -far), far);
+    };
+    return {Coord::floor(clamped(box.min())), Coord::ceil(clamped(box.max()))};
 }
 
 void cutByWorldBox(openvdb::MaskTree& topology, const std::array<double, 6>& world,

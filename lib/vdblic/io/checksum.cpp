@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -51,10 +52,7 @@ class RangeHash {
 
 std::string emptyChecksums(std::size_t grids)
 {
-    std::string text(kDigits, '0');
-    for (std::size_t i = 0; i < grids; ++i)
-        text += ',' + std::string(kDigits, '0');
-    return text;
+    return fmt::format("{}", fmt::join(std::vector<std::string>(grids + 1, std::string(kDigits, '0')), ","));
 }
 
 std::string computeChecksums(std::istream& stream, const VdbLayout& layout)

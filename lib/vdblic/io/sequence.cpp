@@ -13,7 +13,6 @@
 #include <map>
 #include <memory>
 #include <regex>
-#include <set>
 #include <system_error>
 
 namespace vdblic {
@@ -27,58 +26,6 @@ std::string padded(std::int64_t frame, int width)
 
 // PATH_MAX. std::regex matches by recursion, so the length must be bounded.
 constexpr std::size_t kLongestPattern = 4096;
-
-/// Remove a number from the front of a text and return it, if there is one.
-std::optional<std::int64_t> takeNumber(std::string_view& text)
-{
-    constexpr std::int64_t kMost = 1'000'000'000'000;
-    std::int64_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || number > kMost || number < -kMost) return std::nullopt;
-    text.remove_prefix(std::size_t(end - text.data()));
-    return number;
-}
-
-bool take(std::string_view& text, char expected)
-{
-    if (!text.starts_with(expected)) return false;
-    text.remove_prefix(1);
-    return true;
-}
-
-/// The start of a text, for messages.
-std::string_view shortened(std::string_view text)
-{
-    constexpr std::size_t kLongest = 60;
-    return text.substr(0, kLongest);
-}
-
-/// N, N-M or N-MxSTEP.
-struct FrameRange {
-    std::int64_t first, last, step = 1;
-};
-
-std::optional<FrameRange> parseFrameRange(std::string_view text)
-{
-    while (take(text, ' ')) {
-    }
-    while (text.ends_with(' '))
-        text.remove_suffix(1);
-    const auto first = takeNumber(text);
-    if (!first) return std::nullopt;
-    FrameRange range{*first, *first};
-    if (take(text, '-')) {
-        const auto last = takeNumber(text);
-        if (!last) return std::nullopt;
-        range.last = *last;
-        if (take(text, 'x')) {
-            const auto step = takeNumber(text);
-            if (!step) return std::nullopt;
-            range.step = *step;
-        }
-    }
-    return text.empty() ? std::optional(range) : std::nullopt;
-}
 
 bool isFile(const std::filesystem::path& path)
 {
@@ -115,7 +62,7 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
 {
     if (pattern.size() > kLongestPattern) {
         throw ParameterError(
-            fmt::format("'{}...' has {} characters; no file's name is that long", shortened(pattern), pattern.size()));
+            fmt::format("'{:.60}...' has {} characters; no file's name is that long", pattern, pattern.size()));
     }
     const std::filesystem::path whole(mText);
     mFolder = whole.parent_path();
@@ -145,12 +92,12 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
         std::string digits;
         std::copy_if(found.begin(), found.end(), std::back_inserter(digits),
                      [](char c) { return c >= '0' && c <= '9'; });
-        std::string_view rest = digits;
-        const std::int64_t width = digits.empty() ? 1 : takeNumber(rest).value_or(0);
+        int width = digits.empty() ? 1 : 0;
+        std::from_chars(digits.data(), digits.data() + digits.size(), width);
         if (width < 1 || width > 20) {
             throw ParameterError(fmt::format("'{}': a frame field is 1 to 20 digits wide", pattern));
         }
-        mWidth = static_cast<int>(width);
+        mWidth = width;
     }
 }
 
@@ -194,32 +141,6 @@ std::vector<std::int64_t> FramePattern::framesOnDisk() const
     }
     std::sort(frames.begin(), frames.end());
     return frames;
-}
-
-std::vector<std::int64_t> parseFrameList(std::string_view text)
-{
-    std::set<std::int64_t> frames;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        const std::string_view part = text.substr(begin, end - begin);
-        begin = end + 1;
-        const auto range = parseFrameRange(part);
-        const auto refuse = [&](const std::string& reason) {
-            throw ParameterError(fmt::format("frame list '{}': {}", shortened(text), reason));
-        };
-        if (!range) {
-            refuse(fmt::format("'{}' is not N, N-M or N-MxSTEP, or a number is out of range", shortened(part)));
-        }
-        const auto [first, last, step] = *range;
-        if (last < first) refuse(fmt::format("{} runs backwards", part));
-        if (step < 1) refuse("the step must be at least 1");
-        if (static_cast<std::size_t>((last - first) / step) + frames.size() >= kMaxFrames) {
-            refuse(fmt::format("it selects more than {} frames", kMaxFrames));
-        }
-        for (std::int64_t frame = first; frame <= last; frame += step)
-            frames.insert(frame);
-    }
-    return {frames.begin(), frames.end()};
 }
 
 std::vector<FrameFile> selectFrames(const SequenceParams& params)

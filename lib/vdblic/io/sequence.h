@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/io/frame_list.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -11,9 +13,6 @@
 #include <vector>
 
 namespace vdblic {
-
-/// The most frames a sequence may select; a larger list is probably a typing error.
-inline constexpr std::size_t kMaxFrames = 999'999;
 
 /// A file name with at most one frame field: `%04d`, `####`, `@@@@`, `$F4` or `<F4>`.
 ///
@@ -45,10 +44,6 @@ class FramePattern {
     std::string mPrefix, mSuffix;
     std::optional<int> mWidth; // of the frame field; 1 for no padding
 };
-
-/// Parse `1-100`, `1-100x2`, `1,5,9-20`, with negative numbers allowed, into ascending unique frames.
-/// @throws ParameterError on anything else, a descending range, or more than kMaxFrames frames
-[[nodiscard]] std::vector<std::int64_t> parseFrameList(std::string_view text);
 
 /// One file of a sequence.
 struct FrameFile {

@@ -68,6 +68,31 @@ TEST(VdbFile, KeepsGridsAndMetadata)
     EXPECT_FALSE(file.find<openvdb::FloatGrid>("none"));
 }
 
+TEST(VdbFile, FindsGridsByNameAndTypeOrSaysWhatThereIs)
+{
+    const auto wide = openvdb::DoubleGrid::create(), single = openvdb::DoubleGrid::create();
+    const auto narrow = openvdb::FloatGrid::create();
+    wide->setName("a");
+    narrow->setName("a");
+    single->setName("b");
+    const VdbFile file{{wide, narrow, single}, {}, "f.vdb"};
+    EXPECT_EQ(file.get<openvdb::FloatGrid>("a"), narrow);
+    EXPECT_EQ(file.get<openvdb::GridBase>("a"), wide);
+    EXPECT_EQ(file.find<openvdb::FloatGrid>("b"), nullptr);
+    const auto message = [&](const auto& get) -> std::string {
+        try {
+            get();
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(message([&] { (void)file.get<openvdb::FloatGrid>("b", "`texture`"); }),
+              "f.vdb: no float grid 'b'; the file holds a (double), a (float), b (double); choose with `texture`");
+    EXPECT_EQ(message([&] { (void)file.get<openvdb::GridBase>("c"); }),
+              "f.vdb: no grid 'c'; the file holds a (double), a (float), b (double)");
+}
+
 TEST(VdbFile, CreatorIsNotTakenForHoudini)
 {
     EXPECT_FALSE(std::string(kCreator).starts_with("Houdini"));
