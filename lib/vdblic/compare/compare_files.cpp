@@ -92,7 +92,7 @@ FileDifference compareRead(const FrameDifference& frame, const CompareParams& pa
     return result;
 }
 
-bool exists(const std::filesystem::path& path)
+bool isOnDisk(const std::filesystem::path& path)
 {
     std::error_code ignored;
     return std::filesystem::exists(path, ignored);
@@ -131,7 +131,7 @@ std::vector<FrameDifference> matchFrames(const CompareSequencesParams& params)
     }
     for (const std::int64_t frame : frames) {
         const std::filesystem::path pathA = a.path(frame), pathB = b.path(frame);
-        const bool inA = exists(pathA), inB = exists(pathB);
+        const bool inA = isOnDisk(pathA), inB = isOnDisk(pathB);
         if (!inA && !inB) {
             throw InputError(
                 fmt::format("frame {} is missing on both sides: {}, {}", frame, pathA.string(), pathB.string()));
