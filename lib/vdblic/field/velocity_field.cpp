@@ -1,10 +1,7 @@
 #include "vdblic/field/velocity_field.h"
 
 #include "vdblic/core/stopwatch.h"
-
-#include <openvdb/tree/LeafManager.h>
-
-#include <tbb/parallel_reduce.h>
+#include "vdblic/field/largest_value.h"
 
 #include <ranges>
 
@@ -19,37 +16,16 @@ VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
 /// The largest amount of an active value, along each axis.
 Float4 largestAmount(const openvdb::Vec3STree& tree)
 {
+    struct Amount { // as a template argument, a vector type alone would lose its alignment
+        Float4 lanes{};
+    };
     const auto amount = [](const openvdb::Vec3f& value) {
         const Float4 v = {value[0], value[1], value[2], 0};
-        return v < 0 ? -v : v;
+        return Amount{v < 0 ? -v : v};
     };
-    Float4 largest{};
-    auto tile = tree.cbeginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile)
-        largest = larger(largest, amount(*tile));
-
-    struct Largest {
-        Float4 amount{};
-    };
-    const openvdb::tree::LeafManager<const openvdb::Vec3STree> leaves(tree);
-    const Largest inLeaves = tbb::parallel_reduce(
-        leaves.leafRange(), Largest{},
-        [&](const auto& range, Largest most) {
-            for (auto leaf = range.begin(); leaf; ++leaf) {
-                const openvdb::Vec3f* values = leaf->buffer().data();
-                if (leaf->isDense()) {
-                    for (openvdb::Index i = 0; i < openvdb::Vec3STree::LeafNodeType::SIZE; ++i)
-                        most.amount = larger(most.amount, amount(values[i]));
-                } else {
-                    for (auto value = leaf->cbeginValueOn(); value; ++value)
-                        most.amount = larger(most.amount, amount(*value));
-                }
-            }
-            return most;
-        },
-        [](const Largest& a, const Largest& b) { return Largest{larger(a.amount, b.amount)}; });
-    return larger(largest, inLeaves.amount);
+    return largestValue(tree, Amount{}, amount,
+                        [](const Amount& a, const Amount& b) { return Amount{larger(a.lanes, b.lanes)}; })
+        .lanes;
 }
 
 /// And of what a matrix makes of them, at most.

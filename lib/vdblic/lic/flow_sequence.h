@@ -2,8 +2,8 @@
 
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/domain_mask.h"
+#include "vdblic/field/velocity_frame.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/io/velocity.h"
 #include "vdblic/lic/flow_texture.h"
 
 #include <future>
