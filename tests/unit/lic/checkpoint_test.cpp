@@ -6,12 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
 namespace vdblic {
 namespace {
 
-const Checkpoint kCheckpoint{7, 0.1, 1.0 / 3, 2, {"frame 1, size 5", "frame 3, size 6"}, {}};
+const Checkpoint kCheckpoint{{7, 0.1, 1.0 / 3, 2}, {"frame 1, size 5", "frame 3, size 6"}, {}};
 
-/// What reading says against it.
+/// The message with which reading is refused.
 template<typename ErrorT>
 std::string refusal(const std::filesystem::path& path, const ParameterTexts& parameters)
 {
@@ -33,10 +38,10 @@ TEST(Checkpoint, GivesBackWhatItWasGiven)
     const TemporaryFolder folder;
     writeCheckpoint(folder / "c.vdb", kCheckpoint, {{"--life", "4"}, {"--mask", ""}});
     const Checkpoint read = readCheckpoint(folder / "c.vdb", {{"--life", "4"}, {"--mask", ""}});
-    EXPECT_EQ(read.steps, kCheckpoint.steps);
-    EXPECT_EQ(read.interval, kCheckpoint.interval);
-    EXPECT_EQ(read.time, kCheckpoint.time);
-    EXPECT_EQ(read.frameSpacing, kCheckpoint.frameSpacing);
+    EXPECT_EQ(read.position.steps, kCheckpoint.position.steps);
+    EXPECT_EQ(read.position.interval, kCheckpoint.position.interval);
+    EXPECT_EQ(read.position.time, kCheckpoint.position.time);
+    EXPECT_EQ(read.position.frameSpacing, kCheckpoint.position.frameSpacing);
     EXPECT_EQ(read.inputs, kCheckpoint.inputs);
 }
 
@@ -61,7 +66,7 @@ TEST(Checkpoint, OtherFilesAreRefused)
     expectContains(refusal<InputError>(path, {}), "delete the checkpoint to start from the beginning");
 }
 
-/// Replace a text in a file by one as long, and see to its checksums.
+/// Replace a text in a file by one of the same length, and update the checksums.
 void edit(const std::filesystem::path& path, const std::string& from, const std::string& to)
 {
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
@@ -95,22 +100,6 @@ TEST(Checkpoint, ThatSomebodyEditedIsRefused)
     file.seekp(std::streamoff(VdbLayout::kIdentityOffset)); // as another program's, which has no checksums
     file << "00000000" << std::flush;
     expectContains(refusal<InputError>(path, {}), "its checksums are gone");
-}
-
-TEST(CheckpointSchedule, CountsSteps)
-{
-    CheckpointSchedule every3(3), none(0), byTime(std::nullopt);
-    EXPECT_TRUE(every3.enabled());
-    EXPECT_FALSE(none.enabled());
-    EXPECT_TRUE(byTime.enabled());
-    for (int i = 1; i < 10; ++i) {
-        for (CheckpointSchedule* schedule : {&every3, &none, &byTime})
-            schedule->stepDone();
-        EXPECT_EQ(every3.isDue(), i % 3 == 0);
-        EXPECT_FALSE(none.isDue());
-        EXPECT_FALSE(byTime.isDue()); // not before half a minute
-        if (every3.isDue()) every3.wrote({});
-    }
 }
 
 } // namespace
