@@ -23,10 +23,10 @@ std::string textMetadata(const openvdb::MetaMap& metadata, const std::string& ke
 
 constexpr const char* kMend = "delete the checkpoint to start from the beginning";
 
-/// An option and its value, for messages.
-std::string shown(const std::string& option, const std::string& value)
+/// A parameter and its value, for messages.
+std::string shown(const std::string& key, const std::string& value)
 {
-    return value.empty() ? fmt::format("no {}", option) : fmt::format("{} {}", option, value);
+    return value.empty() ? fmt::format("no `{}`", key) : fmt::format("`{}` {}", key, value);
 }
 
 /// Reads the numbers in a checkpoint's metadata.
@@ -61,8 +61,8 @@ void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
     metadata.insertMeta(kSpacing, openvdb::Int64Metadata(checkpoint.position.frameSpacing));
     for (std::size_t i = 0; i < checkpoint.inputs.size(); ++i)
         metadata.insertMeta(inputKey(i), openvdb::StringMetadata(checkpoint.inputs[i]));
-    for (const auto& [option, value] : parameters)
-        metadata.insertMeta(option, openvdb::StringMetadata(value));
+    for (const auto& [key, value] : parameters)
+        metadata.insertMeta(key, openvdb::StringMetadata(value));
     const openvdb::GridPtrVec& grids = checkpoint.state.grids;
     writeVdb(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), metadata);
 }
@@ -88,12 +88,12 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
         refuseCheckpoint(path,
                          fmt::format("was written by {}, this is {}: go on with that version", creator, kCreator));
     }
-    for (const auto& [option, value] : parameters) {
-        const std::string before = textMetadata(metadata, option);
+    for (const auto& [key, value] : parameters) {
+        const std::string before = textMetadata(metadata, key);
         if (before == value) continue;
         throw ParameterError(fmt::format("{}: the run that was interrupted had {}, this one has {}: give the same, or "
                                          "{}",
-                                         path.string(), shown(option, before), shown(option, value), kMend));
+                                         path.string(), shown(key, before), shown(key, value), kMend));
     }
     for (std::string input; !(input = textMetadata(metadata, inputKey(checkpoint.inputs.size()))).empty();)
         checkpoint.inputs.push_back(input);

@@ -8,7 +8,8 @@ namespace vdblic {
 
 struct AdvectParams;
 
-/// Parameters by name, as text: `--life`, `4`. Empty where nothing is given.
+/// Parameters by key, as text: `life_span`, `4`. Empty where nothing is given. Checkpoints store them by these keys,
+/// so the keys stay as they are, whatever a program calls its options.
 using ParameterTexts = std::vector<std::pair<std::string, std::string>>;
 
 /// Every parameter that has a say in the content of a run's outputs, but for the input sequence itself; the text of a

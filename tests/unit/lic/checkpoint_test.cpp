@@ -3,6 +3,7 @@
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/checksum.h"
+#include "vdblic/lic/advect_params.h"
 
 #include <gtest/gtest.h>
 
@@ -36,8 +37,8 @@ void expectContains(const std::string& text, const std::string& part)
 TEST(Checkpoint, GivesBackWhatItWasGiven)
 {
     const TemporaryFolder folder;
-    writeCheckpoint(folder / "c.vdb", kCheckpoint, {{"--life", "4"}, {"--mask", ""}});
-    const Checkpoint read = readCheckpoint(folder / "c.vdb", {{"--life", "4"}, {"--mask", ""}});
+    writeCheckpoint(folder / "c.vdb", kCheckpoint, {{"life_span", "4"}, {"mask", ""}});
+    const Checkpoint read = readCheckpoint(folder / "c.vdb", {{"life_span", "4"}, {"mask", ""}});
     EXPECT_EQ(read.position.steps, kCheckpoint.position.steps);
     EXPECT_EQ(read.position.interval, kCheckpoint.position.interval);
     EXPECT_EQ(read.position.time, kCheckpoint.position.time);
@@ -45,15 +46,34 @@ TEST(Checkpoint, GivesBackWhatItWasGiven)
     EXPECT_EQ(read.inputs, kCheckpoint.inputs);
 }
 
+TEST(Checkpoint, HoldsEveryParameterOfARun)
+{
+    const TemporaryFolder folder;
+    AdvectParams params;
+    params.frameSpacing = 0.5;
+    params.derived = {"vorticity", "q"};
+    params.domain.box = {0, 1, 2, 3, 4, 5};
+    const ParameterTexts texts = parameterTexts(params);
+    writeCheckpoint(folder / "c.vdb", kCheckpoint, texts);
+    EXPECT_EQ(readCheckpoint(folder / "c.vdb", texts).position.frameSpacing, kCheckpoint.position.frameSpacing);
+    const openvdb::MetaMap metadata = readVdb(folder / "c.vdb").metadata;
+    EXPECT_EQ(metadata.metaValue<std::string>("life_span"), "4");
+    EXPECT_EQ(metadata.metaValue<std::string>("dt"), "0.5");
+    EXPECT_EQ(metadata.metaValue<std::string>("derived"), "vorticity,q");
+    EXPECT_EQ(metadata.metaValue<std::string>("box"), "0 1 2 3 4 5");
+    for (const auto& [key, value] : texts)
+        EXPECT_EQ(metadata.metaValue<std::string>(key), value) << key;
+}
+
 TEST(Checkpoint, NamesTheParameterThatDiffers)
 {
     const TemporaryFolder folder;
     const auto path = folder / "c.vdb";
-    writeCheckpoint(path, kCheckpoint, {{"--life", "4"}, {"--mask", ""}});
-    expectContains(refusal<ParameterError>(path, {{"--life", "8"}, {"--mask", ""}}),
-                   "the run that was interrupted had --life 4, this one has --life 8");
-    expectContains(refusal<ParameterError>(path, {{"--life", "4"}, {"--mask", "m.vdb"}}),
-                   "had no --mask, this one has --mask m.vdb");
+    writeCheckpoint(path, kCheckpoint, {{"life_span", "4"}, {"mask", ""}});
+    expectContains(refusal<ParameterError>(path, {{"life_span", "8"}, {"mask", ""}}),
+                   "the run that was interrupted had `life_span` 4, this one has `life_span` 8");
+    expectContains(refusal<ParameterError>(path, {{"life_span", "4"}, {"mask", "m.vdb"}}),
+                   "had no `mask`, this one has `mask` m.vdb");
 }
 
 TEST(Checkpoint, OtherFilesAreRefused)
@@ -95,7 +115,7 @@ TEST(Checkpoint, ThatSomebodyEditedIsRefused)
 {
     const TemporaryFolder folder;
     const auto path = folder / "c.vdb";
-    writeCheckpoint(path, kCheckpoint, {{"--life", "4"}});
+    writeCheckpoint(path, kCheckpoint, {{"life_span", "4"}});
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(std::streamoff(VdbLayout::kIdentityOffset)); // as another program's, which has no checksums
     file << "00000000" << std::flush;
