@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/lic/estimate.h"
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/pathline.h"
 #include "vdblic/lic/smoothed_texture.h"
@@ -85,17 +86,6 @@ struct FrameCoherence {
 [[nodiscard]] FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTexture* next,
                                               const VelocityField& field, const CoherenceParams& params,
                                               std::int64_t frame);
-
-/// The mean of a figure over frames, and how far from it the true one may be.
-struct Estimate {
-    double mean;      ///< over the frames that have the figure; not-a-number if none has
-    double halfWidth; ///< of the 95 % confidence interval; not-a-number for fewer than two frames
-    int frames;
-};
-
-/// By Student's t from the spread between frames, taken as independent; what has no value is left out.
-/// Quantile: table to 9 degrees of freedom, then Cornish & Fisher's expansion (Abramowitz & Stegun 26.7.5).
-[[nodiscard]] Estimate estimateMean(const std::vector<double>& values);
 
 /// Means over frames of the figures of one texture, raw or smoothed.
 struct MeanFigures {

@@ -6,24 +6,10 @@
 #include "vdblic/lic/coherence_report.h"
 
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 namespace vdblic {
 namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-/// Of Student's distribution: 95 % of it lie between −t and t.
-double studentQuantile(int freedom)
-{
-    constexpr std::array<double, 9> kTable = {12.706205, 4.302653, 3.182446, 2.776445, 2.570582,
-                                              2.446912,  2.364624, 2.306004, 2.262157};
-    if (freedom <= int(kTable.size())) return kTable[std::size_t(freedom - 1)];
-    const double z = 1.959964, zz = z * z, n = freedom;
-    return z + z * (zz + 1) / (4 * n) + z * ((5 * zz + 16) * zz + 3) / (96 * n * n) +
-           z * (((3 * zz + 19) * zz + 17) * zz - 15) / (384 * n * n * n);
-}
 
 MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures FrameCoherence::*version)
 {
@@ -148,26 +134,6 @@ void checkNoInput(const std::string& output, const SequenceCoherenceParams& para
 }
 
 } // namespace
-
-Estimate estimateMean(const std::vector<double>& values)
-{
-    Estimate result{kUnknown, kUnknown, 0};
-    double sum = 0, squares = 0;
-    for (const double value : values) {
-        if (std::isnan(value)) continue;
-        sum += value;
-        ++result.frames;
-    }
-    if (result.frames == 0) return result;
-    result.mean = sum / result.frames;
-    if (result.frames == 1) return result;
-    for (const double value : values) {
-        if (!std::isnan(value)) squares += (value - result.mean) * (value - result.mean);
-    }
-    const double variance = squares / (result.frames - 1);
-    result.halfWidth = studentQuantile(result.frames - 1) * std::sqrt(variance / result.frames);
-    return result;
-}
 
 void SequenceCoherenceParams::validate() const
 {

@@ -205,22 +205,6 @@ TEST(SmoothedTexture, WeighsTheVoxelsThatAreThere)
     EXPECT_FLOAT_EQ(at(8, 0, 0).smoothed, (4 * 1 + 8 * 0.25f + 2 * 0.5f) / 14);
 }
 
-TEST(EstimateMean, HasStudentsInterval)
-{
-    const Estimate three = estimateMean({1, NAN, 2, 3});
-    EXPECT_EQ(three.frames, 3);
-    EXPECT_DOUBLE_EQ(three.mean, 2);
-    EXPECT_NEAR(three.halfWidth, 4.302653 / std::sqrt(3), 1e-6);
-    std::vector<double> many; // 21 values with deviation 1: quantile 2.085963
-    for (int i = 0; i < 21; ++i)
-        many.push_back(i % 2 ? 1 : -1);
-    const Estimate estimate = estimateMean(many);
-    const double deviation = std::sqrt((21 - 1 / 21.0) / 20);
-    EXPECT_NEAR(estimate.halfWidth, 2.085963 * deviation / std::sqrt(21), 1e-5);
-    EXPECT_TRUE(std::isnan(estimateMean({0.5}).halfWidth));
-    EXPECT_TRUE(std::isnan(estimateMean({}).mean));
-}
-
 TEST(CoherenceParams, AreChecked)
 {
     for (const float motion : {0.0f, -1.0f, NAN, INFINITY}) {
