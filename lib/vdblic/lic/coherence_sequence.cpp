@@ -1,12 +1,27 @@
-#include "vdblic/lic/coherence.h"
+#include "vdblic/lic/coherence_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/coherence.h"
 #include "vdblic/lic/coherence_report.h"
+#include "vdblic/lic/flow_sequence.h"
+#include "vdblic/lic/smoothed_texture.h"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <system_error>
+#include <tuple>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -29,7 +44,7 @@ MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures F
     return means;
 }
 
-/// A texture that was read.
+/// A texture read from a file.
 struct LoadedTexture {
     std::filesystem::path path;
     SmoothedTexture texture;
@@ -58,7 +73,7 @@ LoadedTexture readTexture(const std::filesystem::path& path, const std::string& 
     const VdbFile file = readVdb(path);
     const auto grid = file.find<openvdb::FloatGrid>(name);
     if (!grid) {
-        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with --texture", path.string(),
+        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with `texture`", path.string(),
                                      name, file.contents()));
     }
     LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
@@ -71,7 +86,7 @@ LoadedTexture readTexture(const std::filesystem::path& path, const std::string& 
     return loaded;
 }
 
-/// Where the texture of a velocity's frame is.
+/// Finds the texture file of a velocity's frame.
 class TextureFiles {
   public:
     explicit TextureFiles(const SequenceCoherenceParams& params) : mPattern(params.texture)
@@ -90,7 +105,7 @@ class TextureFiles {
             if (std::filesystem::exists(path(file.frame), ignored)) continue;
             throw InputError(
                 fmt::format("{}: the texture of frame {} is missing, its velocity is {}; choose frames that "
-                            "both have with --frames",
+                            "both have with `frames`",
                             path(file.frame).string(), file.frame, file.path.string()));
         }
         if (!mPattern.hasField() || !params.flow.input.frames.empty()) return;
@@ -99,7 +114,7 @@ class TextureFiles {
             if (std::filesystem::exists(velocity.path(frame), ignored)) continue;
             throw InputError(
                 fmt::format("{}: the velocity of frame {} is missing, its texture is {}; choose frames that "
-                            "both have with --frames",
+                            "both have with `frames`",
                             velocity.path(frame).string(), frame, path(frame).string()));
         }
     }
@@ -113,7 +128,7 @@ class TextureFiles {
     FramePattern mPattern;
 };
 
-/// The texture of a velocity's frame, on its transform.
+/// Read the texture of a velocity's frame, which must have the velocity's transform.
 LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
 {
     const VelocityFrame& velocity = frame.velocity;
@@ -124,7 +139,8 @@ LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, con
                                  loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
 }
 
-void checkNoInput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
+void checkReplacesNoInput(const std::string& output, const SequenceCoherenceParams& params,
+                          const TextureFiles& textures)
 {
     if (output.empty()) return;
     for (const FrameFile& velocity : selectFrames(params.flow.input)) {
@@ -135,24 +151,12 @@ void checkNoInput(const std::string& output, const SequenceCoherenceParams& para
 
 } // namespace
 
-void SequenceCoherenceParams::validate() const
-{
-    flow.validate();
-    coherence.validate();
-    if (flow.input.pattern == "-" || texture == "-")
-        throw ParameterError("paths on standard input cannot be matched by frame; name a file or a pattern");
-    if (textureName.empty()) throw ParameterError("the texture's name must not be empty");
-    if (!json.empty() && json == plot) {
-        throw ParameterError(fmt::format("'{}' cannot be both the figures and the plot; name two files", json));
-    }
-}
-
 SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter)
 {
     params.validate();
     const TextureFiles files(params);
-    checkNoInput(params.json, params, files);
-    checkNoInput(params.plot, params, files);
+    checkReplacesNoInput(params.json, params, files);
+    checkReplacesNoInput(params.plot, params, files);
     std::istringstream noLines;
     FlowSequence flow(params.flow, noLines, reporter);
 
