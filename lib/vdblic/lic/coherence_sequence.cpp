@@ -73,7 +73,7 @@ LoadedTexture readTexture(const std::filesystem::path& path, const std::string& 
     const VdbFile file = readVdb(path);
     const auto grid = file.find<openvdb::FloatGrid>(name);
     if (!grid) {
-        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with `texture`", path.string(),
+        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with --texture", path.string(),
                                      name, file.contents()));
     }
     LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
