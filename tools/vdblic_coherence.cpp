@@ -1,5 +1,5 @@
 #include "cli/tool.h"
-#include "vdblic/lic/coherence.h"
+#include "vdblic/lic/coherence_sequence.h"
 
 int main(int argc, char** argv)
 {

@@ -80,12 +80,10 @@ class Coherence(ToolTest):
         contrast = array_of(self.folder / "lic.0006.vdb")
         contrast = contrast[contrast > 0]
         self.assertAlmostEqual(raw[1]["deviation"], contrast.std(), 4)
-        # The plot is XML with four curves and their names.
+        # The plot is XML with four curves and the key to each.
         root = xml.etree.ElementTree.fromstring(self.contents("plot.svg"))
-        self.assertEqual(len(root.findall("{*}polyline")), 4)
-        texts = [text.text for text in root.findall("{*}text")]
-        for text in "along, raw", "across, smoothed", "lag [voxels]", "autocorrelation":
-            self.assertIn(text, texts)
+        curves = [path for path in root.iter() if "stroke-width:2;" in path.get("style", "")]
+        self.assertEqual(len(curves), 8)
 
     def test_figures_equal_numpys(self):
         velocity, texture = self.uniform(2)

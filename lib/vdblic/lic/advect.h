@@ -7,15 +7,15 @@
 
 namespace vdblic {
 
-/// Displacements beyond this many voxels a step are warned of: over such a way the velocity is hardly linear in time.
+/// A run warns of displacements longer than this [voxels per step]: over such a distance velocity is hardly linear in
+/// time.
 inline constexpr double kLargeDisplacement = 16;
 
-/// Compute and write the texture of every frame: `density`, `magnitude`, derived grids, what is carried along; reading
-/// ahead, computing and writing overlap.
+/// Compute and write the texture of every frame (makeTextureFile()). Reading ahead, computing and writing overlap.
 ///
-/// Checkpoints are written beside the outputs on the way, and when the run ends before its end; the last is removed
-/// when it is through (docs/survival.md). With `resume` what follows a checkpoint is the same as without an
-/// interruption, and the outputs before it are reported again as finished.
+/// The run writes checkpoints beside the outputs from time to time and when it is interrupted, and removes the last one
+/// when it is complete (docs/survival.md). A run with `resume` goes on from the checkpoint: its outputs are the same as
+/// without the interruption, and those written before are reported again as finished.
 ///
 /// @param lines source of the paths if the input is `-`
 /// @throws ParameterError, InputError, OutputError, Stopped; outputs written before stay

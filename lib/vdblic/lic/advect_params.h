@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 namespace vdblic {
@@ -24,29 +24,23 @@ struct AdvectParams {
     DomainParams domain;
     ScatterParams scatter;
     FeedbackParams feedback;
-    std::optional<LicKernel> steady; ///< LIC of each frame on its own, instead of scatter.method
+    std::optional<LicKernel> steady; ///< steady LIC of each frame on its own, instead of scatter.method
     std::string noise;               ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;          ///< of the generated noise
-    std::optional<int>
-        preroll; ///< steps on the frozen first frame before it is written; nothing: the life span, 0 for LIC
+    /// Steps on the frozen first frame before it is written; nothing: the life span, 0 for LIC.
+    std::optional<int> preroll;
     std::string textureName = "density";
-    std::vector<std::string> derived{};   ///< further grids made of the velocity, by kDerivedNames
+    std::vector<std::string> derived{};   ///< further grids computed from the velocity: of kDerivedNames
     std::string json{};                   ///< file for the RunReport; empty: none
     bool resume = false;                  ///< go on from the checkpoint that an interrupted run left, if there is one
     std::optional<int> checkpointEvery{}; ///< frames between checkpoints, 0 for none; nothing: CheckpointSchedule's
 
-    void validate() const;                  ///< @throws ParameterError
-    [[nodiscard]] int prerollSteps() const; ///< as given, else the default
+    void validate() const; ///< @throws ParameterError
+
+    [[nodiscard]] std::string_view methodName() const; ///< `auflic`, `uflic` or `lic`
+    [[nodiscard]] int prerollSteps() const;            ///< as given, else the default
+    /// The number of frames whose texture is computed after so many steps, those of the preroll included.
+    [[nodiscard]] std::uint64_t framesDone(std::uint64_t steps) const;
 };
-
-/// The parameters that the outputs tell in their metadata.
-[[nodiscard]] openvdb::MetaMap parameterMetadata(const AdvectParams& params);
-
-/// Parameters by the options that set them, as text: `--life`, `4`. Empty where nothing is given.
-using ParameterTexts = std::vector<std::pair<std::string, std::string>>;
-
-/// Every parameter that has a say in the outputs' content, but for the input sequence itself; a file's text includes
-/// its stamp.
-[[nodiscard]] ParameterTexts parameterTexts(const AdvectParams& params);
 
 } // namespace vdblic

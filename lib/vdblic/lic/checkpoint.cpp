@@ -3,17 +3,19 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/version.h"
 
+#include <fmt/format.h>
+
 namespace vdblic {
 namespace {
 
 constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time", *kSpacing = "frame_spacing";
 
-std::string inputKey(std::size_t number)
+std::string inputKey(std::size_t index)
 {
-    return fmt::format("input {:06}", number);
+    return fmt::format("input {:06}", index);
 }
 
-std::string textOf(const openvdb::MetaMap& metadata, const std::string& key)
+std::string textMetadata(const openvdb::MetaMap& metadata, const std::string& key)
 {
     const auto text = metadata.getMetadata<openvdb::StringMetadata>(key);
     return text ? text->value() : "";
@@ -21,16 +23,19 @@ std::string textOf(const openvdb::MetaMap& metadata, const std::string& key)
 
 constexpr const char* kMend = "delete the checkpoint to start from the beginning";
 
-/// An option and its value, for messages.
-std::string shown(const std::string& option, const std::string& value)
+/// A parameter and its value, for messages.
+std::string shown(const std::string& key, const std::string& value)
 {
-    return value.empty() ? fmt::format("no {}", option) : fmt::format("{} {}", option, value);
+    return value.empty() ? fmt::format("no `{}`", key) : fmt::format("`{}` {}", key, value);
 }
 
-/// The numbers in a checkpoint's metadata.
-class Numbers {
+/// Reads the numbers in a checkpoint's metadata.
+class PositionReader {
   public:
-    Numbers(const std::filesystem::path& path, const openvdb::MetaMap& metadata) : mPath(path), mMetadata(metadata) {}
+    PositionReader(const std::filesystem::path& path, const openvdb::MetaMap& metadata)
+        : mPath(path), mMetadata(metadata)
+    {
+    }
 
     template<typename T>
     [[nodiscard]] T get(const char* key) const
@@ -50,14 +55,14 @@ class Numbers {
 void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const ParameterTexts& parameters)
 {
     openvdb::MetaMap metadata;
-    metadata.insertMeta(kSteps, openvdb::Int64Metadata(std::int64_t(checkpoint.steps)));
-    metadata.insertMeta(kInterval, openvdb::DoubleMetadata(checkpoint.interval));
-    metadata.insertMeta(kTime, openvdb::DoubleMetadata(checkpoint.time));
-    metadata.insertMeta(kSpacing, openvdb::Int64Metadata(checkpoint.frameSpacing));
+    metadata.insertMeta(kSteps, openvdb::Int64Metadata(std::int64_t(checkpoint.position.steps)));
+    metadata.insertMeta(kInterval, openvdb::DoubleMetadata(checkpoint.position.interval));
+    metadata.insertMeta(kTime, openvdb::DoubleMetadata(checkpoint.position.time));
+    metadata.insertMeta(kSpacing, openvdb::Int64Metadata(checkpoint.position.frameSpacing));
     for (std::size_t i = 0; i < checkpoint.inputs.size(); ++i)
         metadata.insertMeta(inputKey(i), openvdb::StringMetadata(checkpoint.inputs[i]));
-    for (const auto& [option, value] : parameters)
-        metadata.insertMeta(option, openvdb::StringMetadata(value));
+    for (const auto& [key, value] : parameters)
+        metadata.insertMeta(key, openvdb::StringMetadata(value));
     const openvdb::GridPtrVec& grids = checkpoint.state.grids;
     writeVdb(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), metadata);
 }
@@ -74,23 +79,23 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
     }
     if (!hasChecksums) refuseCheckpoint(path, "is not as vdblic_advect writes it: its checksums are gone");
     const openvdb::MetaMap& metadata = checkpoint.state.metadata;
-    const Numbers numbers(path, metadata);
-    checkpoint.steps = std::uint64_t(numbers.get<std::int64_t>(kSteps));
-    checkpoint.interval = numbers.get<double>(kInterval);
-    checkpoint.time = numbers.get<double>(kTime);
-    checkpoint.frameSpacing = numbers.get<std::int64_t>(kSpacing);
-    if (const std::string creator = textOf(metadata, "creator"); creator != kCreator) {
+    const PositionReader position(path, metadata);
+    checkpoint.position.steps = std::uint64_t(position.get<std::int64_t>(kSteps));
+    checkpoint.position.interval = position.get<double>(kInterval);
+    checkpoint.position.time = position.get<double>(kTime);
+    checkpoint.position.frameSpacing = position.get<std::int64_t>(kSpacing);
+    if (const std::string creator = textMetadata(metadata, "creator"); creator != kCreator) {
         refuseCheckpoint(path,
                          fmt::format("was written by {}, this is {}: go on with that version", creator, kCreator));
     }
-    for (const auto& [option, value] : parameters) {
-        const std::string before = textOf(metadata, option);
+    for (const auto& [key, value] : parameters) {
+        const std::string before = textMetadata(metadata, key);
         if (before == value) continue;
         throw ParameterError(fmt::format("{}: the run that was interrupted had {}, this one has {}: give the same, or "
                                          "{}",
-                                         path.string(), shown(option, before), shown(option, value), kMend));
+                                         path.string(), shown(key, before), shown(key, value), kMend));
     }
-    for (std::string input; !(input = textOf(metadata, inputKey(checkpoint.inputs.size()))).empty();)
+    for (std::string input; !(input = textMetadata(metadata, inputKey(checkpoint.inputs.size()))).empty();)
         checkpoint.inputs.push_back(input);
     return checkpoint;
 }
@@ -98,21 +103,6 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
 void refuseCheckpoint(const std::filesystem::path& path, const std::string& reason)
 {
     throw InputError(fmt::format("{}: {}, or {}", path.string(), reason, kMend));
-}
-
-bool CheckpointSchedule::isDue() const
-{
-    if (mEvery) return *mEvery > 0 && mSteps >= *mEvery;
-    constexpr std::chrono::seconds kLeast{30};
-    constexpr int kFraction = 50;
-    return Clock::now() - mLast >= std::max<Clock::duration>(kLeast, mCost * kFraction);
-}
-
-void CheckpointSchedule::wrote(Clock::duration cost)
-{
-    mLast = Clock::now();
-    mCost = cost;
-    mSteps = 0;
 }
 
 } // namespace vdblic

@@ -1,22 +1,29 @@
 #include "vdblic/lic/coherence.h"
 
-#include "vdblic/core/errors.h"
+#include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/noise.h"
+#include "vdblic/lic/pathline.h"
+#include "vdblic/lic/smoothed_texture.h"
 
+#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMostSamples = 100'000'000;
-constexpr int kBlockPoints = 512; // sums are kept by block, so that their order is fixed
+constexpr int kBlockPoints = 512; // one sum for each block of points: a fixed order of additions for any threads
 
-/// Sums for Pearson's correlation, about the middle of a texture's range so that little cancels.
+/// Sums for Pearson's correlation, taken about the middle of a texture's range to limit cancellation.
 class Correlation {
   public:
     void add(float a, float b)
@@ -40,7 +47,7 @@ class Correlation {
     {
         const double n = double(mCount), x = mSums[0] / n, y = mSums[1] / n;
         const double xx = mSums[2] / n - x * x, yy = mSums[3] / n - y * y;
-        constexpr double kLeastVariance = 1e-12; // a constant's is rounding
+        constexpr double kLeastVariance = 1e-12; // below: rounding of a constant
         if (!(xx > kLeastVariance && yy > kLeastVariance)) return kNone;
         return (mSums[4] / n - x * y) / std::sqrt(xx * yy);
     }
@@ -70,11 +77,11 @@ struct BlockSums {
     Correlations raw, smoothed;
 };
 
-/// A place at which the texture is looked at.
+/// A point at which the texture is sampled.
 struct Point {
     Float4 position, velocity; ///< index space, voxels per step
     SmoothedTexture::Sample here;
-    float turn; ///< of the perpendicular direction, 0 to 1
+    float turn; ///< selects the perpendicular direction, 0 to 1
 };
 
 struct Scene {
@@ -82,11 +89,11 @@ struct Scene {
     const SmoothedTexture* next;
     const VelocityField& field;
     const CoherenceParams& params;
-    std::vector<std::size_t> voxelsBefore; // of each leaf, then of all
-    std::uint64_t key;
+    std::vector<std::size_t> voxelsBefore; ///< each leaf: voxels of the leaves before it; last: all voxels
+    std::uint64_t key;                     ///< added to a point's number before hashing
 };
 
-/// A number from 0 to 1 (excluded) of 24 bits, exact in single precision.
+/// A number in [0, 1) of 24 random bits: exact in single precision.
 float unit(std::uint64_t bits)
 {
     return float(bits >> 40) * 0x1p-24f;
@@ -107,7 +114,7 @@ Float4 positionOf(const Scene& scene, std::uint64_t hash)
     return centre + Float4{unit(x), unit(y), unit(z), 0.5f} - 0.5f;
 }
 
-/// The point of a number, if it counts.
+/// The point with a number, if it counts.
 std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
 {
     const std::uint64_t hash = mixBits(scene.key + number);
@@ -121,7 +128,7 @@ std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
     return point;
 }
 
-/// Correlate with the successor, at the same place and at the end of the path.
+/// Correlate with the successor, at the same position and at the end of the pathline.
 void addTemporal(const Scene& scene, const std::vector<Point>& points, BlockSums& sums)
 {
     PathBatch batch;
@@ -146,7 +153,8 @@ void addTemporal(const Scene& scene, const std::vector<Point>& points, BlockSums
     }
 }
 
-/// One lag on along the streamline: the midpoint rule, whose error at half a voxel is far below a voxel's size.
+/// The position one lag further along the streamline, by the midpoint rule; over half a voxel its error is far below a
+/// voxel.
 Float4 downstream(const VelocityField& field, Float4 position)
 {
     constexpr float kStill = 1e-6f;
@@ -156,7 +164,7 @@ Float4 downstream(const VelocityField& field, Float4 position)
     return position + slope2 * (kLagSpacing / std::max(pathline::length(slope2), kStill));
 }
 
-/// A unit vector perpendicular to the velocity. @param turn which of them, 0 to 1
+/// A unit vector perpendicular to the velocity. @param turn angle about it, 0 to 1 for a full turn
 Float4 perpendicular(Float4 velocity, float turn)
 {
     const Float4 axis = velocity / pathline::length(velocity);
@@ -202,7 +210,7 @@ VDBLIC_KERNEL void measureBlock(const Scene& scene, std::size_t block, BlockSums
     if (scene.next) addTemporal(scene, points, sums);
 }
 
-/// The first lag where an autocorrelation falls under 1/e, linear between lags.
+/// The first lag at which an autocorrelation falls under 1/e, interpolated linearly between lags [voxels].
 double lengthOf(const std::array<double, kLagCount>& autocorrelation)
 {
     constexpr double kThreshold = 1 / std::numbers::e;
@@ -236,23 +244,12 @@ CoherenceFigures figuresOf(const Correlations& sums, const Contrast& contrast)
 
 } // namespace
 
-void CoherenceParams::validate() const
-{
-    if (samples < 1 || samples > kMostSamples) {
-        throw ParameterError(fmt::format("{} samples a frame must lie between 1 and {}", samples, kMostSamples));
-    }
-    if (!(leastMotion > 0 && std::isfinite(leastMotion))) {
-        throw ParameterError(fmt::format("the least motion of {} voxels a step must be above 0", leastMotion));
-    }
-    pathline.validate();
-}
-
 FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTexture* next, const VelocityField& field,
                                 const CoherenceParams& params, std::int64_t frame)
 {
     params.validate();
     const Domain& domain = texture.domain();
-    // Multiplied, so that the points of neighbouring frames are not those of neighbouring numbers.
+    // The factor keeps frame k + 1 from using the points of frame k shifted by one.
     Scene scene{texture, next, field, params, {0}, mixBits(std::uint64_t(frame) * 0x9e3779b97f4a7c15u + 1)};
     scene.voxelsBefore.reserve(domain.leafCount() + 1);
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)

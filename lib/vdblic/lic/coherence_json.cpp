@@ -2,7 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -76,7 +80,7 @@ std::string toJson(const SequenceCoherence& coherence, const SequenceCoherencePa
                          {"lags", lags},
                          {"frames", frames},
                          {"mean", {{"raw", ofMeans(coherence.raw)}, {"smoothed", ofMeans(coherence.smoothed)}}}};
-    // Names of files need not be valid UTF-8; JSON has to be.
+    // File names need not be valid UTF-8, JSON must be.
     return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -1,24 +1,24 @@
 #pragma once
 
-#include "vdblic/lic/coherence.h"
+#include "vdblic/lic/coherence_sequence.h"
 
 #include <string>
 #include <vector>
 
 namespace vdblic {
 
-/// The columns of frameLine().
+/// Headings of the columns of frameLine().
 [[nodiscard]] std::string frameHeading();
 /// The main figures of a frame in one line, raw | smoothed.
 [[nodiscard]] std::string frameLine(const FrameCoherence& frame);
 /// Every mean with its confidence interval, line by line.
 [[nodiscard]] std::vector<std::string> meanLines(const SequenceCoherence& coherence);
 
-/// Everything that was measured, as JSON with two spaces of indentation (docs/quality.md); what could not be had is
-/// null.
+/// Everything that was measured, as JSON with two spaces of indentation (docs/quality.md); unknown figures are null.
 [[nodiscard]] std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params);
 
-/// The mean autocorrelations by lag, along and across the flow, raw and smoothed, as an SVG image.
+/// Plot the mean autocorrelations by lag, along and across the flow, raw and smoothed, as an SVG image.
+/// Text is drawn as outlines of the sans-serif font of the machine. @throws OutputError
 [[nodiscard]] std::string toSvg(const SequenceCoherence& coherence);
 
 } // namespace vdblic

@@ -1,29 +1,30 @@
-#include "vdblic/lic/coherence.h"
+#include "vdblic/lic/coherence_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/coherence.h"
 #include "vdblic/lic/coherence_report.h"
+#include "vdblic/lic/flow_sequence.h"
+#include "vdblic/lic/smoothed_texture.h"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
 
 #include <cmath>
-#include <limits>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <system_error>
+#include <tuple>
+#include <utility>
 
 namespace vdblic {
 namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-/// Of Student's distribution: 95 % of it lie between −t and t.
-double studentQuantile(int freedom)
-{
-    constexpr std::array<double, 9> kTable = {12.706205, 4.302653, 3.182446, 2.776445, 2.570582,
-                                              2.446912,  2.364624, 2.306004, 2.262157};
-    if (freedom <= int(kTable.size())) return kTable[std::size_t(freedom - 1)];
-    const double z = 1.959964, zz = z * z, n = freedom;
-    return z + z * (zz + 1) / (4 * n) + z * ((5 * zz + 16) * zz + 3) / (96 * n * n) +
-           z * (((3 * zz + 19) * zz + 17) * zz - 15) / (384 * n * n * n);
-}
 
 MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures FrameCoherence::*version)
 {
@@ -43,7 +44,7 @@ MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures F
     return means;
 }
 
-/// A texture that was read.
+/// A texture read from a file.
 struct LoadedTexture {
     std::filesystem::path path;
     SmoothedTexture texture;
@@ -81,7 +82,7 @@ LoadedTexture readTexture(const std::filesystem::path& path, const std::string& 
     return loaded;
 }
 
-/// Where the texture of a velocity's frame is.
+/// Finds the texture file of a velocity's frame.
 class TextureFiles {
   public:
     explicit TextureFiles(const SequenceCoherenceParams& params) : mPattern(params.texture)
@@ -100,7 +101,7 @@ class TextureFiles {
             if (std::filesystem::exists(path(file.frame), ignored)) continue;
             throw InputError(
                 fmt::format("{}: the texture of frame {} is missing, its velocity is {}; choose frames that "
-                            "both have with --frames",
+                            "both have with `frames`",
                             path(file.frame).string(), file.frame, file.path.string()));
         }
         if (!mPattern.hasField() || !params.flow.input.frames.empty()) return;
@@ -109,7 +110,7 @@ class TextureFiles {
             if (std::filesystem::exists(velocity.path(frame), ignored)) continue;
             throw InputError(
                 fmt::format("{}: the velocity of frame {} is missing, its texture is {}; choose frames that "
-                            "both have with --frames",
+                            "both have with `frames`",
                             velocity.path(frame).string(), frame, path(frame).string()));
         }
     }
@@ -123,7 +124,7 @@ class TextureFiles {
     FramePattern mPattern;
 };
 
-/// The texture of a velocity's frame, on its transform.
+/// Read the texture of a velocity's frame, which must have the velocity's transform.
 LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
 {
     const VelocityFrame& velocity = frame.velocity;
@@ -134,7 +135,8 @@ LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, con
                                  loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
 }
 
-void checkNoInput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
+void checkReplacesNoInput(const std::string& output, const SequenceCoherenceParams& params,
+                          const TextureFiles& textures)
 {
     if (output.empty()) return;
     for (const FrameFile& velocity : selectFrames(params.flow.input)) {
@@ -145,44 +147,12 @@ void checkNoInput(const std::string& output, const SequenceCoherenceParams& para
 
 } // namespace
 
-Estimate estimateMean(const std::vector<double>& values)
-{
-    Estimate result{kUnknown, kUnknown, 0};
-    double sum = 0, squares = 0;
-    for (const double value : values) {
-        if (std::isnan(value)) continue;
-        sum += value;
-        ++result.frames;
-    }
-    if (result.frames == 0) return result;
-    result.mean = sum / result.frames;
-    if (result.frames == 1) return result;
-    for (const double value : values) {
-        if (!std::isnan(value)) squares += (value - result.mean) * (value - result.mean);
-    }
-    const double variance = squares / (result.frames - 1);
-    result.halfWidth = studentQuantile(result.frames - 1) * std::sqrt(variance / result.frames);
-    return result;
-}
-
-void SequenceCoherenceParams::validate() const
-{
-    flow.validate();
-    coherence.validate();
-    if (flow.input.pattern == "-" || texture == "-")
-        throw ParameterError("paths on standard input cannot be matched by frame; name a file or a pattern");
-    if (textureName.empty()) throw ParameterError("the texture's name must not be empty");
-    if (!json.empty() && json == plot) {
-        throw ParameterError(fmt::format("'{}' cannot be both the figures and the plot; name two files", json));
-    }
-}
-
 SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter)
 {
     params.validate();
     const TextureFiles files(params);
-    checkNoInput(params.json, params, files);
-    checkNoInput(params.plot, params, files);
+    checkReplacesNoInput(params.json, params, files);
+    checkReplacesNoInput(params.plot, params, files);
     std::istringstream noLines;
     FlowSequence flow(params.flow, noLines, reporter);
 

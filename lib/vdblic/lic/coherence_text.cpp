@@ -1,11 +1,16 @@
 #include "vdblic/lic/coherence_report.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// A number with its digits after the point, or a dash for one that could not be had.
+/// A number, or a dash if it is unknown. @param digits after the decimal point
 std::string number(double value, int width, int digits)
 {
     return std::isnan(value) ? fmt::format("{:>{}}", '-', width) : fmt::format("{:{}.{}f}", value, width, digits);

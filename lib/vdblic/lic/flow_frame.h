@@ -2,11 +2,13 @@
 
 #include "vdblic/field/domain.h"
 
+#include <openvdb/openvdb.h>
+
 #include <memory>
 
 namespace vdblic {
 
-/// One frame of the flow: its domain, and its velocity over the steps that begin or end there.
+/// One frame of the flow: its domain, and its velocity.
 struct FlowFrame {
     std::shared_ptr<const Domain> domain;
     openvdb::Vec3SGrid::ConstPtr velocities;

@@ -5,7 +5,11 @@
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <memory>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -24,7 +28,7 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
 {
     Stopwatch watch;
     LoadedFrame frame;
-    frame.stamp = frameStamp(file, params.domain); // first: a change that comes later is found later
+    frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
     frame.velocity = readVelocity(file, params.velocity);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;
     auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
@@ -39,17 +43,6 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
 }
 
 } // namespace
-
-void FlowSequenceParams::validate() const
-{
-    velocity.validate();
-    domain.validate();
-    constexpr double kLeast = 1e-18, kMost = 1e18;
-    if (frameSpacing && !(*frameSpacing >= kLeast && *frameSpacing <= kMost)) {
-        throw ParameterError(
-            fmt::format("the frame spacing of {} s must be above 0, {} to {}", *frameSpacing, kLeast, kMost));
-    }
-}
 
 FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter)
     : mParams(std::move(params)), mReporter(reporter), mSource(openSequence(mParams.input, lines, mTotal))
@@ -78,7 +71,7 @@ std::optional<LoadedFrame> FlowSequence::next()
 FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const LoadedFrame* next)
 {
     const VelocityFrame& velocity = current.velocity;
-    // A spacing is that of the frames on disk; where frames are left out more time passes.
+    // A frame spacing holds for neighbours on disk; over frames that are left out, more time passes.
     double skipped = 1;
     if (next) {
         const std::int64_t difference = next->velocity.file.frame - velocity.file.frame;
@@ -90,12 +83,12 @@ FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const Load
         const double seconds = *next->velocity.time - *velocity.time;
         if (seconds > 0 && std::isfinite(seconds)) return {seconds, "by the files' times"};
         throw InputError(fmt::format("{}: its time {} does not come after the time {} of the frame before; give the "
-                                     "frame spacing with --dt or --fps",
+                                     "frame spacing with `frame_spacing`",
                                      next->velocity.file.path.string(), *next->velocity.time, *velocity.time));
     }
     if (velocity.dt && *velocity.dt > 0 && std::isfinite(*velocity.dt))
         return {*velocity.dt * skipped, "by the file's dt"};
-    sayOnce(fmt::format("no time or dt in the files: taking {} frames a second; give --dt or --fps if it is another",
+    sayOnce(fmt::format("no time or dt in the files: taking {} frames a second; give `frame_spacing` if it is another",
                         kDefaultFps));
     return {skipped / kDefaultFps, "by default"};
 }

@@ -1,11 +1,15 @@
 #pragma once
 
 #include "vdblic/core/reporter.h"
-#include "vdblic/field/domain_mask.h"
 #include "vdblic/field/velocity_frame.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/lic/flow_texture.h"
+#include "vdblic/lic/flow_frame.h"
+#include "vdblic/lic/flow_sequence_params.h"
 
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
 #include <future>
 #include <iosfwd>
 #include <optional>
@@ -14,60 +18,52 @@
 
 namespace vdblic {
 
-/// A velocity sequence and how to understand it.
-struct FlowSequenceParams {
-    SequenceParams input;
-    VelocityParams velocity;
-    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
-    DomainParams domain;
-
-    void validate() const; ///< @throws ParameterError
-};
-
-/// A frame that was read, with the domain it is computed on.
+/// A frame read from disk, with the domain it is computed on.
 struct LoadedFrame {
-    double seconds = 0; ///< that reading took
+    double seconds = 0; ///< spent on reading
     VelocityFrame velocity;
     FlowFrame flow;
-    std::string stamp; ///< FlowSequence::stampOf() when it was read
+    std::string stamp; ///< FlowSequence::stampOf() from just before reading
 };
 
-/// Time between two frames, and where it was taken from.
+/// Time between two frames [s], and what determined it, for messages.
 struct FrameInterval {
     double seconds;
     const char* source;
 };
 
-/// Reads a velocity sequence frame by frame, one ahead of the one that is asked for.
+/// Reads a velocity sequence frame by frame, and one frame ahead in a thread of its own.
 ///
-/// Choices made for the user are said to the reporter, each once.
+/// Choices made for the user go to the reporter, each once. Not thread-safe.
 class FlowSequence {
   public:
     /// @param lines source of the paths if the input is `-`
     /// @throws InputError, ParameterError
     FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter);
 
-    /// The number of frames; 0 if it is not known.
+    /// The number of frames; 0 if it is unknown.
     [[nodiscard]] std::size_t total() const { return mTotal; }
 
-    /// Pass over a frame without reading it, or nothing at the end. Only before the first call of next().
+    /// Pass over a frame without reading it. Only before the first call of next().
+    /// @return its file, or nothing at the end
     std::optional<FrameFile> skip() { return mSource(); }
 
-    /// What tells whether a frame or one of its files was changed: its number, and the stamps of input and mask.
+    /// A text that changes whenever the frame or one of its files does: its number, and the stamps of input and mask.
     [[nodiscard]] std::string stampOf(const FrameFile& file) const;
 
     /// The next frame, or nothing at the end.
     /// @throws InputError if it cannot be read or its transform is not that of the frame before
     std::optional<LoadedFrame> next();
 
-    /// @param next the frame after it, or null. @throws InputError if the files' times do not ascend
+    /// The time from a frame to the next. @param next the frame after it, or null
+    /// @throws InputError if the files' times do not ascend
     FrameInterval intervalAfter(const LoadedFrame& current, const LoadedFrame* next);
 
-    /// The spacing of the frame numbers on disk, to be handed to a run that goes on where this one is; 0 until known.
+    /// The spacing of the frame numbers on disk, 0 until known; a run that goes on where this one is needs it.
     [[nodiscard]] std::int64_t spacing() const { return mSpacing; }
     void setSpacing(std::int64_t spacing) { mSpacing = spacing; }
 
-    /// Give the details of what was found in a frame.
+    /// Report how the velocity of a frame is understood.
     void describe(const LoadedFrame& frame, const FrameInterval& interval);
 
   private:
@@ -79,7 +75,7 @@ class FlowSequence {
     Reporter& mReporter;
     std::size_t mTotal = 0;
     FrameSource mSource;
-    openvdb::Vec3SGrid::ConstPtr mLast; // the velocity of the frame before
+    openvdb::Vec3SGrid::ConstPtr mLast; // velocity of the previous frame
     std::int64_t mSpacing = 0;          // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
     bool mStarted = false;

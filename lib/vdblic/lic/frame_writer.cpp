@@ -3,6 +3,8 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <utility>
+
 namespace vdblic {
 
 void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, openvdb::MetaMap metadata)

@@ -4,28 +4,30 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <future>
 #include <vector>
 
 namespace vdblic {
 
-/// Writes one file of a sequence while the next is computed, and reports what is finished. Not thread-safe.
+/// Writes the files of a sequence, each while the next is computed, and reports those that are finished. Not
+/// thread-safe.
 class FrameWriter {
   public:
-    /// @param total number of files, 0 if it is not known
+    /// @param total number of files, 0 if it is unknown
     FrameWriter(Reporter& reporter, std::size_t total) : mReporter(reporter), mTotal(total) {}
 
-    /// Begin to write a file; the one before is finished first. @throws OutputError of the one before
+    /// Begin to write a file, after the previous one is finished. @throws OutputError of the previous one
     void write(std::filesystem::path path, openvdb::GridCPtrVec grids, openvdb::MetaMap metadata);
 
-    /// Wait for the file that is being written. @throws OutputError
+    /// Wait until the file being written is finished. @throws OutputError
     void finish();
 
-    /// Report a file that a run before has written.
+    /// Report a file that an earlier run has written.
     void pass(const std::filesystem::path& path);
 
-    /// Seconds that each write() took, of those that are finished.
+    /// Seconds that each finished write() took.
     [[nodiscard]] const std::vector<double>& seconds() const { return mSeconds; }
 
     /// The number of files that are complete on disk.

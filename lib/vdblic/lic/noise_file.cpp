@@ -6,6 +6,13 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/noise.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
 namespace vdblic {
 namespace {
 
@@ -33,7 +40,7 @@ openvdb::MaskTree::Ptr topologyOf(const openvdb::GridBase& grid, const std::stri
 
 void NoiseParams::validate() const
 {
-    if (like.empty() == !size.has_value()) throw ParameterError("give one of --like FILE and --size X Y Z");
+    if (like.empty() == !size.has_value()) throw ParameterError("give one of `like` FILE and `size` X Y Z");
     if (size) checkBoxSize(*size);
 }
 

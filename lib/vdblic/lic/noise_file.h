@@ -11,13 +11,13 @@
 
 namespace vdblic {
 
-/// How to make a file of noise. Exactly one of `like` and `size` is given.
+/// How to make a file of noise. Exactly one of `like` and `size` must be given.
 struct NoiseParams {
     std::string output;
     std::string like;            ///< FILE or FILE:GRID whose active voxels and transform to take
     std::optional<BoxSize> size; ///< voxels of a box, with voxels of kDefaultVoxelSize
     std::uint32_t seed = 1;
-    bool skipExisting = false; ///< leave an output that is there as it is
+    bool skipExisting = false; ///< keep an output that exists
 
     /// @throws ParameterError
     void validate() const;
@@ -25,11 +25,11 @@ struct NoiseParams {
 
 /// Write the noise of makeNoise() as the one grid of a file.
 ///
-/// Without a grid's name, `like` means the first grid in the file that has active voxels.
+/// If `like` names no grid, the first grid of the file that has active voxels is taken.
 /// @throws ParameterError, InputError if `like` has no such grid, OutputError
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter);
 
-/// Read noise to start from. @param argument FILE or FILE:GRID; without a grid's name it is `noise`
+/// Read noise to start from. @param argument FILE, which means its grid `noise`, or FILE:GRID
 /// @throws InputError if there is no such float grid or a value is outside 0 to 1
 [[nodiscard]] openvdb::FloatGrid::ConstPtr readNoise(const std::string& argument);
 

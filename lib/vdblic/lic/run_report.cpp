@@ -1,9 +1,12 @@
 #include "vdblic/lic/run_report.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace vdblic {
 namespace {

@@ -2,19 +2,21 @@
 
 #include "vdblic/lic/flow_texture.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace vdblic {
 
-/// What a frame of a run took. Reading and writing run beside the computation of other frames.
+/// The work and the time of one frame of a run. Reading and writing overlap with the computation of other frames.
 struct FrameReport {
     std::int64_t frame = 0;
     std::size_t voxels = 0;
     ScatterStats stats;
-    double read = 0;  ///< seconds, of the frame's velocity
-    StageTimes times; ///< seconds
-    double write = 0; ///< seconds, of the frame's texture
+    double read = 0; ///< seconds to read the velocity
+    StageTimes times;
+    double write = 0; ///< seconds to write the texture
 };
 
 /// The frames that one run computed.
@@ -26,7 +28,7 @@ struct RunReport {
 /// The work of a frame, in words.
 [[nodiscard]] std::string frameLine(const FrameReport& frame);
 
-/// The time of a run by stage, as Table 2 of Liu & Moorhead 2004 has it, and how steady it was from frame to frame.
+/// The time of a run by stage, as in Table 2 of Liu & Moorhead 2004, and how evenly it spreads over the frames.
 [[nodiscard]] std::vector<std::string> runLines(const RunReport& report);
 
 /// All figures, as JSON with two spaces of indentation (docs/performance.md).

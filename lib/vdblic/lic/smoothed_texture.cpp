@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <cstddef>
 #include <ranges>
 #include <vector>
 
@@ -46,12 +47,12 @@ Contrast contrastOf(const Domain& domain, const LeafValues<float>& values)
             const double value = double(values[leaf][voxel.pos()]) - 0.5;
             sums[leaf].sum += value;
             sums[leaf].squares += value * value;
-            constexpr double kSaturated = 0.5 - 0.5 / 255; // nearest to 0 or 255 of the values from 0 to 255
+            constexpr double kSaturated = 0.5 - 0.5 / 255; // beyond: rounds to 0 or 255 of eight bits
             sums[leaf].saturated += std::abs(value) > kSaturated;
         }
     });
     Sums all;
-    for (const Sums& leaf : sums) { // in order: the same for any number of threads
+    for (const Sums& leaf : sums) { // in order: the same result for any number of threads
         all.sum += leaf.sum;
         all.squares += leaf.squares;
         all.saturated += leaf.saturated;

@@ -3,15 +3,21 @@
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/checksum.h"
+#include "vdblic/lic/advect_params.h"
 
 #include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
 
 namespace vdblic {
 namespace {
 
-const Checkpoint kCheckpoint{7, 0.1, 1.0 / 3, 2, {"frame 1, size 5", "frame 3, size 6"}, {}};
+const Checkpoint kCheckpoint{{7, 0.1, 1.0 / 3, 2}, {"frame 1, size 5", "frame 3, size 6"}, {}};
 
-/// What reading says against it.
+/// The message with which reading is refused.
 template<typename ErrorT>
 std::string refusal(const std::filesystem::path& path, const ParameterTexts& parameters)
 {
@@ -31,24 +37,43 @@ void expectContains(const std::string& text, const std::string& part)
 TEST(Checkpoint, GivesBackWhatItWasGiven)
 {
     const TemporaryFolder folder;
-    writeCheckpoint(folder / "c.vdb", kCheckpoint, {{"--life", "4"}, {"--mask", ""}});
-    const Checkpoint read = readCheckpoint(folder / "c.vdb", {{"--life", "4"}, {"--mask", ""}});
-    EXPECT_EQ(read.steps, kCheckpoint.steps);
-    EXPECT_EQ(read.interval, kCheckpoint.interval);
-    EXPECT_EQ(read.time, kCheckpoint.time);
-    EXPECT_EQ(read.frameSpacing, kCheckpoint.frameSpacing);
+    writeCheckpoint(folder / "c.vdb", kCheckpoint, {{"life_span", "4"}, {"mask", ""}});
+    const Checkpoint read = readCheckpoint(folder / "c.vdb", {{"life_span", "4"}, {"mask", ""}});
+    EXPECT_EQ(read.position.steps, kCheckpoint.position.steps);
+    EXPECT_EQ(read.position.interval, kCheckpoint.position.interval);
+    EXPECT_EQ(read.position.time, kCheckpoint.position.time);
+    EXPECT_EQ(read.position.frameSpacing, kCheckpoint.position.frameSpacing);
     EXPECT_EQ(read.inputs, kCheckpoint.inputs);
+}
+
+TEST(Checkpoint, HoldsEveryParameterOfARun)
+{
+    const TemporaryFolder folder;
+    AdvectParams params;
+    params.frameSpacing = 0.5;
+    params.derived = {"vorticity", "q"};
+    params.domain.box = {0, 1, 2, 3, 4, 5};
+    const ParameterTexts texts = parameterTexts(params);
+    writeCheckpoint(folder / "c.vdb", kCheckpoint, texts);
+    EXPECT_EQ(readCheckpoint(folder / "c.vdb", texts).position.frameSpacing, kCheckpoint.position.frameSpacing);
+    const openvdb::MetaMap metadata = readVdb(folder / "c.vdb").metadata;
+    EXPECT_EQ(metadata.metaValue<std::string>("life_span"), "4");
+    EXPECT_EQ(metadata.metaValue<std::string>("dt"), "0.5");
+    EXPECT_EQ(metadata.metaValue<std::string>("derived"), "vorticity,q");
+    EXPECT_EQ(metadata.metaValue<std::string>("box"), "0 1 2 3 4 5");
+    for (const auto& [key, value] : texts)
+        EXPECT_EQ(metadata.metaValue<std::string>(key), value) << key;
 }
 
 TEST(Checkpoint, NamesTheParameterThatDiffers)
 {
     const TemporaryFolder folder;
     const auto path = folder / "c.vdb";
-    writeCheckpoint(path, kCheckpoint, {{"--life", "4"}, {"--mask", ""}});
-    expectContains(refusal<ParameterError>(path, {{"--life", "8"}, {"--mask", ""}}),
-                   "the run that was interrupted had --life 4, this one has --life 8");
-    expectContains(refusal<ParameterError>(path, {{"--life", "4"}, {"--mask", "m.vdb"}}),
-                   "had no --mask, this one has --mask m.vdb");
+    writeCheckpoint(path, kCheckpoint, {{"life_span", "4"}, {"mask", ""}});
+    expectContains(refusal<ParameterError>(path, {{"life_span", "8"}, {"mask", ""}}),
+                   "the run that was interrupted had `life_span` 4, this one has `life_span` 8");
+    expectContains(refusal<ParameterError>(path, {{"life_span", "4"}, {"mask", "m.vdb"}}),
+                   "had no `mask`, this one has `mask` m.vdb");
 }
 
 TEST(Checkpoint, OtherFilesAreRefused)
@@ -61,7 +86,7 @@ TEST(Checkpoint, OtherFilesAreRefused)
     expectContains(refusal<InputError>(path, {}), "delete the checkpoint to start from the beginning");
 }
 
-/// Replace a text in a file by one as long, and see to its checksums.
+/// Replace a text in a file by one of the same length, and update the checksums.
 void edit(const std::filesystem::path& path, const std::string& from, const std::string& to)
 {
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
@@ -90,27 +115,11 @@ TEST(Checkpoint, ThatSomebodyEditedIsRefused)
 {
     const TemporaryFolder folder;
     const auto path = folder / "c.vdb";
-    writeCheckpoint(path, kCheckpoint, {{"--life", "4"}});
+    writeCheckpoint(path, kCheckpoint, {{"life_span", "4"}});
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(std::streamoff(VdbLayout::kIdentityOffset)); // as another program's, which has no checksums
     file << "00000000" << std::flush;
     expectContains(refusal<InputError>(path, {}), "its checksums are gone");
-}
-
-TEST(CheckpointSchedule, CountsSteps)
-{
-    CheckpointSchedule every3(3), none(0), byTime(std::nullopt);
-    EXPECT_TRUE(every3.enabled());
-    EXPECT_FALSE(none.enabled());
-    EXPECT_TRUE(byTime.enabled());
-    for (int i = 1; i < 10; ++i) {
-        for (CheckpointSchedule* schedule : {&every3, &none, &byTime})
-            schedule->stepDone();
-        EXPECT_EQ(every3.isDue(), i % 3 == 0);
-        EXPECT_FALSE(none.isDue());
-        EXPECT_FALSE(byTime.isDue()); // not before half a minute
-        if (every3.isDue()) every3.wrote({});
-    }
 }
 
 } // namespace

@@ -2,14 +2,21 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/coherence_report.h"
 #include "vdblic/lic/noise.h"
+#include "vdblic/lic/smoothed_texture.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -20,7 +27,7 @@ using openvdb::Vec3f;
 const CoherenceParams kFewer{.samples = 30'000};
 const openvdb::CoordBBox kBox({-3, 5, 2}, {76, 52, 49});
 
-/// A texture from its value at a voxel.
+/// A texture whose values are a function of the voxel.
 SmoothedTexture textureOf(const std::function<float(const Coord&)>& value, const openvdb::CoordBBox& box = kBox)
 {
     openvdb::FloatTree tree(0);
@@ -34,7 +41,7 @@ float whiteNoise(const Coord& at, std::uint32_t seed)
     return float(noiseValue(at[0], at[1], at[2], seed)) / float(kNoiseMax);
 }
 
-/// A sum of many waves of lengths from 8 to 16 voxels: smooth, and uncorrelated over longer ways.
+/// A sum of 20 waves of lengths from 8 to 16 voxels: smooth, and uncorrelated over longer distances.
 float smoothField(const openvdb::Vec3d& at)
 {
     double sum = 0;
@@ -71,8 +78,8 @@ TEST(Coherence, OfATextureThatMovesWithTheFlowIsOne)
     }
 }
 
-// Shifted by whole voxels, white noise is interpolated alike at both ends of every path.
-TEST(Coherence, OfWhiteNoiseMovedByWholeVoxelsIsOneAndElseNothing)
+// After a shift by whole voxels, both ends of a path lie at the same position within their cells.
+TEST(Coherence, OfWhiteNoiseMovedByWholeVoxelsIsOneAndOfOtherNoiseZero)
 {
     const auto before = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
     const auto moved = textureOf([](const Coord& at) { return whiteNoise(at - Coord(2, 1, 0), 1); });
@@ -80,17 +87,17 @@ TEST(Coherence, OfWhiteNoiseMovedByWholeVoxelsIsOneAndElseNothing)
     const VelocityField field = uniformFlow(Vec3f(2, 1, 0));
     const FrameCoherence carried = measureCoherence(before, &moved, field, {}, 1);
     EXPECT_NEAR(carried.raw.temporal, 1, 1e-4);
-    EXPECT_NEAR(carried.raw.samePlace, 0, 0.04); // neighbours share corners of cells, 60 % of them none
+    EXPECT_NEAR(carried.raw.samePlace, 0, 0.04); // some points share corners of cells, 60 % none
     const FrameCoherence unrelated = measureCoherence(before, &other, field, {}, 1);
     EXPECT_NEAR(unrelated.raw.temporal, 0, 0.02);
     EXPECT_NEAR(unrelated.smoothed.temporal, 0, 0.04);
 }
 
-TEST(Coherence, OfWhiteNoiseIsNothingAlongAndAcross)
+TEST(Coherence, OfWhiteNoiseIsZeroAlongAndAcross)
 {
     const auto texture = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
     const FrameCoherence found = measureCoherence(texture, nullptr, uniformFlow(Vec3f(1, 1, 0.5f)), {}, 1);
-    // Interpolated values more than a cell's diagonal and one voxel apart share no voxel; smoothed, two more.
+    // Interpolated values share no voxel if they are more than a cell's diagonal and one voxel apart.
     for (std::size_t lag = 7; lag < kLagCount; ++lag) {
         EXPECT_NEAR(found.raw.along[lag], 0, 0.03) << lag;
         EXPECT_NEAR(found.raw.across[lag], 0, 0.03) << lag;
@@ -102,9 +109,9 @@ TEST(Coherence, OfWhiteNoiseIsNothingAlongAndAcross)
     EXPECT_TRUE(std::isnan(found.raw.temporal));
 }
 
-// The mean of n voxels of white noise along x has the autocorrelation max(0, 1 − lag / n). Interpolation along x takes
-// a share of 1 / (3n) off the variance and leaves the covariance at the lags between as it is.
-TEST(Coherence, FindsTheLengthATextureWasStretchedTo)
+// The mean of n voxels of white noise along x has the autocorrelation max(0, 1 − lag / n). Interpolation along x lowers
+// the variance by a share of 1 / (3n) and keeps the covariance at whole lags between 0 and n.
+TEST(Coherence, FindsTheLengthOfStreaks)
 {
     constexpr int kLength = 8;
     const auto texture = textureOf([](const Coord& at) {
@@ -162,7 +169,7 @@ TEST(Coherence, DoesNotDependOnThreads)
     EXPECT_EQ(reports[0], reports[2]);
 }
 
-TEST(Coherence, TakesPointsWhereTheFlowMovesOnly)
+TEST(Coherence, TakesOnlyPointsWhereTheFlowMoves)
 {
     const auto texture = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
     const FrameCoherence still = measureCoherence(texture, &texture, uniformFlow(Vec3f(0.3f, 0.3f, 0)), kFewer, 1);
@@ -177,7 +184,7 @@ TEST(SmoothedTexture, ContrastOfKnownTextures)
     const auto uniform = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
     EXPECT_NEAR(uniform.rawContrast().deviation, std::sqrt(1 / 12.0), 0.002);
     EXPECT_NEAR(uniform.rawContrast().saturated, 1 / 255.0, 0.0005);
-    // The weights' squares sum to (1 + 4 + 1)³ / 4⁶; at the rim there are fewer.
+    // The squares of the weights sum to (1 + 4 + 1)³ / 4⁶; at the rim there are fewer weights.
     EXPECT_NEAR(uniform.smoothedContrast().deviation, std::sqrt(1 / 12.0 * 216 / 4096), 0.004);
     const auto checker = textureOf([](const Coord& at) { return float((at[0] + at[1] + at[2]) & 1); });
     EXPECT_DOUBLE_EQ(checker.rawContrast().deviation, 0.5);
@@ -188,7 +195,7 @@ TEST(SmoothedTexture, ContrastOfKnownTextures)
     EXPECT_EQ(grey.rawContrast().saturated, 0);
 }
 
-TEST(SmoothedTexture, WeighsTheVoxelsThatAreThere)
+TEST(SmoothedTexture, WeighsOnlyVoxelsThatHaveAValue)
 {
     openvdb::FloatTree tree(0);
     tree.setValue({7, 0, 0}, 1);
@@ -203,22 +210,6 @@ TEST(SmoothedTexture, WeighsTheVoxelsThatAreThere)
     EXPECT_FLOAT_EQ(at(7.5f, 0, 0).raw, 0.625f);
     EXPECT_FLOAT_EQ(at(7, 0, 0).smoothed, (8 * 1 + 4 * 0.25f + 1 * 0.5f) / 13);
     EXPECT_FLOAT_EQ(at(8, 0, 0).smoothed, (4 * 1 + 8 * 0.25f + 2 * 0.5f) / 14);
-}
-
-TEST(EstimateMean, HasStudentsInterval)
-{
-    const Estimate three = estimateMean({1, NAN, 2, 3});
-    EXPECT_EQ(three.frames, 3);
-    EXPECT_DOUBLE_EQ(three.mean, 2);
-    EXPECT_NEAR(three.halfWidth, 4.302653 / std::sqrt(3), 1e-6);
-    std::vector<double> many; // 21 values with deviation 1: quantile 2.085963
-    for (int i = 0; i < 21; ++i)
-        many.push_back(i % 2 ? 1 : -1);
-    const Estimate estimate = estimateMean(many);
-    const double deviation = std::sqrt((21 - 1 / 21.0) / 20);
-    EXPECT_NEAR(estimate.halfWidth, 2.085963 * deviation / std::sqrt(21), 1e-5);
-    EXPECT_TRUE(std::isnan(estimateMean({0.5}).halfWidth));
-    EXPECT_TRUE(std::isnan(estimateMean({}).mean));
 }
 
 TEST(CoherenceParams, AreChecked)

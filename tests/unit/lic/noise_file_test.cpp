@@ -6,12 +6,19 @@
 #include "vdblic/lic/noise.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// Remembers what it was told.
-class Listener : public Reporter {
+/// Records the finished outputs.
+class Recorder : public Reporter {
   public:
     void finished(const std::filesystem::path& output) override { outputs.push_back(output); }
     std::vector<std::filesystem::path> outputs;
@@ -19,9 +26,9 @@ class Listener : public Reporter {
 
 openvdb::FloatGrid::Ptr writtenNoise(const NoiseParams& params)
 {
-    Listener listener;
-    makeNoiseFile(params, listener);
-    EXPECT_EQ(listener.outputs, std::vector<std::filesystem::path>{params.output});
+    Recorder recorder;
+    makeNoiseFile(params, recorder);
+    EXPECT_EQ(recorder.outputs, std::vector<std::filesystem::path>{params.output});
     const VdbFile file = readVdb(params.output);
     EXPECT_EQ(file.contents(), "noise (float)");
     return file.find<openvdb::FloatGrid>("noise");
@@ -45,7 +52,7 @@ TEST(NoiseFile, HoldsTheNoiseOfABox)
     expectNoise(*noise, 4000000000);
 }
 
-TEST(NoiseFile, TakesTheTopologyOfAnyTypeOfGrid)
+TEST(NoiseFile, HasTheTopologyOfAGridOfAnyType)
 {
     const TemporaryFolder folder;
     const auto addVoxels = [](auto grid, const char* name) {

@@ -1,8 +1,9 @@
-#include "bench/scap_auflic.h"
+#include "bench/engine/scap_auflic.h"
 
-#include "bench/euler_uflic.h"
+#include "bench/engine/euler_uflic.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace vdblic::bench {
 namespace {
@@ -50,7 +51,8 @@ void ScapAuflic::extend(const VelocityField& field, Path& path)
     path.ended = path.ended || !domain.contains(path.position);
 }
 
-/// Release a seed in every open voxel of the tile that the path passes within the window, and scatter their values.
+/// Release a seed in every open voxel of the tile that the path passes within the release window, and scatter the
+/// values.
 /// @return false if there was none
 bool ScapAuflic::releaseAlong(std::size_t k, const std::vector<VelocityField>& fields, std::size_t leaf, Path& path)
 {
@@ -95,7 +97,7 @@ void ScapAuflic::seedTile(std::size_t k, const std::vector<VelocityField>& field
         path.steps.erase(path.steps.begin());
         if (!path.steps.empty()) mNext[path.steps.front().start >> 9].push_back(std::move(path));
     };
-    // Pathlines of the process before, the oldest first; one that finds no open voxel is deleted.
+    // Pathlines of the previous process, the oldest first; a pathline that finds no open voxel is deleted.
     std::vector<Path>& saved = mSaved[leaf];
     std::sort(saved.begin(), saved.end(), [](const Path& a, const Path& b) { return a.id < b.id; });
     for (Path& path : saved) {

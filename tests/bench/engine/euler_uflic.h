@@ -3,12 +3,14 @@
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/scatter.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vdblic::bench {
 
 /// UFLIC as Shen & Kao 1998 and Table 1 of Liu & Moorhead 2004 describe it: a seed from every voxel's centre, Euler
-/// steps clamped to the faces of voxels, values weighted by the length of the way through each voxel, one scattering
+/// steps clamped to the faces of voxels, values weighted by the length of the path through each voxel, one scattering
 /// process after the other into a ring of buckets. On one thread.
 class EulerUflic {
   public:
@@ -32,8 +34,5 @@ class EulerUflic {
 
 /// Voxels of a domain that hold no hits.
 [[nodiscard]] std::size_t emptyVoxels(const Domain& domain, const LeafValues<std::int64_t>& accumulator);
-
-/// Advance a particle from the centre of every voxel by one step, eight at a time. @param sink takes something of each
-void advanceAll(const VelocityField& field, const PathlineParams& params, PathBatch& batch, double& sink);
 
 } // namespace vdblic::bench

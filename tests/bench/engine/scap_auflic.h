@@ -3,14 +3,16 @@
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/scatter.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vdblic::bench {
 
-/// AUFLIC in the order of work of Liu & Moorhead 2004: scattering process after scattering process, each of which
-/// carries its seeds through their whole life span into a ring of buckets, along pathlines that are kept whole for the
-/// process after it. The integrator and the choice of seeds are ours, but one pathline is at work at a time, as that
-/// order has it. On one thread.
+/// AUFLIC in the order of work of Liu & Moorhead 2004: one scattering process after the other. Each process carries its
+/// seeds through their whole life span into a ring of buckets, along pathlines that are kept whole for the next
+/// process. Integrator and choice of seeds are those of the library, but pathlines are advanced one at a time, as that
+/// order requires. On one thread.
 class ScapAuflic {
   public:
     ScapAuflic(int lifeSpan, float releaseWindow, const NoiseField& noise);
@@ -21,10 +23,10 @@ class ScapAuflic {
     /// Of the last process.
     [[nodiscard]] const ScatterStats& stats() const { return mStats; }
 
-    /// A pathline from the step at work on, and the voxels (leaf · 512 + offset) it leads through in each.
+    /// A pathline from the current step on, and the voxels (leaf · 512 + offset) it passes in each step.
     struct Path {
         struct Step {
-            std::uint32_t start = 0, early = 0; ///< the voxel it begins in; voxels within the release window
+            std::uint32_t start = 0, early = 0; ///< first voxel; number of voxels within the release window
             std::vector<std::uint32_t> voxels;
         };
         std::uint64_t id = 0;

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "vdblic/field/domain_mask.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/io/velocity.h"
+
+#include <optional>
+
+namespace vdblic {
+
+/// A velocity sequence and how to understand it.
+struct FlowSequenceParams {
+    SequenceParams input;
+    VelocityParams velocity;
+    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
+    DomainParams domain;
+
+    void validate() const; ///< @throws ParameterError
+};
+
+} // namespace vdblic

@@ -1,0 +1,131 @@
+#include "vdblic/lic/run_checkpoint.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/io/file_stamp.h"
+#include "vdblic/lic/advect_params.h"
+#include "vdblic/lic/flow_sequence.h"
+#include "vdblic/lic/flow_texture.h"
+#include "vdblic/lic/run_outputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <new>
+#include <system_error>
+#include <utility>
+
+namespace vdblic {
+
+RunCheckpoint::RunCheckpoint(const AdvectParams& params, const RunOutputs& outputs, Reporter& reporter)
+    : mParams(params), mOutputs(outputs), mReporter(reporter), mParameters(parameterTexts(params)),
+      mSchedule(params.checkpointEvery)
+{
+}
+
+std::optional<Checkpoint> RunCheckpoint::find()
+{
+    if (!mParams.resume) return std::nullopt;
+    if (!isFinished(mOutputs.checkpoint())) {
+        mReporter.say(fmt::format("no {}: starting from the beginning", mOutputs.checkpoint().string()));
+        return std::nullopt;
+    }
+    Checkpoint before = readCheckpoint(mOutputs.checkpoint(), mParameters);
+    mExpected = before.inputs;
+    return before;
+}
+
+std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& before, FlowSequence& flow)
+{
+    const std::uint64_t frames = mParams.framesDone(before.position.steps);
+    std::vector<std::filesystem::path> outputs;
+    for (std::uint64_t i = 0; i < frames; ++i) {
+        const std::optional<FrameFile> file = flow.skip();
+        if (!file) {
+            mReporter.checkStop();
+            refuseCheckpoint(mOutputs.checkpoint(),
+                             fmt::format("has {} frames done, the input has only {} now: give all of them", frames, i));
+        }
+        noteInput(file->path, flow.stampOf(*file));
+        outputs.push_back(mOutputs.texture(file->frame));
+        if (isFinished(outputs.back())) continue;
+        refuseCheckpoint(
+            mOutputs.checkpoint(),
+            fmt::format("tells that {} was finished, but it is not there: put it back", outputs.back().string()));
+    }
+    return outputs;
+}
+
+void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture,
+                            FlowSequence& flow) const
+{
+    const RunPosition& position = before.position;
+    flow.setSpacing(position.frameSpacing);
+    try {
+        texture.restore(position.steps, position.interval, frame.flow.domain, before.state);
+    } catch (const InputError& error) {
+        refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
+    }
+    mReporter.say(
+        fmt::format("{}: {} frames are done", mOutputs.checkpoint().string(), mParams.framesDone(position.steps)));
+}
+
+void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::string& stamp)
+{
+    const std::size_t index = mInputs.size();
+    mInputs.push_back(stamp);
+    if (index >= mExpected.size() || mExpected[index] == stamp) return;
+    throw InputError(fmt::format("{}: differs from what the interrupted run read: {}; put that back, or delete {} to "
+                                 "start from the beginning",
+                                 path.string(), stampDifference(mExpected[index], stamp),
+                                 mOutputs.checkpoint().string()));
+}
+
+void RunCheckpoint::stepDone(const RunPosition& position, const LoadedFrame& frame)
+{
+    mUnsaved = {position, frame.velocity.values->transform().copy()};
+    mSchedule.stepDone();
+}
+
+void RunCheckpoint::write(const FlowTexture& texture)
+{
+    const auto [position, transform] = std::move(mUnsaved.value());
+    mUnsaved.reset();
+    const auto start = CheckpointSchedule::Clock::now();
+    Checkpoint checkpoint{position, mInputs, {}};
+    // A step depends on both its frames and on none after them.
+    const std::size_t frames = std::max<std::size_t>(mParams.framesDone(position.steps), 1) + 1;
+    checkpoint.inputs.resize(std::min(frames, mInputs.size()));
+    try {
+        checkpoint.state.grids = texture.save();
+        for (const auto& grid : checkpoint.state.grids)
+            grid->setTransform(transform->copy());
+        writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+    } catch (const std::bad_alloc&) {
+        throw InputError(fmt::format("{}: takes more than the {} of memory that may be used: raise `max_memory`, or "
+                                     "give `checkpoint_every` 0 to do without",
+                                     mOutputs.checkpoint().string(), memoryText(double(memoryLimit()))));
+    } catch (const OutputError& error) {
+        throw OutputError(fmt::format("{}; `checkpoint_every` 0 does without checkpoints", error.what()));
+    }
+    mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
+}
+
+bool RunCheckpoint::remove() const
+{
+    std::error_code error;
+    const bool removed = std::filesystem::remove(mOutputs.checkpoint(), error);
+    if (!error) return removed;
+    throw OutputError(fmt::format("{}: cannot be removed: {}", mOutputs.checkpoint().string(), error.message()));
+}
+
+void RunCheckpoint::discard() const
+{
+    if (!remove()) return;
+    mReporter.warn(
+        fmt::format("{}: removed; with `resume` the run would have gone on from it", mOutputs.checkpoint().string()));
+}
+
+} // namespace vdblic

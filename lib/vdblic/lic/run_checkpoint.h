@@ -1,0 +1,81 @@
+#pragma once
+
+#include "vdblic/core/reporter.h"
+#include "vdblic/lic/checkpoint.h"
+#include "vdblic/lic/checkpoint_schedule.h"
+#include "vdblic/lic/parameter_texts.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+struct AdvectParams;
+class FlowSequence;
+class FlowTexture;
+struct LoadedFrame;
+class RunOutputs;
+
+/// The checkpoint of a run: taken up at the start, written between steps, removed at the end (docs/survival.md).
+/// Not thread-safe.
+class RunCheckpoint {
+  public:
+    /// All arguments must outlive this. @throws ParameterError
+    RunCheckpoint(const AdvectParams& params, const RunOutputs& outputs, Reporter& reporter);
+
+    // Going on from the checkpoint of an interrupted run, in the order of the calls.
+
+    /// Read it, if the parameters ask for that and there is one. @throws InputError, ParameterError
+    [[nodiscard]] std::optional<Checkpoint> find();
+
+    /// Pass over the frames that the interrupted run finished. @return their outputs
+    /// @throws InputError if one of them, input or output, is missing or differs
+    [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& before, FlowSequence& flow);
+
+    /// Put the state of the interrupted run into a new one. @param frame that the next step starts from
+    /// @throws InputError
+    void restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture, FlowSequence& flow) const;
+
+    // Running.
+
+    /// Record the stamp of a frame that was read. @throws InputError if the interrupted run read another
+    void noteInput(const std::filesystem::path& path, const std::string& stamp);
+
+    /// A step begins; if it fails midway there is no state to go on from.
+    void stepBegins() { mUnsaved.reset(); }
+    /// A step is made. @param frame that the next step starts from
+    void stepDone(const RunPosition& position, const LoadedFrame& frame);
+
+    [[nodiscard]] bool isDue() const { return mSchedule.isDue(); }
+    /// Whether there is a state to go on from that no checkpoint holds, and checkpoints are wanted.
+    [[nodiscard]] bool isUnsaved() const { return mUnsaved && mSchedule.enabled(); }
+
+    /// Write a checkpoint of the last step; outputs up to there must be on disk. @throws InputError, OutputError
+    void write(const FlowTexture& texture);
+
+    /// Remove it. @return whether there was one. @throws OutputError
+    bool remove() const;
+    /// Remove it at the start of a run that does not go on from it, with a warning. @throws OutputError
+    void discard() const;
+
+  private:
+    struct Unsaved {
+        RunPosition position;
+        openvdb::math::Transform::Ptr transform; // of the grids in the checkpoint
+    };
+
+    const AdvectParams& mParams;
+    const RunOutputs& mOutputs;
+    Reporter& mReporter;
+    ParameterTexts mParameters;
+    CheckpointSchedule mSchedule;
+    std::vector<std::string> mInputs, mExpected; // stamps of the frames read by this run and by the interrupted one
+    std::optional<Unsaved> mUnsaved;
+};
+
+} // namespace vdblic

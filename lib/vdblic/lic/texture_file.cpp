@@ -1,0 +1,89 @@
+#include "vdblic/lic/texture_file.h"
+
+#include "vdblic/field/derived_grids.h"
+#include "vdblic/lic/advect_params.h"
+#include "vdblic/lic/flow_sequence.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+namespace vdblic {
+namespace {
+
+openvdb::FloatTree::Ptr magnitudeOf(const FlowFrame& frame)
+{
+    const LeafValues<float> magnitude(*frame.domain, 0.0f);
+    const openvdb::Mat3s toWorld(frame.toWorldPerSecond);
+    tbb::parallel_for(std::size_t(0), frame.domain->leafCount(), [&](std::size_t leaf) {
+        const auto values = frame.velocities->getConstAccessor();
+        for (auto voxel = frame.domain->mask(leaf).beginOn(); voxel; ++voxel) {
+            const openvdb::Coord at = frame.domain->origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+            magnitude[leaf][voxel.pos()] = (toWorld * values.getValue(at)).length();
+        }
+    });
+    return magnitude.tree();
+}
+
+openvdb::FloatGrid::Ptr fogVolume(const openvdb::FloatTree::Ptr& tree, const std::string& name,
+                                  const openvdb::math::Transform& transform)
+{
+    auto grid = openvdb::FloatGrid::create(tree);
+    grid->setName(name);
+    grid->setTransform(transform.copy());
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return grid;
+}
+
+openvdb::MetaMap parameterMetadata(const AdvectParams& params)
+{
+    openvdb::MetaMap metadata;
+    metadata.insertMeta("method", openvdb::StringMetadata(std::string(params.methodName())));
+    if (params.steady) metadata.insertMeta("kernel", openvdb::StringMetadata(std::string(toString(*params.steady))));
+    metadata.insertMeta("life_span", openvdb::Int32Metadata(params.scatter.lifeSpan));
+    if (params.scatter.method == ScatterMethod::kAuflic && !params.steady) {
+        metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
+        metadata.insertMeta("history", openvdb::BoolMetadata(params.scatter.history));
+    }
+    metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(params.scatter.pathline.sampleSpacing));
+    metadata.insertMeta("tolerance", openvdb::FloatMetadata(params.scatter.pathline.tolerance));
+    if (!params.steady) {
+        metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
+        metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
+        metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
+        metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollSteps()));
+    }
+    if (params.noise.empty()) {
+        metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));
+    } else {
+        metadata.insertMeta("noise", openvdb::StringMetadata(params.noise));
+    }
+    return metadata;
+}
+
+} // namespace
+
+TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame,
+                            const openvdb::FloatTree::Ptr& texture, const openvdb::math::Transform& transform,
+                            const TextureTime& time)
+{
+    const VelocityFrame& velocity = frame.velocity;
+    TextureFile file;
+    file.grids = {fogVolume(texture, params.textureName, transform),
+                  fogVolume(magnitudeOf(frame.flow), "magnitude", velocity.values->transform())};
+    for (auto& grid : derivedGrids(params.derived, *frame.flow.domain, *velocity.values, frame.flow.toWorldPerSecond))
+        file.grids.push_back(std::move(grid));
+    file.grids.insert(file.grids.end(), velocity.carried.begin(), velocity.carried.end());
+
+    file.metadata = parameterMetadata(params);
+    if (!velocity.sourceCreator.empty())
+        file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
+    file.metadata.insertMeta("frame", openvdb::Int64Metadata(time.frame));
+    file.metadata.insertMeta("time", openvdb::DoubleMetadata(time.time));
+    file.metadata.insertMeta("dt", openvdb::DoubleMetadata(time.interval));
+    return file;
+}
+
+} // namespace vdblic

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "vdblic/field/box_domain.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/flow_frame.h"
+#include "vdblic/lic/flow_texture.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace vdblic::bench {
+
+/// A flow held in memory, in voxels per step.
+struct Flow {
+    std::vector<FlowFrame> frames;
+    std::vector<openvdb::Mat3d> toStep;
+
+    [[nodiscard]] std::size_t steps() const { return frames.size() - 1; }
+    [[nodiscard]] FlowStep step(std::size_t k) const
+    {
+        return {frames[k], frames[k + 1], toStep[k], toStep[k + 1], 1.0};
+    }
+    void build(std::size_t k, VelocityField& field) const
+    {
+        field.build(frames[k].domain, {frames[k].velocities->tree(), toStep[k]},
+                    {frames[k + 1].velocities->tree(), toStep[k + 1]});
+    }
+};
+
+/// The analytic flow `abc` in a box, sampled on a domain, 24 frames a second.
+[[nodiscard]] Flow analyticFlow(const BoxSize& size, int frames, const std::shared_ptr<const Domain>& domain);
+
+/// Read a velocity sequence. @param range a frame list
+[[nodiscard]] Flow flowOfFiles(const std::string& pattern, const std::string& range);
+
+} // namespace vdblic::bench

@@ -1,0 +1,95 @@
+#include "bench/engine/methods.h"
+
+#include "bench/engine/clock.h"
+#include "bench/engine/coherence_meter.h"
+#include "bench/engine/euler_uflic.h"
+#include "bench/engine/scap_auflic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace vdblic::bench {
+namespace {
+
+/// Run a method that works scattering process by scattering process, and so needs the velocities of a life span ahead.
+template<typename Method>
+Figures runProcesses(const Flow& flow, int lifeSpan, Method&& method)
+{
+    Figures figures;
+    CoherenceMeter meter;
+    double cpu = 0;
+    std::vector<VelocityField> fields(flow.steps() + std::size_t(lifeSpan));
+    for (std::size_t k = 0; k < fields.size(); ++k)
+        flow.build(std::min(k, flow.steps() - 1), fields[k]);
+    for (std::size_t k = 0; k < flow.steps(); ++k) {
+        const double before = cpuTime();
+        const LeafValues<float> texture = method.scatteringProcess(k, fields);
+        if (k < std::size_t(lifeSpan)) continue; // the buckets fill
+        cpu += cpuTime() - before;
+        figures.voxels += double(flow.frames[k].domain->voxelCount());
+        figures.stats += method.stats();
+        meter.add(flow, k, texture, figures);
+    }
+    figures.nanoseconds = 1e9 * cpu / figures.voxels;
+    return figures;
+}
+
+ScatterParams scatterParams(ScatterMethod method, int lifeSpan, float window, bool history)
+{
+    ScatterParams params;
+    params.method = method;
+    params.lifeSpan = lifeSpan;
+    params.releaseWindow = window;
+    params.history = history;
+    return params;
+}
+
+} // namespace
+
+Figures runPipeline(const Flow& flow, const ScatterParams& scatter, bool coherence)
+{
+    FlowTexture pipeline(scatter, FeedbackParams{}, NoiseField(1));
+    Figures figures;
+    CoherenceMeter meter;
+    for (int i = 0; i < scatter.lifeSpan; ++i)
+        (void)pipeline.advance({flow.frames[0], flow.frames[0], flow.toStep[0], flow.toStep[0], 1.0});
+    double cpu = 0, wall = 0;
+    for (std::size_t k = 0; k < flow.steps(); ++k) {
+        const double cpuBefore = cpuTime(), wallBefore = wallTime();
+        const FlowTextureStep result = pipeline.advance(flow.step(k));
+        cpu += cpuTime() - cpuBefore;
+        wall += wallTime() - wallBefore;
+        figures.times += result.times;
+        figures.stats += result.stats;
+        figures.voxels += double(flow.frames[k].domain->voxelCount());
+        if (coherence) meter.add(flow, k, result.texture, figures);
+    }
+    figures.nanoseconds = 1e9 * cpu / figures.voxels;
+    figures.wallNanoseconds = 1e9 * wall / figures.voxels;
+    return figures;
+}
+
+nlohmann::json compareMethods(const Flow& flow, const char* title)
+{
+    printHeading(title);
+    const auto auflic = [](float window, bool history) {
+        return scatterParams(ScatterMethod::kAuflic, 4, window, history);
+    };
+    nlohmann::json rows;
+    rows.push_back(printRow("UFLIC as in the paper, Euler", runProcesses(flow, 4, EulerUflic(4, NoiseField(1)))));
+    rows.push_back(printRow("UFLIC", runPipeline(flow, scatterParams(ScatterMethod::kUflic, 4, 1, false), true)));
+    rows.push_back(
+        printRow("AUFLIC as in the paper, window 0.25", runProcesses(flow, 4, ScapAuflic(4, 0.25f, NoiseField(1)))));
+    for (const float window : {0.125f, 0.25f, 0.5f}) {
+        rows.push_back(printRow(fmt::format("AUFLIC, window {}, coasting", window),
+                                runPipeline(flow, auflic(window, false), true)));
+        rows.push_back(
+            printRow(fmt::format("AUFLIC, window {}, history", window), runPipeline(flow, auflic(window, true), true)));
+    }
+    return rows;
+}
+
+} // namespace vdblic::bench

@@ -1,0 +1,68 @@
+#include "vdblic/lic/run_outputs.h"
+
+#include "temporary_folder.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/lic/advect_params.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace vdblic {
+namespace {
+
+TEST(RunOutputs, NamesTheCheckpointBesideTheTextures)
+{
+    AdvectParams params;
+    params.output = "folder/lic.%04d.vdb";
+    const RunOutputs outputs(params);
+    EXPECT_EQ(outputs.texture(7), "folder/lic.0007.vdb");
+    EXPECT_EQ(outputs.checkpoint(), "folder/checkpoint.lic.vdb");
+}
+
+TEST(RunOutputs, MustDiffer)
+{
+    const TemporaryFolder folder;
+    AdvectParams params;
+    params.output = (folder / "lic.%04d.vdb").string();
+    const auto check = [&](const std::string& report) {
+        params.json = report.empty() ? "" : (folder / report).string();
+        RunOutputs(params).check(2);
+    };
+    EXPECT_NO_THROW(check(""));
+    EXPECT_NO_THROW(check("report.json"));
+    EXPECT_THROW(check("lic.0009.vdb"), ParameterError);
+    EXPECT_THROW(check("checkpoint.lic.vdb"), ParameterError);
+    EXPECT_THROW(check("none/report.json"), OutputError);
+    params = {};
+    params.output = (folder / "lic.vdb").string();
+    EXPECT_NO_THROW(RunOutputs(params).check(1));
+    EXPECT_THROW(RunOutputs(params).check(2), ParameterError);
+}
+
+TEST(RunOutputs, ReplaceNoInput)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"v.0003.vdb", "a.0003.vdb", "checkpoint.a.vdb", "report.json"})
+        folder.add(name, "content");
+    const auto check = [&](const std::string& velocity, AdvectParams params) {
+        params.output = (folder / "a.%04d.vdb").string();
+        params.json = (folder / "report.json").string();
+        RunOutputs(params).checkInputs({3, folder / velocity});
+    };
+    EXPECT_NO_THROW(check("v.0003.vdb", {}));
+    for (const char* output : {"a.0003.vdb", "checkpoint.a.vdb", "report.json"}) {
+        EXPECT_THROW(check(output, {}), ParameterError) << output;
+        AdvectParams masked, noisy;
+        masked.domain.mask = (folder / output).string();
+        EXPECT_THROW(check("v.0003.vdb", masked), ParameterError) << output;
+        noisy.noise = (folder / output).string();
+        EXPECT_THROW(check("v.0003.vdb", noisy), ParameterError) << output;
+    }
+    AdvectParams sequence; // of masks, one of which is the output
+    sequence.domain.mask = (folder / "a.%04d.vdb").string();
+    EXPECT_THROW(check("v.0003.vdb", sequence), ParameterError);
+}
+
+} // namespace
+} // namespace vdblic
