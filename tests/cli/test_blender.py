@@ -11,14 +11,13 @@ import os
 import pathlib
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import numpy
 import pyopenvdb as vdb
 
-from support import ToolTest
+from support import ToolTest, skip
 
 HERE = pathlib.Path(__file__).parent
 SAMPLE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/blender/flow_texture.py"
@@ -217,6 +216,5 @@ class Blender(ToolTest):
 
 if __name__ == "__main__":
     if not shutil.which("blender"):
-        print("skipped: Blender is missing")
-        sys.exit(77)  # which CTest lists as skipped
+        skip("Blender is missing")
     unittest.main()
