@@ -124,7 +124,7 @@ def survey(volume, texture):
     return filled, corners
 
 
-def measure_speeds(volume, frame, highest, places=len(COLORS)):
+def measure_speeds(volume, frame, highest, count=len(COLORS)):
     """The speed of the last colour, and the histogram of the volume's speeds from 0 to that speed.
 
     `highest`, where it is not given, is the speed that a hundredth of the volume exceeds. Blender's Python cannot
@@ -158,7 +158,7 @@ def measure_speeds(volume, frame, highest, places=len(COLORS)):
             middle = (low * highest) ** 0.5
             low, highest = (middle, highest) if amount_above(middle) > 0.01 * everything else (low, middle)
 
-    edges = [everything, *(amount_above(highest * (i + 0.5) / (places - 1)) for i in range(places - 1)), 0]
+    edges = [everything, *(amount_above(highest * (i + 0.5) / (count - 1)) for i in range(count - 1)), 0]
     bpy.data.meshes.remove(probe.data)
     scene.frame_set(back)
     return highest, [(above - below) / (everything or 1) for above, below in zip(edges, edges[1:])]

@@ -205,13 +205,29 @@ class Blender(ToolTest):
         file, = self.velocities("swirl", UNIFORM)
         (self.folder / "gap.0001.vdb").write_bytes(file.read_bytes())
         (self.folder / "gap.0003.vdb").write_bytes(file.read_bytes())
-        wrong = {"no such file": [self.folder / "none.0001.vdb"], "frame 2 is missing": [self.folder / "gap.0001.vdb"],
-                 "no grid 'lic'": [file, "--texture", "lic"], "select a volume": []}
-        for message, arguments in wrong.items():
-            with self.subTest(message):
-                done = blender(SAMPLE, *arguments)
-                self.assertEqual(done.returncode, 9)
-                self.assertIn(message, done.stderr + done.stdout)
+        wrong = {"select a volume": [], "no such file": [str(self.folder / "none.0001.vdb")],
+                 "frame 2 is missing": [str(self.folder / "gap.0001.vdb")],
+                 "no grid 'lic'": [str(file), "--texture", "lic"]}
+        # One Blender runs the sample with all arguments in turn.
+        every = f"""
+import runpy, sys
+for arguments in {list(wrong.values())!r}:
+    sys.argv = ["blender", "--", *arguments]
+    try:
+        runpy.run_path({str(SAMPLE)!r}, run_name="__main__")
+        print("error: none")
+    except Exception as error:
+        print("error:", error)
+"""
+        driver = self.folder / "every.py"
+        driver.write_text(every)
+        done = blender(driver)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        errors = [line for line in done.stdout.splitlines() if line.startswith("error: ")]
+        self.assertEqual(len(errors), len(wrong), done.stdout)
+        for message, error in zip(wrong, errors):
+            self.assertIn(message, error)
+        self.assertEqual(blender(SAMPLE, self.folder / "none.0001.vdb").returncode, 9)
 
 
 if __name__ == "__main__":
