@@ -1,6 +1,8 @@
 #include "bench/scap_auflic.h"
 
 #include "bench/euler_uflic.h"
+#include "vdblic/lic/convolve.h"
+#include "vdblic/lic/feedback.h"
 
 #include <algorithm>
 
