@@ -5,9 +5,13 @@
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/vector.h"
 
+#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
+#include <cstddef>
 #include <memory>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 
@@ -26,16 +30,16 @@ struct Numbers<8> {
 
 } // namespace bricks
 
-/// What fast sampling is made of: for each leaf a brick of 9³ records, its 8³ voxels and the next voxel in each
+/// Fast sampling of a domain's values. For each leaf a brick of 9³ records: its 8³ voxels and the next voxel in each
 /// positive direction, so that a cell's eight corners always lie in one brick.
 ///
 /// A record is four or eight numbers, loaded and interpolated together. Records are premultiplied by their voxel's
-/// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: the interpolated values over the
-/// interpolated coverage are then the mean over the corners that have values. At the rim of a domain this continues the
+/// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: interpolated values over
+/// interpolated coverage are the mean over the corners that have values. At the rim of a domain this continues the
 /// values of the last voxels, as clamping does.
 ///
-/// Only leaves whose bricks are filled can be sampled. Any number of threads may sample, and none while others are
-/// filled.
+/// Only leaves whose bricks are filled can be sampled. Any number of threads may sample, and none while bricks are
+/// filled or released.
 template<int kNumbers>
 class BricksOf {
   public:
@@ -49,7 +53,7 @@ class BricksOf {
     /// The index in its brick of a voxel's record. @param x, y, z coordinates in the brick, 0 to kDim − 1
     [[nodiscard]] VDBLIC_INLINE static constexpr int index(int x, int y, int z) { return (x * kDim + y) * kDim + z; }
 
-    /// Stand for a domain; no leaf has a brick.
+    /// Take on a domain; none of its leaves has a brick yet.
     void cover(std::shared_ptr<const Domain> domain)
     {
         for (auto& brick : mBricks) {
@@ -60,8 +64,8 @@ class BricksOf {
     }
 
     /// Fill the bricks of some leaves, in parallel.
-    /// @param leaves range of numbers
-    /// @param fill   called as fill(leaf, records) with the leaf's number and its kSize records, x slowest, to be set
+    /// @param leaves range of leaf numbers
+    /// @param fill   callback fill(leaf, records) with the leaf's number; sets its kSize records, x slowest
     template<typename Leaves, typename Fill>
     void fill(const Leaves& leaves, const Fill& fill)
     {
@@ -79,7 +83,7 @@ class BricksOf {
         });
     }
 
-    /// Give the bricks of some leaves up, for others to be filled.
+    /// Take the bricks of some leaves away; later fill() calls reuse their memory.
     template<typename Leaves>
     void release(const Leaves& leaves)
     {
@@ -87,10 +91,10 @@ class BricksOf {
             mSpare.push_back(std::move(mBricks[leaf]));
     }
 
-    /// A cell of the grid of voxel centres, and a place in it.
+    /// A cell of the grid of voxel centres, and a position in it.
     struct Cell {
         const Record* corner; ///< the record at the cell's lowest corner; null outside every brick
-        Float4 fraction;      ///< the place, 0 to 1 along each axis
+        Float4 fraction;      ///< the position, 0 to 1 along each axis
     };
 
     /// @param position in index space, voxel centres at integers; the fourth lane is ignored
@@ -106,7 +110,7 @@ class BricksOf {
                 position - __builtin_convertvector(base, Float4)};
     }
 
-    /// locate(), kept out of line: for the rare position that is not where it was expected.
+    /// locate(), kept out of line: for the rare position outside the window it was expected in.
     [[nodiscard]] [[gnu::noinline]] Cell locateAnywhere(Float4 position) const { return locate(position); }
 
     /// A record of a leaf's brick. @param index of the record, see index()
@@ -125,8 +129,8 @@ class BricksOf {
     }
 
     /// Interpolate at eight positions.
-    /// @param window the leaf in and around which they are expected; elsewhere it takes longer
-    /// @param lanes  those to interpolate; the other rows are zero, and so are those outside every brick
+    /// @param window the leaf in and around which they are expected; elsewhere interpolation is slower
+    /// @param lanes  bits of the lanes to interpolate; the other rows are zero, as are rows outside every brick
     VDBLIC_INLINE void interpolate(const LeafWindow& window, const Vector8& position, unsigned lanes,
                                    Vector (&rows)[8]) const
     {
@@ -184,8 +188,8 @@ class BricksOf {
                ((part(4, kX) + part(5, kX + 1)) + (part(6, kX + kY) + part(7, kX + kY + 1)));
     }
 
-    /// In the half voxel below a leaf that has no leaf before it, the first voxels' values go on: move the position up
-    /// to them, along as few axes as will do. @return the leaf then, or −1
+    /// The values of a leaf's first voxels continue half a voxel below it where there is no leaf before. Move such a
+    /// position up to the voxels' centres, along as few axes as necessary. @return the leaf, or −1 outside
     [[gnu::noinline]] int clampToLeaf(Float4& position, Int4& base) const
     {
         const Int4 nearest = voxelOf(position);
@@ -206,15 +210,15 @@ class BricksOf {
     }
 
     std::shared_ptr<const Domain> mDomain;
-    std::vector<std::unique_ptr<Record[]>> mBricks; // of each leaf
-    std::vector<std::unique_ptr<Record[]>> mSpare;
+    std::vector<std::unique_ptr<Record[]>> mBricks; // of each leaf; null if not filled
+    std::vector<std::unique_ptr<Record[]>> mSpare;  // released
 };
 
 using Bricks = BricksOf<8>;
 using Record = Bricks::Record;
 
-/// Visit the 9³ voxels of a leaf's brick in its domain: visit(record index, leaf, offset), the leaf −1 where there is
-/// no voxel of the domain.
+/// Visit the 9³ voxels of a leaf's brick in its domain.
+/// @param visit callback visit(index of the record, leaf, offset in the leaf); leaf −1 outside the domain
 template<typename Visit>
 void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
 {
@@ -236,7 +240,9 @@ void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
     }
 }
 
-/// Visit the 9³ voxels of a brick in a tree: visit(record index, value, active), values as the tree has them.
+/// Visit the 9³ voxels of a leaf's brick in a tree.
+/// @param origin of the leaf
+/// @param visit  callback visit(index of the record, value, active)
 template<typename TreeT, typename Visit>
 void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& visit)
 {
@@ -262,9 +268,9 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
                     [&](int record, unsigned offset) { visit(record, values[offset], leaf->isValueOn(offset)); });
             }
         } else {
-            typename TreeT::ValueType tile{};
-            const bool active = tree.probeValue(origin + begin, tile);
-            forEachVoxel([&](int record, unsigned) { visit(record, tile, active); });
+            typename TreeT::ValueType constant{}; // an OpenVDB tile's, or the background
+            const bool active = tree.probeValue(origin + begin, constant);
+            forEachVoxel([&](int record, unsigned) { visit(record, constant, active); });
         }
     }
 }

@@ -3,7 +3,11 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/Prune.h>
+
+#include <algorithm>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -11,7 +15,7 @@ namespace {
 // A 4 MB table of blocks: 20,000³ voxels in a cube, or a sheet of 250,000 by 250,000.
 constexpr std::size_t kMaxBlocks = std::size_t(1) << 22;
 
-// Positions are single precision; up to here a voxel is resolved to 1/64.
+// Positions are single precision: up to this coordinate a voxel is resolved to 1/64.
 constexpr int kMaxCoordinate = 1 << 17;
 
 } // namespace
@@ -21,7 +25,7 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
     checkVoxels(mTopology->activeVoxelCount());
     mTopology->voxelizeActiveTiles();
     mTopology->getNodes(mLeaves);
-    // Leaves without an active voxel hold nothing to compute.
+    // Leaves without an active voxel need no computation.
     if (std::any_of(mLeaves.begin(), mLeaves.end(), [](const Leaf* leaf) { return leaf->isEmpty(); })) {
         openvdb::tools::pruneInactive(*mTopology);
         mLeaves.clear();
@@ -38,7 +42,7 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
         if (box.min()[axis] < -kMaxCoordinate || box.max()[axis] >= kMaxCoordinate) {
             throw InputError(
                 fmt::format("active voxels reach from {} to {} along axis {}; indices beyond ±{} cannot be "
-                            "traced accurately: move the grid's origin or cut it with --bbox",
+                            "traced accurately: move the grid's origin or cut it with `box`",
                             box.min()[axis], box.max()[axis] + LeafVoxel::kDim - 1, axis, kMaxCoordinate));
         }
         mFirstBlock[axis] = box.min()[axis] >> LeafBlock::kLog2Voxels;
@@ -47,7 +51,7 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
     const std::size_t blocks = std::size_t(mBlockDim[0]) * mBlockDim[1] * mBlockDim[2];
     if (blocks > kMaxBlocks) {
         throw InputError(fmt::format("active voxels spread over {}x{}x{} blocks of 128 voxels; at most {} blocks are "
-                                     "supported: cut the domain with --bbox",
+                                     "supported: cut the domain with `box`",
                                      mBlockDim[0], mBlockDim[1], mBlockDim[2], kMaxBlocks));
     }
 

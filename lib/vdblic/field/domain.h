@@ -11,10 +11,10 @@
 
 namespace vdblic {
 
-/// The active voxels of one frame: its leaves in scan order, and which leaf holds a voxel.
+/// The active voxels of one frame: its leaves in scan order, and the leaf that holds a voxel.
 ///
-/// A leaf is OpenVDB's block of 8³ voxels. Leaves are numbered in the order every tree of this topology
-/// visits them, so grids made on a domain share the numbering. Immutable; any number of threads may read.
+/// A leaf is OpenVDB's block of 8³ voxels. Leaves are numbered in the order in which every tree of this topology visits
+/// them, so all grids on a domain share the numbering. Immutable; any number of threads may read.
 class Domain {
   public:
     using Leaf = openvdb::MaskTree::LeafNodeType;
@@ -22,8 +22,9 @@ class Domain {
     static constexpr int kLeafVoxels = LeafVoxel::kCount;
     static_assert(Leaf::LOG2DIM == LeafVoxel::kLog2Dim);
 
-    /// @param topology its active voxels and tiles; tiles are expanded to voxels
-    /// @throws InputError if the voxels spread over more index space than the leaf index spans, or exceed the memory
+    /// @param topology active voxels and OpenVDB tiles; tiles are expanded to voxels
+    /// @throws InputError if the voxels spread over more index space than the table of leaves spans, or exceed the
+    ///         memory
     explicit Domain(openvdb::MaskTree::Ptr topology);
 
     [[nodiscard]] const openvdb::MaskTree& topology() const { return *mTopology; }

@@ -4,6 +4,8 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 
+#include <openvdb/openvdb.h>
+
 #include <array>
 #include <cstddef>
 

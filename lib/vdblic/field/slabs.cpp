@@ -1,5 +1,7 @@
 #include "vdblic/field/slabs.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
 #include <algorithm>
 #include <numeric>
 

@@ -3,7 +3,10 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/field/largest_value.h"
 
+#include <cmath>
+#include <cstddef>
 #include <ranges>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -13,8 +16,8 @@ VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
     return a > b ? a : b;
 }
 
-/// The largest amount of an active value, along each axis.
-Float4 largestAmount(const openvdb::Vec3STree& tree)
+/// The largest magnitude of an active value, along each axis.
+Float4 largestMagnitude(const openvdb::Vec3STree& tree)
 {
     struct Amount { // as a template argument, a vector type alone would lose its alignment
         Float4 lanes{};
@@ -28,14 +31,14 @@ Float4 largestAmount(const openvdb::Vec3STree& tree)
         .lanes;
 }
 
-/// And of what a matrix makes of them, at most.
+/// An upper bound of the velocity's magnitude, along each axis [voxels per step].
 Float4 largestVelocity(const VelocityLevel& level)
 {
-    const Float4 amount = largestAmount(level.velocities);
+    const Float4 magnitude = largestMagnitude(level.velocities);
     Float4 most{};
     for (int to = 0; to < 3; ++to) {
         for (int from = 0; from < 3; ++from)
-            most[to] += float(std::abs(level.toStep(to, from))) * amount[from];
+            most[to] += float(std::abs(level.toStep(to, from))) * magnitude[from];
     }
     return most;
 }

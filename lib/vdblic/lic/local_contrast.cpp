@@ -4,13 +4,15 @@
 
 #include <tbb/parallel_for.h>
 
+#include <cstddef>
+
 namespace vdblic {
 namespace {
 
-/// The two blocks whose centres enclose a voxel along one axis, counted from the one before the leaf.
+/// The two neighbouring blocks whose centres enclose a voxel along one axis.
 struct Enclosing {
-    int first;
-    float weight; ///< of the second
+    int first;    ///< counted from the block before the leaf
+    float weight; ///< of the second block
 };
 constexpr Enclosing enclosing(int voxel)
 {
@@ -27,7 +29,7 @@ LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& valu
         Moments& moments = mMoments[leaf];
         moments = {};
         const Domain::Mask& mask = domain.mask(leaf);
-        for (int offset = 0; offset < Domain::kLeafVoxels; ++offset) {
+        for (int offset = 0; offset < LeafVoxel::kCount; ++offset) {
             if (!mask.isOn(openvdb::Index(offset))) continue;
             const float value = values[leaf][offset];
             moments[std::size_t(blockOf(LeafVoxel::at(unsigned(offset))))] += Float4{1, value, value * value, 0};
@@ -39,7 +41,7 @@ LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& o
 {
     const LeafWindow window(contrast.mDomain, origin);
     for (int part = 0; part < kAround * kAround * kAround; ++part) {
-        // Block −1 of the window's middle leaf is the last of the leaf before.
+        // Coordinates in voxels from the window's first leaf; part 0 is the last block of that leaf.
         const int x = (part / (kAround * kAround) + 1) * kBlock, y = (part / kAround % kAround + 1) * kBlock,
                   z = (part % kAround + 1) * kBlock;
         const int slot =

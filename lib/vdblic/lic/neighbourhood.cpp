@@ -1,17 +1,20 @@
 #include "vdblic/lic/neighbourhood.h"
 
 #include "vdblic/field/leaf_window.h"
+#include "vdblic/field/vector.h"
+
+#include <cstdint>
 
 namespace vdblic {
 namespace {
 
 constexpr int kLeafDim = LeafVoxel::kDim;
-constexpr int kDim = kLeafDim + 2; // the leaf and the voxels around it
+constexpr int kDim = kLeafDim + 2; // a leaf and one voxel around it
 
-/// A number for each voxel of a leaf and those around it, x slowest.
+/// One number for each voxel of a leaf and one voxel around it, x slowest.
 using Cube = float[kDim][kDim][kDim];
 
-/// Copy numbers together: row(leaf, number) gives the 8 of a leaf's row, the leaf −1 where there is none.
+/// Fill a cube. @param row called as row(leaf, number of the row), gives the row's 8 numbers; leaf −1 is outside
 template<typename RowOf>
 VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Cube& cube)
 {
@@ -29,6 +32,7 @@ VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Cube& cube
     }
 }
 
+/// Weighted 3³ sums, one axis after the other. @param sums of the 512 voxels
 VDBLIC_INLINE void sum(const Cube& cube, float centre, float* sums)
 {
     const auto load = [](const float* from) {

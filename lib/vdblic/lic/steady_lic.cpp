@@ -1,19 +1,25 @@
 #include "vdblic/lic/steady_lic.h"
 
-#include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/lic/noise.h"
-#include "vdblic/lic/scatter.h"
+#include "vdblic/lic/pathline.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// Weighted noise along the streamlines of eight voxels at a time.
+/// Weighted noise along the streamlines of eight voxels at a time. One object serves one thread.
 struct Convolution {
     const LeafValues<std::int32_t>& noise;
     const LicKernel kernel;
@@ -82,18 +88,6 @@ VDBLIC_KERNEL void convolveLeaf(Convolution& convolution, const VelocityField& d
 }
 
 } // namespace
-
-LicKernel parseLicKernel(std::string_view text)
-{
-    if (text == "hann") return LicKernel::kHann;
-    if (text == "box") return LicKernel::kBox;
-    throw ParameterError(fmt::format("kernel '{}' is neither hann nor box", text));
-}
-
-std::string_view toString(LicKernel kernel)
-{
-    return kernel == LicKernel::kHann ? "hann" : "box";
-}
 
 LeafValues<float> steadyLic(const FlowFrame& frame, const openvdb::Mat3d& toStep, int lifeSpan, LicKernel kernel,
                             const PathlineParams& pathline, const NoiseField& noise)

@@ -1,9 +1,14 @@
 #include "vdblic/lic/tile_schedule.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
+#include <algorithm>
+#include <cstdint>
+
 namespace vdblic {
 namespace {
 
-constexpr std::size_t kGroupLeaves = 8; // as many as to make handing out cheap, and as few as to end together
+constexpr std::size_t kGroupLeaves = 8; // enough to make handing out cheap, few enough for threads to end together
 
 } // namespace
 
@@ -21,7 +26,7 @@ TileSchedule::TileSchedule(const Domain& domain, Slabs::Leaves leaves, const ope
     }
     mTaken.assign(mGroups.size(), false);
     mLeft = mGroups.size();
-    for (std::size_t thread = 0; thread < threads; ++thread) // far from each other
+    for (std::size_t thread = 0; thread < threads; ++thread) // threads start far from each other
         mCursor[thread] = mGroups.size() * thread / threads;
 }
 

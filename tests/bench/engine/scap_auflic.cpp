@@ -1,6 +1,8 @@
 #include "bench/engine/scap_auflic.h"
 
 #include "bench/engine/euler_uflic.h"
+#include "vdblic/lic/convolve.h"
+#include "vdblic/lic/feedback.h"
 
 #include <algorithm>
 #include <utility>

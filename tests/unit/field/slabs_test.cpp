@@ -1,8 +1,16 @@
 #include "vdblic/field/slabs.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
 #include <set>
+#include <vector>
 
 namespace vdblic {
 namespace {

@@ -2,11 +2,19 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/velocity_field.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <map>
 #include <numbers>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -78,7 +86,7 @@ TEST(Pathline, ConvergesWithFourthOrderOnATurningAcceleratingField)
 
 TEST(Pathline, ConvergesWithSecondOrderInTheFrameSpacing)
 {
-    // x' = 6 sin(πt): frames sample it, and between them it is taken as linear.
+    // x' = 6 sin(πt), sampled by the frames and linear between them.
     const auto error = [](int steps) {
         Walk walk{{-10, 0, 0, 0}, {}};
         PathBatch batch;
@@ -164,15 +172,14 @@ TEST(Pathline, SamplesAreEvenlySpacedAndCarryTheirTime)
     const OneParticlesSamples samples(field, batch, 0.25f, 1);
     ASSERT_GE(samples.voxels.size(), 12u);
     EXPECT_EQ(std::size_t(samples.early), samples.voxels.size());
-    // Samples are the middles of pieces of a quarter voxel, so a third of them lies in each voxel between the path's
-    // ends.
+    // Samples are the middles of pieces of a quarter voxel: a third of them lies in each voxel between the path's ends.
     std::map<int, int> perVoxel;
     for (const PathSamples::Voxel& voxel : samples.voxels)
         ++perVoxel[field.field.domain().origin(std::size_t(voxel.leaf))[0] + LeafVoxel::at(voxel.offset).x];
     EXPECT_EQ(perVoxel.begin()->first, -8);
     EXPECT_NEAR(perVoxel[-7], double(samples.voxels.size()) / 3, 1);
     EXPECT_NEAR(perVoxel[-6], double(samples.voxels.size()) / 3, 1);
-    // x(t) = −8 + t + 2 t² has gone half its way of three voxels at t = (√13 − 1) / 4.
+    // x(t) = −8 + t + 2 t² has gone half of its three voxels at t = (√13 − 1) / 4.
     const float halfway = (std::sqrt(13.0f) - 1) / 4;
     EXPECT_NEAR(OneParticlesSamples(field, batch, 0.25f, halfway).early, double(samples.voxels.size()) / 2, 1);
 }
