@@ -113,9 +113,12 @@ def commands(kind):
 
 
 class HostileFiles(ToolTest):
-    def setUp(self):
-        super().setUp()
-        self.originals = Originals(self.folder)
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="vdblic-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.undamaged = pathlib.Path(folder.name)
+        cls.originals = Originals(cls.undamaged)
 
     def complaint(self, command, data):
         """Run a tool on a damaged file in a folder of its own; returns what went wrong, or None."""
@@ -123,8 +126,8 @@ class HostileFiles(ToolTest):
             folder = pathlib.Path(name)
             (folder / "bad.vdb").write_bytes(data)
             for argument in command:
-                if (self.folder / argument).is_file():
-                    os.link(self.folder / argument, folder / argument)
+                if (self.undamaged / argument).is_file():
+                    os.link(self.undamaged / argument, folder / argument)
             before = set(folder.iterdir())
             limits = [] if SANITIZED else ["--max-memory", str(MEMORY)]
             started = time.monotonic()
@@ -175,6 +178,8 @@ class HostileFiles(ToolTest):
 
     def test_the_undamaged_files_are_taken(self):
         self.assertEqual(len(self.originals.files), 10, self.originals.files.keys())
+        for path in self.undamaged.iterdir():
+            os.link(path, self.folder / path.name)
         for kind, data in self.originals.files.items():
             (self.folder / "bad.vdb").write_bytes(data)
             for command in commands(kind)[:2]:
