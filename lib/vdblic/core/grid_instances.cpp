@@ -4,5 +4,6 @@
 // openvdb::Grid or openvdb::tree::Tree is mended by a line here.
 #ifdef VDBLIC_LIBRARY_HAS_GRIDS
 template openvdb::DoubleGrid::Ptr openvdb::DoubleGrid::create(openvdb::DoubleTree::Ptr);
+template openvdb::Vec3SGrid::Ptr openvdb::Vec3SGrid::create(openvdb::Vec3STree::Ptr);
 template openvdb::Vec3DGrid::Ptr openvdb::Vec3DGrid::create(openvdb::Vec3DTree::Ptr);
 #endif

@@ -203,17 +203,17 @@ TEST(FlowInBox, IsScaledToTheMiddleSide)
 
 TEST(FlowInBox, RefusesBadNumbersAndNames)
 {
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     const AnalyticFlow& flow = findAnalyticFlow("abc");
     EXPECT_THROW((void)findAnalyticFlow("ABC"), ParameterError);
     EXPECT_THROW((void)flowInBox(flow, {0, 1, 1}, 1), ParameterError);
     EXPECT_THROW((void)flowInBox(flow, {100000, 100000, 1000}, 1), ParameterError);
-    for (const double voxelSize : {0.0, -1.0, kNan, 1e30, 1e-30}) {
+    for (const double voxelSize : {0.0, -1.0, nan, 1e30, 1e-30}) {
         EXPECT_THROW((void)flowInBox(flow, {8, 8, 8}, voxelSize), ParameterError) << voxelSize;
     }
     const SynthParams good{.flow = "abc", .output = "%d.vdb", .size = {8, 8, 8}, .frames = "1-9"};
     EXPECT_NO_THROW(good.validate());
-    for (const double dt : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity(), 1e6}) {
+    for (const double dt : {0.0, -1.0, nan, std::numeric_limits<double>::infinity(), 1e6}) {
         SynthParams bad = good;
         bad.dt = dt;
         EXPECT_THROW(bad.validate(), ParameterError) << dt;

@@ -28,7 +28,7 @@
 namespace vdblic {
 namespace {
 
-constexpr int kSteps = 9;
+constexpr int kStateSteps = 9;
 
 /// Grids written to a file and read again.
 VdbFile throughAFile(const openvdb::GridPtrVec& grids)
@@ -52,8 +52,8 @@ class SavedState : public testing::TestWithParam<ScatterParams> {};
 
 TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
 {
-    const auto frames = test::unsteadyFlowWithHole(kSteps + 1); // every frame has another domain
-    const auto expected = test::streamedTextures(frames, kSteps, GetParam());
+    const auto frames = test::unsteadyFlowWithHole(kStateSteps + 1); // every frame has another domain
+    const auto expected = test::streamedTextures(frames, kStateSteps, GetParam());
     for (const std::size_t saved : {1, 2, 5, 8}) {
         FlowTexture before(GetParam(), FeedbackParams{}, NoiseField(7));
         for (std::size_t k = 0; k < saved; ++k)
@@ -61,12 +61,12 @@ TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
         FlowTexture after(GetParam(), FeedbackParams{}, NoiseField(7));
         after.restore(before.steps(), 1, frames[saved].domain, throughAFile(before.save()));
         EXPECT_EQ(after.steps(), saved);
-        for (std::size_t k = saved; k < kSteps; ++k) {
+        for (std::size_t k = saved; k < kStateSteps; ++k) {
             EXPECT_EQ(differingVoxels(after.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u)
                 << "step " << k << " after " << saved;
         }
         // Saving takes nothing away.
-        for (std::size_t k = saved; k < kSteps; ++k) {
+        for (std::size_t k = saved; k < kStateSteps; ++k) {
             EXPECT_EQ(differingVoxels(before.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u);
         }
     }

@@ -45,7 +45,7 @@ class Correlation {
     double mCount = 0, mA = 0, mB = 0, mAA = 0, mBB = 0, mAB = 0;
 };
 
-const openvdb::CoordBBox kBox({0, 0, 0}, {47, 39, 39});
+const openvdb::CoordBBox kFlowBox({0, 0, 0}, {47, 39, 39});
 
 /// Correlation of texture a at x with texture b at x + shift, away from the rim.
 Correlation shifted(const LeafValues<float>& a, const LeafValues<float>& b, const Coord& shift)
@@ -59,7 +59,7 @@ Correlation shifted(const LeafValues<float>& a, const LeafValues<float>& b, cons
 
 std::vector<LeafValues<float>> texturesOf(const Vec3f& velocity, ScatterMethod method, int steps)
 {
-    const auto frames = test::makeFrames(kBox, steps + 1, [&](const Coord&, int) { return velocity; });
+    const auto frames = test::makeFrames(kFlowBox, steps + 1, [&](const Coord&, int) { return velocity; });
     ScatterParams scatter;
     scatter.method = method;
     return test::streamedTextures(frames, steps, scatter);
@@ -108,7 +108,7 @@ TEST_P(FlowTextures, MoveAsFastAsTheFlow)
 TEST_P(FlowTextures, OfAFlowAtRestStayTheNoiseTheyWere)
 {
     const auto textures = texturesOf(Vec3f(0), GetParam(), 12);
-    const auto frames = test::makeFrames(kBox, 1, [](const Coord&, int) { return Vec3f(0); });
+    const auto frames = test::makeFrames(kFlowBox, 1, [](const Coord&, int) { return Vec3f(0); });
     LeafValues<float> noise(*frames[0].domain, 0.0f);
     const LeafValues<std::int32_t> input = noiseInput(*frames[0].domain, NoiseField(7));
     for (auto value = input.tree()->cbeginValueOn(); value; ++value) {
@@ -166,7 +166,7 @@ TEST(FlowTexture, IsTheSameWhetherTheVelocityIsHeldInPartsOrWhole)
 TEST(FlowTexture, CostsTheSameInEveryFrame)
 {
     constexpr int kSteps = 16, kSettled = 6;
-    const auto frames = test::makeFrames(kBox, 2, [](const Coord& at, int) {
+    const auto frames = test::makeFrames(kFlowBox, 2, [](const Coord& at, int) {
         return Vec3f(2, std::sin(0.2f * float(at[0])), std::cos(0.3f * float(at[1])));
     });
     FlowTexture pipeline({}, FeedbackParams{}, NoiseField(7));
