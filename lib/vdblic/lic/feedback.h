@@ -19,7 +19,7 @@ namespace vdblic {
 /// in: fed back alone, a voxel's own values would freeze into streaks as long as the domain.
 ///
 /// @param field   velocity over the step that made the texture
-/// @param texture in [0, 1], on the field's domain
+/// @param texture in [0, 1], on the field's domain; 0 outside
 /// @param next    domain of the step to come
 /// @param step    number of the step that made the texture
 /// @return Input words on `next`. Computed in parallel; the result does not depend on the number of threads.

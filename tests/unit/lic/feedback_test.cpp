@@ -33,13 +33,22 @@ VelocityField fieldOver(const std::vector<FlowFrame>& frames)
     return field;
 }
 
+/// A texture of one value on a domain, 0 outside as textures are.
+LeafValues<float> uniformTexture(const Domain& domain, float value)
+{
+    LeafValues<float> texture(domain, 0);
+    for (auto voxel = texture.tree()->beginValueOn(); voxel; ++voxel)
+        voxel.setValue(value);
+    return texture;
+}
+
 TEST(FeedForward, AVoxelNewInTheNextDomainTakesTheNoise)
 {
     const auto frames = test::makeFrames({{0, 0, 0}, {11, 7, 7}}, 2, [](const Coord& at, int frame) {
         return at[0] < (frame == 0 ? 6 : 12) ? std::optional(Vec3f(0)) : std::nullopt;
     });
     const NoiseField noise(kSeed);
-    const LeafValues<float> texture(*frames[0].domain, 0.25f);
+    const LeafValues<float> texture = uniformTexture(*frames[0].domain, 0.25f);
     const auto next = feedForward(fieldOver(frames), texture, *frames[1].domain, noise, {}, 0);
     const auto original = noiseInput(*frames[1].domain, noise);
     for (const Coord& at : openvdb::CoordBBox({6, 0, 0}, {11, 7, 7})) {
@@ -52,7 +61,7 @@ TEST(FeedForward, FluidThatEntersBringsNewNoiseEveryStep)
 {
     const auto frames = test::makeFrames({{0, 0, 0}, {15, 7, 7}}, 2, [](auto&, int) { return Vec3f(2, 0, 0); });
     const VelocityField field = fieldOver(frames);
-    const LeafValues<float> texture(*frames[0].domain, 0.25f);
+    const LeafValues<float> texture = uniformTexture(*frames[0].domain, 0.25f);
     const auto first = feedForward(field, texture, *frames[1].domain, NoiseField(kSeed), {}, 0);
     const auto second = feedForward(field, texture, *frames[1].domain, NoiseField(kSeed), {}, 1);
     std::size_t differing = 0;
@@ -71,7 +80,8 @@ TEST(FeedForward, BitsTakeTheTopBitFromTheTextureAndTheRestFromTheNoise)
         float noise;
         double dark, bright; // results for a texture of 0.2 and of 0.8
     };
-    // The rest of the noise after division by ½, below or above ½; under 0.1 and over 0.9 stretched to the ends.
+    // The remainder of the noise by ½, and ½ more for the bright texture; below 0.1 and above 0.9 stretched to the
+    // ends.
     const std::array<Known, 6> known = {{{0.05f, 0, 0.55},
                                          {0.25f, 0.25, 0.75},
                                          {0.45f, 0.45, 1},
@@ -85,7 +95,7 @@ TEST(FeedForward, BitsTakeTheTopBitFromTheTextureAndTheRestFromTheNoise)
     FeedbackParams params;
     params.jitter = Jitter::kBits;
     for (const bool bright : {false, true}) {
-        const LeafValues<float> texture(*frames[0].domain, bright ? 0.8f : 0.2f);
+        const LeafValues<float> texture = uniformTexture(*frames[0].domain, bright ? 0.8f : 0.2f);
         const auto next =
             feedForward(fieldOver(frames), texture, *frames[0].domain, NoiseField(kSeed, grid), params, 0);
         for (int x = 0; x < int(known.size()); ++x) {
