@@ -1,8 +1,8 @@
 #!/bin/sh
 # The one list of what VDBLIC needs, and the one place that installs it.
 #
-# Each line names a Debian package and a probe that shows it is there: a command, a header, a Python
-# module of /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are
+# Each line names a Debian package and a probe that shows it is there: a command, a header, a file, a
+# Python module of /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are
 # named and the status is 1, so that a caller can stop before a confusing compiler error.
 set -u
 
@@ -12,6 +12,8 @@ git                     command git
 g++                     command c++
 cmake                   command cmake
 ninja-build             command ninja
+ccache                  command ccache
+pkg-config              command pkg-config
 libopenvdb-dev          header  openvdb/openvdb.h
 libblosc-dev            header  blosc.h
 libboost-iostreams-dev  header  boost/iostreams/stream.hpp
@@ -20,6 +22,9 @@ libxxhash-dev           header  xxhash.h
 libtbb-dev              header  tbb/parallel_for.h
 libopenexr-dev          header  OpenEXR/ImfOutputFile.h
 libpng-dev              header  png.h
+libcairo2-dev           header  cairo/cairo.h
+fonts-dejavu-core       file    /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
+libboost-math-dev       header  boost/math/distributions/students_t.hpp
 libglm-dev              header  glm/glm.hpp
 libcli11-dev            header  CLI/CLI.hpp
 libfmt-dev              header  fmt/format.h
@@ -34,6 +39,8 @@ openimageio-tools       command idiff
 ffmpeg                  command ffmpeg
 blender                 command blender
 clang                   command clang++
+clang-format            command clang-format
+clang-tidy              command run-clang-tidy
 libclang-rt-14-dev      clang   fuzzer
 LIST
 }
@@ -44,6 +51,7 @@ present() {
         header) printf '#if !__has_include(<%s>)\n#error missing\n#endif\n' "$2" | c++ -std=c++20 -E -x c++ - >/dev/null 2>&1 ;;
         clang) echo 'extern "C" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }' |
             clang++ -fsanitize="$2" -x c++ - -o /dev/null >/dev/null 2>&1 ;;
+        file) [ -e "$2" ] ;;
         python) /usr/bin/python3 -c "import importlib.util as u, sys; sys.exit(u.find_spec('$2') is None)" >/dev/null 2>&1 ;;
     esac
 }

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# The pictures of docs/gallery.md: four flows, each in every look, cut open, and with halos; and an animation.
+# Makes the pictures of docs/gallery.md: four flows, each in every look, cut open, and with halos; and an animation.
 #
 #     samples/gallery.sh TOOLS [DATA]
 #
-# TOOLS is the folder of the built tools. DATA, if given, holds velocity sequences that do not ship:
-# era5_west_europe/era5.%04d.vdb and wake/wake.%04d.vdb, the whole of samples/wake; without it their pictures stay as they
-# are. The smoke is simulated by Blender, which takes some minutes.
+# TOOLS is the folder of the built tools. DATA holds velocity sequences that are not in the repository:
+# era5_west_europe/era5.%04d.vdb and wake/wake.%04d.vdb, the uncut flow of samples/wake. Without DATA their pictures stay
+# unchanged. Blender simulates the smoke in some minutes.
 set -euo pipefail
 tools=$(cd "$1" && pwd)
 data=${2:+$(cd "$2" && pwd)}
@@ -16,7 +16,7 @@ mkdir -p "$out" "$images"
 # render INPUT OUTPUT OPTIONS...
 render() { "$tools/vdblic_render" "$out/$1" -o "$out/$2" -q "${@:3}" >>"$out/log.txt"; }
 
-# gallery NAME INPUT CUT OPTIONS...: CUT and OPTIONS are as docs/gallery.md gives them.
+# gallery NAME INPUT CUT OPTIONS...: CUT and OPTIONS as in docs/gallery.md.
 gallery() {
     local name=$1 input=$2 look cut
     local -a options=("${@:4}")
@@ -51,7 +51,7 @@ if [ -n "$data" ]; then
     texture era "$data/era5_west_europe/era5.%04d.vdb" --frames 1-12
     gallery era era.%04d.vdb "--clip-plane 0 0 5500 0 0 -1" --frames 10 --size 720 450 --stretch 1 1 30
 
-    # An animation, and four of its frames one after the other.
+    # An animation, and six of its frames in one picture.
     texture film "$data/wake/wake.%04d.vdb"
     render film.%04d.vdb film.%04d.png --size 640 400 --samples 3
     ffmpeg -loglevel error -y -framerate 8 -i "$out/film.%04d.png" -c:v libx264 -crf 24 -preset slow -pix_fmt yuv420p \

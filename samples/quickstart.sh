@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# From a fresh clone to pictures: installs what is missing, builds, computes flow textures of the wake that ships in
-# samples/wake, renders them, and joins the pictures into an animation. Run it again: it builds only what changed.
+# From a fresh clone to pictures: installs missing packages, builds, computes flow textures of samples/wake, renders
+# the textures, and joins the pictures into an animation. A second run builds only what changed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-.ci/packages.sh || echo "going on with what is there" >&2
+.ci/packages.sh || echo "continuing with the installed packages" >&2
 cmake --preset release
-cmake --build --preset release --target vdblic_advect vdblic_render
+cmake --build --preset release --target tool_advect tool_render
 
 tools=build/release/tools
 out=out/quickstart
 mkdir -p "$out"
-# The stages overlap: each texture is rendered as soon as it is finished.
+# The stages overlap: the renderer reads each texture as soon as it is finished.
 "$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" |
     "$tools/vdblic_render" - -o "$out/wake.%04d.exr" --size 960 540 >"$out/images.txt"
 "$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" --size 960 540 >>"$out/images.txt"

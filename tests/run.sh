@@ -4,6 +4,6 @@ set -eu
 cd "$(dirname "$0")/.."
 
 .ci/packages.sh || echo "going on with what is there" >&2
-cmake --preset ci
-cmake --build --preset ci
-ctest --preset ci -j "$(nproc)" "$@"
+cmake --preset release
+cmake --build --preset release
+ctest --preset release -j "$(nproc)" "$@"

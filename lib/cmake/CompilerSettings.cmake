@@ -17,6 +17,15 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     target_compile_options(vdblic_settings INTERFACE -march=x86-64-v2)
 endif()
 
+# A second build of the same sources takes seconds. What is precompiled depends on headers alone, never on their times.
+find_program(VDBLIC_CCACHE ccache)
+mark_as_advanced(VDBLIC_CCACHE)
+if(VDBLIC_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+        CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${VDBLIC_CCACHE})
+    target_compile_options(vdblic_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endif()
+
 set(VDBLIC_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them")
 if(VDBLIC_SANITIZE)
     # Left out is what takes half the time to compile: checks of every access, most of which the address

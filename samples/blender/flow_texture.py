@@ -22,10 +22,10 @@ import bmesh
 import bpy
 from mathutils import Matrix, Vector
 
-STREAKS = 0.62, 0.76  # textures at which a streak begins and is full
+STREAKS = 0.62, 0.76  # texture values at which streaks begin and reach full density
 DEPTH = 4  # mean optical depth across the volume
-STREAKS_SHARE = 0.12  # of a texture, that is streaks
-GLOW = 0.3  # light that streaks give by themselves, so that those in the shade keep their colour
+STREAKS_SHARE = 0.12  # fraction of a texture that is streaks
+GLOW = 0.3  # emission of streaks, so that shaded ones keep their colour
 
 # From no speed to the highest, in linear light.
 COLORS = (
@@ -50,7 +50,7 @@ def arguments():
 
 
 def sequence(path):
-    """All files of the sequence that a file belongs to, by number, and the first number."""
+    """All files of a file's sequence, in order of number, and the first number."""
     path = pathlib.Path(path).absolute()
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
@@ -69,7 +69,7 @@ def sequence(path):
 
 
 def import_volume(path):
-    """Import a file and its sequence as the file browser does, each file at the scene frame of its number."""
+    """Import a file's sequence like the file browser, each file at the scene frame of its number."""
     files, first = sequence(path)
     bpy.ops.object.volume_import(
         filepath=str(files[0]), directory=str(files[0].parent), files=[{"name": file.name} for file in files],
@@ -88,7 +88,7 @@ def selected_volume():
 
 
 def place(volume, domain, y_up):
-    """Mantaflow's files start at the origin, wherever their domain stands; Houdini's have y upwards."""
+    """Place a volume: Mantaflow's files start at the origin, not at their domain; Houdini's have y upwards."""
     if domain:
         if domain not in bpy.data.objects:
             raise ValueError(f"there is no object {domain!r}; --domain names the smoke domain")
@@ -100,7 +100,7 @@ def place(volume, domain, y_up):
 
 
 def survey(volume, texture):
-    """Look at a few frames: returns those that have voxels, and their boxes' corners in the volume's own space."""
+    """Load a few frames; returns those with voxels, and the corners of their boxes in the volume's own space."""
     scene, data = bpy.context.scene, volume.data
     back, filled, corners = scene.frame_current, [], []
     last = data.frame_duration - 1
@@ -115,7 +115,7 @@ def survey(volume, texture):
                                  f"{', '.join(data.grids.keys())}; --texture names the texture")
         shown = volume.evaluated_get(bpy.context.evaluated_depsgraph_get())
         box = [Vector(corner) for corner in shown.bound_box]
-        if box[0] != box[6]:  # a frame without voxels has a box without size
+        if box[0] != box[6]:  # the box of a frame without voxels has no size
             filled.append(frame)
             corners += box
     scene.frame_set(back)
@@ -124,8 +124,8 @@ def survey(volume, texture):
     return filled, corners
 
 
-def measure_speeds(volume, frame, highest, places=len(COLORS)):
-    """The highest speed to tell apart, and how the volume divides into speeds near 0 up to near that one.
+def measure_speeds(volume, frame, highest, count=len(COLORS)):
+    """The speed of the last colour, and the histogram of the volume's speeds from 0 to that speed.
 
     `highest`, where it is not given, is the speed that a hundredth of the volume exceeds. Blender's Python cannot
     read voxels, but the mesh of an isosurface shows how much lies above a speed.
@@ -158,14 +158,14 @@ def measure_speeds(volume, frame, highest, places=len(COLORS)):
             middle = (low * highest) ** 0.5
             low, highest = (middle, highest) if amount_above(middle) > 0.01 * everything else (low, middle)
 
-    edges = [everything, *(amount_above(highest * (i + 0.5) / (places - 1)) for i in range(places - 1)), 0]
+    edges = [everything, *(amount_above(highest * (i + 0.5) / (count - 1)) for i in range(count - 1)), 0]
     bpy.data.meshes.remove(probe.data)
     scene.frame_set(back)
     return highest, [(above - below) / (everything or 1) for above, below in zip(edges, edges[1:])]
 
 
 def opacities(shares):
-    """What is everywhere must not hide the rest: faster flow is more opaque, and so is flow of a rarer speed."""
+    """Opacity by speed: fast and rare speeds are more opaque, so that common ones do not hide the rest."""
     last = len(shares) - 1
     return [min((0.1 + i / last) / max(share * last, 0.25), 1) for i, share in enumerate(shares)]
 
@@ -231,7 +231,7 @@ def flow_material(texture, speed, opacity, scale):
 
 
 def clear_startup_scene():
-    """Take Blender's own cube, lamp and camera away where nothing else is there; whether that was so."""
+    """Remove the cube, lamp and camera of Blender's startup scene; returns whether the scene was that one."""
     things = bpy.data.objects
     untouched = not bpy.data.filepath and {thing.name for thing in things} <= {"Cube", "Light", "Camera"}
     if untouched:
@@ -249,7 +249,7 @@ def add_light():
 
 
 def add_camera(corners):
-    """A camera that sees all of the corners, from the front, a little to the side and above."""
+    """Add a camera that sees all corners from the front, slightly to the side and above."""
     scene = bpy.context.scene
     lens = bpy.data.cameras.new("Flow camera")
     camera = bpy.data.objects.new("Flow camera", lens)
@@ -263,7 +263,7 @@ def add_camera(corners):
     camera.location, _ = camera.camera_fit_coords(bpy.context.evaluated_depsgraph_get(), coordinates)
     bpy.context.view_layer.update()
 
-    # Eevee draws volumes only in a range of distances, 0.1 to 100 unless it is told.
+    # Eevee draws volumes only in a range of distances, by default 0.1 to 100.
     distances = [-(camera.matrix_world.inverted() @ corner).z for corner in corners]
     eevee = scene.eevee
     eevee.volumetric_start, eevee.volumetric_end = max(min(distances), size / 100), max(distances)
@@ -271,7 +271,7 @@ def add_camera(corners):
 
 
 def set_up_new_scene(volume):
-    """What a scene that holds nothing else is given besides: its frames, a dark world, settings for volumes."""
+    """Set up a new scene: frame range, dark world, render settings for volumes."""
     scene, data = bpy.context.scene, volume.data
     if data.is_sequence:
         scene.frame_start, scene.frame_end = data.frame_start, data.frame_start + data.frame_duration - 1
@@ -283,7 +283,7 @@ def set_up_new_scene(volume):
     scene.view_settings.view_transform = "Standard"
     scene.render.engine = "CYCLES"
     scene.cycles.samples = 64
-    scene.cycles.use_denoising = False  # it smears streaks, and Debian's Blender comes without
+    scene.cycles.use_denoising = False  # denoising smears streaks, and Debian's Blender does not have it
 
 
 def main():

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The tables of docs/quality.md: what each setting of vdblic_advect does to the coherence of its textures.
+"""The tables of docs/quality.md: the effect of each setting of vdblic_advect on the coherence of its textures.
 
-    tests/bench/quality.py TOOLS TITLE VELOCITY FRAMES      e.g. build/ci/tools Wake 'wake.%04d.vdb' 1-16
+    tests/bench/quality.py TOOLS TITLE VELOCITY FRAMES      e.g. build/release/tools Wake 'wake.%04d.vdb' 1-16
 
-TOOLS is the folder of the built tools. Prints Markdown on standard output.
+TOOLS is the folder of the built tools. Prints Markdown on standard output; tables.py prints the tables of all flows.
 """
 
 import json
@@ -20,7 +20,7 @@ HEADER = "| {} | temporal | same place | along [voxels] | across [voxels] | devi
 
 
 def measure(tools, velocity, frames, options):
-    """The means over the frames, of textures made with some options."""
+    """Means over the frames of the figures of textures made with some options."""
     with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
         textures, figures = f"{folder}/lic.%04d.vdb", pathlib.Path(folder) / "figures.json"
         run = lambda *command: subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
@@ -36,8 +36,7 @@ def row(name, mean):
             f"{pair('across_length', 2)} | {mean['raw']['deviation']['mean']:.3f} |")
 
 
-def main():
-    tools, title, velocity, frames = pathlib.Path(sys.argv[1]), *sys.argv[2:]
+def print_tables(tools, title, velocity, frames):
     print(f"{title}, by method, life span L and release window δ:\n\n{HEADER.format('method')}")
     for method, life, window in METHODS:
         options = ["--method", method.lower(), "--life", life]
@@ -54,4 +53,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    print_tables(pathlib.Path(sys.argv[1]), *sys.argv[2:])

@@ -1,19 +1,22 @@
 #!/usr/bin/env python3
-"""How long a picture takes: next to VTK's ray caster and to vdb_render, on two threads, of sparse volumes, in 1080p.
+"""The table of docs/render.md: times of a picture beside VTK's ray caster and vdb_render, on two threads, of sparse
+volumes, in 1080p.
 
     xvfb-run -a /usr/bin/python3 tests/bench/render_peers.py TOOLS [SECTION...]      e.g. build/release/tools vtk
 
-Sections: vtk, vdb_render, threads, sparse, video; all by default. Needs pyopenvdb, and for the first two python3-vtk9
-with xvfb-run and vdb_render. Peers get the same volume, camera and step, 512² pixels, one thread. What is compared is
-timed in turn; figures are medians: processor time where one thread works, elapsed time where two do. Our time for a
-picture is that of a further ray for each pixel (--samples), without reading and building bricks; VTK's is without its
-gradients, vdb_render's without reading.
+Sections: vtk, vdb_render, threads, sparse, video; all by default. Needs pyopenvdb; vtk also needs python3-vtk9 and
+xvfb-run, vdb_render also needs vdb_render. A section whose peer is missing is named and left out. Peers get the same
+volume, camera and step, 512² pixels, one thread. The compared programs run in turn. Times are medians: processor time with
+one thread, elapsed time with two. Our time for a picture is that of one more ray for each pixel (--samples), without
+reading and building bricks; VTK's excludes its gradients, vdb_render's excludes reading.
 """
 
+import importlib.util
 import math
 import pathlib
 import re
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -35,7 +38,7 @@ class Bench:
         self.tools, self.folder = tools, folder
 
     def run(self, tool, *arguments, clock=cpu_time):
-        """Seconds that a command takes."""
+        """Seconds of a command."""
         path = self.tools / tool
         before = clock()
         subprocess.run([path if path.exists() else tool, *map(str, arguments)], cwd=self.folder, check=True,
@@ -46,7 +49,7 @@ class Bench:
         return self.run("vdblic_render", volume, "-o", "image.exr", "--threads", threads, "-q", *options, clock=clock)
 
     def picture(self, volume, *options, clock=cpu_time, **others):
-        """Seconds for a ray to each pixel, all else being there."""
+        """Seconds for one ray to each pixel, without reading and building bricks."""
         time = lambda samples: self.render(volume, "--samples", samples, *options, clock=clock, **others)
         return (time(1 + SAMPLES) - time(1)) / SAMPLES
 
@@ -58,18 +61,18 @@ class Bench:
         return "lic.0004.vdb"
 
     def header(self):
-        """What the last image says about itself: a function from an attribute's name to its numbers."""
+        """The header of the last image: a function from an attribute's name to its numbers."""
         text = subprocess.run(["exrheader", self.folder / "image.exr"], capture_output=True, text=True, check=True).stdout
         return lambda name: [float(x) for x in re.findall(r"-?[\d.]+(?:e[+-]?\d+)?",
                                                           re.search(name + r" \(type \w+\): (.*)", text)[1])]
 
 
 def compare(title, names, times, rounds=ROUNDS):
-    """Time functions in turn and tell the medians, and of the ratios."""
+    """Time two functions in turn; print their median times and their median ratio as a row of a table."""
     rounds = [[one() for one in times] for _ in range(rounds)]
-    figures = ", ".join(f"{name} {statistics.median(column):.3f} s" for name, column in zip(names, zip(*rounds)))
+    figures = " | ".join(f"{name} {statistics.median(column):.3f} s" for name, column in zip(names, zip(*rounds)))
     ratio = statistics.median(second / first for first, second in rounds)
-    print(f"{title}: {figures}: {ratio:.2f} times", flush=True)
+    print(f"| {title} | {figures} | {ratio:.2f} |", flush=True)
 
 
 def dense(path, name):
@@ -81,14 +84,14 @@ def dense(path, name):
 
 
 def share(texture, header):
-    """The share of the extinction that a texture leaves."""
+    """Fraction of the extinction that remains after modulation by the texture."""
     (dark, bright), (foot,) = header("textureRange"), header("textureFoot")
     rise = numpy.clip(((texture - dark) / (bright - dark) - foot) / (1 - foot), 0, 1)
     return rise * rise * (3 - 2 * rise)
 
 
 def vtk_window(path, header):
-    """VTK's picture. It gets opacities per voxel, for its functions of two components know no product."""
+    """VTK's picture. VTK gets opacities per voxel, because its functions of two components have no product."""
     from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
     from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume,
                                              vtkVolumeProperty)
@@ -148,7 +151,7 @@ def bench_vtk(bench):
     volume = bench.texture()
     bench.render(volume, *SQUARE)
     window, mapper = vtk_window(bench.folder / volume, bench.header())
-    distances = iter(0.05 + 1e-7 * i for i in range(100))  # a change, so that it renders again
+    distances = iter(0.05 + 1e-7 * i for i in range(100))  # a changed distance makes VTK render again
 
     def vtk():
         mapper.SetSampleDistance(next(distances))
@@ -183,7 +186,7 @@ def bench_threads(bench):
 
 
 def bench_sparse(bench):
-    """512³ voxels of which cubes of 16³ here and there are active, 5 % in all, and as many in one cube."""
+    """512³ voxels with scattered active cubes of 16³, 5 % in all, beside as many active voxels in one cube."""
     random = numpy.random.default_rng(1)
     cubes = numpy.stack(numpy.unravel_index(random.choice(32 ** 3, 32 ** 3 // 20, replace=False), (32, 32, 32)), 1) * 16
     side = round((len(cubes) * 16 ** 3) ** (1 / 3))
@@ -203,7 +206,7 @@ def bench_sparse(bench):
 
 
 def bench_video(bench):
-    """A picture of 1920 x 1080 pixels of 256³ voxels on two threads, by itself and from file to file."""
+    """A picture of 1920 x 1080 pixels of 256³ voxels on two threads: casting alone, and from file to file."""
     bench.run("vdblic_synth", "abc", "-o", "big.%04d.vdb", "--size", 256, 256, 256, "--frames", "1-2", "-q")
     bench.run("vdblic_advect", "big.%04d.vdb", "-o", "texture.%04d.vdb", "--frames", "1", "--preroll", 2, "-q")
     for look in "flow", "ink", "smoke", "xray":
@@ -211,7 +214,7 @@ def bench_video(bench):
         times = [[one("texture.0001.vdb", *options, threads=2, clock=time.perf_counter)
                   for one in (bench.picture, bench.render)] for _ in range(3)]
         picture, whole = map(statistics.median, zip(*times))
-        print(f"1080p of 256³, {look}: {picture:.2f} s, file to file {whole:.2f} s", flush=True)
+        print(f"| 1080p of 256³, {look} | casting {picture:.2f} s | file to file {whole:.2f} s | |", flush=True)
 
 
 def main():
@@ -219,7 +222,12 @@ def main():
                 "video": bench_video}
     with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
         bench = Bench(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(folder))
+        print("| | | | ratio |\n|---|---|---|---|", flush=True)
         for section in sys.argv[2:] or sections:
+            if section == "vtk" and not importlib.util.find_spec("vtkmodules") or \
+                    section == "vdb_render" and not shutil.which("vdb_render"):
+                print(f"{section} is missing: left out", file=sys.stderr, flush=True)
+                continue
             sections[section](bench)
 
 

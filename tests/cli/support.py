@@ -1,16 +1,23 @@
-"""What the command-line tests share: running a tool as a user would, in a fresh folder."""
+"""Shared by the command-line tests: running a tool like a user, in a fresh folder."""
 
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
 BIN = pathlib.Path(os.environ["VDBLIC_BIN"])
 
 
+def skip(reason):
+    """End the whole file; CTest lists it as skipped (SKIP_RETURN_CODE)."""
+    print(f"skipped: {reason}")
+    sys.exit(77)
+
+
 class ToolTest(unittest.TestCase):
-    """A test case with a fresh folder `self.folder`, removed afterwards, in which its tools run."""
+    """A test case whose tools run in a fresh folder `self.folder`, removed afterwards."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="vdblic-")
@@ -18,7 +25,7 @@ class ToolTest(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def run_tool(self, tool, *arguments, stdin="", **options):
-        """Run a tool; returns the finished process, its output as text, whatever its exit status is.
+        """Run a tool; returns the finished process with its output as text, for any exit status.
 
         Arguments become text. `options` go to subprocess.run: `env`, `preexec_fn`, `timeout` ...
         """
@@ -28,18 +35,18 @@ class ToolTest(unittest.TestCase):
             input=stdin, text=True, capture_output=True, cwd=self.folder, **options)
 
     def outputs(self, tool, *arguments, **options):
-        """Run a tool that must succeed; returns the paths it printed, which must all be files."""
+        """Run a tool that must succeed; returns the printed paths, which must all be files."""
         done = self.run_tool(tool, *arguments, **options)
         self.assertEqual(done.returncode, 0, done.stderr)
         paths = [self.folder / line for line in done.stdout.splitlines()]
         for path in paths:
-            self.assertTrue(path.is_file(), f"{tool} printed {path}, which is no file")
+            self.assertTrue(path.is_file(), f"{tool} printed {path}, which is not a file")
         return paths
 
     def fails(self, status, tool, *arguments, **options):
-        """Run a tool that must fail with an exit status and print nothing on standard output.
+        """Run a tool that must fail with this exit status, print nothing on standard output and give a message.
 
-        Returns its message, which must be there.
+        Returns the message.
         """
         done = self.run_tool(tool, *arguments, **options)
         self.assertEqual(done.returncode, status, f"{tool} {arguments}\n{done.stdout}\n{done.stderr}")
@@ -51,10 +58,10 @@ class ToolTest(unittest.TestCase):
         return (self.folder / path).read_bytes()
 
     def printed(self, path):
-        """What OpenVDB's own vdb_print says about a file's grids;"""
+        """The output of OpenVDB's own vdb_print about a file's grids."""
         command = ["vdb_print", "-l", self.folder / path]
         return subprocess.run(command, text=True, capture_output=True, check=True).stdout
 
     def files(self):
-        """The names of everything in the folder, hidden files included."""
+        """The names of all files and folders in the folder, hidden ones included."""
         return sorted(path.name for path in self.folder.iterdir())

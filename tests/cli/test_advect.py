@@ -1,4 +1,4 @@
-"""vdblic_advect as a user runs it."""
+"""vdblic_advect on the command line."""
 
 import json
 import os
@@ -70,7 +70,7 @@ class Advect(ToolTest):
             self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--with", bad)
 
     def test_lic_of_each_frame_on_its_own(self):
-        """A frame is the same whatever comes before it, and smoother than its noise."""
+        """A frame does not depend on earlier frames and is smoother than its noise."""
         lic = "--method", "lic", "--kernel", "box"
         paths = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "2-4", *lic)
         alone = self.outputs("vdblic_advect", WAKE, "-o", "alone.%04d.vdb", "--frames", "3-4", *lic)[0]
@@ -97,7 +97,7 @@ class Advect(ToolTest):
         report = json.loads((self.folder / "run.json").read_text())
         self.assertEqual([frame["frame"] for frame in report["frames"]], [1, 2, 3, 4])
         for frame in report["frames"]:
-            # Every voxel releases one seed, along a pathline that went on, downstream, or from scratch.
+            # Every voxel releases one seed: on a continuing pathline, downstream on a new one, or as a new one.
             self.assertEqual(frame["reused"] + frame["copied"] + frame["released"], frame["voxels"])
             self.assertGreater(frame["steps"], frame["went_on"])
             self.assertGreater(frame["deposits"], frame["voxels"])
@@ -109,7 +109,7 @@ class Advect(ToolTest):
         self.assertLess(report["steps_per_voxel"]["deviation"], 0.05 * sum(steps) / 4)
         self.assertIn("balance: ", run.stderr)
 
-    def test_a_report_that_cannot_be_written_is_told_of_at_once(self):
+    def test_a_report_that_cannot_be_written_fails_at_once(self):
         message = self.fails(4, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-2", "--json", "no/run.json")
         self.assertIn("no", message)
         self.assertEqual(self.files(), [])

@@ -1,7 +1,7 @@
-"""Blender as a client: a Mantaflow bake, its flow texture, and what Blender makes of that texture.
+"""Blender as a client: a Mantaflow bake, its flow texture, and Blender's picture of that texture.
 
-Pictures are compared with projections of the texture's voxels computed here, so that place, size, frame and content
-are all checked by one number. Blender draws the value of voxel i at (i + 1/2) voxels.
+Pictures are correlated with projections of the texture's voxels computed here, so that one number checks position,
+size, frame and content. Blender draws the value of voxel i at (i + 1/2) voxels.
 """
 
 import itertools
@@ -11,14 +11,13 @@ import os
 import pathlib
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import numpy
 import pyopenvdb as vdb
 
-from support import ToolTest
+from support import ToolTest, skip
 
 HERE = pathlib.Path(__file__).parent
 SAMPLE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/blender/flow_texture.py"
@@ -26,7 +25,7 @@ UNIFORM = [[0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [0, 0, 0, 1]]
 
 
 def blender(script, *arguments, before=(), options=()):
-    """Run a script in Blender's background mode; returns the finished process, whatever its exit status is.
+    """Run a script in Blender's background mode; returns the finished process for any exit status.
 
     Blender does its options in order: `before` the script, and the other `options` after it.
     """
@@ -36,25 +35,25 @@ def blender(script, *arguments, before=(), options=()):
 
 
 def to_world(grid, points):
-    """Points of index space, by row, in the world."""
+    """World positions of points in index space, one a row."""
     origin, *axes = (numpy.array(grid.transform.indexToWorld(p)) for p in numpy.eye(4, 3, -1))
     return numpy.asarray(points) @ [axis - origin for axis in axes] + origin
 
 
 def box(grid, low, high):
-    """The box in the world round a box of index space."""
+    """World-space bounding box of a box in index space."""
     corners = to_world(grid, list(itertools.product(*zip(low, high))))
     return corners.min(axis=0), corners.max(axis=0)
 
 
 def leaf_box(grid):
-    """The box Blender names: round the centres, in OpenVDB's sense, of all voxels of the active leaves."""
+    """Blender's bounding box: of the centres, by OpenVDB's convention, of all voxels of the active leaves."""
     low, high = (numpy.array(corner) // 8 * 8 for corner in grid.evalActiveVoxelBoundingBox())
     return box(grid, low, high + 7)
 
 
 def projection(grid, window, pixels, offset=0.5):
-    """The opacity of a texture of extinction 1, seen along +y: an image by row from z0 up, as show_sequence.py's.
+    """The opacity of a texture of extinction 1, seen along +y: an image by row from z0 up, like show_sequence.py's.
 
     Voxel i has its value at i + `offset` in index space; between these it is linear, outside all of them 0.
     """
@@ -71,14 +70,16 @@ def projection(grid, window, pixels, offset=0.5):
     xs, zs = (a + (numpy.arange(round((b - a) * pixels)) + 0.5) / pixels for a, b in ((x0, x1), (z0, z1)))
     x, z = numpy.meshgrid(xs, zs)
     depth = numpy.zeros_like(x)
+    flat, strides = values.ravel(), numpy.array(values.strides) // values.itemsize
     for y in numpy.arange(nearest[1], farthest[1], step):
-        place = (numpy.stack([x, numpy.full_like(x, y), z], axis=-1) - origin) @ to_index - offset - first
-        cell = numpy.floor(place).astype(int)
+        index = (numpy.stack([x, numpy.full_like(x, y), z], axis=-1) - origin) @ to_index - offset - first
+        cell = numpy.floor(index).astype(int)
         inside = numpy.all((cell >= 0) & (cell < numpy.array(values.shape) - 1), axis=-1)
-        cell, part = cell[inside], (place - cell)[inside]
-        for corner in itertools.product((0, 1), repeat=3):
-            weight = numpy.where(corner, part, 1 - part).prod(axis=-1)
-            depth[inside] += step * weight * values[tuple((cell + corner).T)]
+        cell, part = cell[inside], (index - cell)[inside]
+        voxel, weights = cell @ strides, (1 - part.T, part.T)
+        for i, j, k in itertools.product((0, 1), repeat=3):
+            weight = weights[i][0] * weights[j][1] * weights[k][2]
+            depth[inside] += step * weight * flat[voxel + (i, j, k) @ strides]
     return 1 - numpy.exp(-depth)
 
 
@@ -94,7 +95,7 @@ class Blender(ToolTest):
         return self.folder / "cache/data/fluid_data_%04d.vdb"
 
     def show(self, files, frames, window, pixels, samples=16):
-        """What Blender says of a sequence, and the opacity of each pixel of each frame."""
+        """Blender's description of a sequence, and the opacity of each pixel of each frame."""
         with tempfile.TemporaryDirectory(dir=self.folder) as folder:
             request = pathlib.Path(folder) / "request.json"
             request.write_text(json.dumps({"files": list(map(str, files)), "frames": list(frames), "window": window,
@@ -105,12 +106,12 @@ class Blender(ToolTest):
             return answer, {frame: numpy.load(request.parent / f"alpha.{frame}.npy") for frame in frames}
 
     def assert_shows(self, image, grid, window, pixels):
-        """An image is the projection of a grid, and no other offset of its values fits it better."""
-        offsets = 0, 0.25, 0.5, 0.75, 1
-        like = [likeness(image, projection(grid, window, pixels, offset)) for offset in offsets]
-        self.assertEqual(offsets[numpy.argmax(like)], 0.5, like)
-        self.assertGreater(max(like), 0.99)
-        self.assertAlmostEqual(image.mean(), projection(grid, window, pixels).mean(), delta=0.02 * image.mean())
+        """An image is the projection of a grid, and no other offset of the grid's values fits the image better."""
+        expected = {offset: projection(grid, window, pixels, offset) for offset in (0, 0.25, 0.5, 0.75, 1)}
+        like = {offset: likeness(image, view) for offset, view in expected.items()}
+        self.assertEqual(max(like, key=like.get), 0.5, like)
+        self.assertGreater(like[0.5], 0.99)
+        self.assertAlmostEqual(image.mean(), expected[0.5].mean(), delta=0.02 * image.mean())
 
     def test_a_mantaflow_bake_through_advect_is_where_and_when_its_voxels_are(self):
         files = self.outputs("vdblic_advect", self.bake(20, 6), "-o", "lic.%04d.vdb", "--frames", "3-6")
@@ -118,6 +119,7 @@ class Blender(ToolTest):
         window, pixels = (-1, 5, -1, 7), 16  # a metre more than the simulation's box; five pixels a voxel
         answer, images = self.show(files, (1, 2, 3, 4), window, pixels)
 
+        views = [projection(grid, window, pixels) for grid in grids]
         self.assertTrue(answer["is_sequence"])
         self.assertEqual((answer["volumes"], answer["frame_start"], answer["frame_duration"]), (1, 1, 4))
         for frame, file, grid in zip(images, files, grids):
@@ -126,12 +128,12 @@ class Blender(ToolTest):
             self.assertEqual(set(shown["grids"]), {"density", "magnitude"})
             numpy.testing.assert_allclose((shown["low"], shown["high"]), leaf_box(grid), atol=1e-4)
             self.assert_shows(images[frame], grid, window, pixels)
-            # Its own frame, not a neighbour.
-            like = [likeness(images[frame], projection(other, window, pixels)) for other in grids]
+            # The image shows its own frame, not a neighbour.
+            like = [likeness(images[frame], view) for view in views]
             self.assertEqual(numpy.argmax(like), frame - 1, like)
 
     def velocities(self, prefix, rows, frames=(1,), empty=()):
-        """A swirl of 20 by 16 by 12 voxels, its index space placed by the rows of a matrix; some frames empty."""
+        """A swirl of 20 by 16 by 12 voxels, with a transform given by the rows of a matrix; some frames empty."""
         x, y, z = numpy.meshgrid(*(numpy.arange(n, dtype=numpy.float32) for n in (20, 16, 12)), indexing="ij")
         for frame in frames:
             grid = vdb.Vec3SGrid()
@@ -157,13 +159,13 @@ class Blender(ToolTest):
                 window = x0, x1, z0, z1
                 self.assert_shows(self.show([file], [1], window, 48)[1][1], grid, window, 48)
 
-    def test_empty_frames_are_blank_and_no_more(self):
+    def test_only_empty_frames_are_blank(self):
         files = self.velocities("gap", UNIFORM, range(7, 11), empty=(7, 9))
         images = self.show(files, (1, 2, 3, 4), (-1, 2, -1, 2), 32, samples=4)[1]
         self.assertEqual([image.max() > 0.1 for image in images.values()], [False, True, False, True])
 
     def sample(self, file, frame):
-        """Run the sample in the startup scene and render a frame; returns its pixels (r, g, b) and what was said."""
+        """Run the sample in the startup scene and render a frame; returns its pixels (r, g, b) and the standard output."""
         cheap = ("import bpy; scene = bpy.context.scene; scene.cycles.samples = 4; scene.cycles.volume_step_rate = 2; "
                  "scene.render.resolution_x, scene.render.resolution_y = 160, 90")
         image, pixels = self.folder / f"image.{frame:04}.png", self.folder / "pixels.npy"
@@ -181,8 +183,8 @@ class Blender(ToolTest):
         files = self.velocities("swirl", UNIFORM, range(12, 15))
         pixels, printed = self.sample(files[1], frame=14)
         self.assertIn(f"shown 12 14 {files[2]}", printed)
-        self.assertGreater(pixels.std(axis=0).min(), 0.03)  # not blank, and bright and dark in each colour,
-        self.assertLess(likeness(pixels[:, 0], pixels[:, 2]), 0.8)  # which are not shades of one
+        self.assertGreater(pixels.std(axis=0).min(), 0.03)  # not blank: each colour varies
+        self.assertLess(likeness(pixels[:, 0], pixels[:, 2]), 0.8)  # and the colours differ
 
     def test_the_sample_leaves_a_scene_as_it_is_and_stands_on_a_domain(self):
         file, = self.velocities("swirl", UNIFORM)
@@ -198,7 +200,7 @@ class Blender(ToolTest):
         kinds, last_frame, matrix = json.loads(line.removeprefix("things"))
         self.assertEqual((kinds, last_frame), (["CAMERA", "LIGHT", "MESH", "VOLUME"], 250))
         c, s = math.cos(0.5), math.sin(0.5)
-        x, y, z = (c, s, 0), (0, 0, 1), (s, -c, 0)  # where the volume's axes point: turned with the box, y upwards
+        x, y, z = (c, s, 0), (0, 0, 1), (s, -c, 0)  # the volume's axes: rotated with the box, y upwards
         corner = 1 - 2 * c + 2 * s, 2 - 2 * s - 2 * c, 0
         numpy.testing.assert_allclose(numpy.array(matrix)[:3].T, (x, y, z, corner), atol=1e-5)
 
@@ -206,17 +208,32 @@ class Blender(ToolTest):
         file, = self.velocities("swirl", UNIFORM)
         (self.folder / "gap.0001.vdb").write_bytes(file.read_bytes())
         (self.folder / "gap.0003.vdb").write_bytes(file.read_bytes())
-        wrong = {"no such file": [self.folder / "none.0001.vdb"], "frame 2 is missing": [self.folder / "gap.0001.vdb"],
-                 "no grid 'lic'": [file, "--texture", "lic"], "select a volume": []}
-        for message, arguments in wrong.items():
-            with self.subTest(message):
-                done = blender(SAMPLE, *arguments)
-                self.assertEqual(done.returncode, 9)
-                self.assertIn(message, done.stderr + done.stdout)
+        wrong = {"select a volume": [], "no such file": [str(self.folder / "none.0001.vdb")],
+                 "frame 2 is missing": [str(self.folder / "gap.0001.vdb")],
+                 "no grid 'lic'": [str(file), "--texture", "lic"]}
+        # One Blender runs the sample with all arguments in turn.
+        every = f"""
+import runpy, sys
+for arguments in {list(wrong.values())!r}:
+    sys.argv = ["blender", "--", *arguments]
+    try:
+        runpy.run_path({str(SAMPLE)!r}, run_name="__main__")
+        print("error: none")
+    except Exception as error:
+        print("error:", error)
+"""
+        driver = self.folder / "every.py"
+        driver.write_text(every)
+        done = blender(driver)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        errors = [line for line in done.stdout.splitlines() if line.startswith("error: ")]
+        self.assertEqual(len(errors), len(wrong), done.stdout)
+        for message, error in zip(wrong, errors):
+            self.assertIn(message, error)
+        self.assertEqual(blender(SAMPLE, self.folder / "none.0001.vdb").returncode, 9)
 
 
 if __name__ == "__main__":
     if not shutil.which("blender"):
-        print("skipped: Blender is missing")
-        sys.exit(77)  # which CTest lists as skipped
+        skip("Blender is missing")
     unittest.main()

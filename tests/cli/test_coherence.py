@@ -1,4 +1,4 @@
-"""vdblic_coherence as a user runs it, its figures recomputed with numpy on what pyopenvdb reads."""
+"""vdblic_coherence on the command line; numpy recomputes its figures from the grids that pyopenvdb reads."""
 
 import json
 import os
@@ -25,7 +25,7 @@ def array_of(path, name="density"):
 
 
 def trilinear(array, points):
-    """Values at points, one a column."""
+    """Trilinear values at points, one point a column."""
     base = numpy.floor(points).astype(int)
     fraction = points - base
     result = numpy.zeros(points.shape[1])
@@ -118,7 +118,7 @@ class Coherence(ToolTest):
         self.assertEqual(reports[0], reports[1])
         self.assertEqual(reports[0], reports[2])
 
-    def test_hits_are_told_if_the_file_has_them(self):
+    def test_hits_are_reported_if_the_file_has_them(self):
         velocity, texture = self.uniform(1)
         path = str(self.folder / "lic.0001.vdb")
         density = vdb.read(path, "density")

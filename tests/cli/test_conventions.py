@@ -1,4 +1,4 @@
-"""vdblic_advect on the conventions of docs/formats.md, in files that pyopenvdb wrote."""
+"""vdblic_advect on the conventions of docs/formats.md, in files written by pyopenvdb."""
 
 import math
 import os
@@ -15,7 +15,7 @@ DATA = os.environ.get("VDBLIC_DATA")
 
 
 def swirl(frame=1):
-    """A turning, drifting flow in voxels per second, a few voxels a frame at 24 fps."""
+    """A rotating, drifting flow in voxels per second, a few voxels a frame at 24 fps."""
     x, y, z = numpy.meshgrid(*(numpy.arange(n, dtype=float) for n in SIZE), indexing="ij")
     x, y = x - 13, y - 9
     flow = numpy.stack([30 - 3 * y, 3 * x + 6 * math.sin(frame), 8 * numpy.sin(0.4 * x) + 2], axis=-1)
@@ -72,9 +72,9 @@ class Conventions(ToolTest):
         self.write_swirls("vectors", lambda array: [vector_grid(array.astype(numpy.float16).astype(numpy.float32))])
         self.write_swirls("halves", components)
         vectors, halves = self.last_texture("vectors"), self.last_texture("halves")
-        # Values that are halves already: the same texture.
+        # Values that a half represents exactly: the same texture.
         self.assertEqual(vectors.tobytes(), halves.tobytes())
-        # Values that have to be rounded: nearly so.
+        # Rounded values: nearly the same texture.
         self.write_swirls("floats", lambda array: [vector_grid(array)])
         floats = self.last_texture("floats")
         self.assertGreater(numpy.corrcoef(floats.ravel(), halves.ravel())[0, 1], 0.99)
@@ -97,7 +97,7 @@ class Conventions(ToolTest):
         self.write_swirls("turned", rotated)
         straight = self.last_texture("straight")
         turned = texture(self.advect("turned")[0][-1])
-        # Products with a sine round; a particle here and there takes another voxel.
+        # Products with a sine are rounded, so a few particles take up other voxels.
         self.assertGreater(numpy.corrcoef(straight.ravel(), turned.ravel())[0, 1], 0.98)
 
     def test_active_tiles_are_voxels(self):
@@ -134,10 +134,10 @@ class Conventions(ToolTest):
         self.assertEqual(spacing("dt"), 0.125)
         self.assertAlmostEqual(spacing("none"), 1 / 24)
         self.assertIn("24 frames a second", self.advect("none")[1])
-        # Where frames are left out more time passes.
+        # Selecting fewer frames lengthens the time step.
         self.assertEqual(spacing("dt", "--frames", "1-3x2"), 0.25)
         self.assertEqual(spacing("both", "--frames", "1-3x2"), 2.0)
-        # Frames with intervals of their own.
+        # Frames with different intervals.
         dts = [vdb.readMetadata(str(p))["dt"] for p in self.advect("both")[0]]
         self.assertEqual(dts, [0.5, 1.5, 1.5])
 

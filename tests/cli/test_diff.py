@@ -1,4 +1,4 @@
-"""vdblic_diff as a user runs it, checked against numpy on grids that pyopenvdb wrote and read."""
+"""vdblic_diff on the command line, checked with numpy on grids written and read by pyopenvdb."""
 
 import json
 import math
@@ -13,7 +13,7 @@ import numpy
 import pyopenvdb
 
 TOOL = Path(os.environ["VDBLIC_BIN"]) / "vdblic_diff"
-SHAPE = (21, 18, 13)  # no multiple of a leaf
+SHAPE = (21, 18, 13)  # not a multiple of a leaf
 
 
 def array(seed, components=None):

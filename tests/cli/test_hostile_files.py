@@ -1,7 +1,7 @@
-"""Every tool on damaged files: no crash, no hang, no more memory than allowed, status 0 or 3, nothing half written.
+"""Every tool on damaged files: no crash, no hang, no more memory than allowed, status 0 or 3, no partial outputs.
 
-VDBLIC_ALL_MUTATIONS=1 runs every file through every tool that may read it, and VDBLIC_MUTATIONS says how many files
-there are. The files are the same in every run.
+VDBLIC_ALL_MUTATIONS=1 runs every file through every tool that may read it. VDBLIC_MUTATIONS sets the number of files.
+The files are the same in every run.
 """
 
 import concurrent.futures
@@ -52,14 +52,14 @@ def grids(shape=(18, 13, 11)):
 
 
 class Originals:
-    """Undamaged files of every kind: name → bytes, and where the header ends that mutations concentrate on."""
+    """Undamaged files of every kind: name → bytes."""
 
     def __init__(self, folder):
         self.files = {}
         for name, content in grids().items():
             vdb.write(str(folder / f"{name}.vdb"), grids=content, metadata={"note": "a test"})
         subprocess.run([f"{SUPPORT}/write_points", folder / "points.vdb", folder / "points_none.vdb"], check=True)
-        for name in "fog", "flow":  # uncompressed, where a flip stays a flip
+        for name in "fog", "flow":  # uncompressed: a changed byte changes a value
             self.recode(folder, name, "none")
         self.recode(folder, "fog", "zip")
         subprocess.run([BIN / "vdblic_synth", "abc", "-o", "ours.vdb", "--size", "16", "8", "8", "--frames", "1"],
@@ -73,7 +73,7 @@ class Originals:
         subprocess.run(command, cwd=folder, capture_output=True, check=True)
 
     def mutated(self, number):
-        """The damaged file of a number: its kind, and its bytes."""
+        """Damaged file number `number`: its kind and its bytes. Most damage is in the header."""
         choice = random.Random(number)
         kind = choice.choice(sorted(self.files))
         data = bytearray(self.files[kind])
@@ -98,10 +98,12 @@ class Originals:
 
 
 def commands(kind):
-    """The ways in which a damaged file gets into the tools; `bad` is the file, the others are undamaged."""
+    """The commands that read a damaged file bad.vdb of this kind; their other files are undamaged."""
     small = ("--size", "24", "16")
-    flow = ("vdblic_advect", "bad.vdb", "-o", "out.vdb", "--preroll", "1"), ("vdblic_coherence", "bad.vdb", "fog.vdb")
-    fog = (("vdblic_render", "bad.vdb", "-o", "out.png", *small), ("vdblic_coherence", "flow.vdb", "bad.vdb"),
+    few = ("--samples", "2000")
+    flow = (("vdblic_advect", "bad.vdb", "-o", "out.vdb", "--preroll", "1"),
+            ("vdblic_coherence", "bad.vdb", "fog.vdb", *few))
+    fog = (("vdblic_render", "bad.vdb", "-o", "out.png", *small), ("vdblic_coherence", "flow.vdb", "bad.vdb", *few),
            ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--preroll", "0", "--mask", "bad.vdb"),
            ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--preroll", "0", "--noise", "bad.vdb:density"))
     any_kind = (("vdblic_noise", "-o", "out.vdb", "--like", "bad.vdb"),
@@ -111,18 +113,21 @@ def commands(kind):
 
 
 class HostileFiles(ToolTest):
-    def setUp(self):
-        super().setUp()
-        self.originals = Originals(self.folder)
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="vdblic-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.undamaged = pathlib.Path(folder.name)
+        cls.originals = Originals(cls.undamaged)
 
     def complaint(self, command, data):
-        """Run a tool on a damaged file in a folder of its own; returns what is wrong with how it went, or None."""
+        """Run a tool on a damaged file in a folder of its own; returns what went wrong, or None."""
         with tempfile.TemporaryDirectory(dir=self.folder) as name:
             folder = pathlib.Path(name)
             (folder / "bad.vdb").write_bytes(data)
             for argument in command:
-                if (self.folder / argument).is_file():
-                    os.link(self.folder / argument, folder / argument)
+                if (self.undamaged / argument).is_file():
+                    os.link(self.undamaged / argument, folder / argument)
             before = set(folder.iterdir())
             limits = [] if SANITIZED else ["--max-memory", str(MEMORY)]
             started = time.monotonic()
@@ -141,7 +146,7 @@ class HostileFiles(ToolTest):
             left = {path.name for path in set(folder.iterdir()) - before}
             allowed = {0, 1, 3} if command[0] == "vdblic_diff" else {0, 3}
             if SANITIZED and re.search("AddressSanitizer: (allocator is out of memory|requested allocation size)", said):
-                return None  # where a build without it has an exception
+                return None  # a build without sanitizers has an exception here
             if code not in allowed:
                 return f"status {code}: {said}"
             if usage.ru_utime + usage.ru_stime > LIMIT:
@@ -162,7 +167,7 @@ class HostileFiles(ToolTest):
             jobs += [(number, way) for way in (ways if ALL else [ways[number % len(ways)]])]
         complaints = []
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            # Each makes its file when it runs: a child's peak memory counts from what this process holds.
+            # Each job makes its own file: the peak memory of a child starts at the memory of this process.
             runs = {pool.submit(lambda number, way: self.complaint(way, self.originals.mutated(number)[1]), *job): job
                     for job in jobs}
             for run in concurrent.futures.as_completed(runs):
@@ -173,6 +178,8 @@ class HostileFiles(ToolTest):
 
     def test_the_undamaged_files_are_taken(self):
         self.assertEqual(len(self.originals.files), 10, self.originals.files.keys())
+        for path in self.undamaged.iterdir():
+            os.link(path, self.folder / path.name)
         for kind, data in self.originals.files.items():
             (self.folder / "bad.vdb").write_bytes(data)
             for command in commands(kind)[:2]:

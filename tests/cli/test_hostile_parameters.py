@@ -1,6 +1,6 @@
-"""Every option of every tool, as --help names them, refuses what cannot be: status 2 and a message, at once.
+"""Every option in every tool's --help refuses impossible values: status 2 and a message, at once.
 
-An option that somebody adds is in this test without further ado; what it may legally be given is added to LEGAL.
+New options are tested automatically; their legal values among those tried go into LEGAL.
 """
 
 import re
@@ -14,7 +14,7 @@ FRAMES = ["", "0x", "1-", "nan", "1e308", "1-1000000", "1-10x0", "5-1", "9999999
           "1-3," * 30000]
 
 TINY = ["-o", "out.vdb"]
-COMMANDS = {  # that work, but for the option that is tried
+COMMANDS = {  # valid without the tried option
     "vdblic_synth": ["abc", "-o", "out.vdb", "--size", "4", "4", "4", "--frames", "1"],
     "vdblic_noise": ["-o", "out.vdb", "--size", "4", "4", "4"],
     "vdblic_advect": ["v.0001.vdb", "-o", "out.vdb", "--preroll", "0"],
@@ -22,7 +22,7 @@ COMMANDS = {  # that work, but for the option that is tried
     "vdblic_diff": ["n.vdb", "n.vdb", "-o", "out.vdb"],
     "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
 }
-# What may be given: to an option of any tool, or of one. Names may be anything but empty, numbers what is listed.
+# Legal values of an option, of those tried. Names may be anything but empty.
 LEGAL = {
     "--threads": set(),
     "--max-memory": set(),
@@ -34,10 +34,10 @@ LEGAL = {
     "--sharpen": {"0"},
     "--noise-share": {"0"},
     "--bbox": {"0", "-1"},
-    "--bbox-world": set(NUMBERS) - {"nan", "1.5.2", "0x", ""},  # as far as one likes
+    "--bbox-world": set(NUMBERS) - {"nan", "1.5.2", "0x", ""},  # any distance
     "--eye": {"0", "-1"},
     "--target": {"0", "-1"},
-    "--up": {"-1", "0"},  # but not three of that
+    "--up": {"-1", "0"},  # but not three zeros
     "--modulate": {"0"},
     "--background": {"0"},
     "--fail": {"0", "1e308", "99999999999999999999"},
@@ -56,7 +56,7 @@ LEGAL = {
     "--shininess": {"0", "99999999999999999999"},
     "--head-light": {"0", "99999999999999999999"},
     "--halo": {"0", "1e308", "99999999999999999999"},
-    "--light": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},  # a direction of any length, but for three zeros
+    "--light": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},  # a direction of any length, but not three zeros
     "--clip-plane": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
@@ -64,7 +64,7 @@ NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--no
 
 
 def options(help_text):
-    """The options that take values, longest name first of each: name → (what it takes, how many)."""
+    """The options with values, by their long names: name → (kind of value, number of values)."""
     found = {}
     for names, rest in re.findall(r"^  (-[\w,-]+)[ \n](.*)", help_text, re.MULTILINE):
         name = max(names.split(","), key=len)
@@ -74,7 +74,7 @@ def options(help_text):
         words = re.findall(r"[A-Z]+", kind.group(1).split(":")[0] if "[" not in kind.group(1) else kind.group(1))
         if words[0] in ("Excludes", "REQUIRED") or rest.strip()[:1].islower():
             continue
-        if re.match(r" *[A-Z][a-z]", rest):  # the help text itself
+        if re.match(r" *[A-Z][a-z]", rest):  # this is the help text: a flag
             continue
         found[name] = (words[0], len(words))
     return found
@@ -139,7 +139,7 @@ class HostileParameters(ToolTest):
             for name, (_, count) in options(self.run_tool(tool, "--help").stdout).items():
                 for value in LEGAL.get(name, ()):
                     with self.subTest(tool=tool, option=name, value=value):
-                        # Not the same for all: two ends must differ.
+                        # The other values are 0, because both ends of a range must differ.
                         done = self.run_tool(*self.command(tool, name, ["0"] * (count - 1) + [value]), timeout=20)
                         if (name, value) not in (("--up", "0"), ("--light", "0"), ("--clip-plane", "0"),
                                                  ("--bbox", "-1"), ("--bbox-world", "-1"),

@@ -1,4 +1,4 @@
-"""Long sequences: memory stays what it was, and files are not kept open."""
+"""Long sequences: memory does not grow, and files are closed."""
 
 import os
 import pathlib
@@ -13,12 +13,12 @@ SANITIZED = os.environ.get("VDBLIC_SANITIZED") == "1"
 
 class LongRun(ToolTest):
     def loop(self, name, frames, made):
-        """Frames 1 to `frames` of a sequence, of which the first `made` are there, again and again."""
+        """Extend a sequence of `made` frames to `frames` frames by repetition."""
         for frame in range(made + 1, frames + 1):
             os.link(self.folder / f"{name}.{(frame - 1) % made + 1:04}.vdb", self.folder / f"{name}.{frame:04}.vdb")
 
     def watched(self, tool, *arguments):
-        """Run a tool that must succeed; what watch() saw of it every hundredth of a second."""
+        """Run a tool that must succeed; returns the results of watch() every hundredth of a second."""
         seen = []
         with open(self.folder / "messages", "w+", encoding="utf-8") as messages:
             run = subprocess.Popen([BIN / tool, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL,
@@ -33,7 +33,7 @@ class LongRun(ToolTest):
 
     @staticmethod
     def watch(process):
-        """A process's resident memory in MiB and number of open files, or nothing if it has ended."""
+        """A process's resident memory in MiB and number of open files, or None after its end."""
         try:
             status = (process / "status").read_text(encoding="ascii")
             memory = [int(line.split()[1]) / 1024 for line in status.splitlines() if line.startswith("VmRSS")]

@@ -1,4 +1,4 @@
-"""vdblic_noise: its topology, transform, metadata and values as OpenVDB's tools see them, and how it fails."""
+"""vdblic_noise: topology, transform, metadata and values by OpenVDB's tools, and its failures."""
 
 import pathlib
 import re
@@ -17,7 +17,7 @@ def mix_bits(bits):
 
 
 def expected_noise(first, size, seed):
-    """The documented function of index and seed, on a box of voxels that begins at `first`."""
+    """The documented function of index and seed, on a box of voxels from index `first` on."""
     x, y, z = numpy.meshgrid(*(numpy.arange(f, f + s) for f, s in zip(first, size)), indexing="ij")
     low = [(axis & 0xFFFFFFFF).astype(numpy.uint64) for axis in (x, y, z)]
     column = mix_bits((low[0] << numpy.uint64(32) | low[1]) + numpy.uint64(0x9E3779B97F4A7C15))

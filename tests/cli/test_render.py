@@ -1,4 +1,4 @@
-"""vdblic_render as a user runs it: volumes by pyopenvdb, images read by OpenImageIO and exrheader."""
+"""vdblic_render on the command line: volumes by pyopenvdb, images read by OpenImageIO and exrheader."""
 
 import json
 import os
@@ -101,7 +101,7 @@ class Render(ToolTest):
         seen = alpha > 0.01
         self.assertTrue(seen.any() and not seen.all())
         self.assertTrue(numpy.isinf(depth[alpha == 0]).all())
-        # Depths lie between those of the box's nearest and farthest corners.
+        # Depths are between those of the box's nearest and farthest corners.
         camera = self.matrix(header, "worldToCamera")
         corners = numpy.array([[x, y, z, 1] for x in (-0.05, 1.95) for y in (-0.05, 1.55) for z in (-0.05, 1.15)])
         z = (corners @ camera)[:, 2]
@@ -111,12 +111,12 @@ class Render(ToolTest):
             values = self.pixels("aov.exr", channel)[seen]
             self.assertTrue((values > 0).all() and (values < 1).all())
         self.assertGreater(self.pixels("aov.exr", "samples")[seen].min(), 0)
-        self.renders("-o", "one.exr", "--aov", "depth,samples", *base)  # the option leaves the input alone
+        self.renders("-o", "one.exr", "--aov", "depth,samples", *base)  # the option does not swallow the input
         self.assertNotIn("texture,", self.header("one.exr"))
         self.refuses(2, *base, "-o", "a.png", "--aov", "depth")
 
-    def test_a_voxel_is_where_the_header_says(self):
-        # Rotated, per-axis scaled, mirrored; one voxel that is seen off the middle.
+    def test_a_voxel_is_at_the_position_by_the_header(self):
+        # Rotated, per-axis scaled, mirrored; one voxel off the middle of the image.
         matrix = [[0.0, 0.5, 0.0, 0.0], [-1.5, 0.0, 0.0, 0.0], [0.0, 0.0, -0.25, 0.0], [7.0, -3.0, 11.0, 1.0]]
         lonely = vdb.FloatGrid()
         lonely.name = "density"
@@ -150,7 +150,7 @@ class Render(ToolTest):
             self.renders("lic.0003.vdb", "-o", "a.png", "--size", 40, 30, *options)
             self.assertNotEqual((self.folder / "a.png").read_bytes(), images["flow"], options)
 
-    def test_options_of_numbers_leave_the_input_alone(self):
+    def test_options_of_numbers_do_not_swallow_the_input(self):
         for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],
                         ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1], ["--stretch", 1, 2, 1],
                         ["--eye", 9, 9, 9], ["--opacity", "0:1"], ["--size", 20, 20]):
@@ -180,7 +180,7 @@ class Render(ToolTest):
         self.run_peer("oiiotool", "a.exr", "--ch", "R,G,B", "--colorconvert", "linear", "sRGB", "-d", "uint8", "-o",
                       "b.png")
         self.run_peer("idiff", "-fail", 1.1 / 255, "-warn", 1.1 / 255, "a.png", "b.png")
-        # The volume is seen, and beside it the background.
+        # The image shows the volume and the background.
         stats = self.run_peer("oiiotool", "a.png", "--printstats")
         spread = next(line for line in stats.splitlines() if "Stats StdDev" in line).split()[2:5]
         self.assertGreater(max(map(float, spread)), 5)
@@ -228,14 +228,14 @@ class Render(ToolTest):
         self.assertEqual(
             self.renders("-", "-o", "image.%04d.png", "--size", 20, 20, stdin="lic.0004.vdb\nlic.0003.vdb\n"),
             ["image.0004.png", "image.0003.png"])
-        # A name that does not tell another frame must not overwrite the first's image in silence.
+        # A second file of the same frame must not silently overwrite the first's image.
         done = self.run_tool("vdblic_render", "-", "-o", "b.%04d.png", "--size", 20, 20,
                              stdin="lic.0003.vdb\n./lic.0003.vdb\n")
         self.assertEqual(done.returncode, 3)
         self.assertEqual(done.stdout, "b.0003.png\n")
         self.assertIn("frame 3 comes twice", done.stderr)
 
-    def test_an_image_appears_before_the_next_path_is_there(self):
+    def test_an_image_appears_before_the_next_path_arrives(self):
         for threads in (1, 2):
             tool = subprocess.Popen([BIN / "vdblic_render", "-", "-o", f"w{threads}.%04d.png", "--size", "20", "20",
                                      "--threads", str(threads)],
@@ -265,7 +265,7 @@ class Render(ToolTest):
         values = numpy.concatenate([self.values(f"lic.{k:04}.vdb", "magnitude") for k in (3, 4)])
         magnitude = histogram["magnitude"]
         counts = numpy.histogram(values, 256, (magnitude["low"], magnitude["high"]))[0]
-        self.assertLess(numpy.abs(counts - magnitude["counts"]).sum(), 8)  # values on the bins' edges
+        self.assertLess(numpy.abs(counts - magnitude["counts"]).sum(), 8)  # tolerance for values on the bins' edges
         self.assertEqual(self.renders("lic.0003.vdb", "-o", "a.png", "--size", 20, 20, "--histogram", "h.png"),
                          ["a.png", "h.png"])
         self.assertIn("1240 x  460, 3 channel, uint8 png", self.run_peer("oiiotool", "--info", "h.png"))
@@ -299,7 +299,7 @@ class Render(ToolTest):
         self.refuses(2, "-", "-o", "a.%04d.png", "--orbit", 1)
 
     @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "sanitizers hold more memory than there is")
-    def test_a_picture_that_memory_does_not_hold(self):
+    def test_a_picture_larger_than_memory(self):
         good = ("lic.0003.vdb", "-o", "a.png")
         for size in (["--size", 200000, 200000], ["--size", 8, 8, "--scale", 30000], ["--size", 1, 10**9]):
             self.assertIn("pixels a side", self.refuses(2, *good, *size))
@@ -321,7 +321,7 @@ class Render(ToolTest):
     def test_output_cannot_be_written(self):
         self.refuses(4, "lic.0003.vdb", "-o", "missing/a.png")
         for ending in ("exr", "png"):
-            # As on a full disk, the file cannot grow to its size.
+            # The file size limit acts like a full disk.
             self.refuses(4, "lic.0003.vdb", "-o", f"a.{ending}", restore_signals=False,
                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
 

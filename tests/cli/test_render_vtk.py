@@ -1,7 +1,7 @@
-"""vdblic_render next to VTK's ray caster: the same volume, camera and transfer function must give the same picture.
+"""vdblic_render beside VTK's ray caster: the same volume, camera and transfer function give the same picture.
 
-VTK's pictures are 0.011 to 0.02 more opaque where there is something, the more the shorter its steps are: it composites
-in 15-bit fixed point. Ours have the analytic transmittance, which the unit tests check. Needs python3-vtk9 and xvfb-run; skipped without.
+VTK's pictures are 0.011 to 0.02 more opaque inside the volume, more so for shorter steps, because VTK composites in
+15-bit fixed point. Ours have the analytic transmittance, which the unit tests check. Needs python3-vtk9 and xvfb-run.
 """
 
 import importlib.util
@@ -15,7 +15,7 @@ import unittest
 import numpy
 import pyopenvdb
 
-from support import ToolTest
+from support import ToolTest, skip
 
 VTK_PICTURE = """
 import sys, numpy
@@ -66,8 +66,6 @@ numpy.save("vtk.npy", picture[::-1, :, 0] / 255.0)
 """
 
 
-@unittest.skipUnless(importlib.util.find_spec("vtkmodules"), "python3-vtk9 is missing")
-@unittest.skipUnless(shutil.which("xvfb-run"), "xvfb-run is missing")
 class NextToVtk(ToolTest):
     def test_the_same_picture(self):
         x, y, z = numpy.meshgrid(*(numpy.arange(n) for n in (29, 23, 19)), indexing="ij")
@@ -99,4 +97,8 @@ class NextToVtk(ToolTest):
 
 
 if __name__ == "__main__":
+    if not importlib.util.find_spec("vtkmodules"):
+        skip("python3-vtk9 is missing")
+    if not shutil.which("xvfb-run"):
+        skip("xvfb-run is missing")
     unittest.main()

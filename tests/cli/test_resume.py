@@ -1,4 +1,4 @@
-"""vdblic_advect --resume: whatever interrupts a run, what comes out in the end is what an uninterrupted one makes."""
+"""vdblic_advect --resume: after any interruption the final outputs equal those of an uninterrupted run."""
 
 import os
 import pathlib
@@ -24,7 +24,7 @@ OUTPUTS = "lic.%04d.vdb"
 
 
 class Resume(ToolTest):
-    """Inputs and uninterrupted runs are made once; self.folder is where the runs that are interrupted work."""
+    """All tests share inputs and uninterrupted runs; interrupted runs work in self.folder."""
 
     @classmethod
     def setUpClass(cls):
@@ -41,7 +41,7 @@ class Resume(ToolTest):
         return self.shared / "v.%04d.vdb"
 
     def moving_ball(self):
-        """A flow whose voxels are those of a ball that moves and changes size, with a mask that changes, too."""
+        """A flow on a ball that moves and changes size, with a mask that changes too."""
         x, y, z = numpy.meshgrid(*(numpy.arange(28.0),) * 3, indexing="ij")
         for frame in range(1, FRAMES + 1):
             if (self.shared / f"m.{frame:04}.vdb").exists():
@@ -61,7 +61,7 @@ class Resume(ToolTest):
         return self.shared / "b.%04d.vdb", "--dt", 1, "--mask", self.shared / "m.%04d.vdb"
 
     def tool(self, *command):
-        """Run a tool that must succeed; what it says on standard error."""
+        """Run a tool that must succeed; returns its standard error."""
         done = self.run_tool(*command)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stderr
@@ -88,10 +88,10 @@ class Resume(ToolTest):
         return run
 
     def outputs_there(self):
-        return sum(name.startswith("lic.") for name in self.files())
+        return sum(name.startswith("lic.") for name in os.listdir(self.folder))
 
     def kill_when(self, happens, *arguments, **options):
-        """Start or go on, and SIGKILL once something happens. Returns whether the run was still going then."""
+        """Start or resume a run and SIGKILL it when `happens(run)`. Returns whether the run was still alive."""
         run = self.start(*arguments, "--resume", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **options)
         while run.poll() is None and not happens(run):
             time.sleep(0.0002)
@@ -100,7 +100,7 @@ class Resume(ToolTest):
         return run.returncode != 0
 
     def finish(self, expected, *arguments, **options):
-        """Go on to the end and compare with the uninterrupted run: every file, every voxel."""
+        """Resume to the end and compare every file and voxel with the uninterrupted run."""
         run = self.start(*arguments, "--resume", **options)
         out, messages = run.communicate(timeout=120)
         self.assertEqual(run.returncode, 0, messages)
@@ -113,7 +113,7 @@ class Resume(ToolTest):
         return messages
 
     def interrupted(self, *arguments, after=6, number=signal.SIGTERM, **options):
-        """Start a run and stop it by a signal after some frames."""
+        """Start a run and stop it by a signal after some frames; returns its messages."""
         run = self.start(*arguments, **options)
         for _ in range(after):
             self.assertNotEqual(run.stdout.readline(), "")
@@ -125,7 +125,7 @@ class Resume(ToolTest):
     # Kills
 
     def kill_often(self, kills, choice, *arguments):
-        """Kill a run again and again, each time a little farther on, at a random moment."""
+        """Kill a run repeatedly at random moments, each time after more frames. Returns the number of live runs killed."""
         hits = 0
         for kill in range(kills):
             farther, pause = self.outputs_there() + choice.randint(0, 2), choice.uniform(0, 0.02)
@@ -162,7 +162,7 @@ class Resume(ToolTest):
         self.finish(expected, self.flow())
 
     def is_writing(self, run):
-        """Whether the process has a file without a name open in the folder: what it will rename when it is complete."""
+        """Whether the process has an unnamed file open in the folder: an unfinished output."""
         try:
             links = [os.readlink(link) for link in pathlib.Path(f"/proc/{run.pid}/fd").iterdir()]
         except OSError:
@@ -232,9 +232,9 @@ class Resume(ToolTest):
         messages = self.finish(self.whole(self.flow()), self.flow(), "--checkpoint-every", 0)
         self.assertIn(f"no {CHECKPOINT}: starting from the beginning", messages)
 
-    # What else ends a run
+    # Other ends of a run
 
-    def test_an_input_that_is_mended(self):
+    def test_an_input_that_is_repaired(self):
         for frame in range(1, FRAMES + 1):
             shutil.copy2(str(self.flow()) % frame, self.shared / f"w.{frame:04}.vdb")
         broken = self.shared / "w.0009.vdb"
@@ -262,10 +262,10 @@ class Resume(ToolTest):
         self.assertEqual(self.contents(CHECKPOINT), before)
         self.finish(self.whole(self.flow()), self.flow())
 
-    # What is refused, and what is not
+    # Refused and accepted changes
 
     def refused(self, status, *arguments, **options):
-        """Resuming is refused and leaves everything as it is; returns the message."""
+        """Resuming is refused and changes no file; returns the message."""
         before = {name: self.contents(name) for name in self.files()}
         run = self.start(*arguments, "--resume", **options)
         out, messages = run.communicate(timeout=60)
@@ -325,14 +325,14 @@ class Resume(ToolTest):
             kept, times = path.read_bytes(), (path.stat().st_atime_ns, path.stat().st_mtime_ns)
             path.write_bytes(kept + b" ")
             os.utime(path, ns=times)
-            # Of the noise and the frame to go on with, which are read first, the checksum tells.
+            # The noise and the next frame are read before the comparison; their checksums fail first.
             self.assertRegex(self.refused(3, *arguments),
                              f"size {len(kept)}.*size {len(kept) + 1}|{name}: .* its end is damaged")
             path.write_bytes(kept)
             os.utime(path, ns=(times[0], times[1] + 1))
             self.assertRegex(self.refused(status, *arguments), "modified .* UTC.*modified")
             changed = bytearray(kept)
-            changed[25] = ord("0") if changed[25] != ord("0") else ord("1")  # in the identity, as all else would change it
+            changed[25] = ord("0") if changed[25] != ord("0") else ord("1")  # in the identity: a change elsewhere would fail the checksum
             path.write_bytes(changed)
             os.utime(path, ns=times)
             self.assertRegex(self.refused(status, *arguments), "identity .*identity")
@@ -343,7 +343,7 @@ class Resume(ToolTest):
         self.assertIn("frame 3 is missing", self.refused(3, *arguments))
         (inputs / "w.vdb").rename(missing)
 
-        # What has not been read yet may change, and the folder's name, too.
+        # Frames not read yet may change.
         self.tool("vdblic_synth", "abc", "-o", inputs / "v.%04d.vdb", "--size", 24, 24, 24, "--frames", FRAMES)
         run = self.start(*arguments, "--resume")
         run.communicate(timeout=60)
@@ -369,7 +369,7 @@ class Resume(ToolTest):
         (self.folder / CHECKPOINT).unlink()
         self.assertIn("starting from the beginning", self.finish(self.whole(self.flow()), self.flow()))
 
-    def test_outputs_that_are_gone(self):
+    def test_missing_outputs(self):
         self.interrupted(self.flow())
         (self.folder / "lic.0002.vdb").rename(self.folder / "kept.vdb")
         message = self.refused(3, self.flow())
@@ -382,7 +382,7 @@ class Resume(ToolTest):
         self.assertIn("the input has only 3 now", self.refused(3, self.flow(), frames="1-3"))
         self.assertIn("then frame 2, now frame 3", self.refused(3, self.flow(), frames="1-20x2"))
         self.assertIn("then frame 1, now frame 2", self.refused(3, self.flow(), frames="2-20"))
-        # More at the end is no change to the frames that are done.
+        # Further frames at the end do not affect finished ones.
         self.finish(self.whole(self.flow(), frames="1-24"), self.flow(), frames="1-24")
 
     def test_a_run_from_the_beginning_removes_the_checkpoint(self):

@@ -1,4 +1,4 @@
-"""What the tools do when they are interrupted, when a disk is full, when nobody listens, and within what memory."""
+"""Interrupted runs, full disks, closed pipes and limited memory."""
 
 import os
 import pathlib
@@ -36,7 +36,7 @@ class Survival(ToolTest):
         return self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *size, "--frames", frames)
 
     def assert_whole(self, names):
-        """Every file in the folder is complete, and there are no others than these."""
+        """The folder has exactly these files, all of them complete."""
         self.assertEqual(self.files(), sorted(names))
         for name in names:
             if name.endswith(".vdb"):
@@ -73,15 +73,12 @@ class Survival(ToolTest):
 
     def test_every_tool_stops(self):
         paths = self.synth("1-60", (64, 32, 32))
+        self.write_speed()
         inputs = len(paths)
         for command in (("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb"),
                         ("vdblic_diff", "v.%04d.vdb", "v.%04d.vdb", "-o", "d.%04d.vdb"),
-                        ("vdblic_render", "v.%04d.vdb", "-o", "i.%04d.png", "--texture", "speed"),
+                        ("vdblic_render", "c.%04d.vdb", "-o", "i.%04d.png", "--texture", "speed"),
                         ("vdblic_coherence", "v.%04d.vdb", "c.%04d.vdb", "--texture", "speed", "--json", "c.json")):
-            if "speed" in command:
-                self.write_speed()
-                command = [argument.replace("v.%04d", "c.%04d") if command[0] == "vdblic_render" else argument
-                           for argument in command]
             before = set(self.files())
             run = self.start(*command)
             time.sleep(0.4)
@@ -93,12 +90,13 @@ class Survival(ToolTest):
 
     def write_speed(self):
         x, y, z = numpy.meshgrid(*(numpy.arange(n) for n in (64, 32, 32)), indexing="ij")
-        for frame in range(1, 61):
-            grid = vdb.FloatGrid()
-            grid.name = "speed"
-            grid.copyFromArray(((x * 7 + y * 5 + z * 3 + frame) % 11 / 10).astype(numpy.float32), tolerance=-1)
-            grid.transform = vdb.read(str(self.folder / "v.0001.vdb"), "velocity").transform
-            vdb.write(str(self.folder / f"c.{frame:04}.vdb"), grid)
+        grid = vdb.FloatGrid()
+        grid.name = "speed"
+        grid.copyFromArray(((x * 7 + y * 5 + z * 3) % 11 / 10).astype(numpy.float32), tolerance=-1)
+        grid.transform = vdb.read(str(self.folder / "v.0001.vdb"), "velocity").transform
+        vdb.write(str(self.folder / "c.0001.vdb"), grid)
+        for frame in range(2, 61):
+            os.link(self.folder / "c.0001.vdb", self.folder / f"c.{frame:04}.vdb")
 
     def test_waiting_for_paths_stops_too(self):
         for tool in "vdblic_advect", "vdblic_render":
@@ -111,7 +109,7 @@ class Survival(ToolTest):
             self.assertEqual(run.returncode, -signal.SIGINT)
             self.assertEqual(self.files(), [])
 
-    def test_a_reader_that_leaves_ends_the_run_quietly(self):
+    def test_a_closed_pipe_ends_the_run_without_a_message(self):
         run = self.endless_synth()
         run.stdout.readline()
         run.stdout.close()
@@ -122,7 +120,7 @@ class Survival(ToolTest):
         self.assert_whole(self.files())
         self.assertFalse([name for name in self.files() if name.startswith(".")])
 
-    def test_messages_that_nobody_reads_do_not_matter(self):
+    def test_a_closed_standard_error_does_not_matter(self):
         self.synth("1-3")
         reader, writer = os.pipe()
         os.close(reader)
@@ -210,7 +208,7 @@ class Survival(ToolTest):
         self.assertEqual(piped.returncode, 2, piped.stderr)
         self.assertEqual({name: self.contents(name) for name in self.files()}, before)
 
-    def test_verify_names_what_is_damaged_before_any_work(self):
+    def test_verify_names_damaged_files_before_any_work(self):
         self.synth("1-4")
         whole = self.run_tool("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--verify")
         self.assertEqual(whole.returncode, 0)
@@ -228,7 +226,7 @@ class Survival(ToolTest):
             for frame in 2, 4:
                 self.assertIn(f"v.000{frame}.vdb: cannot be read as a .vdb file: grid 'velocity' is damaged", message)
             self.assertEqual(self.files(), before)
-        # Without it, where the frame is met.
+        # Without --verify a tool fails at the damaged frame.
         self.assertIn("grid 'velocity' is damaged", self.fails(3, "vdblic_noise", "--like", "v.0002.vdb", "-o", "n.vdb"))
 
     def test_sizes_are_checked_before_anything_is_allocated(self):
@@ -252,7 +250,7 @@ class Survival(ToolTest):
             message = self.fails(3, *command)
             self.assertLess(time.monotonic() - started, 10)
             self.assertRegex(message, r"(huge|joined)\.vdb: .*voxels would take .* of memory or more")
-        # What --bbox leaves of it is fine, and tiles need not be expanded to be compared.
+        # The part inside --bbox is small, and comparing does not expand tiles.
         self.outputs("vdblic_advect", "huge.vdb", "-o", "out.vdb", "--bbox", 0, 0, 0, 15, 15, 15)
         self.assertEqual(self.run_tool("vdblic_diff", "huge.vdb", "huge.vdb").returncode, 0)
 
@@ -266,7 +264,7 @@ class Survival(ToolTest):
             _, status, usage = os.wait4(run.pid, 0)
             run.returncode = os.waitstatus_to_exitcode(status)
             self.assertIn(run.returncode, (0, 3), messages)
-            self.assertLess(usage.ru_maxrss, (150 + 40) << 10)  # 40 MiB for code, which is no data
+            self.assertLess(usage.ru_maxrss, (150 + 40) << 10)  # 40 MiB for code, which is not data
             if run.returncode == 3:
                 self.assertIn("--max-memory", messages)
                 self.assertEqual([name for name in self.files() if name[0] not in "nv"], [])

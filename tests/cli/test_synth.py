@@ -1,4 +1,4 @@
-"""vdblic_synth: its grids read back by pyopenvdb against formulas written here, and how it fails."""
+"""vdblic_synth: its grids, read by pyopenvdb, against the formulas, and its failures."""
 
 import pathlib
 import resource
@@ -129,7 +129,7 @@ class Synth(ToolTest):
             resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 
         message = self.fails(4, "vdblic_synth", "abc", "-o", "v.%d.vdb", "--size", 40, 40, 40, "--frames", "1-2",
-                             preexec_fn=limit, restore_signals=False)  # so that SIGXFSZ is ignored
+                             preexec_fn=limit, restore_signals=False)  # SIGXFSZ stays ignored
         self.assertIn("v.1.vdb", message)
         self.assertEqual(self.files(), [])
 

@@ -1,12 +1,16 @@
-/// Any text as what a user types; the first byte says what it is meant to be.
+/// Any text as user input; the first byte selects the parser.
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/render/transfer_function.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace {
 
@@ -20,7 +24,7 @@ void requireAscending(const std::vector<std::int64_t>& frames)
 
 void requireSameFrame(const vdblic::FramePattern& pattern)
 {
-    // A pattern's paths end in the number they were made of, whatever stands around it.
+    // A pattern's paths contain the frame number they were made from.
     for (const std::int64_t frame : {0, 7, 123456}) {
         if (pattern.path(frame).string().find(std::to_string(frame)) == std::string::npos) std::abort();
     }
@@ -60,7 +64,7 @@ void parse(char what, std::string_view text)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-    // 999,999 frames in a few characters are allowed, and slow to count again and again.
+    // A list of a few characters may select 999,999 frames; long lists of such parts are slow to expand.
     constexpr std::size_t kLongest = 200;
     if (size == 0 || size > kLongest) return 0;
     try {

@@ -11,14 +11,13 @@ compile() {
     target=$1
     shift
     clang++ -std=c++20 -g -O1 -Wno-psabi -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Ilib \
-        -include algorithm -include vector -include string -include fmt/format.h \
         "tests/fuzz/$target.cpp" "$@" -lfmt -o "$out/$target"
 }
 
 mkdir -p "$out/corpus/layout" "$out/corpus/text"
 io=lib/vdblic/io render=lib/vdblic/render
 compile fuzz_layout $io/vdb_layout.cpp $io/checksum.cpp &
-compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/sequence.cpp $io/grid_reference.cpp \
+compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/frame_list.cpp $io/sequence.cpp $io/grid_reference.cpp \
     $render/transfer_function.cpp $render/color_map.cpp
 wait $!
 fuzz() {

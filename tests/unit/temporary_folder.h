@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <stdlib.h>
 #include <string>
+#include <system_error>
 
 namespace vdblic {
 

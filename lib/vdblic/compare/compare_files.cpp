@@ -7,14 +7,20 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <system_error>
+#include <utility>
 
 namespace vdblic {
 namespace {
 
-/// Grids of one name, by order, on either side; null where there is none.
+/// The grids of one name and occurrence in A and B; null where it is missing.
 struct GridPair {
     openvdb::GridBase::Ptr a, b;
     std::string name;
@@ -25,18 +31,18 @@ struct GridPair {
 std::vector<GridPair> pairGrids(const VdbFile& a, const VdbFile& b)
 {
     std::vector<GridPair> pairs;
-    std::map<std::pair<std::string, int>, std::size_t> places;
+    std::map<std::pair<std::string, int>, std::size_t> indexOf;
     std::map<std::string, int> seenA, seenB;
     for (const auto& grid : a.grids) {
         const std::string name = grid->getName();
         const int occurrence = seenA[name]++;
-        places[{name, occurrence}] = pairs.size();
+        indexOf[{name, occurrence}] = pairs.size();
         pairs.push_back({grid, nullptr, name, occurrence});
     }
     for (const auto& grid : b.grids) {
         const std::string name = grid->getName();
         const int occurrence = seenB[name]++;
-        if (const auto found = places.find({name, occurrence}); found != places.end())
+        if (const auto found = indexOf.find({name, occurrence}); found != indexOf.end())
             pairs[found->second].b = grid;
         else
             pairs.push_back({nullptr, grid, name, occurrence});
@@ -58,7 +64,7 @@ GridDifference comparePair(const GridPair& pair, const CompareParams& params)
     return result;
 }
 
-/// Compare what was read, and write |A − B| if `output` is given.
+/// Compare the files of a frame, and write |A − B| if `output` is given.
 FileDifference compareRead(const FrameDifference& frame, const CompareParams& params,
                            const std::optional<std::filesystem::path>& output, Reporter& reporter)
 {
@@ -86,13 +92,13 @@ FileDifference compareRead(const FrameDifference& frame, const CompareParams& pa
     return result;
 }
 
-bool isThere(const std::filesystem::path& path)
+bool isOnDisk(const std::filesystem::path& path)
 {
     std::error_code ignored;
     return std::filesystem::exists(path, ignored);
 }
 
-/// The frames to compare, and which side has them.
+/// The frames to compare, and the sides that have them.
 std::vector<FrameDifference> matchFrames(const CompareSequencesParams& params)
 {
     for (const std::string& side : {params.a, params.b}) {
@@ -125,7 +131,7 @@ std::vector<FrameDifference> matchFrames(const CompareSequencesParams& params)
     }
     for (const std::int64_t frame : frames) {
         const std::filesystem::path pathA = a.path(frame), pathB = b.path(frame);
-        const bool inA = isThere(pathA), inB = isThere(pathB);
+        const bool inA = isOnDisk(pathA), inB = isOnDisk(pathB);
         if (!inA && !inB) {
             throw InputError(
                 fmt::format("frame {} is missing on both sides: {}, {}", frame, pathA.string(), pathB.string()));
@@ -148,9 +154,9 @@ void checkNoInput(const std::filesystem::path& output, const std::vector<FrameDi
 void CompareSequencesParams::validate() const
 {
     compare.validate();
-    if (skipExisting && output.empty()) throw ParameterError("--skip-existing needs --output to look for");
+    if (skipExisting && output.empty()) throw ParameterError("`skip_existing` needs `output` to look for");
     if (compare.firstOnly && !output.empty()) {
-        throw ParameterError("--first stops before every difference is known; leave out --output or --first");
+        throw ParameterError("`first` stops before every difference is known; leave out `output` or `first`");
     }
 }
 

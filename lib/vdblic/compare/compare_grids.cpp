@@ -6,7 +6,12 @@
 #include "vdblic/compare/tree_difference.h"
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointDataGrid.h>
+
 #include <cmath>
+#include <type_traits>
 
 namespace vdblic {
 namespace {
@@ -22,25 +27,25 @@ void checkTolerance(const char* name, double value)
 
 std::vector<std::string> creationMetadata()
 {
-    // Not every file_*: Mantaflow's file_base_resolution, for one, says what is in the file.
+    // Not every file_*: Mantaflow's file_base_resolution, for example, describes the content.
     return {"creator",        "file_bbox_min",    "file_bbox_max",     "file_compression",
             "file_mem_bytes", "file_voxel_count", "file_delayed_load", "is_saved_as_half_float"};
 }
 
 void CompareParams::validate() const
 {
-    checkTolerance("the failure tolerance (--fail)", fail);
-    checkTolerance("the relative tolerance (--relative)", relative);
-    checkTolerance("the share of failures (--fail-percent)", failPercent);
+    checkTolerance("the failure tolerance (`fail`)", fail);
+    checkTolerance("the relative tolerance (`relative`)", relative);
+    checkTolerance("the share of failures (`fail_percent`)", failPercent);
     if (failPercent > 100) {
-        throw ParameterError(fmt::format("the share of failures (--fail-percent) is {}; at most 100", failPercent));
+        throw ParameterError(fmt::format("the share of failures (`fail_percent`) is {}; at most 100", failPercent));
     }
-    if (hardFail) checkTolerance("the hard limit (--hard-fail)", *hardFail);
-    if (warn) checkTolerance("the warning tolerance (--warn)", *warn);
+    if (hardFail) checkTolerance("the hard limit (`hard_fail`)", *hardFail);
+    if (warn) checkTolerance("the warning tolerance (`warn`)", *warn);
     checkTolerance("the transform tolerance", transformTolerance);
     if (firstOnly && failPercent > 0) {
         throw ParameterError(
-            "--first stops before the share of failures is known; leave out --fail-percent or --first");
+            "`first` stops before the share of failures is known; leave out `fail_percent` or `first`");
     }
 }
 
@@ -53,7 +58,7 @@ GridDifference compareGrids(const openvdb::GridBase& a, const openvdb::GridBase&
     result.typeB = b.valueType();
     result.metadata = compare::compareMetadata(a, b, params.ignoredMetadata);
     result.transform = compare::compareTransforms(a, b, params.transformTolerance);
-    // Value types stand for grid types: OpenVDB reads one configuration of each.
+    // A value type identifies the grid type here: OpenVDB reads one tree configuration of each.
     if (a.type() != b.type()) {
         if (result.typeA == result.typeB) {
             result.typeA = a.type();

@@ -8,7 +8,7 @@
 
 namespace vdblic {
 
-/// What a comparison comes to. Ordered: of several verdicts the largest holds.
+/// The result of a comparison. Ordered: the verdict on several parts is the largest of theirs.
 enum class Verdict { kSame, kWarns, kDiffers };
 
 /// One voxel (or point) whose value or activity differs.
@@ -17,21 +17,21 @@ struct VoxelDifference {
     std::array<double, 3> world{};       ///< world position by A's transform
     std::string a, b;                    ///< the two values, as text
     bool activeInA = true, activeInB = true;
-    double error = 0; ///< infinite if exactly one value is not finite, or they are different infinities
+    double error = 0; ///< infinite if one value is not finite, or both are different infinities
 };
 
-/// Figures over every finite pair of values, in the unit of the values.
+/// Figures over all pairs of finite values, in the unit of the values.
 struct ErrorFigures {
-    double max = 0; ///< infinite if a finite value meets one that is not
+    double max = 0; ///< infinite if a pair differs and one value is not finite
     double mean = 0;
     double rms = 0;
 };
 
 /// How the values of two grids, or of one attribute of their points, differ.
 ///
-/// The error of a pair is |a − b|; of vectors the length of a − b; of booleans and strings 1 if they are not
-/// equal. Not-a-number equals not-a-number, an infinity equals itself, and any other pair with one of these is
-/// over every tolerance. Voxels active in one grid only are compared by the values stored there.
+/// The error of a pair is |a − b|; of vectors the length of a − b; of booleans and strings 1 if they differ. NaN equals
+/// NaN and an infinity equals itself; any other pair with a value that is not finite exceeds every tolerance. For a
+/// voxel active in one grid only, the stored values of both grids are compared.
 struct ValueDifference {
     std::uint64_t compared = 0; ///< voxels active in either grid, or pairs of points
     ErrorFigures error;
@@ -39,14 +39,14 @@ struct ValueDifference {
     double peak = 0;                        ///< largest finite |value| of both
     double psnr = 0;                        ///< 20 log10(peak / RMS) [dB]; infinite if RMS is 0
     std::vector<ErrorFigures> components;   ///< x, y, z of vectors; empty for other types
-    std::uint64_t notFinite = 0;            ///< pairs left out of the figures: one is not finite and they differ
-    std::uint64_t overFail = 0;             ///< pairs over the failure tolerance
-    std::uint64_t overWarn = 0;             ///< pairs over the warning tolerance
+    std::uint64_t notFinite = 0;            ///< pairs left out of the figures: different, one not finite
+    std::uint64_t overFail = 0;             ///< pairs above the failure tolerance
+    std::uint64_t overWarn = 0;             ///< pairs above the warning tolerance
     std::uint64_t onlyInA = 0, onlyInB = 0; ///< voxels active in one grid only
-    std::uint64_t failing = 0;              ///< over the failure tolerance or active in one grid only
+    std::uint64_t failing = 0;              ///< above the failure tolerance or active in one grid only
     std::optional<VoxelDifference> first;   ///< the failing voxel with the least (x, y, z)
-    std::optional<VoxelDifference> worst;   ///< the voxel of the largest error, of equal ones the least (x, y, z)
-    Verdict verdict = Verdict::kSame;       ///< by the tolerances given
+    std::optional<VoxelDifference> worst;   ///< the voxel of the largest error; least (x, y, z) among equals
+    Verdict verdict = Verdict::kSame;       ///< by the given tolerances
 
     [[nodiscard]] double failingPercent() const
     {
@@ -54,19 +54,19 @@ struct ValueDifference {
     }
 };
 
-/// A piece of metadata that is not the same on both sides; nothing where it is missing.
+/// A metadata entry that differs; no value on the side where it is missing.
 struct MetadataDifference {
     std::string key;
     std::optional<std::string> a, b;
 };
 
-/// Transforms that put voxels at different places.
+/// Transforms that map voxels to different positions.
 struct TransformDifference {
-    std::string a, b; ///< the affine matrices, row by row, as they act on row vectors; or the kind of map
-    double shift = 0; ///< how far a voxel is moved at most, within the active voxels [voxels]
+    std::string a, b; ///< the affine matrices by rows, for row vectors; or the type of map
+    double shift = 0; ///< the largest shift of an active voxel [voxels]
 };
 
-/// Values where nothing is stored.
+/// Different background values.
 struct BackgroundDifference {
     std::string a, b;
 };
@@ -75,7 +75,7 @@ struct BackgroundDifference {
 struct AttributeDifference {
     std::string name;
     std::string typeA, typeB;              ///< empty where the attribute is missing
-    std::optional<ValueDifference> values; ///< nothing if missing on one side or of another type
+    std::optional<ValueDifference> values; ///< none if missing on a side or if the types differ
     [[nodiscard]] Verdict verdict() const;
 };
 
@@ -90,7 +90,7 @@ struct PointDifference {
     [[nodiscard]] Verdict verdict() const;
 };
 
-/// How two grids of one name differ.
+/// How two grids of the same name differ.
 struct GridDifference {
     std::string name;
     int occurrence = 0;       ///< 0 for the first grid of this name in its file
@@ -98,13 +98,13 @@ struct GridDifference {
     std::optional<TransformDifference> transform;
     std::optional<BackgroundDifference> background;
     std::vector<MetadataDifference> metadata;
-    std::optional<ValueDifference> values; ///< nothing for points, or if missing or of another type
+    std::optional<ValueDifference> values; ///< none for points, a missing grid or different types
     std::optional<PointDifference> points;
     [[nodiscard]] bool isMissing() const { return typeA.empty() || typeB.empty(); }
     [[nodiscard]] Verdict verdict() const;
 };
 
-/// How two files differ: first the grids of A in its order, then those that only B has.
+/// How two files differ: the grids of A in file order, then those that only B has.
 struct FileDifference {
     std::string pathA, pathB;
     std::vector<MetadataDifference> metadata;
@@ -112,7 +112,7 @@ struct FileDifference {
     [[nodiscard]] Verdict verdict() const;
 };
 
-/// One frame of two sequences; `files` is empty apart from the paths if the frame is missing on a side.
+/// One frame of two sequences; `files` holds only the paths if the frame is missing on a side.
 struct FrameDifference {
     std::int64_t frame = 1;
     bool inA = true, inB = true;
@@ -124,7 +124,7 @@ struct FrameDifference {
 struct SequenceDifference {
     std::string a, b; ///< the patterns
     std::vector<FrameDifference> frames;
-    bool stoppedEarly = false; ///< at the first difference, as asked
+    bool stoppedEarly = false; ///< at the first difference, by CompareParams::firstOnly
     [[nodiscard]] Verdict verdict() const;
 };
 

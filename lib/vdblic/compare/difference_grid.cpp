@@ -4,13 +4,18 @@
 #include "vdblic/compare/value_metric.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cstddef>
+#include <limits>
+#include <type_traits>
 
 namespace vdblic {
 namespace {
 
 using namespace openvdb;
 
-/// The grid that holds the differences of another.
+/// The type of the grid that holds the differences of two grids.
 template<typename GridT>
 struct DifferenceOf {
     using Type = FloatGrid;
@@ -70,7 +75,7 @@ GridBase::Ptr makeDifference(const GridT& a, const GridT& b)
     auto tree = std::make_shared<Tree>(a.tree(), zeroVal<D>(), TopologyCopy());
     tree->topologyUnion(b.tree());
 
-    // What is still a tile is a constant on both sides.
+    // A tile of the union is a constant on both sides.
     auto it = tree->beginValueOn();
     it.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);
     for (; it; ++it) {

@@ -8,6 +8,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace vdblic::compare {
@@ -17,7 +19,7 @@ inline Tolerances tolerancesOf(const CompareParams& params)
     return {params.fail, params.relative, params.warn.value_or(std::numeric_limits<double>::infinity())};
 }
 
-/// The larger magnitude of two values, of those that are finite.
+/// The largest finite magnitude of two values; 0 if neither is finite.
 template<typename T>
 double finiteMagnitude(const T& a, const T& b)
 {
@@ -28,7 +30,7 @@ double finiteMagnitude(const T& a, const T& b)
     return result;
 }
 
-/// |a − b|, infinite if one of them is not finite and they differ.
+/// |a − b|; infinite if the values differ and one is not finite.
 template<typename T>
 double errorBetween(const T& a, const T& b)
 {
@@ -37,7 +39,7 @@ double errorBetween(const T& a, const T& b)
     return error <= std::numeric_limits<double>::max() ? error : std::numeric_limits<double>::infinity();
 }
 
-/// Fill in the errors, magnitudes and `notFinite` of a block; its other masks are left alone.
+/// Set the errors, magnitudes and `notFinite` of a block; its other masks stay.
 template<typename T>
 void measureBlock(const T* a, const T* b, ErrorBlock& block)
 {
@@ -66,10 +68,11 @@ void measureBlock(const T* a, const T* b, ErrorBlock& block)
     }
 }
 
-/// Sum over items 0 … count − 1 in parallel, in one order of additions for any number of threads.
+/// Sum over items 0 … count − 1 in parallel. The order of additions does not depend on the number of threads.
 ///
-/// @param makeMeter  gives a callable that adds an item to sums, with a thread's own room; called in several threads
-/// With params.firstOnly it ends soon after the first failing value, after the same item for any number of threads.
+/// With params.firstOnly the sum ends soon after the first failing value, at an item that does not depend on the number
+/// of threads.
+/// @param makeMeter makes a callable (item, sums) with buffers of its own; called by several threads
 template<typename MakeMeter>
 ValueSums sumInOrder(std::size_t count, const CompareParams& params, const MakeMeter& makeMeter)
 {

@@ -2,9 +2,16 @@
 
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace vdblic::compare {
 namespace {
@@ -24,7 +31,7 @@ bool isIgnored(const std::string& key, const std::vector<std::string>& ignored)
 bool same(const openvdb::MetaMap& a, const openvdb::MetaMap& b, const std::string& key)
 {
     if (*a[key] == *b[key]) return true;
-    // 64-bit integers of one type were just compared; between types a double is the common ground.
+    // Two int64 were just compared exactly; numbers of different types are compared as doubles.
     const bool oneInteger = a[key]->typeName() == b[key]->typeName() && a[key]->typeName() == "int64";
     const auto numberA = numericMetadata(a, key), numberB = numericMetadata(b, key);
     if (oneInteger || !numberA || !numberB) return false;
@@ -50,7 +57,7 @@ std::string matrixText(const openvdb::math::Transform& transform)
     return text;
 }
 
-/// How far the corners of a box are apart under the two transforms, in voxels of the finer one.
+/// The largest distance between a box corner under the two transforms, in voxels of the finer one.
 double largestShift(const openvdb::math::Transform& a, const openvdb::math::Transform& b, const openvdb::CoordBBox& box)
 {
     double shift = 0;
@@ -72,7 +79,7 @@ double largestShift(const openvdb::math::Transform& a, const openvdb::math::Tran
 std::vector<MetadataDifference> compareMetadata(const openvdb::MetaMap& a, const openvdb::MetaMap& b,
                                                 const std::vector<std::string>& ignored)
 {
-    std::map<std::string, MetadataDifference> differences; // in the order of names
+    std::map<std::string, MetadataDifference> differences; // sorted by name
     const auto note = [&](const std::string& key) {
         if (isIgnored(key, ignored) || differences.contains(key)) return;
         if (a[key] && b[key] && same(a, b, key)) return;
@@ -95,13 +102,13 @@ std::optional<TransformDifference> compareTransforms(const openvdb::GridBase& a,
                                                      double tolerance)
 {
     const openvdb::math::Transform &transformA = a.transform(), &transformB = b.transform();
-    // OpenVDB's own comparison of transforms has a tolerance too; it serves where there is no matrix.
+    // OpenVDB's comparison of transforms has a tolerance of its own, so it is used only where there is no matrix.
     const bool linear = transformA.isLinear() && transformB.isLinear();
     if (linear ? matrixOf(transformA) == matrixOf(transformB) : transformA == transformB) return std::nullopt;
     openvdb::CoordBBox box = a.evalActiveVoxelBoundingBox();
     box.expand(b.evalActiveVoxelBoundingBox());
     if (box.empty()) box.reset({0, 0, 0}, {1, 1, 1});
-    // One voxel more: a box of one voxel has no extent to show a scale or a rotation by.
+    // A box of one voxel has no extent that would show a scale or a rotation.
     box.expand(1);
     const double shift = largestShift(transformA, transformB, box);
     if (linear && shift <= tolerance) return std::nullopt;

@@ -4,15 +4,21 @@
 
 #include <openvdb/openvdb.h>
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace vdblic::compare {
 
-/// The metadata that is not the same, by name, without the ignored.
+/// The metadata entries that differ, sorted by name.
 ///
-/// The same number in another numeric type is the same.
+/// Equal numbers of different numeric types are equal.
+/// @param ignored names left out; a last `*` stands for any rest
 [[nodiscard]] std::vector<MetadataDifference> compareMetadata(const openvdb::MetaMap& a, const openvdb::MetaMap& b,
                                                               const std::vector<std::string>& ignored);
 
-/// Nothing if no corner of the active voxels of both grids is moved further than the tolerance [voxels].
+/// The difference of two transforms; none if it moves no corner of the active voxels' bounding box by more than the
+/// tolerance [voxels].
 [[nodiscard]] std::optional<TransformDifference> compareTransforms(const openvdb::GridBase& a,
                                                                    const openvdb::GridBase& b, double tolerance);
 

@@ -2,11 +2,24 @@
 
 #include "vdblic/compare/measure.h"
 #include "vdblic/compare/point_list.h"
+#include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/points/PointDataGrid.h>
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <memory>
+#include <numeric>
+#include <optional>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic::compare {
 namespace {
@@ -14,7 +27,7 @@ namespace {
 using namespace openvdb;
 
 struct Pair {
-    std::uint64_t a, b; // numbers of points
+    std::uint64_t a, b; // indices of points
 };
 
 constexpr const char* kId = "id";
@@ -28,12 +41,11 @@ std::optional<std::vector<std::int64_t>> idsOf(const PointList& points)
     return std::nullopt;
 }
 
-/// Points in the order of their ids; of equal ids the first stays first.
+/// Indices of points sorted by id, then by index.
 std::vector<std::uint64_t> sorted(const std::vector<std::int64_t>& ids)
 {
     std::vector<std::uint64_t> order(ids.size());
-    for (std::size_t i = 0; i < order.size(); ++i)
-        order[i] = i;
+    std::iota(order.begin(), order.end(), std::uint64_t(0));
     tbb::parallel_sort(order.begin(), order.end(),
                        [&](std::uint64_t a, std::uint64_t b) { return ids[a] != ids[b] ? ids[a] < ids[b] : a < b; });
     return order;
@@ -82,7 +94,7 @@ struct Matched {
     std::unique_ptr<Vec3d[]> positionsA, positionsB;
 };
 
-/// The values of matched points, `stride` a point, block after block.
+/// Compares the values of matched points block by block, `stride` values a point.
 template<typename T>
 class PairMeter {
   public:
@@ -100,12 +112,12 @@ class PairMeter {
         const std::size_t first = block * kBlockValues;
         mBlock.compared = {};
         for (std::size_t n = 0; n < std::min(kBlockValues, count() - first); ++n) {
-            mRoomA[n] = a(first + n);
-            mRoomB[n] = b(first + n);
+            mBufferA[n] = a(first + n);
+            mBufferB[n] = b(first + n);
             setOn(mBlock.compared, n);
         }
-        measureBlock(mRoomA.data(), mRoomB.data(), mBlock);
-        addBlock(sums, mBlock, mTolerances, [&](std::size_t n) { return Place{std::int64_t(first + n), 0, 0}; });
+        measureBlock(mBufferA.data(), mBufferB.data(), mBlock);
+        addBlock(sums, mBlock, mTolerances, [&](std::size_t n) { return ValueIndex{std::int64_t(first + n), 0, 0}; });
     }
 
   private:
@@ -114,7 +126,7 @@ class PairMeter {
     const std::vector<Pair>& mPairs;
     Tolerances mTolerances;
     ErrorBlock mBlock;
-    std::array<T, kBlockValues> mRoomA{}, mRoomB{};
+    std::array<T, kBlockValues> mBufferA{}, mBufferB{};
 };
 
 template<typename T>
@@ -128,8 +140,8 @@ ValueDifference compareValues(const T* a, const T* b, std::size_t stride, const 
     const auto all = makeMeter();
     const ValueSums sums = sumInOrder((all->count() + kBlockValues - 1) / kBlockValues, params, makeMeter);
 
-    const auto describe = [&](const Place& place) {
-        const auto n = std::size_t(place[0]);
+    const auto describe = [&](const ValueIndex& index) {
+        const auto n = std::size_t(index[0]);
         VoxelDifference result;
         const std::uint64_t point = points.pairs[n / stride].a;
         const Coord voxel = points.a.voxelOf(point);
@@ -221,7 +233,7 @@ PointDifference comparePoints(const points::PointDataGrid& a, const points::Poin
     if (double(alone) > params.failPercent / 100. * double(alone + result.matched)) {
         result.countVerdict = Verdict::kDiffers;
     }
-    // A grid without points knows no attributes.
+    // A grid without points has no attributes.
     if (result.countA > 0 && result.countB > 0) compareAttributes(points, params, result);
     return result;
 }

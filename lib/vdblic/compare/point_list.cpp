@@ -1,6 +1,9 @@
 #include "vdblic/compare/point_list.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstddef>
 
 namespace vdblic::compare {
 

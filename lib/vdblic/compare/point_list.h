@@ -6,10 +6,12 @@
 #include <openvdb/points/PointDataGrid.h>
 #include <tbb/parallel_for.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace vdblic::compare {
@@ -19,7 +21,7 @@ using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
 /// The points of a grid, numbered leaf by leaf and, within a leaf, voxel by voxel.
 class PointList {
   public:
-    /// @throws InputError if a leaf says that it has points which it does not hold
+    /// @throws InputError if a leaf counts points that it does not hold
     explicit PointList(const openvdb::points::PointDataGrid& grid);
 
     [[nodiscard]] const std::string& gridName() const { return mName; }
@@ -29,15 +31,15 @@ class PointList {
     /// The voxel that holds a point.
     [[nodiscard]] openvdb::Coord voxelOf(std::uint64_t point) const;
 
-    /// The type of an attribute, as in "float", "vec3s" or "int32[4]", or nothing.
+    /// The type of an attribute, such as "float", "vec3s" or "int32[4]"; empty if there is none.
     [[nodiscard]] std::string typeOf(const std::string& attribute) const;
-    /// The names of the attributes but for those that hold groups.
+    /// The names of the attributes, without those that hold groups.
     [[nodiscard]] std::vector<std::string> attributes() const;
     [[nodiscard]] std::vector<std::string> groups() const;
-    /// Numbers a point has in an attribute.
+    /// The number of values of a point in an attribute.
     [[nodiscard]] unsigned strideOf(const std::string& attribute) const;
 
-    /// The values of all points, decoded: `stride` a point.
+    /// The decoded values of all points, strideOf() a point.
     template<typename T>
     [[nodiscard]] std::unique_ptr<T[]> values(const std::string& attribute) const;
     /// Whether each point is in a group.
@@ -56,7 +58,7 @@ class PointList {
     std::string mName;
     openvdb::math::Transform::ConstPtr mTransform;
     std::vector<const PointLeaf*> mLeaves;
-    std::vector<std::uint64_t> mFirst; // number of each leaf's first point, and the total
+    std::vector<std::uint64_t> mFirst; // index of each leaf's first point, then the total
 };
 
 template<typename T>

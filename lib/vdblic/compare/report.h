@@ -10,14 +10,14 @@ namespace vdblic {
 /// "same", "warning" or "different".
 [[nodiscard]] std::string toText(Verdict verdict);
 
-/// A frame's verdict and what differs, in words, line by line.
+/// Lines of text: a frame's verdict and its differences.
 [[nodiscard]] std::vector<std::string> reportLines(const FrameDifference& frame);
-/// The figures of a frame's grids that are the same within tolerance, line by line.
+/// Lines of text: the figures of a frame's grids that are equal within tolerance.
 [[nodiscard]] std::vector<std::string> detailLines(const FrameDifference& frame);
 
-/// Everything that is known, as JSON with two spaces of indentation (docs/diff.md).
+/// The whole difference as JSON, indented by two spaces (docs/diff.md).
 ///
-/// Numbers that JSON does not know are the strings "inf", "-inf" and "nan".
+/// Numbers that JSON lacks are the strings "inf", "-inf" and "nan".
 [[nodiscard]] std::string toJson(const SequenceDifference& difference, const CompareParams& params);
 
 } // namespace vdblic

@@ -2,7 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
+#include <optional>
 
 namespace vdblic {
 namespace {
@@ -157,7 +159,7 @@ std::string toJson(const SequenceDifference& difference, const CompareParams& pa
                          {"stopped_early", difference.stoppedEarly},
                          {"parameters", ofParams(params)},
                          {"frames", list(difference.frames, ofFrame)}};
-    // Names and metadata of a file need not be valid UTF-8; JSON has to be.
+    // Names and metadata in a file may be invalid UTF-8; JSON must be valid.
     return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

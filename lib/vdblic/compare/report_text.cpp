@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <optional>
+
 namespace vdblic {
 namespace {
 
@@ -10,7 +13,7 @@ std::string orMissing(const std::optional<std::string>& text)
     return text ? '\'' + *text + '\'' : "missing";
 }
 
-std::string place(const VoxelDifference& voxel)
+std::string describe(const VoxelDifference& voxel)
 {
     const auto& [i, j, k] = voxel.index;
     const auto& [x, y, z] = voxel.world;
@@ -36,8 +39,8 @@ void addFigures(const std::string& indent, const ValueDifference& values, std::v
     }
     if (values.notFinite > 0) lines.push_back(fmt::format("{}{} not finite on one side", indent, values.notFinite));
     if (values.overWarn > 0) lines.push_back(fmt::format("{}{} over the warning tolerance", indent, values.overWarn));
-    if (values.first) lines.push_back(fmt::format("{}first {}", indent, place(*values.first)));
-    if (values.worst) lines.push_back(fmt::format("{}worst {}", indent, place(*values.worst)));
+    if (values.first) lines.push_back(fmt::format("{}first {}", indent, describe(*values.first)));
+    if (values.worst) lines.push_back(fmt::format("{}worst {}", indent, describe(*values.worst)));
 }
 
 void addMetadata(const std::string& indent, const std::vector<MetadataDifference>& metadata,

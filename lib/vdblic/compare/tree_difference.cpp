@@ -3,14 +3,20 @@
 #include "vdblic/compare/measure.h"
 #include "vdblic/compare/tree_regions.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
+#include <type_traits>
+#include <vector>
 
 namespace vdblic::compare {
 namespace {
 
-/// Compares region after region, with room for the values of one.
+/// Compares one region after another, with buffers for the values of one.
 template<typename TreeT>
 class RegionMeter {
   public:
@@ -19,7 +25,7 @@ class RegionMeter {
     using Side = typename Region<TreeT>::Side;
     using M = Metric<Value>;
     static constexpr bool kMask = std::is_same_v<typename TreeT::BuildType, openvdb::ValueMask>;
-    static constexpr bool kDirect = !std::is_same_v<Value, bool>; // values lie side by side in a leaf
+    static constexpr bool kDirect = !std::is_same_v<Value, bool>; // a leaf stores an array of values
 
     RegionMeter(const TreeT& a, const TreeT& b, const std::vector<Region<TreeT>>& regions, const CompareParams& params)
         : mRegions(regions), mBackgroundA(a.background()), mBackgroundB(b.background()),
@@ -49,7 +55,7 @@ class RegionMeter {
         }
         if (mInactive && !kMask) addStored(a, b);
 
-        // Equal bits are equal values, whatever they stand for.
+        // Equal bits are equal values, NaNs too.
         if (onA == onB && std::memcmp(a, b, sizeof(Value) * kBlockValues) == 0) {
             for (std::size_t n = 0; n < kBlockValues; ++n)
                 mBlock.magnitude[n] = M::magnitude(a[n]);
@@ -58,7 +64,7 @@ class RegionMeter {
             return;
         }
         measure(a, b);
-        addBlock(sums, mBlock, mTolerances, [&](std::size_t n) { return placeOf(region.origin, n); });
+        addBlock(sums, mBlock, mTolerances, [&](std::size_t n) { return indexOf(region.origin, n); });
     }
 
     void addConstant(const Region<TreeT>& region, ValueSums& sums) const
@@ -101,8 +107,8 @@ class RegionMeter {
                 }
             }
         }
-        if (part.failing > 0) part.first = placeOf(region.origin, 0);
-        if (part.max > 0) part.worst = placeOf(region.origin, 0);
+        if (part.failing > 0) part.first = indexOf(region.origin, 0);
+        if (part.max > 0) part.worst = indexOf(region.origin, 0);
         sums.add(part);
     }
 
@@ -123,7 +129,7 @@ class RegionMeter {
         }
     }
 
-    /// Compare what either grid holds besides its background, active or not.
+    /// Also compare inactive values that differ from the background in either grid.
     void addStored(const Value* a, const Value* b)
     {
         for (std::size_t n = 0; n < kBlockValues; ++n) {
@@ -144,26 +150,26 @@ class RegionMeter {
         return mask;
     }
 
-    static const Value* valuesOf(const Side& side, std::array<Value, kBlockValues>& room)
+    static const Value* valuesOf(const Side& side, std::array<Value, kBlockValues>& buffer)
     {
         if constexpr (kMask) {
-            return room.data(); // the mask says it all
+            return buffer.data(); // a mask has no values
         } else if (!side.leaf) {
-            room.fill(*side.value);
-            return room.data();
+            buffer.fill(*side.value);
+            return buffer.data();
         } else if constexpr (kDirect) {
             return side.leaf->buffer().data();
         } else {
             for (openvdb::Index n = 0; n < kBlockValues; ++n)
-                room[n] = side.leaf->getValue(n);
-            return room.data();
+                buffer[n] = side.leaf->getValue(n);
+            return buffer.data();
         }
     }
 
-    static Place placeOf(const openvdb::Coord& origin, std::size_t n)
+    static ValueIndex indexOf(const openvdb::Coord& origin, std::size_t n)
     {
-        const auto place = origin + Leaf::offsetToLocalCoord(openvdb::Index(n));
-        return {place.x(), place.y(), place.z()};
+        const auto voxel = origin + Leaf::offsetToLocalCoord(openvdb::Index(n));
+        return {voxel.x(), voxel.y(), voxel.z()};
     }
 
     const std::vector<Region<TreeT>>& mRegions;
@@ -175,13 +181,13 @@ class RegionMeter {
 };
 
 template<typename GridT>
-VoxelDifference describe(const Place& place, const GridT& a, const GridT& b)
+VoxelDifference describe(const ValueIndex& index, const GridT& a, const GridT& b)
 {
     using Value = typename GridT::ValueType;
     using M = Metric<Value>;
-    const openvdb::Coord voxel{int(place[0]), int(place[1]), int(place[2])};
+    const openvdb::Coord voxel{int(index[0]), int(index[1]), int(index[2])};
     VoxelDifference result;
-    result.index = place;
+    result.index = index;
     const openvdb::Vec3d world = a.indexToWorld(voxel);
     result.world = {world.x(), world.y(), world.z()};
     Value valueA, valueB;

@@ -8,7 +8,7 @@ namespace vdblic::compare {
 
 /// Compare the values, the topology and the backgrounds of two grids of one type.
 ///
-/// For the grid types of GridTypes (grid_types.h). Fills `values` and `background` of the result.
+/// For the types of GridTypes (grid_types.h). Sets `values` and `background` of the result.
 template<typename GridT>
 void compareTrees(const GridT& a, const GridT& b, const CompareParams& params, GridDifference& result);
 

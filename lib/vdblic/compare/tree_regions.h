@@ -2,20 +2,23 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstdint>
 #include <map>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace vdblic::compare {
 
-/// A box of index space that is on either side one leaf or one constant, and not larger than it need be.
+/// A box of index space in which each of two trees has one leaf or one constant.
 ///
-/// Pointers lead into the trees.
+/// The pointers are into the trees.
 template<typename TreeT>
 struct Region {
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
 
-    /// One tree here: a leaf, or `value` throughout.
+    /// One tree in the box: a leaf, or `value` everywhere.
     struct Side {
         const Leaf* leaf = nullptr;
         const Value* value = nullptr;
@@ -26,7 +29,7 @@ struct Region {
     Side a, b;
 };
 
-/// Walks two trees at once, down to leaves only where one of them has leaves.
+/// Splits two trees into regions: it descends to leaves only where one of the trees has leaves.
 template<typename TreeT>
 class RegionFinder {
   public:
@@ -34,7 +37,7 @@ class RegionFinder {
     using Leaf = typename TreeT::LeafNodeType;
     using Root = typename TreeT::RootNodeType;
 
-    /// @param all  keep constant regions that are inactive on both sides too
+    /// @param all whether to keep constant regions that are inactive in both trees
     RegionFinder(const TreeT& a, const TreeT& b, bool all) : mAll(all)
     {
         using Top = typename Root::ChildNodeType;
@@ -59,11 +62,11 @@ class RegionFinder {
             visit(sides.first, sides.second, origin);
     }
 
-    /// In an order that depends on where the regions are only.
+    /// The order depends only on the positions of the regions.
     [[nodiscard]] const std::vector<Region<TreeT>>& regions() const { return mRegions; }
 
   private:
-    /// One tree below a node of some level: a node, or a constant.
+    /// One tree at some level: a node, or a constant.
     template<typename NodeT>
     struct Side {
         const NodeT* node = nullptr;

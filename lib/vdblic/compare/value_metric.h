@@ -1,18 +1,20 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <type_traits>
 
 namespace vdblic::compare {
 
-/// How far two values of a type are apart. `error` and `magnitude` may be not finite if a value is not.
+/// The distance of two values of a type. `error` and `magnitude` may be not finite if a value is not.
 ///
-/// kComponents is the number of components reported one by one; 0 for scalars.
+/// kComponents is the number of components that are reported; 0 for scalars.
 template<typename T>
 struct Metric;
 
@@ -30,7 +32,7 @@ struct Metric<T> {
     static constexpr int kComponents = 0;
     static double error(T a, T b)
     {
-        // 64-bit integers beyond 2⁵³ are told apart only by integer arithmetic.
+        // Doubles cannot distinguish all 64-bit integers beyond 2⁵³.
         if constexpr (sizeof(T) < 8)
             return std::abs(double(a) - double(b));
         else
@@ -101,7 +103,7 @@ struct TupleMetric {
     {
         double sum = 0;
         if constexpr (std::is_same_v<Scalar, double>) {
-            // Squares of doubles can overflow, and vanish where the values differ.
+            // Squares of doubles can overflow, or underflow to 0 where the values differ.
             for (int i = 0; i < kCount; ++i)
                 sum = std::hypot(sum, component(i));
         } else {

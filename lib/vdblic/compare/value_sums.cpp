@@ -25,7 +25,7 @@ VDBLIC_INLINE Double4 larger(Double4 a, Double4 b)
     return a > b ? a : b;
 }
 
-/// All bits on in the lanes whose bit is on, of the four from bit 4 · `half`.
+/// A mask of four lanes from bits 4·`half` to 4·`half` + 3 of a row.
 VDBLIC_INLINE Long4 lanesOf(std::uint64_t row, int half)
 {
     const auto bits = std::int64_t(row >> (4 * half));
@@ -37,7 +37,7 @@ VDBLIC_INLINE Double4 keep(Double4 x, Long4 lanes)
     return lanes ? x : Double4{};
 }
 
-/// Sums and maxima run in eight lanes, put together pairwise: one order on every machine.
+/// Sums and maxima run in eight lanes that are then joined pairwise: the same order on every machine.
 VDBLIC_INLINE double total(const Double4 (&x)[2])
 {
     const Double4 y = x[0] + x[1];
@@ -93,7 +93,7 @@ VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& toleranc
             max[half] = larger(error, max[half]);
             peak[half] = larger(magnitude, peak[half]);
             relative[half] = larger(error / (magnitude > 0. ? magnitude : broadcast(1.)), relative[half]);
-            // A true comparison is −1.
+            // A true lane is −1.
             const Long4 over = error > larger(broadcast(tolerances.relative) * magnitude, broadcast(tolerances.fail));
             overFail -= over;
             overWarn -= error > broadcast(tolerances.warn);
@@ -143,7 +143,7 @@ VDBLIC_KERNEL bool finite(const double* values)
 {
     Long4 bad{};
     for (std::size_t i = 0; i < kBlockValues; i += 4) {
-        // False for not-a-number too.
+        // The comparison is false for NaN too.
         bad |= ~(load(values + i) <= broadcast(std::numeric_limits<double>::max()));
     }
     return (bad[0] | bad[1] | bad[2] | bad[3]) == 0;

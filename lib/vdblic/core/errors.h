@@ -4,7 +4,8 @@
 
 namespace vdblic {
 
-/// The family of errors a user can mend. Every message names the file, grid or parameter, its value and the mend.
+/// Errors that a user can mend. Every message names the file, grid or parameter (its key in backticks), the value and
+/// the remedy.
 class Error : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;

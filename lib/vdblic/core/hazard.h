@@ -5,23 +5,23 @@
 
 namespace vdblic {
 
-/// What a program wants to be told when a thread begins and ends to have a file parsed by code that is not ours and
-/// was not made for hostile bytes. A program's crash handler can so tell a damaged file from a bug (tools/cli).
+/// Callbacks around the parsing of untrusted files by third-party code. With them a program's crash handler can
+/// distinguish a damaged file from a bug (tools/cli).
 ///
-/// Both are called by the thread that parses, enter() before and leave() after, and must not throw.
+/// The parsing thread calls enter() before and leave() after.
 struct HazardHooks {
     void (*enter)(const char* file, std::uint64_t size) noexcept = nullptr;
     void (*leave)() noexcept = nullptr;
 };
 
-/// Set the process's hooks, once, before it has other threads. Like the signal handlers they serve there is one set to
-/// a process: the one thing in this library that is.
+/// Set the hooks of the process. Call it once, before the process has other threads. Like the signal handlers they
+/// serve, the hooks are global; nothing else in this library is.
 void setHazardHooks(const HazardHooks& hooks);
 
-/// While it lives, this thread has a file parsed.
+/// Calls the hooks: this thread parses a file during the object's lifetime.
 class Hazard {
   public:
-    /// @param file that is parsed  @param size in bytes
+    /// @param file the file's path  @param size of the file in bytes
     Hazard(const std::string& file, std::uint64_t size);
     ~Hazard();
     Hazard(const Hazard&) = delete;

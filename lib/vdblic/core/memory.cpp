@@ -8,21 +8,23 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <sys/resource.h>
+#include <system_error>
 #include <unistd.h>
 
 namespace vdblic {
 namespace {
 
-/// The number a file begins with, or no limit: "max", or no such file.
+/// The number at the start of a file; no limit if the file says "max" or does not exist.
 std::uint64_t limitIn(const std::string& path)
 {
     std::uint64_t bytes = 0;
     return std::ifstream(path) >> bytes ? bytes : UINT64_MAX;
 }
 
-/// The least limit of this process's control groups, of either version, and of all the groups these lie in.
+/// The least limit of this process's control groups (v1 or v2) and of their ancestors.
 std::uint64_t groupLimit()
 {
     std::uint64_t least = UINT64_MAX;
@@ -69,9 +71,7 @@ std::uint64_t parseMemory(std::string_view text)
     }
     constexpr double kMost = double(std::uint64_t(1) << 50);
     if (error != std::errc{} || !(number >= 1 && number <= kMost)) {
-        constexpr std::size_t kLongest = 60;
-        throw ParameterError(
-            fmt::format("'{}' is no size of memory; give one such as 800M or 16G", text.substr(0, kLongest)));
+        throw ParameterError(fmt::format("'{:.60}' is no size of memory; give one such as 800M or 16G", text));
     }
     return std::uint64_t(number);
 }
@@ -89,7 +89,7 @@ void checkMemory(double needed, const std::string& what, const std::string& mend
 {
     const auto limit = double(memoryLimit());
     if (needed <= limit) return;
-    throw InputError(fmt::format("{} would take {} of memory or more, and {} may be used: {}, or raise --max-memory",
+    throw InputError(fmt::format("{} would take {} of memory or more, and {} may be used: {}, or raise `max_memory`",
                                  what, memoryText(needed), memoryText(limit), mend));
 }
 
@@ -97,7 +97,7 @@ void checkVoxels(std::uint64_t count, const std::string& where)
 {
     constexpr double kLeast = 16; // bytes a voxel
     checkMemory(double(count) * kLeast, fmt::format("{}{}{} voxels", where, where.empty() ? "" : ": ", count),
-                "cut the domain with --bbox or --mask");
+                "cut the domain with `box` or `mask`");
 }
 
 } // namespace vdblic

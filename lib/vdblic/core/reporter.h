@@ -1,34 +1,35 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 
 namespace vdblic {
 
-/// A computation ended because its reporter asked it to. Outputs finished before stay; nothing else was written.
+/// Thrown when the reporter asked the computation to stop. Finished outputs stay; nothing else was written.
 struct Stopped {};
 
-/// What a long computation tells its caller while it runs, and asks it; the default listens to nothing and never stops.
+/// Progress and messages of a long computation, and requests to stop it. The default ignores all and never stops.
 ///
 /// Called from one thread at a time; stopRequested() from any.
 class Reporter {
   public:
     virtual ~Reporter() = default;
 
-    /// `done` of `total` frames are finished; total 0 means not known yet.
+    /// `done` of `total` frames are finished; a total of 0 means unknown.
     virtual void progress(std::size_t /*done*/, std::size_t /*total*/) {}
-    /// A detail for those who asked for more.
+    /// A detail for verbose output.
     virtual void detail(std::string_view /*message*/) {}
-    /// A choice made for the user that should be known.
+    /// A choice made on the user's behalf, or a result.
     virtual void say(std::string_view /*message*/) {}
-    /// Something is likely wrong, yet the work goes on.
+    /// Something is probably wrong, but the work goes on.
     virtual void warn(std::string_view /*message*/) {}
     /// An output file is complete under its final name.
     virtual void finished(const std::filesystem::path& /*output*/) {}
-    /// Whether to give up the frame that is being computed and all that follow.
+    /// Whether to drop the current frame and all that follow.
     [[nodiscard]] virtual bool stopRequested() const { return false; }
 
-    /// Asked at least once a frame. @throws Stopped if a stop is requested
+    /// Called at least once a frame. @throws Stopped if a stop is requested
     void checkStop() const
     {
         if (stopRequested()) throw Stopped{};

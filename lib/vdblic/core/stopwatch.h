@@ -4,9 +4,10 @@
 
 namespace vdblic {
 
-/// Wall time in seconds since it was made or last asked. Not thread-safe.
+/// Wall time between laps. Not thread-safe.
 class Stopwatch {
   public:
+    /// Seconds since construction or the last lap.
     double lap()
     {
         const auto now = std::chrono::steady_clock::now();

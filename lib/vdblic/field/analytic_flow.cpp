@@ -2,8 +2,13 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace vdblic {
 namespace {
@@ -71,8 +76,8 @@ FlowFunction makeTornado(const Vec3d&)
 /// The time-periodic double gyre (Shadden, Lekien & Marsden, "Definition and properties of Lagrangian coherent
 /// structures from finite-time Lyapunov exponents in two-dimensional aperiodic flows", Physica D 212, 2005) in x–y,
 ///     ψ = A sin(π f(x, t)) sin(πy),  f = ε sin(ωt) x² + (1 − 2ε sin(ωt)) x,  x in [0, 2], y in [0, 1],
-/// stretched over the whole box; a steady cell in y–z, of A/4, carries from layer to layer. Nothing passes
-/// the box's walls. A makes the speed's root mean square about 1.
+/// stretched over the whole box. A steady cell in y–z of amplitude A/4 connects the layers. No flow passes the box's
+/// walls. A is chosen for a root mean square speed of about 1.
 FlowFunction makeGyre(const Vec3d& extent)
 {
     constexpr double kCell = 0.25;
@@ -95,8 +100,7 @@ FlowFunction makeGyre(const Vec3d& extent)
 
 /// Hill's spherical vortex, the fattest of the vortex rings (Hill, "On a spherical vortex", Phil. Trans. R. Soc. A 185,
 /// 1894; Lamb, Hydrodynamics, 165), held in the box by a head wind as fast as the ring,
-/// V = 1: with z along the axis, r across
-/// it, R² = r² + z² and the sphere's radius a,
+/// V = 1. With z along the axis, r the distance from it, R² = r² + z² and a the sphere's radius,
 ///     inside:  v_r = 3/2 V rz/a²,    v_z = 3/2 V (1 − (2r² + z²)/a²),
 ///     outside: v_r = 3/2 V a³rz/R⁵,  v_z = V (a³/R³ (1 − 3/2 r²/R²) − 1).
 /// Its radius pulsates while it moves to and fro along the axis.

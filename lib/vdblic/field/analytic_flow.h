@@ -2,6 +2,8 @@
 
 #include "vdblic/field/box_domain.h"
 
+#include <openvdb/openvdb.h>
+
 #include <functional>
 #include <span>
 #include <string_view>
@@ -13,18 +15,17 @@ using FlowFunction = std::function<openvdb::Vec3d(const openvdb::Vec3d& position
 
 /// An unsteady flow in a box, without units.
 ///
-/// A flow is made for a box whose sides are `extent`, with the middle one of the three sides as the unit of length,
-/// so that it suits slabs as well as long boxes. Positions count from the box's centre. The unit of time is the one
-/// in which the flow's typical speed is 1.
+/// `make` takes the box's sides in units of their median, so that flows suit slabs as well as long boxes. Positions are
+/// relative to the box's centre. The unit of time is such that the typical speed is 1.
 struct AnalyticFlow {
     std::string_view name, description;
     FlowFunction (*make)(const openvdb::Vec3d& extent);
 };
 
-/// Every flow there is.
+/// All flows.
 [[nodiscard]] std::span<const AnalyticFlow> analyticFlows();
 
-/// @throws ParameterError naming the flows there are
+/// The flow of a name. @throws ParameterError naming the known flows
 [[nodiscard]] const AnalyticFlow& findAnalyticFlow(std::string_view name);
 
 /// The typical speed of a flow in a box of voxels, in voxels per second: three voxels a frame at 24 frames a second.
@@ -32,12 +33,12 @@ inline constexpr double kFlowSpeed = 72;
 
 /// A flow in the world: position in world units, time in seconds → velocity in world units per second.
 ///
-/// The flow is scaled to the box: its unit of length is the middle one of the box's sides, its typical speed kFlowSpeed
-/// voxels per second whatever the size is. So a larger box holds the same flow at a higher resolution, and the
-/// flow takes longer to change.
+/// The flow is scaled to the box: its unit of length is the median of the box's sides, its typical speed kFlowSpeed
+/// voxels per second for any size. So a larger box has the same flow at a higher resolution, and the flow changes more
+/// slowly.
 ///
 /// @param voxelSize in world units; the centre of voxel (i, j, k) lies at (i, j, k) · voxelSize
-/// @throws ParameterError as checkBoxSize() does, or if the voxel size is not a positive number
+/// @throws ParameterError of checkBoxSize() and checkVoxelSize()
 [[nodiscard]] FlowFunction flowInBox(const AnalyticFlow& flow, const BoxSize& size, double voxelSize);
 
 } // namespace vdblic

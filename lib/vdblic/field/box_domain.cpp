@@ -2,11 +2,16 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
+
 namespace vdblic {
 
 void checkBoxSize(const BoxSize& size)
 {
-    constexpr int kLongest = 100'000; // a domain's indices end a little beyond
+    constexpr int kLongest = 100'000; // about the largest index that a Domain supports
     for (const int side : size) {
         if (side < 1 || side > kLongest) {
             throw ParameterError(

@@ -3,11 +3,12 @@
 #include "vdblic/field/domain.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 
 namespace vdblic {
 
-/// The voxel size of grids made from a size alone, in world units; OpenVDB's and Houdini's usual one.
+/// The default voxel size in world units, as in OpenVDB and Houdini.
 inline constexpr double kDefaultVoxelSize = 0.1;
 
 /// The most voxels a box may have.
@@ -19,10 +20,10 @@ using BoxSize = std::array<int, 3>;
 /// @throws ParameterError if a side is not positive or too long, or the box has more than kMaxBoxVoxels voxels
 void checkBoxSize(const BoxSize& size);
 
-/// @throws ParameterError if the voxel size is not a number from 0.0001 to 10000, which every reader can handle
+/// @throws ParameterError if the voxel size is not a number from 0.0001 to 10000, the range that all readers handle
 void checkVoxelSize(double voxelSize);
 
-/// The domain of all voxels of a box. @throws ParameterError as checkBoxSize() does
+/// The domain of all voxels of a box. @throws ParameterError of checkBoxSize()
 [[nodiscard]] std::shared_ptr<const Domain> boxDomain(const BoxSize& size);
 
 } // namespace vdblic

@@ -1,11 +1,17 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
 #include "vdblic/field/vector.h"
 
+#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
+#include <cstddef>
 #include <memory>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 
@@ -24,16 +30,16 @@ struct Numbers<8> {
 
 } // namespace bricks
 
-/// What fast sampling is made of: for each leaf a brick of 9³ records, its 8³ voxels and the next voxel in each
+/// Fast sampling of a domain's values. For each leaf a brick of 9³ records: its 8³ voxels and the next voxel in each
 /// positive direction, so that a cell's eight corners always lie in one brick.
 ///
 /// A record is four or eight numbers, loaded and interpolated together. Records are premultiplied by their voxel's
-/// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: the interpolated values over the
-/// interpolated coverage are then the mean over the corners that have values. At the rim of a domain this continues the
+/// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: interpolated values over
+/// interpolated coverage are the mean over the corners that have values. At the rim of a domain this continues the
 /// values of the last voxels, as clamping does.
 ///
-/// Only leaves whose bricks are filled can be sampled. Any number of threads may sample, and none while others are
-/// filled.
+/// Only leaves whose bricks are filled can be sampled. Any number of threads may sample, and none while bricks are
+/// filled or released.
 template<int kNumbers>
 class BricksOf {
   public:
@@ -41,10 +47,13 @@ class BricksOf {
     struct alignas(sizeof(Vector)) Record {
         float values[kNumbers];
     };
-    static constexpr int kDim = 9;
+    static constexpr int kDim = LeafVoxel::kDim + 1;
     static constexpr int kSize = kDim * kDim * kDim;
 
-    /// Stand for a domain; no leaf has a brick.
+    /// The index in its brick of a voxel's record. @param x, y, z coordinates in the brick, 0 to kDim − 1
+    [[nodiscard]] VDBLIC_INLINE static constexpr int index(int x, int y, int z) { return (x * kDim + y) * kDim + z; }
+
+    /// Take on a domain; none of its leaves has a brick yet.
     void cover(std::shared_ptr<const Domain> domain)
     {
         for (auto& brick : mBricks) {
@@ -55,8 +64,8 @@ class BricksOf {
     }
 
     /// Fill the bricks of some leaves, in parallel.
-    /// @param leaves range of numbers
-    /// @param fill   called as fill(leaf, records) with the leaf's number and its kSize records, x slowest, to be set
+    /// @param leaves range of leaf numbers
+    /// @param fill   callback fill(leaf, records) with the leaf's number; sets its kSize records, x slowest
     template<typename Leaves, typename Fill>
     void fill(const Leaves& leaves, const Fill& fill)
     {
@@ -74,7 +83,7 @@ class BricksOf {
         });
     }
 
-    /// Give the bricks of some leaves up, for others to be filled.
+    /// Take the bricks of some leaves away; later fill() calls reuse their memory.
     template<typename Leaves>
     void release(const Leaves& leaves)
     {
@@ -82,10 +91,10 @@ class BricksOf {
             mSpare.push_back(std::move(mBricks[leaf]));
     }
 
-    /// A cell of the grid of voxel centres, and a place in it.
+    /// A cell of the grid of voxel centres, and a position in it.
     struct Cell {
         const Record* corner; ///< the record at the cell's lowest corner; null outside every brick
-        Float4 fraction;      ///< the place, 0 to 1 along each axis
+        Float4 fraction;      ///< the position, 0 to 1 along each axis
     };
 
     /// @param position in index space, voxel centres at integers; the fourth lane is ignored
@@ -97,17 +106,17 @@ class BricksOf {
             leaf = clampToLeaf(position, base);
             if (leaf < 0) return {nullptr, position};
         }
-        return {record(leaf, ((base[0] & 7) * kDim + (base[1] & 7)) * kDim + (base[2] & 7)),
+        return {record(leaf, index(LeafVoxel::local(base[0]), LeafVoxel::local(base[1]), LeafVoxel::local(base[2]))),
                 position - __builtin_convertvector(base, Float4)};
     }
 
-    /// locate(), kept out of line: for the rare position that is not where it was expected.
+    /// locate(), kept out of line: for the rare position outside the window it was expected in.
     [[nodiscard]] [[gnu::noinline]] Cell locateAnywhere(Float4 position) const { return locate(position); }
 
-    /// A record of a leaf's brick, by its place among the kSize.
-    [[nodiscard]] VDBLIC_INLINE const Record* record(int leaf, int place) const
+    /// A record of a leaf's brick. @param index of the record, see index()
+    [[nodiscard]] VDBLIC_INLINE const Record* record(int leaf, int index) const
     {
-        return mBricks[std::size_t(leaf)].get() + place;
+        return mBricks[std::size_t(leaf)].get() + index;
     }
 
     /// Trilinear interpolation of the premultiplied numbers.
@@ -120,25 +129,26 @@ class BricksOf {
     }
 
     /// Interpolate at eight positions.
-    /// @param window the leaf in and around which they are expected; elsewhere it takes longer
-    /// @param lanes  those to interpolate; the other rows are zero, and so are those outside every brick
+    /// @param window the leaf in and around which they are expected; elsewhere interpolation is slower
+    /// @param lanes  bits of the lanes to interpolate; the other rows are zero, as are rows outside every brick
     VDBLIC_INLINE void interpolate(const LeafWindow& window, const Vector8& position, unsigned lanes,
                                    Vector (&rows)[8]) const
     {
         const Int8 x = floorToInt(position.x), y = floorToInt(position.y), z = floorToInt(position.z);
-        const auto nine = [](Int8 n) { return (n << 3) + n; };
-        alignas(32) int places[8], records[8];
+        static_assert(kDim == 9);
+        const auto nine = [](Int8 n) { return (n << 3) + n; }; // without a multiplication
+        alignas(32) int slots[8], records[8];
         alignas(32) float weights[8][8]; // of a corner, of a lane
         const auto store = [](auto& to, auto values) { __builtin_memcpy(&to, &values, sizeof values); };
-        store(places, window.place(x, y, z));
-        store(records, nine(nine(x & 7) + (y & 7)) + (z & 7));
+        store(slots, window.slots(x, y, z));
+        store(records, nine(nine(LeafVoxel::local(x)) + LeafVoxel::local(y)) + LeafVoxel::local(z));
         const auto fraction = [](Float8 p, Int8 base) { return p - __builtin_convertvector(base, Float8); };
         weightCorners(fraction(position.x, x), fraction(position.y, y), fraction(position.z, z),
                       [&](int corner, Float8 weight) { store(weights[corner], weight); });
         for (int i = 0; i < 8; ++i) {
             Vector row{};
             if (lanes >> i & 1) {
-                const int leaf = window.leaves[std::size_t(places[i])];
+                const int leaf = window.leaves[std::size_t(slots[i])];
                 if (__builtin_expect(leaf >= 0, 1)) {
                     row = weigh(record(leaf, records[i]), [&](int corner) { return weights[corner][i]; });
                 } else if (const Cell cell = locateAnywhere(position.lane(i)); cell.corner) {
@@ -170,16 +180,16 @@ class BricksOf {
     template<typename WeightOf>
     VDBLIC_INLINE static Vector weigh(const Record* lowest, const WeightOf& weightOf)
     {
-        constexpr int kY = kDim, kX = kDim * kDim;
-        const auto part = [&](int corner, int place) {
-            return *reinterpret_cast<const Vector*>(lowest[place].values) * weightOf(corner);
+        constexpr int kX = index(1, 0, 0), kY = index(0, 1, 0);
+        const auto part = [&](int corner, int offset) {
+            return *reinterpret_cast<const Vector*>(lowest[offset].values) * weightOf(corner);
         };
         return ((part(0, 0) + part(1, 1)) + (part(2, kY) + part(3, kY + 1))) +
                ((part(4, kX) + part(5, kX + 1)) + (part(6, kX + kY) + part(7, kX + kY + 1)));
     }
 
-    /// In the half voxel below a leaf that has no leaf before it, the first voxels' values go on: move the position up
-    /// to them, along as few axes as will do. @return the leaf then, or −1
+    /// The values of a leaf's first voxels continue half a voxel below it where there is no leaf before. Move such a
+    /// position up to the voxels' centres, along as few axes as necessary. @return the leaf, or −1 outside
     [[gnu::noinline]] int clampToLeaf(Float4& position, Int4& base) const
     {
         const Int4 nearest = voxelOf(position);
@@ -200,49 +210,52 @@ class BricksOf {
     }
 
     std::shared_ptr<const Domain> mDomain;
-    std::vector<std::unique_ptr<Record[]>> mBricks; // of each leaf
-    std::vector<std::unique_ptr<Record[]>> mSpare;
+    std::vector<std::unique_ptr<Record[]>> mBricks; // of each leaf; null if not filled
+    std::vector<std::unique_ptr<Record[]>> mSpare;  // released
 };
 
 using Bricks = BricksOf<8>;
 using Record = Bricks::Record;
 
-/// Visit the 9³ voxels of a leaf's brick in its domain: visit(record index, leaf, offset), the leaf −1 where there is
-/// no voxel of the domain.
+/// Visit the 9³ voxels of a leaf's brick in its domain.
+/// @param visit callback visit(index of the record, leaf, offset in the leaf); leaf −1 outside the domain
 template<typename Visit>
 void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
 {
     const openvdb::Coord origin = domain.origin(leaf);
+    constexpr int kLeafDim = LeafVoxel::kDim;
     for (int part = 0; part < 8; ++part) {
-        const Int4 begin = {part & 4 ? 8 : 0, part & 2 ? 8 : 0, part & 1 ? 8 : 0, 0};
-        const Int4 end = begin + (begin == 0 ? Int4{8, 8, 8, 8} : Int4{1, 1, 1, 1});
+        const Int4 begin = {part & 4 ? kLeafDim : 0, part & 2 ? kLeafDim : 0, part & 1 ? kLeafDim : 0, 0};
+        const Int4 end = begin + (begin == 0 ? Int4{} + kLeafDim : Int4{} + 1);
         const int there = domain.findLeaf(begin + Int4{origin[0], origin[1], origin[2], 0});
         const Domain::Mask* mask = there < 0 ? nullptr : &domain.mask(std::size_t(there));
         for (int x = begin[0]; x < end[0]; ++x) {
             for (int y = begin[1]; y < end[1]; ++y) {
                 for (int z = begin[2]; z < end[2]; ++z) {
                     const unsigned offset = Domain::offset(Int4{x, y, z, 0});
-                    visit((x * Bricks::kDim + y) * Bricks::kDim + z, mask && mask->isOn(offset) ? there : -1, offset);
+                    visit(Bricks::index(x, y, z), mask && mask->isOn(offset) ? there : -1, offset);
                 }
             }
         }
     }
 }
 
-/// Visit the 9³ voxels of a brick in a tree: visit(record index, value, active), values as the tree has them.
+/// Visit the 9³ voxels of a leaf's brick in a tree.
+/// @param origin of the leaf
+/// @param visit  callback visit(index of the record, value, active)
 template<typename TreeT, typename Visit>
 void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& visit)
 {
+    constexpr int kLeafDim = LeafVoxel::kDim;
     for (int part = 0; part < 8; ++part) {
-        const openvdb::Coord begin((part >> 2) & 1 ? 8 : 0, (part >> 1) & 1 ? 8 : 0, part & 1 ? 8 : 0);
-        const openvdb::Coord end(begin[0] ? 9 : 8, begin[1] ? 9 : 8, begin[2] ? 9 : 8);
+        const openvdb::Coord begin(part & 4 ? kLeafDim : 0, part & 2 ? kLeafDim : 0, part & 1 ? kLeafDim : 0);
+        const auto endOf = [](int first) { return first == 0 ? kLeafDim : Bricks::kDim; };
+        const openvdb::Coord end(endOf(begin[0]), endOf(begin[1]), endOf(begin[2]));
         const auto forEachVoxel = [&](const auto& visitVoxel) {
             for (int x = begin[0]; x < end[0]; ++x) {
                 for (int y = begin[1]; y < end[1]; ++y) {
-                    const int record = (x * Bricks::kDim + y) * Bricks::kDim;
-                    const unsigned row = Domain::offset(Int4{x, y, 0, 0});
                     for (int z = begin[2]; z < end[2]; ++z)
-                        visitVoxel(record + z, row + unsigned(z & 7));
+                        visitVoxel(Bricks::index(x, y, z), unsigned(LeafVoxel::offset(x, y, z)));
                 }
             }
         };
@@ -255,9 +268,9 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
                     [&](int record, unsigned offset) { visit(record, values[offset], leaf->isValueOn(offset)); });
             }
         } else {
-            typename TreeT::ValueType tile{};
-            const bool active = tree.probeValue(origin + begin, tile);
-            forEachVoxel([&](int record, unsigned) { visit(record, tile, active); });
+            typename TreeT::ValueType constant{}; // an OpenVDB tile's, or the background
+            const bool active = tree.probeValue(origin + begin, constant);
+            forEachVoxel([&](int record, unsigned) { visit(record, constant, active); });
         }
     }
 }

@@ -1,12 +1,17 @@
 #include "vdblic/field/derived_grids.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/io/velocity_grids.h"
+#include "vdblic/field/index_axes.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 
 namespace vdblic {
 namespace {

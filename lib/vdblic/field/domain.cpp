@@ -3,7 +3,11 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/Prune.h>
+
+#include <algorithm>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -11,7 +15,7 @@ namespace {
 // A 4 MB table of blocks: 20,000³ voxels in a cube, or a sheet of 250,000 by 250,000.
 constexpr std::size_t kMaxBlocks = std::size_t(1) << 22;
 
-// Positions are single precision; up to here a voxel is resolved to 1/64.
+// Positions are single precision: up to this coordinate a voxel is resolved to 1/64.
 constexpr int kMaxCoordinate = 1 << 17;
 
 } // namespace
@@ -21,7 +25,7 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
     checkVoxels(mTopology->activeVoxelCount());
     mTopology->voxelizeActiveTiles();
     mTopology->getNodes(mLeaves);
-    // Leaves without an active voxel hold nothing to compute.
+    // Leaves without an active voxel need no computation.
     if (std::any_of(mLeaves.begin(), mLeaves.end(), [](const Leaf* leaf) { return leaf->isEmpty(); })) {
         openvdb::tools::pruneInactive(*mTopology);
         mLeaves.clear();
@@ -38,32 +42,32 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
         if (box.min()[axis] < -kMaxCoordinate || box.max()[axis] >= kMaxCoordinate) {
             throw InputError(
                 fmt::format("active voxels reach from {} to {} along axis {}; indices beyond ±{} cannot be "
-                            "traced accurately: move the grid's origin or cut it with --bbox",
-                            box.min()[axis], box.max()[axis] + 7, axis, kMaxCoordinate));
+                            "traced accurately: move the grid's origin or cut it with `box`",
+                            box.min()[axis], box.max()[axis] + LeafVoxel::kDim - 1, axis, kMaxCoordinate));
         }
-        mFirstBlock[axis] = box.min()[axis] >> kBlockShift;
-        mBlockDim[axis] = unsigned((box.max()[axis] >> kBlockShift) - mFirstBlock[axis] + 1);
+        mFirstBlock[axis] = box.min()[axis] >> LeafBlock::kLog2Voxels;
+        mBlockDim[axis] = unsigned((box.max()[axis] >> LeafBlock::kLog2Voxels) - mFirstBlock[axis] + 1);
     }
     const std::size_t blocks = std::size_t(mBlockDim[0]) * mBlockDim[1] * mBlockDim[2];
     if (blocks > kMaxBlocks) {
         throw InputError(fmt::format("active voxels spread over {}x{}x{} blocks of 128 voxels; at most {} blocks are "
-                                     "supported: cut the domain with --bbox",
+                                     "supported: cut the domain with `box`",
                                      mBlockDim[0], mBlockDim[1], mBlockDim[2], kMaxBlocks));
     }
 
     mBlocks.assign(blocks, -1);
     for (std::size_t i = 0; i < mLeaves.size(); ++i) {
         const openvdb::Coord c = mLeaves[i]->origin();
-        const std::size_t place = (std::size_t((c[0] >> kBlockShift) - mFirstBlock[0]) * mBlockDim[1] +
-                                   std::size_t((c[1] >> kBlockShift) - mFirstBlock[1])) *
-                                      mBlockDim[2] +
-                                  std::size_t((c[2] >> kBlockShift) - mFirstBlock[2]);
-        if (mBlocks[place] < 0) {
-            mBlocks[place] = int(mLeafOfBlock.size() / kBlockLeaves);
-            mLeafOfBlock.resize(mLeafOfBlock.size() + kBlockLeaves, -1);
+        const auto along = [&](int axis) {
+            return std::size_t((c[axis] >> LeafBlock::kLog2Voxels) - mFirstBlock[axis]);
+        };
+        int& block = mBlocks[(along(0) * mBlockDim[1] + along(1)) * mBlockDim[2] + along(2)];
+        if (block < 0) {
+            block = int(mLeafOfBlock.size() / LeafBlock::kCount);
+            mLeafOfBlock.resize(mLeafOfBlock.size() + LeafBlock::kCount, -1);
         }
-        const int inBlock = ((c[0] >> 3) & 15) << 8 | ((c[1] >> 3) & 15) << 4 | ((c[2] >> 3) & 15);
-        mLeafOfBlock[std::size_t(mBlocks[place]) * kBlockLeaves + std::size_t(inBlock)] = int(i);
+        const int leafIndex = LeafBlock::leafIndex(c[0], c[1], c[2]);
+        mLeafOfBlock[std::size_t(block) * LeafBlock::kCount + std::size_t(leafIndex)] = int(i);
     }
 }
 

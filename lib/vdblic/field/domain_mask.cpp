@@ -5,10 +5,17 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
 #include <openvdb/tree/LeafManager.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <memory>
+#include <type_traits>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -16,7 +23,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3d;
 
-/// Keep the voxels for which keep(coordinate) holds; it is made once a leaf by makeKeep().
+/// Keep the voxels for which keep(index) holds. makeKeep() makes keep once a leaf.
 template<typename MakeKeep>
 void filterVoxels(openvdb::MaskTree& topology, const MakeKeep& makeKeep)
 {
@@ -33,16 +40,12 @@ void filterVoxels(openvdb::MaskTree& topology, const MakeKeep& makeKeep)
 /// The smallest index box that holds every voxel whose centre may lie in a world-space box.
 openvdb::CoordBBox indexBox(const std::array<double, 6>& world, const openvdb::math::Transform& transform)
 {
-    openvdb::BBoxd box;
-    for (int corner = 0; corner < 8; ++corner) {
-        box.expand(transform.worldToIndex(
-            Vec3d(world[corner & 1 ? 3 : 0], world[corner & 2 ? 4 : 1], world[corner & 4 ? 5 : 2])));
-    }
-    constexpr double kFar = 1 << 30;
-    const auto clamped = [&](double x) { return std::clamp(x, -kFar, kFar); };
-    const Vec3d &low = box.min(), &high = box.max();
-    return {Coord::floor(Vec3d(clamped(low[0]), clamped(low[1]), clamped(low[2]))),
-            Coord::ceil(Vec3d(clamped(high[0]), clamped(high[1]), clamped(high[2])))};
+    const openvdb::BBoxd box = openvdb::BBoxd(Vec3d(world[0], world[1], world[2]), Vec3d(world[3], world[4], world[5]))
+                                   .applyInverseMap(*transform.baseMap());
+    const auto clamped = [far = Vec3d(1 << 30)](const Vec3d& corner) {
+        return openvdb::math::minComponent(openvdb::math::maxComponent(corner, -far), far);
+    };
+    return {Coord::floor(clamped(box.min())), Coord::ceil(clamped(box.max()))};
 }
 
 void cutByWorldBox(openvdb::MaskTree& topology, const std::array<double, 6>& world,
@@ -87,8 +90,8 @@ void cutByMask(openvdb::MaskTree& topology, const openvdb::math::Transform& tran
         using GridT = std::decay_t<decltype(typed)>;
         filterVoxels(topology, [&] {
             return [&, values = typed.getConstAccessor()](const Coord& voxel) {
-                const Vec3d there = typed.worldToIndex(transform.indexToWorld(voxel));
-                return includes<GridT>(values, Coord::round(there), levelSet);
+                const Vec3d inMask = typed.worldToIndex(transform.indexToWorld(voxel));
+                return includes<GridT>(values, Coord::round(inMask), levelSet);
             };
         });
     });
@@ -103,13 +106,10 @@ openvdb::GridBase::Ptr readMask(const std::string& argument, std::int64_t frame,
     const auto [pattern, name] = parseGridReference(argument);
     const std::filesystem::path path = FramePattern(pattern.string()).path(frame);
     const VdbFile file = readVdb(path);
-    for (const auto& grid : file.grids) {
-        if (!name.empty() && grid->getName() != name) continue;
-        where = fmt::format("mask {}: grid {}", path.string(), grid->getName());
-        return grid;
-    }
-    throw InputError(fmt::format("mask {}: {}; the file holds {}", path.string(),
-                                 name.empty() ? "no grid" : fmt::format("no grid '{}'", name), file.contents()));
+    const bool first = name.empty() && !file.grids.empty();
+    auto grid = first ? file.grids.front() : file.get<openvdb::GridBase>(name, "FILE:GRID");
+    where = fmt::format("mask {}: grid {}", path.string(), grid->getName());
+    return grid;
 }
 
 } // namespace

@@ -6,27 +6,29 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
 namespace vdblic {
 
-/// What part of the velocity's active voxels to compute on.
+/// The part of the velocity's active voxels to compute on.
 struct DomainParams {
-    /// FILE or FILE:GRID, the file one or a sequence with the input's frame numbers; empty: everything.
-    /// A voxel belongs if the mask is above 0 at its centre, of a level set below 0, of a mask grid active.
+    /// FILE or FILE:GRID, where FILE is one file or a sequence with the input's frame numbers; empty for all voxels.
+    /// A voxel is included if, at its centre, the mask is positive (a level set: negative; a mask grid: active).
     std::string mask;
     std::optional<std::array<int, 6>> box;         ///< first and last voxel, x y z x y z
-    std::optional<std::array<double, 6>> worldBox; ///< lower and upper corner; a voxel belongs by its centre
+    std::optional<std::array<double, 6>> worldBox; ///< lower and upper corner; a voxel is included by its centre
 
     void validate() const; ///< @throws ParameterError
 };
 
-/// The domain of a frame: active voxels of the velocity, cut by the parameters.
+/// The domain of a frame: the active voxels of the velocity that the parameters include.
 ///
 /// @param topology the velocity's active voxels and tiles; tiles are expanded only inside the boxes
 /// @param transform of the velocity; the mask may have another
-/// @throws InputError if the mask cannot be read or is not of a type that masks
+/// @throws InputError if the mask cannot be read or its type is not supported
 [[nodiscard]] std::shared_ptr<const Domain> makeDomain(openvdb::MaskTree::Ptr topology,
                                                        const openvdb::math::Transform& transform,
                                                        const DomainParams& params, std::int64_t frame);

@@ -1,5 +1,7 @@
 #include "vdblic/field/slabs.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -17,7 +19,7 @@ Slabs::Slabs(const Domain& domain) : mLeaves(domain.leafCount())
     for (std::size_t leaf = 0; leaf < mLeaves.size(); ++leaf)
         box.expand(domain.origin(leaf));
     mAxis = int(box.maxExtent());
-    const auto layerOf = [&](std::uint32_t leaf) { return domain.origin(leaf)[mAxis] >> 3; };
+    const auto layerOf = [&](std::uint32_t leaf) { return LeafVoxel::leafCoordinate(domain.origin(leaf)[mAxis]); };
     std::iota(mLeaves.begin(), mLeaves.end(), 0u);
     std::stable_sort(mLeaves.begin(), mLeaves.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return layerOf(a) < layerOf(b); });

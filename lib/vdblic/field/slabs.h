@@ -2,28 +2,30 @@
 
 #include "vdblic/field/domain.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace vdblic {
 
-/// A domain's leaves in slabs across its longest axis, so that work which looks no farther than a few leaves can go
-/// through a large domain with only the slabs around in memory.
+/// A domain's leaves in slabs across its longest axis. Work that reaches no farther than a few leaves can sweep over a
+/// large domain with only the slabs around in memory.
 ///
-/// Slabs are as thin as they can be with enough leaves for many threads; a small domain is one slab. Immutable; any
-/// number of threads may read.
+/// Slabs are as thin as possible with enough leaves for many threads; a small domain is one slab. Immutable; any number
+/// of threads may read.
 class Slabs {
   public:
     using Leaves = std::span<const std::uint32_t>; ///< numbers of leaves, ascending
 
     explicit Slabs(const Domain& domain);
 
-    [[nodiscard]] int axis() const { return mAxis; } ///< that the slabs lie along
+    [[nodiscard]] int axis() const { return mAxis; } ///< along which slab follows slab: the domain's longest
     [[nodiscard]] std::size_t size() const { return mSlabs.size(); }
     [[nodiscard]] Leaves operator[](std::size_t slab) const;
 
-    /// Go through the slabs in order. Before work(leaves) of a slab, every slab that lies within `reach` leaves of it
-    /// has gone through open(leaves); one that no later slab reaches goes through close(leaves).
+    /// Call work(leaves) for each slab in order. Every slab within `reach` leaves of it was passed to open(leaves)
+    /// before; slabs that no later slab reaches are passed to close(leaves).
     template<typename Open, typename Close, typename Work>
     void sweep(int reach, const Open& open, const Close& close, const Work& work) const
     {
@@ -41,11 +43,11 @@ class Slabs {
 
   private:
     struct Slab {
-        int first, last;   ///< layers of leaves along the axis
-        std::size_t begin; ///< in mLeaves
+        int first, last;   ///< layers: coordinates along the axis, in leaves
+        std::size_t begin; ///< index in mLeaves
     };
 
-    /// Layers from one slab to another that comes after it, or 0.
+    /// Layers from one slab to a later one; 0 if `after` is not later.
     [[nodiscard]] int distance(std::size_t before, std::size_t after) const
     {
         return before < after ? mSlabs[after].first - mSlabs[before].last : 0;

@@ -4,7 +4,15 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -21,7 +29,7 @@ void SynthParams::validate() const
     (void)findAnalyticFlow(flow);
     checkBoxSize(size);
     checkVoxelSize(voxelSize);
-    constexpr double kLongest = 1e6; // seconds; formulas of sines lose their meaning far beyond
+    constexpr double kLongest = 1e6; // seconds; the sines of the flows lose precision far beyond
     if (!(dt > 0 && dt <= kLongest)) {
         throw ParameterError(fmt::format("dt {}: must be a positive number of seconds, at most {}", dt, kLongest));
     }

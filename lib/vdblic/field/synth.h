@@ -3,6 +3,8 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/analytic_flow.h"
 
+#include <openvdb/openvdb.h>
+
 #include <string>
 
 namespace vdblic {
@@ -20,19 +22,20 @@ struct SynthParams {
     void validate() const;
 };
 
-/// A flow on the active voxels of a domain at one moment: a grid `velocity` in world units per second.
+/// Sample a flow at one time on the active voxels of a domain: a grid `velocity` in world units per second, of the
+/// vector type contravariant relative.
 ///
 /// @param flow      world position, seconds → world units per second
 /// @param transform of the grid
 /// @param time      in seconds
-/// Made in parallel, computed in double precision.
+/// Computed in parallel and in double precision.
 [[nodiscard]] openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domain,
                                                  const openvdb::math::Transform& transform, double time);
 
-/// Write one file for each frame, holding the grid of sampleFlow() with the metadata `frame` (int64), `time` and `dt`
-/// (double, in seconds), its vector type contravariant relative.
+/// Write one file a frame with the grid of sampleFlow() and its metadata `frame` (int64), `time` and `dt` (double, in
+/// seconds).
 ///
-/// The time of a frame follows from its number alone, so any part of a sequence can be made on its own.
+/// The time of a frame depends only on its number, so parts of a sequence can be made separately.
 /// @throws ParameterError, OutputError
 void synthSequence(const SynthParams& params, Reporter& reporter);
 

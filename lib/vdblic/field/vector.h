@@ -4,9 +4,9 @@
 
 namespace vdblic {
 
-/// Short vectors of the compiler's vector extension: arithmetic and comparison act per lane, on any processor. Those of
-/// 32 bytes are aligned to that, which the baseline would not ask for but kernels for AVX do; wider ones would be taken
-/// apart into scalars.
+/// Short vectors of the compiler's vector extension: arithmetic and comparison act per lane, on any processor. Vectors
+/// of 32 bytes are aligned to 32: the baseline would not ask for it, but kernels for AVX do. The compiler would take
+/// wider vectors apart into scalars.
 using Float4 = float __attribute__((vector_size(16)));
 using Float8 = float __attribute__((vector_size(32), aligned(32)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
@@ -16,14 +16,14 @@ using Unsigned8 = std::uint32_t __attribute__((vector_size(32), aligned(32)));
 using Double4 = double __attribute__((vector_size(32), aligned(32)));
 using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
 
-/// How many particles or rays are worked on side by side: enough loads in flight to hide the memory's latency.
+/// Particles or rays processed side by side: enough loads in flight to hide the memory's latency.
 inline constexpr int kLanes = 8;
 
-/// Functions that hot loops are made of: always merged into their caller, so that they take on its instruction set.
+/// For functions called in hot loops: always inlined, so that they are compiled for their caller's instruction set.
 #define VDBLIC_INLINE [[gnu::always_inline]] inline
 
-/// Functions that hold a hot loop: compiled for AVX2 and AVX-512 besides the baseline, the version chosen when the
-/// program is loaded. All give equal bits: nothing in this project may be contracted or reassociated.
+/// For functions that hold a hot loop: compiled for AVX2 and AVX-512 besides the baseline; the version is chosen when
+/// the program is loaded. All versions give equal bits, because nothing in this project is contracted or reassociated.
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define VDBLIC_KERNEL [[gnu::flatten, gnu::target_clones("avx512f", "avx2", "default")]]
 #else
@@ -34,7 +34,7 @@ VDBLIC_INLINE Float4 broadcast4(float x)
 {
     return Float4{x, x, x, x};
 }
-/// A number in every lane. Filled lane by lane it becomes one instruction; written as a list GCC 12 makes it eight.
+/// A number in every lane. Filled lane by lane it compiles to one instruction; GCC 12 turns a list into eight.
 VDBLIC_INLINE Float8 broadcast8(float x)
 {
     Float8 all{};
@@ -50,11 +50,11 @@ VDBLIC_INLINE Int8 broadcastInt8(int x)
     return all;
 }
 
-/// The largest integers not above x, for |x| < 2³¹; beyond, any numbers.
+/// The largest integers not above x, for |x| < 2³¹; beyond, unspecified numbers.
 VDBLIC_INLINE Int4 floorToInt(Float4 x)
 {
     const Int4 truncated = __builtin_convertvector(x, Int4);
-    const Int4 below = x < __builtin_convertvector(truncated, Float4); // a true comparison is −1
+    const Int4 below = x < __builtin_convertvector(truncated, Float4); // true is −1
     return Int4(Unsigned4(truncated) + Unsigned4(below));
 }
 VDBLIC_INLINE Int8 floorToInt(Float8 x)
@@ -64,14 +64,14 @@ VDBLIC_INLINE Int8 floorToInt(Float8 x)
     return Int8(Unsigned8(truncated) + Unsigned8(below));
 }
 
-/// Whether a lane of a comparison's result holds true.
+/// Whether any lane of a comparison's result is true.
 VDBLIC_INLINE bool anyOf(Int8 mask)
 {
     const auto words = reinterpret_cast<Long4>(mask);
     return (words[0] | words[1] | words[2] | words[3]) != 0;
 }
 
-/// A comparison's result that holds true in the lanes whose bits are set.
+/// A comparison's result that is true in the lanes whose bits are set.
 VDBLIC_INLINE Int8 maskOf(unsigned lanes)
 {
     return (broadcastInt8(int(lanes)) & Int8{1, 2, 4, 8, 16, 32, 64, 128}) != 0;
@@ -85,7 +85,7 @@ VDBLIC_INLINE Float8 squareRoots(Float8 x)
     return root;
 }
 
-/// Eight vectors, lane by lane.
+/// Eight vectors of three components, one vector a lane.
 struct Vector8 {
     Float8 x, y, z;
 
@@ -122,7 +122,7 @@ VDBLIC_INLINE Float8 squaredLength(const Vector8& a)
     return a.x * a.x + a.y * a.y + a.z * a.z;
 }
 
-/// Eight rows of eight numbers into eight columns, which may be the same place.
+/// Turn eight rows of eight numbers into eight columns, in place if `columns` is `rows`.
 VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
 {
     Float8 pairs[8], quads[8];
@@ -142,7 +142,7 @@ VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
     }
 }
 
-/// Eight rows of four numbers, row i beside row i + 4, into four columns.
+/// Turn eight rows of four numbers, row i beside row i + 4, into four columns.
 VDBLIC_INLINE void transposePairs(const Float8* pairs, Float8* columns)
 {
     const Float8 a = __builtin_shufflevector(pairs[0], pairs[1], 0, 8, 1, 9, 4, 12, 5, 13);
@@ -154,6 +154,7 @@ VDBLIC_INLINE void transposePairs(const Float8* pairs, Float8* columns)
     columns[2] = __builtin_shufflevector(c, d, 0, 1, 8, 9, 4, 5, 12, 13);
     columns[3] = __builtin_shufflevector(c, d, 2, 3, 10, 11, 6, 7, 14, 15);
 }
+/// Turn eight rows of four numbers into four columns.
 VDBLIC_INLINE void transpose(const Float4* rows, Float8* columns)
 {
     Float8 pairs[4];
@@ -162,7 +163,7 @@ VDBLIC_INLINE void transpose(const Float4* rows, Float8* columns)
     transposePairs(pairs, columns);
 }
 
-/// The voxel a position lies in; centres are at integers, so voxel i covers [i − ½, i + ½).
+/// The voxel that a position lies in; centres are at integers, so voxel i covers [i − ½, i + ½).
 VDBLIC_INLINE Int4 voxelOf(Float4 position)
 {
     return floorToInt(position + 0.5f);

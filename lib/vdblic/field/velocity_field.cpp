@@ -1,12 +1,12 @@
 #include "vdblic/field/velocity_field.h"
 
 #include "vdblic/core/stopwatch.h"
+#include "vdblic/field/largest_value.h"
 
-#include <openvdb/tree/LeafManager.h>
-
-#include <tbb/parallel_reduce.h>
-
+#include <cmath>
+#include <cstddef>
 #include <ranges>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -16,50 +16,29 @@ VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
     return a > b ? a : b;
 }
 
-/// The largest amount of an active value, along each axis.
-Float4 largestAmount(const openvdb::Vec3STree& tree)
+/// The largest magnitude of an active value, along each axis.
+Float4 largestMagnitude(const openvdb::Vec3STree& tree)
 {
+    struct Amount { // as a template argument, a vector type alone would lose its alignment
+        Float4 lanes{};
+    };
     const auto amount = [](const openvdb::Vec3f& value) {
         const Float4 v = {value[0], value[1], value[2], 0};
-        return v < 0 ? -v : v;
+        return Amount{v < 0 ? -v : v};
     };
-    Float4 largest{};
-    auto tile = tree.cbeginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile)
-        largest = larger(largest, amount(*tile));
-
-    struct Largest {
-        Float4 amount{};
-    };
-    const openvdb::tree::LeafManager<const openvdb::Vec3STree> leaves(tree);
-    const Largest inLeaves = tbb::parallel_reduce(
-        leaves.leafRange(), Largest{},
-        [&](const auto& range, Largest most) {
-            for (auto leaf = range.begin(); leaf; ++leaf) {
-                const openvdb::Vec3f* values = leaf->buffer().data();
-                if (leaf->isDense()) {
-                    for (openvdb::Index i = 0; i < openvdb::Vec3STree::LeafNodeType::SIZE; ++i)
-                        most.amount = larger(most.amount, amount(values[i]));
-                } else {
-                    for (auto value = leaf->cbeginValueOn(); value; ++value)
-                        most.amount = larger(most.amount, amount(*value));
-                }
-            }
-            return most;
-        },
-        [](const Largest& a, const Largest& b) { return Largest{larger(a.amount, b.amount)}; });
-    return larger(largest, inLeaves.amount);
+    return largestValue(tree, Amount{}, amount,
+                        [](const Amount& a, const Amount& b) { return Amount{larger(a.lanes, b.lanes)}; })
+        .lanes;
 }
 
-/// And of what a matrix makes of them, at most.
+/// An upper bound of the velocity's magnitude, along each axis [voxels per step].
 Float4 largestVelocity(const VelocityLevel& level)
 {
-    const Float4 amount = largestAmount(level.velocities);
+    const Float4 magnitude = largestMagnitude(level.velocities);
     Float4 most{};
     for (int to = 0; to < 3; ++to) {
         for (int from = 0; from < 3; ++from)
-            most[to] += float(std::abs(level.toStep(to, from))) * amount[from];
+            most[to] += float(std::abs(level.toStep(to, from))) * magnitude[from];
     }
     return most;
 }

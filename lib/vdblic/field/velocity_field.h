@@ -1,13 +1,21 @@
 #pragma once
 
 #include "vdblic/field/bricks.h"
+#include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
 #include "vdblic/field/slabs.h"
+#include "vdblic/field/vector.h"
 
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <memory>
 #include <optional>
 
 namespace vdblic {
 
-/// One frame's velocities and what turns them into voxels per step.
+/// One frame's velocities and their conversion to voxels per step.
 struct VelocityLevel {
     const openvdb::Vec3STree& velocities; ///< on voxel centres, in any unit
     openvdb::Mat3d toStep;                ///< stored value → voxels per step, in index space
@@ -15,18 +23,19 @@ struct VelocityLevel {
 
 /// The velocity over one time step, in voxels per step, trilinear in space and linear in time between two frames.
 ///
-/// A voxel that has a velocity in only one of the frames keeps it for the whole step, up to the very moment of the
-/// frame in which it has none. Any number of threads may sample.
+/// A voxel that has a velocity in only one of the frames keeps it for the whole step, the moment of the other frame
+/// excluded. Any number of threads may sample, and none while leaves are filled or released.
 class VelocityField {
   public:
-    /// Take a step, which must outlive every fill(); nothing can be sampled yet.
-    /// @param domain the leaves to sample in
-    /// @param start, end the frames at the step's two ends
+    /// Begin a step; no leaf can be sampled yet.
+    /// @param domain     the leaves to sample in
+    /// @param start, end the frames at the step's two ends; their trees must outlive every fill()
     void prepare(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end);
 
-    /// Make leaves ready to be sampled: positions in their voxels, and up to the centres of the next.
+    /// Fill leaves. They can be sampled then from half a voxel before their first voxels' centres to the centres of the
+    /// voxels after their last.
     void fill(Slabs::Leaves leaves);
-    /// Free the memory that takes.
+    /// Free filled leaves' memory for other leaves; they cannot be sampled any longer.
     void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
 
     /// prepare() and fill() everything.
@@ -75,10 +84,10 @@ class VelocityField {
     /// The frame at the step's end.
     [[nodiscard]] const VelocityLevel& end() const { return *mEnd; }
 
-    /// An upper bound of the velocity's amount anywhere, along each axis [voxels per step].
+    /// An upper bound of the velocity's magnitude anywhere, along each axis [voxels per step].
     [[nodiscard]] Float4 largest() const { return mLargest; }
 
-    /// Wall time that prepare() and fill() have taken since the last prepare() began.
+    /// Wall time of the last prepare() and every fill() since.
     [[nodiscard]] double secondsToFill() const { return mSeconds; }
 
     [[nodiscard]] const Domain& domain() const { return mBricks.domain(); }
@@ -89,8 +98,8 @@ class VelocityField {
     void fillBricks(const Leaves& leaves);
     VDBLIC_INLINE const float* recordOf(int leaf, unsigned offset) const
     {
-        const int place = (int(offset >> 6) * Bricks::kDim + int(offset >> 3 & 7)) * Bricks::kDim + int(offset & 7);
-        return mBricks.record(leaf, place)->values;
+        const LeafVoxel voxel = LeafVoxel::at(offset);
+        return mBricks.record(leaf, Bricks::index(voxel.x, voxel.y, voxel.z))->values;
     }
     Bricks mBricks;
     std::optional<VelocityLevel> mStart, mEnd;

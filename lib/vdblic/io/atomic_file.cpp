@@ -4,11 +4,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstddef>
 #include <fcntl.h>
 #include <fstream>
+#include <string>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -18,7 +25,12 @@ namespace {
     throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::generic_category().message(errno)));
 }
 
-/// Flush a folder to disk; those of some file systems cannot be, which is no error.
+std::filesystem::path folderOf(const std::filesystem::path& path)
+{
+    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+/// Flush a folder to disk. On some file systems that is impossible, which is no error.
 void flushFolder(const std::filesystem::path& folder)
 {
     const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -27,9 +39,66 @@ void flushFolder(const std::filesystem::path& folder)
     ::close(descriptor);
 }
 
-std::filesystem::path folderOf(const std::filesystem::path& path)
+/// Lock a temporary file for as long as it is open. The system frees the lock when the process ends, however it ends.
+/// @return false if another writer has locked it. True on file systems without locks, where no file is ever removed.
+bool lock(int descriptor)
 {
-    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+/// Whether an open file still has the name under which it was opened.
+bool isAt(const std::filesystem::path& path, int descriptor)
+{
+    struct stat named {
+    }, open{};
+    return ::lstat(path.c_str(), &named) == 0 && ::fstat(descriptor, &open) == 0 && named.st_dev == open.st_dev &&
+           named.st_ino == open.st_ino;
+}
+
+/// Remove a temporary file that no living process has locked. @return whether there was one that could be opened
+bool removeIfDead(const std::filesystem::path& path)
+{
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0) return false;
+    // The name cannot pass to another file in between: only the holder of the lock renames or removes the file.
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && isAt(path, descriptor)) ::unlink(path.c_str());
+    ::close(descriptor);
+    return true;
+}
+
+/// The host's name is part of a temporary file's: where NFS is mounted without locks, a lock holds on its host only.
+std::string hostName()
+{
+    std::array<char, 65> name{}; // Linux allows 64 characters
+    if (::gethostname(name.data(), name.size() - 1) != 0) return "host";
+    std::replace(name.begin(), name.end(), '/', '_');
+    return name.data();
+}
+
+/// The temporary names of an output on this host, by number.
+std::filesystem::path temporaryName(const std::filesystem::path& final, int number)
+{
+    constexpr std::size_t kLongest = 120; // leaves room for the rest in the 255 bytes of a file name
+    const std::string name = final.filename().string().substr(0, kLongest);
+    return folderOf(final) / fmt::format(".{}.{}-{}.part", name, hostName(), number);
+}
+
+/// Take the first temporary name of an output that no living process has, and remove the files of dead processes.
+/// @param create makes the file; false with EEXIST if the name is taken
+template<typename Create>
+std::filesystem::path takeName(const std::filesystem::path& final, const Create& create)
+{
+    constexpr int kMostWriters = 1000;
+    int number = 0;
+    for (;; ++number) {
+        removeIfDead(temporaryName(final, number));
+        if (create(temporaryName(final, number))) break;
+        if (errno != EEXIST || number == kMostWriters) fail(final, "cannot be written");
+    }
+    const std::filesystem::path taken = temporaryName(final, number);
+    while (removeIfDead(temporaryName(final, ++number))) {
+    }
+    return taken;
 }
 
 } // namespace
@@ -51,17 +120,21 @@ AtomicFile::AtomicFile(std::filesystem::path final, Temporary kind) : mFinal(std
         throw OutputError(
             fmt::format("{}: the folder {} does not exist; make it first", mFinal.string(), folder.string()));
     }
-    mNamed = folder / fmt::format(".{}.part", mFinal.filename().string());
     if (kind == Temporary::kUnnamedIfPossible) {
         mDescriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
         mTemporary = fmt::format("/proc/self/fd/{}", mDescriptor);
-        mUnnamed = mDescriptor >= 0 && ::access(mTemporary.c_str(), W_OK) == 0;
+        mUnnamed = mDescriptor >= 0 && ::access(mTemporary.c_str(), W_OK) == 0 && lock(mDescriptor);
         if (mUnnamed) return;
         if (mDescriptor >= 0) ::close(mDescriptor); // no /proc
     }
-    mTemporary = mNamed;
-    mDescriptor = ::open(mNamed.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (mDescriptor < 0) fail(mFinal, "cannot be written");
+    mNamed = mTemporary = takeName(mFinal, [&](const std::filesystem::path& name) {
+        mDescriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (mDescriptor < 0) return false;
+        if (lock(mDescriptor) && isAt(name, mDescriptor)) return true;
+        ::close(mDescriptor); // another writer removed it before it was locked
+        errno = EEXIST;
+        return false;
+    });
 }
 
 AtomicFile::~AtomicFile()
@@ -75,10 +148,9 @@ void AtomicFile::commit()
 {
     if (::fsync(mDescriptor) != 0) fail(mFinal, "cannot be flushed to disk");
     if (mUnnamed) {
-        ::unlink(mNamed.c_str()); // of a process killed between here and the renaming
-        if (::linkat(AT_FDCWD, mTemporary.c_str(), AT_FDCWD, mNamed.c_str(), AT_SYMLINK_FOLLOW) != 0) {
-            fail(mFinal, "cannot be given a name");
-        }
+        mNamed = takeName(mFinal, [&](const std::filesystem::path& name) {
+            return ::linkat(AT_FDCWD, mTemporary.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+        });
         mUnnamed = false;
     }
     if (::rename(mNamed.c_str(), mFinal.c_str()) != 0) fail(mFinal, "cannot be renamed into place");

@@ -5,15 +5,18 @@
 
 namespace vdblic {
 
-/// Whether an output is there, and so finished: outputs have their final names only when they are complete.
+/// Whether an output exists and so is complete: an output has its final name only then.
 [[nodiscard]] bool isFinished(const std::filesystem::path& output);
 
 /// An output that appears under its final name complete or not at all.
 ///
 /// Write to temporary(), then commit(): the data is flushed to disk, the file renamed, the folder flushed. Without
 /// commit() nothing stays. The temporary file has no name until commit(), so that a killed process leaves none behind.
-/// File systems that cannot do that (NFS) get a hidden one with the name `.FINAL.part`; what a killed process leaves
-/// under it is removed by the next that writes the same output.
+/// On file systems without unnamed files (NFS) it has the hidden name `.FINAL.HOST-N.part`, where N is the first number
+/// that no living writer uses. So writers of one output, in one process or several, never share a temporary file; the
+/// last commit() wins. The next writer of the same output on the host removes the files of killed writers. A writer
+/// locks its file (flock), so that others see it is alive; a process id would not do, since ids are reused and differ
+/// between containers.
 class AtomicFile {
   public:
     enum class Temporary { kUnnamedIfPossible, kNamed };
@@ -24,10 +27,10 @@ class AtomicFile {
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// Where to write, until commit().
+    /// The path to write to until commit().
     [[nodiscard]] const std::filesystem::path& temporary() const { return mTemporary; }
 
-    /// @throws OutputError naming the file and the system's reason; the final name is then as it was
+    /// @throws OutputError naming the file and the system's reason; a file of the final name is then unchanged
     void commit();
 
   private:
@@ -36,9 +39,9 @@ class AtomicFile {
     bool mUnnamed = false;
 };
 
-/// Check that writing an output will not replace an input. @throws ParameterError if they are the same file
+/// Check that an output will not replace an input. @throws ParameterError if they are the same file
 void checkNotInput(const std::filesystem::path& output, const std::filesystem::path& input);
-/// Check that two outputs of a run have different names, whether they exist or not. @throws ParameterError
+/// Check that two outputs of a run have different paths; they need not exist. @throws ParameterError
 void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other);
 
 /// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::size_t kDigits = 16;
 
-/// The hash of some of a file's bytes.
+/// Hashes ranges of a file's bytes.
 class RangeHash {
   public:
     explicit RangeHash(std::istream& stream) : mStream(stream), mBlock(std::size_t(1) << 18)
@@ -33,7 +34,7 @@ class RangeHash {
             left -= size;
         }
     }
-    /// The hash, and begin anew.
+    /// The hash of the bytes added since the last take().
     std::string take()
     {
         const XXH64_hash_t hash = XXH3_64bits_digest(&mState);
@@ -51,10 +52,7 @@ class RangeHash {
 
 std::string emptyChecksums(std::size_t grids)
 {
-    std::string text(kDigits, '0');
-    for (std::size_t i = 0; i < grids; ++i)
-        text += ',' + std::string(kDigits, '0');
-    return text;
+    return fmt::format("{}", fmt::join(std::vector<std::string>(grids + 1, std::string(kDigits, '0')), ","));
 }
 
 std::string computeChecksums(std::istream& stream, const VdbLayout& layout)

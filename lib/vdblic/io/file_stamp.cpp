@@ -5,6 +5,7 @@
 #include <fmt/chrono.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <fstream>
 #include <sys/stat.h>
 #include <vector>
@@ -40,7 +41,7 @@ std::string fileStamp(const std::filesystem::path& path)
 {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0) return "missing";
-    const bool regular = S_ISREG(status.st_mode); // reading others might wait
+    const bool regular = S_ISREG(status.st_mode); // reading a pipe or device may block
     return fmt::format("size {}, modified {:%F %T}.{:09} UTC, identity {}", status.st_size,
                        fmt::gmtime(status.st_mtim.tv_sec), status.st_mtim.tv_nsec, regular ? identityIn(path) : "none");
 }

@@ -6,11 +6,11 @@
 
 namespace vdblic {
 
-/// What tells whether a file was changed, as a text: its size, when it was modified, and the identity in a .vdb's
-/// header, which every writer makes anew and ours make from the checksums. Reads no more than the header.
+/// A text that changes when a file changes: its size, its time of modification, and the identity in a .vdb's header,
+/// which other writers choose at random and ours derive from the checksums. Reads only the header.
 [[nodiscard]] std::string fileStamp(const std::filesystem::path& path);
 
-/// The parts of two stamps that differ, for messages. Parts are separated by ", ".
+/// The parts in which two stamps differ, for messages.
 [[nodiscard]] std::string stampDifference(std::string_view then, std::string_view now);
 
 } // namespace vdblic

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <system_error>
+
 namespace vdblic {
 
 GridReference parseGridReference(std::string_view text)

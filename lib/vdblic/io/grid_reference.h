@@ -6,13 +6,13 @@
 
 namespace vdblic {
 
-/// What a user names as `FILE` or `FILE:GRID`.
+/// A grid that a user names as `FILE` or `FILE:GRID`.
 struct GridReference {
     std::filesystem::path path;
-    std::string grid; ///< empty if none is named
+    std::string grid; ///< empty for `FILE`
 };
 
-/// Split at the last colon, unless the whole is the name of a file that is there.
+/// Split at the last colon, unless a file of the whole name exists.
 /// @throws ParameterError if the file's or the grid's name is empty
 [[nodiscard]] GridReference parseGridReference(std::string_view text);
 

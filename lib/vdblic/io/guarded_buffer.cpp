@@ -2,9 +2,11 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/Compression.h>
 
 #include <bit>
+#include <cstdint>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -12,18 +14,18 @@
 namespace vdblic {
 namespace {
 
-/// Bytes of a value in a tree, and of its half floats if it can be stored as such.
+/// Bytes of a stored value by tree type, and of the value in half floats.
 struct ValueSize {
     std::string_view type;
     int whole, half;
 };
-constexpr int kLargest = 24; // where the file does not tell the type
+constexpr int kLargestValue = 24; // bytes; for grids of unknown type
 constexpr ValueSize kValueSizes[] = {{"Tree_bool_", 1, 1},       {"Tree_mask_", 1, 1},   {"Tree_int32_", 4, 4},
                                      {"Tree_int64_", 8, 8},      {"Tree_float_", 4, 2},  {"Tree_double_", 8, 2},
                                      {"Tree_vec3i_", 12, 12},    {"Tree_vec3s_", 12, 6}, {"Tree_vec3d_", 24, 6},
                                      {"Tree_ptdataidx32_", 4, 4}};
 
-/// Whether so many bytes are the mask of a node of a tree of the usual shape: a leaf, or a node of 16³ or 32³.
+/// Whether a node mask has this size: that of a leaf (8³) or of a node of 16³ or 32³.
 constexpr bool isMask(std::streamsize bytes)
 {
     return bytes == 512 / 8 || bytes == 4096 / 8 || bytes == 32768 / 8;
@@ -50,7 +52,7 @@ void GuardedBuffer::guard(std::istream& stream, const VdbLayout& layout)
 std::streamsize GuardedBuffer::xsgetn(char* bytes, std::streamsize count)
 {
     if (!mStream) return std::filebuf::xsgetn(bytes, count);
-    if (mUncompressed == count && count > room()) {
+    if (mUncompressed == count && count > allocated()) {
         throw InputError(fmt::format("a node's values take {} bytes, it says, which cannot be", count));
     }
     const std::streamsize done = std::filebuf::xsgetn(bytes, count);
@@ -79,11 +81,11 @@ void GuardedBuffer::note(const char* bytes, std::streamsize count)
     }
 }
 
-/// Bytes for the values of the current node.
-std::int64_t GuardedBuffer::room()
+/// Bytes that OpenVDB has allocated for the values of the current node.
+std::int64_t GuardedBuffer::allocated()
 {
     const auto here = std::uint64_t(std::streamoff(seekoff(0, std::ios::cur, std::ios::in)));
-    int bytes = kLargest;
+    int bytes = kLargestValue;
     for (const VdbLayout::Grid& grid : mGrids) {
         if (here < grid.begin || here >= grid.end) continue;
         for (const ValueSize& known : kValueSizes) {

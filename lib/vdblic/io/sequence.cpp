@@ -7,75 +7,25 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <istream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <regex>
-#include <set>
+#include <system_error>
 
 namespace vdblic {
 namespace {
 
-/// A number as printf's %0*d writes it.
+/// A number formatted as by printf's %0*d.
 std::string padded(std::int64_t frame, int width)
 {
     return fmt::format("{:0{}d}", frame, width);
 }
 
-// A file name's length; patterns of it are matched by recursion.
+// PATH_MAX. std::regex matches by recursion, so the length must be bounded.
 constexpr std::size_t kLongestPattern = 4096;
-
-/// Takes a number off a text's front, if one is there.
-std::optional<std::int64_t> takeNumber(std::string_view& text)
-{
-    constexpr std::int64_t kMost = 1'000'000'000'000;
-    std::int64_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || number > kMost || number < -kMost) return std::nullopt;
-    text.remove_prefix(std::size_t(end - text.data()));
-    return number;
-}
-
-bool take(std::string_view& text, char expected)
-{
-    if (!text.starts_with(expected)) return false;
-    text.remove_prefix(1);
-    return true;
-}
-
-/// The start of a text, for messages.
-std::string_view shortened(std::string_view text)
-{
-    constexpr std::size_t kLongest = 60;
-    return text.substr(0, kLongest);
-}
-
-/// N, N-M or N-MxSTEP.
-struct FrameRange {
-    std::int64_t first, last, step = 1;
-};
-
-std::optional<FrameRange> parseFrameRange(std::string_view text)
-{
-    while (take(text, ' ')) {
-    }
-    while (text.ends_with(' '))
-        text.remove_suffix(1);
-    const auto first = takeNumber(text);
-    if (!first) return std::nullopt;
-    FrameRange range{*first, *first};
-    if (take(text, '-')) {
-        const auto last = takeNumber(text);
-        if (!last) return std::nullopt;
-        range.last = *last;
-        if (take(text, 'x')) {
-            const auto step = takeNumber(text);
-            if (!step) return std::nullopt;
-            range.step = *step;
-        }
-    }
-    return text.empty() ? std::optional(range) : std::nullopt;
-}
 
 bool isFile(const std::filesystem::path& path)
 {
@@ -93,7 +43,7 @@ std::int64_t leastSpacing(const std::vector<std::int64_t>& frames)
     return std::max<std::int64_t>(spacing, 1);
 }
 
-/// The frames from the first found to the last in even steps: a gap is a frame that was lost.
+/// The frames found, and in each gap one frame that is not on disk, to be reported as missing.
 std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
 {
     std::vector<std::int64_t> frames;
@@ -101,7 +51,7 @@ std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
     for (std::size_t i = 0; i < found.size(); ++i) {
         frames.push_back(found[i]);
         const bool gap = i + 1 < found.size() && found[i + 1] - found[i] != spacing;
-        if (gap) frames.push_back(found[i] + spacing); // to be reported as missing
+        if (gap) frames.push_back(found[i] + spacing);
     }
     return frames;
 }
@@ -112,14 +62,14 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
 {
     if (pattern.size() > kLongestPattern) {
         throw ParameterError(
-            fmt::format("'{}...' has {} characters; no file's name is that long", shortened(pattern), pattern.size()));
+            fmt::format("'{:.60}...' has {} characters; no file's name is that long", pattern, pattern.size()));
     }
     const std::filesystem::path whole(mText);
     mFolder = whole.parent_path();
     const std::string name = whole.filename().string();
     if (name.empty()) throw ParameterError(fmt::format("'{}' is not a file name", pattern));
     mPrefix = name;
-    // A file that is there under the very name is meant as it is, whatever characters it has.
+    // An existing file of exactly this name is meant literally, even if the name looks like a pattern.
     if (isFile(whole)) return;
 
     static const std::regex field(R"(%(0\d+)?d|#+|@+|\$F(\d*)|<F(\d*)>)");
@@ -142,12 +92,12 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
         std::string digits;
         std::copy_if(found.begin(), found.end(), std::back_inserter(digits),
                      [](char c) { return c >= '0' && c <= '9'; });
-        std::string_view rest = digits;
-        const std::int64_t width = digits.empty() ? 1 : takeNumber(rest).value_or(0);
+        int width = digits.empty() ? 1 : 0;
+        std::from_chars(digits.data(), digits.data() + digits.size(), width);
         if (width < 1 || width > 20) {
             throw ParameterError(fmt::format("'{}': a frame field is 1 to 20 digits wide", pattern));
         }
-        mWidth = static_cast<int>(width);
+        mWidth = width;
     }
 }
 
@@ -173,7 +123,7 @@ std::optional<std::int64_t> FramePattern::frameOf(const std::filesystem::path& p
     std::int64_t frame = 0;
     const auto [last, failed] = std::from_chars(begin, end, frame);
     if (failed != std::errc{} || last != end) return std::nullopt;
-    // Only the name this pattern gives the frame: 7 and 0007 are not both frame 7 of %04d.
+    // Only the spelling of this pattern counts: with %04d, 0007 is frame 7 and 7 is not.
     return padded(frame, *mWidth) == std::string_view(begin, end) ? std::optional(frame) : std::nullopt;
 }
 
@@ -193,39 +143,13 @@ std::vector<std::int64_t> FramePattern::framesOnDisk() const
     return frames;
 }
 
-std::vector<std::int64_t> parseFrameList(std::string_view text)
-{
-    std::set<std::int64_t> frames;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        const std::string_view part = text.substr(begin, end - begin);
-        begin = end + 1;
-        const auto range = parseFrameRange(part);
-        const auto refuse = [&](const std::string& reason) {
-            throw ParameterError(fmt::format("frame list '{}': {}", shortened(text), reason));
-        };
-        if (!range) {
-            refuse(fmt::format("'{}' is not N, N-M or N-MxSTEP, or a number is out of range", shortened(part)));
-        }
-        const auto [first, last, step] = *range;
-        if (last < first) refuse(fmt::format("{} runs backwards", part));
-        if (step < 1) refuse("the step must be at least 1");
-        if (static_cast<std::size_t>((last - first) / step) + frames.size() >= kMaxFrames) {
-            refuse(fmt::format("it selects more than {} frames", kMaxFrames));
-        }
-        for (std::int64_t frame = first; frame <= last; frame += step)
-            frames.insert(frame);
-    }
-    return {frames.begin(), frames.end()};
-}
-
 std::vector<FrameFile> selectFrames(const SequenceParams& params)
 {
     const FramePattern pattern(params.pattern);
     if (!pattern.hasField()) {
         if (!params.frames.empty()) {
             throw ParameterError(
-                fmt::format("'{}' is one file; --frames needs a pattern such as name.%04d.vdb", params.pattern));
+                fmt::format("'{}' is one file; `frames` needs a pattern such as name.%04d.vdb", params.pattern));
         }
         const std::filesystem::path path = pattern.path(1);
         if (!isFile(path)) throw InputError(fmt::format("{}: no such file", path.string()));
@@ -250,8 +174,8 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
         if (!std::binary_search(found.begin(), found.end(), frame)) {
             const bool overshoots = frame < found.front() || frame > found.back();
             throw InputError(fmt::format("frame {} is missing: {}; {}", frame, pattern.path(frame).string(),
-                                         overshoots ? "--clamp-frames leaves out what lies beyond the files on disk"
-                                                    : "--frames can select the others"));
+                                         overshoots ? "`clamp_frames` leaves out what lies beyond the files on disk"
+                                                    : "`frames` can select the others"));
         }
         files.push_back({frame, pattern.path(frame)});
     }
@@ -267,7 +191,7 @@ std::int64_t frameSpacing(const SequenceParams& params)
 FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count)
 {
     if (params.pattern == "-") {
-        if (!params.frames.empty()) throw ParameterError("--frames cannot select from paths on standard input");
+        if (!params.frames.empty()) throw ParameterError("`frames` cannot select from paths on standard input");
         count = 0;
         return [&lines, next = std::int64_t{1},
                 taken = std::map<std::int64_t, std::string>{}]() mutable -> std::optional<FrameFile> {
@@ -277,7 +201,7 @@ FrameSource openSequence(const SequenceParams& params, std::istream& lines, std:
                 if (!isFile(line)) throw InputError(fmt::format("{}: no such file (named on standard input)", line));
                 const std::int64_t frame = frameOfName(line).value_or(next);
                 next = frame + 1;
-                // Outputs are named by frame: a second one would overwrite the first's.
+                // Outputs are named by frame: the second would overwrite the first.
                 if (const auto [before, isNew] = taken.emplace(frame, line); !isNew) {
                     throw InputError(fmt::format("{}: frame {} comes twice on standard input; the first was {}", line,
                                                  frame, before->second));

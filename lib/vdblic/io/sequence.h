@@ -1,5 +1,8 @@
 #pragma once
 
+#include "vdblic/io/frame_list.h"
+
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -11,12 +14,9 @@
 
 namespace vdblic {
 
-/// The most frames one sequence may select; more is taken for a slip of the keyboard.
-inline constexpr std::size_t kMaxFrames = 999'999;
-
 /// A file name with at most one frame field: `%04d`, `####`, `@@@@`, `$F4` or `<F4>`.
 ///
-/// The field stands in the last component of the path. Without a field the pattern names one file.
+/// The field must be in the last component of the path. Without a field the pattern names one file.
 class FramePattern {
   public:
     /// @throws ParameterError on an empty name, two fields, or a field in a folder's name
@@ -25,29 +25,25 @@ class FramePattern {
     [[nodiscard]] bool hasField() const { return mWidth.has_value(); }
     [[nodiscard]] const std::string& text() const { return mText; }
 
-    /// The path of a frame; zero-padded as printf does, so the sign counts towards the width.
+    /// The path of a frame. Zero-padded as by printf: the sign counts towards the width.
     [[nodiscard]] std::filesystem::path path(std::int64_t frame) const;
 
-    /// A file beside the frames that is none of them: the name, then what all frames' names have in common.
-    /// lic.%04d.vdb and `checkpoint`: checkpoint.lic.vdb
+    /// A further file in the frames' folder: the given name followed by the constant part of the frames' names, such as
+    /// checkpoint.lic.vdb for `checkpoint` and lic.%04d.vdb.
     [[nodiscard]] std::filesystem::path companion(std::string_view name) const;
 
     /// The frames on disk, in numeric order. @throws InputError if the folder cannot be read
     [[nodiscard]] std::vector<std::int64_t> framesOnDisk() const;
 
-    /// Which frame a file's name is that of, whatever its folder, if any. Only for a pattern with a field.
+    /// The frame whose file has this name, if any; the folder is ignored. Only for a pattern with a field.
     [[nodiscard]] std::optional<std::int64_t> frameOf(const std::filesystem::path& path) const;
 
   private:
     std::string mText;
     std::filesystem::path mFolder;
     std::string mPrefix, mSuffix;
-    std::optional<int> mWidth; // of the field; 1 for no padding
+    std::optional<int> mWidth; // of the frame field; 1 for no padding
 };
-
-/// Parse `1-100`, `1-100x2`, `1,5,9-20`, with negative numbers allowed, into ascending unique frames.
-/// @throws ParameterError on anything else, a descending range, or more than kMaxFrames frames
-[[nodiscard]] std::vector<std::int64_t> parseFrameList(std::string_view text);
 
 /// One file of a sequence.
 struct FrameFile {
@@ -55,32 +51,34 @@ struct FrameFile {
     std::filesystem::path path;
 };
 
-/// Hands out the next file of a sequence, or nothing at its end.
+/// Returns the next file of a sequence, or nothing at its end.
 using FrameSource = std::function<std::optional<FrameFile>()>;
 
-/// What a tool was told about an input sequence.
+/// How to select the files of an input sequence.
 struct SequenceParams {
     std::string pattern;      ///< one file, a pattern, or `-` for paths on standard input
     std::string frames;       ///< a frame list; empty for every frame found
     bool clampFrames = false; ///< leave out listed frames before the first or after the last on disk
 };
 
-/// The frames a sequence selects, checked to be on disk before any work starts.
+/// The files a sequence selects; all of them exist.
 ///
 /// @throws InputError naming the missing frame, ParameterError on a frame list for a single file
 [[nodiscard]] std::vector<FrameFile> selectFrames(const SequenceParams& params);
 
-/// The spacing of the frame numbers on disk: the least difference of two neighbours; 1 if there are none.
+/// The least difference of neighbouring frame numbers on disk; 1 for fewer than two frames.
 [[nodiscard]] std::int64_t frameSpacing(const SequenceParams& params);
 
-/// As selectFrames, but reads paths from `lines`, one a line and as they come, if the pattern is `-`.
-/// `count` receives the number of frames, 0 if it is not known. A frame number that comes twice is an InputError.
+/// The files of selectFrames() one by one. For the pattern `-`, paths are read from `lines`, one a line, on demand.
+/// @param lines must outlive the result
+/// @param count receives the number of frames; 0 if it is unknown
+/// @throws InputError, the result too: if a file is missing or a frame number appears twice; ParameterError
 [[nodiscard]] FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count);
 
 /// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one.
 [[nodiscard]] std::optional<std::int64_t> frameOfName(const std::filesystem::path& path);
 
-/// Check that a further output of a run has the name of none of its frames. @throws ParameterError
+/// Check that a further output of a run does not have the name of a frame. @throws ParameterError
 void checkNoFrame(const std::filesystem::path& output, const FramePattern& frames);
 
 /// Check that a pattern can name `frames` different outputs. @throws ParameterError

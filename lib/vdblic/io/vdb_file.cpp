@@ -13,13 +13,18 @@
 #include <openvdb/io/Stream.h>
 
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
 #include <fstream>
+#include <new>
 #include <system_error>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// Messages from below may quote the damaged bytes of a file.
+/// A message of OpenVDB made printable and short: it may quote damaged bytes of a file.
 std::string clamped(std::string message)
 {
     for (char& c : message) {
@@ -39,7 +44,7 @@ void initializeOnce()
     (void)done;
 }
 
-/// OpenVDB's own file writer never looks at the state of its stream; this one's stream throws.
+/// Writes to a stream that throws. OpenVDB's own file writer ignores the state of its stream.
 class CheckedArchive : public openvdb::io::Archive {
   public:
     void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
@@ -48,7 +53,7 @@ class CheckedArchive : public openvdb::io::Archive {
     }
 };
 
-/// Put the checksums, and the identity made from them, into the place that was left for them.
+/// Overwrite the placeholders of the checksums and of the identity.
 void stampChecksums(std::fstream& file)
 {
     file.seekg(0, std::ios::end);
@@ -60,7 +65,7 @@ void stampChecksums(std::fstream& file)
     file << identityOf(checksums);
 }
 
-/// A file that is open for reading, its header checked and, if it has them, its checksums.
+/// An open file whose header and checksums, if it has any, were checked.
 class GuardedFile {
   public:
     explicit GuardedFile(const std::filesystem::path& path) : mPath(path), mMemory(std::size_t(1) << 16)
@@ -94,7 +99,7 @@ class GuardedFile {
         checkMemory(memory, mPath.string(), "take a smaller file");
         initializeOnce();
         const Hazard parsing(mPath.string(), mSize);
-        // OpenVDB takes what a failed read leaves behind for data and may loop over it for hours; this stream throws.
+        // The stream throws: OpenVDB would take the remains of a failed read for data and might loop for hours.
         mStream.exceptions(std::ios::failbit | std::ios::badbit);
         errno = 0;
         try {
@@ -104,13 +109,14 @@ class GuardedFile {
             VdbFile result;
             result.grids = *input.getGrids();
             result.metadata = *input.getMetadata();
+            result.path = mPath;
             return result;
         } catch (const std::ios::failure&) {
             fail(mStream.eof() ? "it ends too early"
                  : errno != 0  ? std::generic_category().message(errno)
                                : "it is damaged");
         } catch (const std::bad_alloc&) {
-            fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise --max-memory",
+            fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise `max_memory`",
                              memoryText(double(memoryLimit()))));
         } catch (const std::exception& e) {
             fail(e.what());
@@ -124,7 +130,7 @@ class GuardedFile {
     }
 
     std::filesystem::path mPath;
-    std::vector<char> mMemory; // used by the buffer
+    std::vector<char> mMemory; // of mBuffer
     GuardedBuffer mBuffer;
     std::istream mStream{&mBuffer};
     std::uint64_t mSize = 0;
@@ -133,6 +139,12 @@ class GuardedFile {
 };
 
 } // namespace
+
+InputError VdbFile::missing(std::string_view what, std::string_view choice) const
+{
+    return InputError(fmt::format("{}: no {}; the file holds {}{}{}", path.string(), what, contents(),
+                                  choice.empty() ? "" : "; choose with ", choice));
+}
 
 std::string VdbFile::contents() const
 {
@@ -146,7 +158,7 @@ std::string VdbFile::contents() const
 VdbFile readVdb(const std::filesystem::path& path)
 {
     VdbFile file = GuardedFile(path).read();
-    file.metadata.removeMeta("checksum"); // of the bytes on disk, not of what is handed on
+    file.metadata.removeMeta("checksum"); // describes the bytes on disk, not the result
     return file;
 }
 
@@ -172,7 +184,7 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
         stampChecksums(stream);
         stream.close();
     } catch (const std::exception& e) {
-        // The stream only says that it failed; the system's last error says why.
+        // The exception of a stream has no reason; errno has.
         const std::string reason = errno != 0 ? std::generic_category().message(errno) : clamped(e.what());
         throw OutputError(fmt::format("{}: cannot be written: {}", path.string(), reason));
     }

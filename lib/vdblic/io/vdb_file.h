@@ -1,11 +1,15 @@
 #pragma once
 
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace vdblic {
 
@@ -13,27 +17,48 @@ namespace vdblic {
 struct VdbFile {
     openvdb::GridPtrVec grids;
     openvdb::MetaMap metadata;
+    std::filesystem::path path; ///< for messages
 
-    /// The first grid of a name and type, or null.
+    /// The first grid of a name and type, or null. openvdb::GridBase stands for any type.
     template<typename GridT>
     [[nodiscard]] typename GridT::Ptr find(std::string_view name) const
     {
         for (const openvdb::GridBase::Ptr& grid : grids) {
-            if (grid->getName() == name) {
-                if (auto typed = openvdb::gridPtrCast<GridT>(grid)) return typed;
+            if (grid->getName() != name) continue;
+            if constexpr (std::is_same_v<GridT, openvdb::GridBase>) {
+                return grid;
+            } else if (auto typed = openvdb::gridPtrCast<GridT>(grid)) {
+                return typed;
             }
         }
         return nullptr;
     }
 
+    /// The first grid of a name and type, as find().
+    /// @param choice how to name another grid, for the message; may be empty
+    /// @throws InputError, as missing() makes it, if there is none
+    template<typename GridT>
+    [[nodiscard]] typename GridT::Ptr get(std::string_view name, std::string_view choice = {}) const
+    {
+        if (const auto grid = find<GridT>(name)) return grid;
+        std::string type;
+        if constexpr (!std::is_same_v<GridT, openvdb::GridBase>) {
+            type = std::string(openvdb::typeNameAsString<typename GridT::ValueType>()) + ' ';
+        }
+        throw missing(fmt::format("{}grid '{}'", type, name), choice);
+    }
+
+    /// An error for what the file lacks: "PATH: no WHAT; the file holds CONTENTS; choose with CHOICE".
+    [[nodiscard]] InputError missing(std::string_view what, std::string_view choice = {}) const;
+
     /// The names and types in the file, for messages: "density (float), velocity (vec3s)".
     [[nodiscard]] std::string contents() const;
 };
 
-/// Read a whole file at once, never delayed: the one door for volumes, whoever made them (docs/survival.md).
+/// Read a whole file, without delayed loading. All volumes are read by this function (docs/survival.md).
 ///
-/// The header is checked first, then the checksums if the file is one of ours, then whether the grids fit into memory,
-/// and only then does OpenVDB see it. What OpenVDB does with hostile bytes that get so far is up to HazardHooks.
+/// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
+/// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.
 /// @throws InputError naming the file and the reason
 [[nodiscard]] VdbFile readVdb(const std::filesystem::path& path);
 
@@ -41,12 +66,12 @@ struct VdbFile {
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid
 bool verifyVdb(const std::filesystem::path& path);
 
-/// Write grids and file metadata atomically, blosc-compressed; `creator` and `checksum` are added. Equal content gives
+/// Write grids and file metadata atomically, blosc-compressed, and add `creator` and `checksum`. Equal content gives
 /// equal files.
-/// @throws OutputError naming the file and the reason; a full disk is one
+/// @throws OutputError naming the file and the reason, such as a full disk
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata);
 
-/// A number stored as any of the numeric metadata types, or nothing.
+/// A number stored as double, float, int32 or int64 metadata, if there is one.
 [[nodiscard]] std::optional<double> numericMetadata(const openvdb::MetaMap& metadata, const std::string& name);
 
 } // namespace vdblic

@@ -2,15 +2,17 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 
+#include <exception>
 #include <fstream>
 
 namespace vdblic {
 namespace {
 
-/// Reads up to a grid's voxels and no further; OpenVDB does so only from files it may keep open.
+/// Reads a grid up to its voxels. OpenVDB's own way to do so keeps the file open.
 class HeaderArchive : public openvdb::io::Archive {
   public:
     openvdb::GridBase::Ptr read(std::istream& stream, const std::string& name)

@@ -8,14 +8,14 @@
 
 namespace vdblic {
 
-/// What a file says of a grid before its voxels.
+/// The part of a grid that a file stores before the voxels.
 struct GridHeader {
     openvdb::math::Transform::Ptr transform;
     openvdb::CoordBBox box; ///< of the active voxels; empty if there are none
 };
 
-/// Read the header of the first grid of a name; nothing if there is none, or it does not say where its voxels are
-/// (few writers leave that out).
+/// Read the header of the first grid of a name.
+/// @return nothing if there is none, or it lacks the bounding box of its voxels, which few writers omit
 /// @throws InputError naming the file and the reason
 [[nodiscard]] std::optional<GridHeader> readGridHeader(const std::filesystem::path& path, const std::string& name);
 

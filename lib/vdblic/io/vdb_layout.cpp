@@ -14,7 +14,7 @@ namespace vdblic {
 namespace {
 
 constexpr std::int64_t kMagic = 0x56444220;
-// 218 has had the identity as text since 2012; 225 is written by OpenVDB 12.
+// Since 218 (2012) the identity is stored as text; OpenVDB 12 writes 225.
 constexpr std::uint32_t kFirstVersion = 218, kLastVersion = 225;
 constexpr std::uint32_t kSelectiveCompression = 220, kNodeMaskCompression = 222;
 constexpr std::uint32_t kCompressionFlags = 7; // zip, active values, blosc
@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 8> kTransforms = {
     "ScaleTranslateMap", "UnitaryMap", "UniformScaleTranslateMap", "NonlinearFrustumMap",
 };
 
-/// Types of metadata of one size. OpenVDB reads that many bytes whatever size the file says.
+/// Metadata types of fixed size. OpenVDB reads that many bytes and ignores the size in the file.
 struct FixedSize {
     std::string_view type;
     std::uint32_t bytes;
@@ -45,7 +45,7 @@ constexpr std::array<FixedSize, 14> kFixedSizes = {{{"bool", 1},
                                                     {"mat4s", 64},
                                                     {"mat4d", 128}}};
 
-/// Reads the parts of a header, never beyond a limit.
+/// Reads values from a stream, never beyond its end.
 class Cursor {
   public:
     Cursor(std::istream& stream, std::uint64_t size) : mStream(stream), mEnd(size) {}
@@ -53,7 +53,7 @@ class Cursor {
     [[nodiscard]] std::uint64_t at() const { return mAt; }
     [[nodiscard]] std::uint64_t left() const { return mEnd - mAt; }
 
-    /// @param what it is, for the message
+    /// @param what names the value in the message
     void read(void* bytes, std::uint64_t count, const char* what)
     {
         if (count > left()) throw InputError(fmt::format("it ends too early, in {}", what));
@@ -78,11 +78,11 @@ class Cursor {
         read(result.data(), length, what);
         return result;
     }
-    void seek(std::uint64_t place)
+    void seek(std::uint64_t offset)
     {
-        mStream.seekg(std::streamoff(place));
+        mStream.seekg(std::streamoff(offset));
         if (!mStream) throw InputError("it cannot be read");
-        mAt = place;
+        mAt = offset;
     }
     void skip(std::uint64_t count, const char* what)
     {
@@ -95,7 +95,7 @@ class Cursor {
     std::uint64_t mAt = 0, mEnd;
 };
 
-/// Walk over metadata; visit(name, type, size) may read the value.
+/// Visit all metadata. visit(name, type, size) may read the value.
 template<typename Visit>
 void readMetadata(Cursor& cursor, const Visit& visit)
 {
@@ -117,7 +117,7 @@ void readMetadata(Cursor& cursor, const Visit& visit)
     }
 }
 
-/// What stands before a grid's tree. @return what the writer says the grid takes in memory
+/// Check the part of a grid before its tree. @return the memory the grid takes, as stated by its writer
 std::uint64_t readGridHead(Cursor& cursor, std::uint32_t version)
 {
     if (version >= kNodeMaskCompression) {
@@ -140,7 +140,8 @@ VdbLayout::Grid readGrid(Cursor& cursor, std::uint32_t version, bool seekable, s
     VdbLayout::Grid grid;
     grid.begin = cursor.at();
     grid.name = cursor.text(kLongestName, "a grid's name");
-    grid.name.resize(std::min(grid.name.find('\x1e'), grid.name.size())); // a number follows where names are equal
+    grid.name.resize(
+        std::min(grid.name.find('\x1e'), grid.name.size())); // a number follows in the names of equal grids
     grid.type = cursor.text(kLongestName, "a grid's type");
     const std::string parent = cursor.text(kLongestName, "the name of a grid's instance");
     const auto head = cursor.value<std::int64_t>("a grid's offsets");

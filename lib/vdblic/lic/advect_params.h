@@ -1,11 +1,11 @@
 #pragma once
 
 #include "vdblic/field/domain_mask.h"
+#include "vdblic/field/velocity_frame.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/io/velocity.h"
-#include "vdblic/lic/feedback.h"
-#include "vdblic/lic/scatter.h"
-#include "vdblic/lic/steady_lic.h"
+#include "vdblic/lic/feedback_params.h"
+#include "vdblic/lic/lic_kernel.h"
+#include "vdblic/lic/scatter_params.h"
 
 #include <cstdint>
 #include <optional>

@@ -108,9 +108,8 @@ Float4 positionOf(const Scene& scene, std::uint64_t hash)
     for (std::size_t skip = rank - scene.voxelsBefore[leaf]; skip > 0; --skip)
         ++voxel;
     const openvdb::Coord origin = scene.texture.domain().origin(leaf);
-    const int offset = int(voxel.pos());
-    const Float4 centre = {float(origin[0] + (offset >> 6)), float(origin[1] + (offset >> 3 & 7)),
-                           float(origin[2] + (offset & 7)), 0};
+    const LeafVoxel inLeaf = LeafVoxel::at(voxel.pos());
+    const Float4 centre = {float(origin[0] + inLeaf.x), float(origin[1] + inLeaf.y), float(origin[2] + inLeaf.z), 0};
     const std::uint64_t x = mixBits(hash), y = mixBits(x), z = mixBits(y);
     return centre + Float4{unit(x), unit(y), unit(z), 0.5f} - 0.5f;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vdblic/lic/flow_sequence_params.h"
-#include "vdblic/lic/pathline.h"
+#include "vdblic/lic/pathline_params.h"
 
 #include <string>
 

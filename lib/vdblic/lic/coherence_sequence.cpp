@@ -71,11 +71,7 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
 LoadedTexture readTexture(const std::filesystem::path& path, const std::string& name)
 {
     const VdbFile file = readVdb(path);
-    const auto grid = file.find<openvdb::FloatGrid>(name);
-    if (!grid) {
-        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with --texture", path.string(),
-                                     name, file.contents()));
-    }
+    const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
     LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);

@@ -1,26 +1,25 @@
 #include "vdblic/lic/feedback.h"
 
-#include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/slabs.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/lic/local_contrast.h"
-#include "vdblic/lic/neighbourhood.h"
 #include "vdblic/lic/noise.h"
-#include "vdblic/lic/scatter.h"
+#include "vdblic/lic/sharpen.h"
+#include "vdblic/lic/texture_bricks.h"
 
 #include <tbb/parallel_for.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace vdblic {
 namespace {
 
-constexpr float kFull = float(kNoiseMax);
-constexpr float kMaxGain = 16;
-
-std::int32_t toFixed(float value)
-{
-    return std::int32_t(std::clamp(value, 0.0f, 1.0f) * kFull + 0.5f);
-}
+constexpr float kFullScale = float(kNoiseMax);
+constexpr float kMaxGain = 16; // keeps regions without contrast from being blown up
 
 VDBLIC_INLINE Float8 clampToUnit(Float8 value)
 {
@@ -29,25 +28,7 @@ VDBLIC_INLINE Float8 clampToUnit(Float8 value)
 }
 VDBLIC_INLINE Int8 toFixed(Float8 value)
 {
-    return __builtin_convertvector(clampToUnit(value) * kFull + 0.5f, Int8);
-}
-
-/// c + s (c − mean of the valid neighbours) for every voxel.
-LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength)
-{
-    LeafValues<float> result(domain, 0.0f);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        const NeighbourSums sums = sumNeighbours(domain, texture, leaf, 1);
-        const Domain::Mask& mask = domain.mask(leaf);
-        for (int i = 0; i < Domain::kLeafVoxels; ++i) {
-            if (!mask.isOn(openvdb::Index(i))) continue;
-            const float centre = texture[leaf][i];
-            const float neighbours = sums.weight[std::size_t(i)] - 1;
-            const float mean = neighbours > 0 ? (sums.value[std::size_t(i)] - centre) / neighbours : centre;
-            result[leaf][i] = centre + strength * (centre - mean);
-        }
-    });
-    return result;
+    return __builtin_convertvector(clampToUnit(value) * kFullScale + 0.5f, Int8);
 }
 
 /// The top bit from the texture, the rest from the noise; values near the ends are stretched to them.
@@ -56,46 +37,6 @@ float jitterBits(float texture, float noise)
     const float value = (texture > 0.5f ? 0.5f : 0.0f) + std::fmod(noise, 0.5f);
     return value > 0.9f ? 1.0f : value < 0.1f ? 0.0f : value;
 }
-
-/// A texture as it is and sharpened, to be sampled between voxels.
-class TextureBricks {
-  public:
-    TextureBricks(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture,
-                  const LeafValues<float>& sharp)
-        : mTexture(texture), mSharp(sharp)
-    {
-        mBricks.cover(std::move(domain));
-    }
-
-    void fill(Slabs::Leaves leaves)
-    {
-        mBricks.fill(leaves, [&](std::size_t leaf, BricksOf<4>::Record* records) {
-            visitBrick(mBricks.domain(), leaf, [&](int record, int there, unsigned offset) {
-                const auto at = std::size_t(there);
-                records[record] = there < 0 ? BricksOf<4>::Record{}
-                                            : BricksOf<4>::Record{{mTexture[at][offset], mSharp[at][offset], 1, 0}};
-            });
-        });
-    }
-    void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
-
-    /// Means over the corners in the domain, and their share of the weights; the means mean nothing where that is 0.
-    struct Samples {
-        Float8 texture, sharp, coverage;
-    };
-    [[nodiscard]] VDBLIC_INLINE Samples at(const LeafWindow& window, const Vector8& position, unsigned lanes) const
-    {
-        Float4 rows[8];
-        mBricks.interpolate(window, position, lanes, rows);
-        Float8 columns[4];
-        transpose(rows, columns);
-        return {columns[0] / columns[2], columns[1] / columns[2], columns[2]};
-    }
-
-  private:
-    const LeafValues<float>&mTexture, &mSharp;
-    BricksOf<4> mBricks;
-};
 
 /// The domain's share of the trilinear weights at a position.
 float coverageAt(const Domain& domain, Float4 position)
@@ -116,17 +57,18 @@ float coverageAt(const Domain& domain, Float4 position)
     return coverage;
 }
 
-/// A box of voxels around a leaf that are all in the domain: as many of the leaves around as are full, or nothing.
+/// A box of voxels that are all in the domain: a full leaf, grown by such full leaves around it as keep it a box. Empty
+/// if the leaf itself is not full.
 class FullBox {
   public:
     FullBox(const Domain& domain, const LeafWindow& window)
     {
-        int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // places along each axis
+        int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // leaves of the window along each axis
         const auto full = [&] {
             for (int x = first[0]; x <= last[0]; ++x) {
                 for (int y = first[1]; y <= last[1]; ++y) {
                     for (int z = first[2]; z <= last[2]; ++z) {
-                        const int leaf = window.leaves[std::size_t((x * 3 + y) * 3 + z)];
+                        const int leaf = window.leaves[std::size_t(LeafWindow::slot(x, y, z))];
                         if (leaf < 0 || !domain.mask(std::size_t(leaf)).isOn()) return false;
                     }
                 }
@@ -141,8 +83,8 @@ class FullBox {
             if (!full()) last[axis] = 1;
         }
         for (int axis = 0; axis < 3; ++axis) {
-            mFirst[axis] = float((window.first[axis] + first[axis]) * Domain::Leaf::DIM);
-            mLast[axis] = float((window.first[axis] + last[axis] + 1) * Domain::Leaf::DIM - 1);
+            mFirst[axis] = float((window.first[axis] + first[axis]) * LeafVoxel::kDim);
+            mLast[axis] = float((window.first[axis] + last[axis] + 1) * LeafVoxel::kDim - 1);
         }
     }
 
@@ -157,114 +99,22 @@ class FullBox {
     float mFirst[3] = {0, 0, 0}, mLast[3] = {0, 0, 0};
 };
 
-/// What nothing was before: the noise, which is its own history.
-void fillWithNoise(const NoiseField& noise, const openvdb::Coord& origin, std::int32_t* input)
-{
-    noise.fill(origin, input);
-    for (int i = 0; i < Domain::kLeafVoxels; ++i)
-        input[i] = Input::pack(std::uint32_t(input[i]), std::uint32_t(input[i]));
-}
-
-} // namespace
-
-Jitter parseJitter(std::string_view text)
-{
-    if (text == "mix") return Jitter::kMix;
-    if (text == "bits") return Jitter::kBits;
-    throw ParameterError(fmt::format("jitter '{}' is neither mix nor bits", text));
-}
-
-std::string_view toString(Jitter jitter)
-{
-    return jitter == Jitter::kMix ? "mix" : "bits";
-}
-
-void FeedbackParams::validate() const
-{
-    if (!(sharpen >= 0 && sharpen <= 100))
-        throw ParameterError(fmt::format("sharpening {} must lie in 0 to 100", sharpen));
-    if (!(noiseShare >= 0 && noiseShare <= 1)) {
-        throw ParameterError(fmt::format("noise share {} must lie in 0 to 1", noiseShare));
-    }
-    if (!(deviation > 0 && deviation <= 0.5f)) {
-        throw ParameterError(fmt::format("deviation {} must be above 0 and at most 0.5", deviation));
-    }
-}
-
-void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
-{
-    for (int row = 0; row < 64; ++row) {
-        const std::uint64_t column = noiseColumn(origin[0] + (row >> 3), origin[1] + (row & 7), mSeed);
-        for (int z = 0; z < 8; ++z)
-            values[row << 3 | z] = noiseInColumn(column, origin[2] + z);
-    }
-    if (!mGrid) return;
-    if (const auto* leaf = mGrid->tree().probeConstLeaf(origin)) {
-        for (auto value = leaf->cbeginValueOn(); value; ++value)
-            values[value.pos()] = toFixed(*value);
-    } else if (float tile = 0; mGrid->tree().probeValue(origin, tile)) {
-        std::fill_n(values, Domain::kLeafVoxels, toFixed(tile));
-    }
-}
-
-std::int32_t NoiseField::ofStep(const openvdb::Coord& voxel, std::uint64_t number) const
-{
-    const auto seed = std::uint32_t(mixBits(std::uint64_t(mSeed) << 32 ^ (number + 1)) >> 32);
-    return noiseValue(voxel[0], voxel[1], voxel[2], seed);
-}
-
-std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const
-{
-    return ofStep(voxel, 2 * step);
-}
-
-bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const
-{
-    return (float(ofStep(voxel, 2 * step + 1)) + 0.5f) / (kFull + 1) > stayed;
-}
-
-LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise)
-{
-    LeafValues<std::int32_t> input(domain, 0);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(),
-                      [&](std::size_t leaf) { fillWithNoise(noise, domain.origin(leaf), input[leaf]); });
-    return input;
-}
-
-LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
-                           const LeafValues<std::int32_t>& input)
-{
-    LeafValues<float> texture(domain, 0.0f);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        for (int i = 0; i < Domain::kLeafVoxels; ++i) {
-            const std::int64_t word = accumulator[leaf][i];
-            if (word < 0) continue;
-            const std::uint64_t sum = Hits::sum(std::uint64_t(word)), count = Hits::count(std::uint64_t(word));
-            const float value = count > 0 ? float(double(sum) / double(count)) : float(Input::value(input[leaf][i]));
-            texture[leaf][i] = value / kFull;
-        }
-    });
-    return texture;
-}
-
-namespace {
-
-/// The velocities of a leaf's voxels, in voxels per step; 0 where there is none.
+/// Velocities of a leaf's voxels, in voxels per step; 0 for voxels without one.
 class LeafVelocities {
   public:
     LeafVelocities(const VelocityLevel& level, const openvdb::Coord& origin)
         : mToStep(level.toStep), mLeaf(level.velocities.probeConstLeaf(origin))
     {
-        if (!mLeaf && !level.velocities.probeValue(origin, mTile)) mTile = openvdb::Vec3f(0);
+        if (!mLeaf && !level.velocities.probeValue(origin, mConstant)) mConstant = openvdb::Vec3f(0);
     }
 
-    /// The eight of a row along z.
+    /// The velocities of a row of voxels along z.
     [[nodiscard]] VDBLIC_INLINE Vector8 row(int row) const
     {
         Vector8 stored{};
-        for (int z = 0; z < 8; ++z) {
-            const auto offset = openvdb::Index(row << 3 | z);
-            const openvdb::Vec3f value = !mLeaf                     ? mTile
+        for (int z = 0; z < LeafVoxel::kDim; ++z) {
+            const auto offset = openvdb::Index(LeafVoxel::kDim * row + z);
+            const openvdb::Vec3f value = !mLeaf                     ? mConstant
                                          : mLeaf->isValueOn(offset) ? mLeaf->buffer().data()[offset]
                                                                     : openvdb::Vec3f(0);
             stored.setLane(z, Float4{value[0], value[1], value[2], 0});
@@ -278,10 +128,10 @@ class LeafVelocities {
   private:
     openvdb::Mat3s mToStep;
     const openvdb::Vec3STree::LeafNodeType* mLeaf;
-    openvdb::Vec3f mTile;
+    openvdb::Vec3f mConstant;
 };
 
-/// What filters one leaf after another; only reads.
+/// Filters one leaf after another. Immutable; any number of threads may filter.
 struct FeedForward {
     const VelocityLevel& velocities; ///< at the step's end
     const Domain& domain;
@@ -299,15 +149,16 @@ struct FeedForward {
         const FullBox inside(domain, window);
         const LeafVelocities displacements(velocities, origin);
         const Domain::Mask& mask = domain.mask(leaf);
-        for (int row = 0; row < 64; ++row) {
+        for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
             if (lanes == 0) continue;
-            const Vector8 way = displacements.row(row);
+            const Vector8 displacement = displacements.row(row);
+            const LeafVoxel first = LeafVoxel::ofRow(row);
             Vector8 centre;
-            centre.x = broadcast8(float(origin[0] + (row >> 3)));
-            centre.y = broadcast8(float(origin[1] + (row & 7)));
+            centre.x = broadcast8(float(origin[0] + first.x));
+            centre.y = broadcast8(float(origin[1] + first.y));
             centre.z = Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(origin[2]);
-            TextureBricks::Samples upstream = texture.at(window, centre - way * 0.5f, lanes);
+            TextureBricks::Samples upstream = texture.at(window, centre - displacement * 0.5f, lanes);
             if (anyOf(maskOf(lanes) & !(upstream.coverage > 0))) {
                 const TextureBricks::Samples here = texture.at(window, centre, lanes);
                 const Int8 known = upstream.coverage > 0;
@@ -315,52 +166,51 @@ struct FeedForward {
                 upstream.sharp = known ? upstream.sharp : here.sharp;
             }
 
-            Int8 value = filtered(around, row, upstream.sharp, input + 8 * row);
-            const Vector8 before = centre - way;
+            Int8 value = filtered(around, first, upstream.sharp, input + LeafVoxel::kDim * row);
+            const Vector8 before = centre - displacement;
             if (anyOf(maskOf(lanes) & ~inside.contains(before))) renewEntering(window, centre, before, lanes, value);
-            // The texture alone would be smoothed again in each generation, and streaks grow until nothing seems to
-            // move.
+            // A history of the texture alone would be smoothed again in each generation: streaks would grow until
+            // nothing seemed to move.
             const Int8 history = (toFixed(upstream.texture) * 3 + value) >> 2;
-            for (int z = 0; z < 8; ++z) {
+            for (int z = 0; z < LeafVoxel::kDim; ++z) {
                 if (lanes >> z & 1)
-                    input[8 * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));
+                    input[LeafVoxel::kDim * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));
             }
         }
     }
 
-    /// Restore contrast and add noise. @param input the original noise of the row
-    [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, int row, Float8 sharp,
+    /// Restore contrast and add noise. @param first voxel of the row  @param input its original noise
+    [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, LeafVoxel first, Float8 sharp,
                                               const std::int32_t* input) const
     {
         Float8 original;
-        for (int z = 0; z < 8; ++z)
-            original[z] = float(Input::value(input[z])) / kFull;
+        for (int z = 0; z < LeafVoxel::kDim; ++z)
+            original[z] = float(Input::value(input[z])) / kFullScale;
         if (params.jitter == Jitter::kBits) {
             Float8 jittered;
-            for (int z = 0; z < 8; ++z)
+            for (int z = 0; z < LeafVoxel::kDim; ++z)
                 jittered[z] = jitterBits(sharp[z], original[z]);
             return toFixed(jittered);
         }
-        // Where there is next to no contrast there is none to restore.
-        const LocalContrast::Row local = around.row(row >> 3, row & 7);
+        const LocalContrast::Row local = around.row(first.x, first.y);
         const Float8 least = broadcast8(params.deviation / kMaxGain);
         const Float8 gain = params.deviation / (local.deviation > least ? local.deviation : least);
         const Float8 restored = clampToUnit(0.5f + gain * (sharp - local.mean));
         return toFixed(restored + params.noiseShare * (original - restored));
     }
 
-    /// Where fluid came into the domain during the step, new noise comes with it.
-    /// @param before where the fluid in the voxels was at the step's start
+    /// Give voxels whose fluid came into the domain during the step new noise.
+    /// @param before positions at the step's start of the fluid that is in the voxels' centres now
     [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& before,
                                          unsigned lanes, Int8& value) const
     {
         const TextureBricks::Samples there = texture.at(window, before, lanes);
-        const Int8 place = window.place(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
-        for (int z = 0; z < 8; ++z) {
+        const Int8 slots = window.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
+        for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (!(lanes >> z & 1)) continue;
-            // Bricks go on below the domain with its first values; here that is outside.
-            const bool inBrick = place[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
-                                                                    : window.leaves[std::size_t(place[z])] >= 0;
+            // Below the domain's first voxels, bricks continue their values; such a position is outside nonetheless.
+            const bool inBrick = slots[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
+                                                                    : window.leaves[std::size_t(slots[z])] >= 0;
             const float stayed = inBrick ? there.coverage[z] : coverageAt(domain, before.lane(z));
             const openvdb::Coord at(int(centre.x[z]), int(centre.y[z]), int(centre.z[z]));
             if (stayed < 1 && noise.fromOutside(at, step, stayed)) value[z] = noise.entering(at, step);
@@ -386,8 +236,8 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
 
     LeafValues<std::int32_t> input = noiseInput(next, noise);
     const Slabs slabs(domain);
-    // Samples lie up to the whole way upstream, and in the cell around that place.
-    const int reach = int(std::ceil((std::min(field.largest()[slabs.axis()], 1e6f) + 1) / float(Domain::Leaf::DIM)));
+    // A sample lies up to a whole step upstream, and its cell reaches one voxel farther.
+    const int reach = int(std::ceil((std::min(field.largest()[slabs.axis()], 1e6f) + 1) / float(LeafVoxel::kDim)));
     slabs.sweep(
         reach, [&](Slabs::Leaves leaves) { bricks.fill(leaves); },
         [&](Slabs::Leaves leaves) { bricks.release(leaves); },

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "vdblic/core/reporter.h"
+#include "vdblic/field/velocity_frame.h"
+#include "vdblic/io/sequence.h"
 #include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/flow_sequence_params.h"
 

@@ -2,7 +2,7 @@
 
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/io/velocity.h"
+#include "vdblic/field/velocity_frame.h"
 
 #include <optional>
 

@@ -1,13 +1,19 @@
 #include "vdblic/lic/flow_state.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/lic/scatter.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/hits.h"
 
+#include <fmt/format.h>
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointDataGrid.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -31,7 +37,7 @@ openvdb::FloatGrid::Ptr namedGrid(const LeafValues<float>& values, const char* n
     return grid;
 }
 
-/// A grid's values on the leaves of the domain, which it must cover.
+/// A grid's values on each leaf of the domain. @throws InputError if its voxels are not exactly the domain's
 std::vector<const float*> leafBuffers(const Domain& domain, const VdbFile& file, const char* name)
 {
     const auto grid = file.find<openvdb::FloatGrid>(name);
@@ -47,8 +53,9 @@ std::vector<const float*> leafBuffers(const Domain& domain, const VdbFile& file,
     return buffers;
 }
 
-/// The voxel whose centre is nearest. In double precision, so that the distance from it always is a float: single
-/// precision takes 0.49999997 to the voxel 1, from which the distance has a bit too many. The leaf is the same.
+/// The voxel whose centre is nearest. Computed in double precision, so that the distance to it is always exact in a
+/// float: single precision rounds 0.49999997 to voxel 1, and that distance takes one bit too many. Both voxels lie in
+/// one leaf.
 Coord nearestVoxel(const std::array<float, 3>& position)
 {
     Coord voxel;
@@ -67,14 +74,15 @@ class LeafPoints {
                 mPoints.push_back({particle, generations, nearestVoxel(particle.position)});
             });
         }
-        // By id within a voxel: equal states give equal files, whichever thread had a particle.
+        // Sorted by id within a voxel: equal states give equal files, whichever thread held a particle.
         std::sort(mPoints.begin(), mPoints.end(), [](const Point& a, const Point& b) {
             const auto key = [](const Point& p) { return std::pair(PointLeaf::coordToOffset(p.voxel), p.particle.id); };
             return key(a) < key(b);
         });
     }
 
-    /// @param words stored for each point; a particle that carries none has the value that is alive in the one word
+    /// @param words   stored for each point
+    /// @param carries whether particles have Generation words; else the one word stores the value that is alive
     void write(PointLeaf& leaf, openvdb::Index words, bool carries) const
     {
         leaf.setOffsets(ends());
@@ -89,13 +97,14 @@ class LeafPoints {
             slope.set(n, Vec3f(particle.slope.data()));
             id.set(n, std::int64_t(particle.id));
             for (openvdb::Index i = 0; i < words; ++i)
-                generations.set(n, i, std::int32_t(carries ? point.generations[i] : wordOf(particle.alive)));
+                generations.set(n, i,
+                                std::int32_t(carries ? point.generations[i] : Generation::fromHits(particle.alive)));
             ++n;
         }
     }
 
   private:
-    /// Where each voxel's points end.
+    /// For each voxel: the number of points up to and including its own.
     [[nodiscard]] std::vector<PointLeaf::ValueType> ends() const
     {
         std::vector<PointLeaf::ValueType> ends;
@@ -108,9 +117,6 @@ class LeafPoints {
         }
         return ends;
     }
-
-    /// Hits of a few values as a Generation word.
-    static std::uint32_t wordOf(std::uint64_t hits) { return std::uint32_t(Hits::sum(hits) << 8 | Hits::count(hits)); }
 
     struct Point {
         Particle particle;
@@ -131,7 +137,7 @@ AttributeHandle<T> attributeOf(const PointLeaf& leaf, const char* name, openvdb:
     return AttributeHandle<T>(*array);
 }
 
-/// The number of a leaf's points. @throws InputError if its voxels do not count them in order
+/// The number of a leaf's points. @throws InputError if the voxels' counts descend
 openvdb::Index countPoints(const PointLeaf& leaf)
 {
     openvdb::Index count = 0;
@@ -206,7 +212,7 @@ LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file)
 
 openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins)
 {
-    openvdb::initialize(); // attributes cannot be made before
+    openvdb::initialize(); // registers the attribute types
     const bool carries = !bins.empty() && bins.front().generations() > 0;
     const auto words = openvdb::Index(carries ? bins.front().generations() : 1);
     auto grid = PointDataGrid::create();

@@ -1,32 +1,39 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
-#include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/particle_bins.h"
 
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace vdblic {
 
-/// What one step hands to the next, as grids that other programs can open, and back to the bit.
-///
-/// `noise`: the noise-jittered texture that seeds take their values from; `texture`: what a pathline through a voxel is
-/// taken to carry already. Both float, multiples of 1/65536 in [0, 1).
-/// `particles`: points, with the attributes `slope` (velocity there, voxels per step), `id` (step of release << 40 |
-/// rank of the release voxel) and `generations` (Generation words, by release step modulo the life span; for UFLIC a
-/// single one). Points are stored as their distance from the centre of their voxel: no bit of a position is lost.
+struct VdbFile;
 
-/// Input words of a step as `noise` and `texture`.
+/// \file
+/// The state between two steps as grids that other programs can open; a round trip preserves every bit.
+///
+/// `noise`: the noise-jittered texture that seeds take their values from; `texture`: the value that a pathline through
+/// a voxel is taken to carry already. Both float, multiples of 1/65536 in [0, 1). `particles`: points with the
+/// attributes `slope` (velocity there, voxels per step), `id` (step of release << 40 | rank of the release voxel) and
+/// `generations` (Generation words, by release step modulo the life span; for UFLIC a single one). A point's position
+/// is stored relative to the centre of its voxel, so no bit of it is lost.
+
+/// The grids `noise` and `texture`. @param input Input words of a step
 [[nodiscard]] openvdb::GridPtrVec inputGrids(const Domain& domain, const LeafValues<std::int32_t>& input);
 
-/// @throws InputError, without the file's name, if the grids are missing or do not cover just the domain
+/// The inverse of inputGrids().
+/// @throws InputError, without the file's name, if a grid is missing or its voxels are not exactly the domain's
 [[nodiscard]] LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file);
 
-/// @param domain the bins' tiles
+/// The grid `particles`. Equal particles give an equal grid, whichever bins hold them.
+/// @param domain whose leaves are the bins' tiles
 [[nodiscard]] openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins);
 
-/// @param generations words that each particle carries; 0 for UFLIC
+/// The inverse of particleGrid(). @param generations words that each particle carries; 0 for UFLIC
 /// @throws InputError, without the file's name, if the grid is missing or does not fit the domain
 [[nodiscard]] ParticleBins readParticles(const Domain& domain, const VdbFile& file, std::size_t generations);
 

@@ -1,7 +1,16 @@
 #include "vdblic/lic/flow_texture.h"
 
 #include "vdblic/core/stopwatch.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/convolve.h"
+#include "vdblic/lic/feedback.h"
 #include "vdblic/lic/flow_state.h"
+#include "vdblic/lic/scatter.h"
+#include "vdblic/lic/steady_lic.h"
+
+#include <cstddef>
+#include <utility>
 
 namespace vdblic {
 
@@ -14,64 +23,119 @@ StageTimes& StageTimes::operator+=(const StageTimes& other)
     return *this;
 }
 
-FlowTexture::FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
-                         std::optional<LicKernel> steady)
-    : mParams(scatter), mFeedback(feedback), mNoise(std::move(noise)), mSteady(steady), mScatter(scatter)
-{
-    feedback.validate();
-}
+class FlowTexture::Pipeline {
+  public:
+    Pipeline(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
+             std::optional<LicKernel> steady)
+        : mParams(scatter), mFeedback(feedback), mNoise(std::move(noise)), mSteady(steady), mScatter(scatter)
+    {
+        feedback.validate();
+    }
 
-FlowTextureStep FlowTexture::advance(const FlowStep& step)
-{
-    Stopwatch watch;
-    FlowTextureStep result;
-    if (mSteady) {
-        result.texture = steadyLic(step.start, step.startToStep, mParams.lifeSpan, *mSteady, mParams.pathline, mNoise);
-        result.times.convolve = watch.lap();
+    FlowTextureStep advance(const FlowStep& step)
+    {
+        FlowTextureStep result = mSteady ? convolveFrame(step) : scatterStep(step);
         ++mStep;
         return result;
     }
-    const Domain& domain = *step.start.domain;
-    if (!mInput) mInput = noiseInput(domain, mNoise);
-    mField.prepare(step.start.domain, {step.start.velocities->tree(), step.startToStep},
-                   {step.end.velocities->tree(), step.endToStep});
-    {
-        const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
-        const double slopeScale = mLastInterval > 0 ? step.interval / mLastInterval : 1;
-        mLastInterval = step.interval;
-        result.stats = mScatter.step(mField, *mInput, accumulator, *step.end.domain, float(slopeScale));
-        result.times.load = mField.secondsToFill();
-        result.times.scatter = watch.lap() - result.times.load;
 
-        result.texture = convolve(domain, accumulator, *mInput);
-        result.times.convolve = watch.lap();
+    [[nodiscard]] std::uint64_t steps() const { return mStep; }
+
+    [[nodiscard]] openvdb::GridPtrVec save() const
+    {
+        if (mSteady) return {};
+        openvdb::GridPtrVec grids = inputGrids(*mDomain, *mInput);
+        grids.push_back(particleGrid(*mDomain, mScatter.particles()));
+        return grids;
     }
-    mInput.reset(); // before its successor is made
-    mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep);
-    result.times.filter = watch.lap();
-    mDomain = step.end.domain;
-    ++mStep;
-    return result;
+
+    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain, const VdbFile& state)
+    {
+        mStep = steps;
+        if (mSteady) return;
+        mLastInterval = interval;
+        mInput = readInput(*domain, state);
+        const bool carries = mParams.method == ScatterMethod::kAuflic;
+        mScatter.restore(steps, readParticles(*domain, state, carries ? std::size_t(mParams.lifeSpan) : 0));
+        mDomain = std::move(domain);
+    }
+
+  private:
+    FlowTextureStep convolveFrame(const FlowStep& step) const
+    {
+        Stopwatch watch;
+        FlowTextureStep result;
+        result.texture = steadyLic(step.start, step.startToStep, mParams.lifeSpan, *mSteady, mParams.pathline, mNoise);
+        result.times.convolve = watch.lap();
+        return result;
+    }
+
+    FlowTextureStep scatterStep(const FlowStep& step)
+    {
+        Stopwatch watch;
+        FlowTextureStep result;
+        const Domain& domain = *step.start.domain;
+        if (!mInput) mInput = noiseInput(domain, mNoise);
+        mField.prepare(step.start.domain, {step.start.velocities->tree(), step.startToStep},
+                       {step.end.velocities->tree(), step.endToStep});
+        {
+            const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
+            const double slopeScale = mLastInterval > 0 ? step.interval / mLastInterval : 1;
+            mLastInterval = step.interval;
+            result.stats = mScatter.step(mField, *mInput, accumulator, *step.end.domain, float(slopeScale));
+            result.times.load = mField.secondsToFill();
+            result.times.scatter = watch.lap() - result.times.load;
+
+            result.texture = convolve(domain, accumulator, *mInput);
+            result.times.convolve = watch.lap();
+        }
+        mInput.reset(); // frees its memory before its successor is made
+        mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep);
+        result.times.filter = watch.lap();
+        mDomain = step.end.domain;
+        return result;
+    }
+
+    ScatterParams mParams;
+    FeedbackParams mFeedback;
+    NoiseField mNoise;
+    std::optional<LicKernel> mSteady;
+    Scatter mScatter;
+    VelocityField mField;
+    std::shared_ptr<const Domain> mDomain; // of the step to come
+    std::optional<LeafValues<std::int32_t>> mInput;
+    double mLastInterval = 0;
+    std::uint64_t mStep = 0;
+};
+
+FlowTexture::FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
+                         std::optional<LicKernel> steady)
+    : mPipeline(std::make_unique<Pipeline>(scatter, feedback, std::move(noise), steady))
+{
+}
+FlowTexture::~FlowTexture() = default;
+FlowTexture::FlowTexture(FlowTexture&&) noexcept = default;
+FlowTexture& FlowTexture::operator=(FlowTexture&&) noexcept = default;
+
+FlowTextureStep FlowTexture::advance(const FlowStep& step)
+{
+    return mPipeline->advance(step);
+}
+
+std::uint64_t FlowTexture::steps() const
+{
+    return mPipeline->steps();
 }
 
 openvdb::GridPtrVec FlowTexture::save() const
 {
-    if (mSteady) return {};
-    openvdb::GridPtrVec grids = inputGrids(*mDomain, *mInput);
-    grids.push_back(particleGrid(*mDomain, mScatter.particles()));
-    return grids;
+    return mPipeline->save();
 }
 
 void FlowTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
                           const VdbFile& state)
 {
-    mStep = steps;
-    if (mSteady) return;
-    mLastInterval = interval;
-    mInput = readInput(*domain, state);
-    const bool carries = mParams.method == ScatterMethod::kAuflic;
-    mScatter.restore(steps, readParticles(*domain, state, carries ? std::size_t(mParams.lifeSpan) : 0));
-    mDomain = std::move(domain);
+    mPipeline->restore(steps, interval, std::move(domain), state);
 }
 
 } // namespace vdblic

@@ -1,15 +1,22 @@
 #pragma once
 
-#include "vdblic/io/vdb_file.h"
-#include "vdblic/lic/feedback.h"
+#include "vdblic/field/domain.h"
+#include "vdblic/lic/feedback_params.h"
 #include "vdblic/lic/flow_frame.h"
-#include "vdblic/lic/scatter.h"
-#include "vdblic/lic/steady_lic.h"
+#include "vdblic/lic/lic_kernel.h"
+#include "vdblic/lic/noise_field.h"
+#include "vdblic/lic/scatter_params.h"
+#include "vdblic/lic/scatter_stats.h"
 
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
 #include <memory>
 #include <optional>
 
 namespace vdblic {
+
+struct VdbFile;
 
 /// A step between two frames.
 struct FlowStep {
@@ -29,54 +36,54 @@ struct StageTimes {
     StageTimes& operator+=(const StageTimes& other);
 };
 
-/// A texture and what it took to make it.
+/// The texture of one step, with the work and the time spent on it.
 struct FlowTextureStep {
     LeafValues<float> texture; ///< in [0, 1], on the domain of the step's first frame
     ScatterStats stats;
     StageTimes times;
 };
 
-/// The UFLIC pipeline: scatter, convolve, filter, feed forward (Liu & Moorhead 2004, Figure 1a); or steadyLic() of each
-/// frame on its own.
+/// The textures of one field in memory, step by step: scatter, convolve, filter, feed forward (UFLIC's pipeline; Liu &
+/// Moorhead 2004, Figure 1a), or line integral convolution of each frame on its own (Cabral & Leedom 1993).
+///
+/// Steps are computed in parallel; textures do not depend on the number of threads. One object serves one thread at a
+/// time; distinct objects are independent.
 class FlowTexture {
   public:
-    /// @param steady if it has a value, every frame is convolved on its own with this kernel, and of `scatter` only the
-    ///               life span and the pathlines' parameters count
+    /// @param steady if it has a value, every frame is convolved on its own with this kernel; of `scatter` only the
+    /// life
+    ///               span and the pathlines' parameters count then
     /// @throws ParameterError
     FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
                 std::optional<LicKernel> steady = std::nullopt);
+    ~FlowTexture();
+    FlowTexture(FlowTexture&&) noexcept;
+    FlowTexture& operator=(FlowTexture&&) noexcept;
 
-    /// Compute the texture of the frame a step starts from. Steps must follow each other: each starts from the frame
-    /// that the one before ended at.
+    /// Compute the texture of the frame that a step starts from. Each step must start from the frame that the step
+    /// before it ended at.
+    /// @throws InputError if a voxel collected 2²³ hits or more
     FlowTextureStep advance(const FlowStep& step);
 
     /// The number of steps made.
-    [[nodiscard]] std::uint64_t steps() const { return mStep; }
+    [[nodiscard]] std::uint64_t steps() const;
 
-    /// What the next step starts from, as the grids of flow_state.h; none for steady LIC, which starts anew in every
+    /// The state between two steps, as the grids of flow_state.h; none for steady LIC, which starts anew in every
     /// frame. At least one step must have been made.
     [[nodiscard]] openvdb::GridPtrVec save() const;
 
-    /// Go on where another FlowTexture with these parameters was when it saved its state: what follows is the same to
-    /// the bit.
+    /// Continue from the saved state of another FlowTexture with these parameters: its next steps and those of this one
+    /// are the same to the bit.
     ///
-    /// @param steps    that it had made
+    /// @param steps    made before the state was saved
     /// @param interval seconds of the last of them
     /// @param domain   of the frame that the next step starts from
-    /// @throws InputError, without the file's name, if the state is none of such a FlowTexture and domain
+    /// @throws InputError, without the file's name, if the state does not fit these parameters and the domain
     void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain, const VdbFile& state);
 
   private:
-    ScatterParams mParams;
-    FeedbackParams mFeedback;
-    NoiseField mNoise;
-    std::optional<LicKernel> mSteady;
-    Scatter mScatter;
-    VelocityField mField;
-    std::shared_ptr<const Domain> mDomain; // of the step to come
-    std::optional<LeafValues<std::int32_t>> mInput;
-    double mLastInterval = 0;
-    std::uint64_t mStep = 0;
+    class Pipeline;
+    std::unique_ptr<Pipeline> mPipeline;
 };
 
 } // namespace vdblic

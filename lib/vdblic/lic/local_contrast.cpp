@@ -1,14 +1,18 @@
 #include "vdblic/lic/local_contrast.h"
 
+#include "vdblic/field/leaf_window.h"
+
 #include <tbb/parallel_for.h>
+
+#include <cstddef>
 
 namespace vdblic {
 namespace {
 
-/// The two blocks whose centres enclose a voxel along one axis, counted from the one before the leaf.
+/// The two neighbouring blocks whose centres enclose a voxel along one axis.
 struct Enclosing {
-    int first;
-    float weight; ///< of the second
+    int first;    ///< counted from the block before the leaf
+    float weight; ///< of the second block
 };
 constexpr Enclosing enclosing(int voxel)
 {
@@ -25,11 +29,10 @@ LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& valu
         Moments& moments = mMoments[leaf];
         moments = {};
         const Domain::Mask& mask = domain.mask(leaf);
-        for (int offset = 0; offset < Domain::kLeafVoxels; ++offset) {
+        for (int offset = 0; offset < LeafVoxel::kCount; ++offset) {
             if (!mask.isOn(openvdb::Index(offset))) continue;
             const float value = values[leaf][offset];
-            moments[std::size_t(blockOf(offset >> 6, offset >> 3 & 7, offset & 7))] +=
-                Float4{1, value, value * value, 0};
+            moments[std::size_t(blockOf(LeafVoxel::at(unsigned(offset))))] += Float4{1, value, value * value, 0};
         }
     });
 }
@@ -38,12 +41,14 @@ LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& o
 {
     const LeafWindow window(contrast.mDomain, origin);
     for (int part = 0; part < kAround * kAround * kAround; ++part) {
-        // Block −1 of the window's middle leaf is the last of the leaf before.
+        // Coordinates in voxels from the window's first leaf; part 0 is the last block of that leaf.
         const int x = (part / (kAround * kAround) + 1) * kBlock, y = (part / kAround % kAround + 1) * kBlock,
                   z = (part % kAround + 1) * kBlock;
-        const int leaf = window.leaves[std::size_t((x / 8 * 3 + y / 8) * 3 + z / 8)];
-        mMoments[std::size_t(part)] =
-            leaf < 0 ? Float4{} : contrast.mMoments[std::size_t(leaf)][std::size_t(blockOf(x & 7, y & 7, z & 7))];
+        const int slot =
+            LeafWindow::slot(LeafVoxel::leafCoordinate(x), LeafVoxel::leafCoordinate(y), LeafVoxel::leafCoordinate(z));
+        const int leaf = window.leaves[std::size_t(slot)];
+        const int block = blockOf({LeafVoxel::local(x), LeafVoxel::local(y), LeafVoxel::local(z)});
+        mMoments[std::size_t(part)] = leaf < 0 ? Float4{} : contrast.mMoments[std::size_t(leaf)][std::size_t(block)];
     }
 }
 
@@ -60,7 +65,7 @@ LocalContrast::Row LocalContrast::Leaf::row(int x, int y) const
             mix(mix(at(0, 0), at(0, 1), inY.weight), mix(at(1, 0), at(1, 1), inY.weight), inX.weight);
     }
     Float8 count, sum, squares;
-    for (int z = 0; z < 8; ++z) {
+    for (int z = 0; z < LeafVoxel::kDim; ++z) {
         const Enclosing inZ = enclosing(z);
         const Float4 a = along[std::size_t(inZ.first)], b = along[std::size_t(inZ.first + 1)];
         const Float4 moments = a + (b - a) * inZ.weight;

@@ -1,22 +1,27 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/vector.h"
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 namespace vdblic {
 
 /// Mean and standard deviation of a texture around each voxel.
 ///
-/// Taken over blocks of 4³ voxels: wide enough to tell contrast, narrow enough that no feature grows broader than a few
-/// voxels. Around a voxel the moments of the nearest blocks are weighted linearly by the distance of their centres.
+/// Moments are taken over blocks of 4³ voxels: wide enough to measure contrast, narrow enough that no feature grows
+/// broader than a few voxels. A voxel's moments are interpolated linearly between the centres of the nearest blocks.
+/// Immutable; any number of threads may read.
 class LocalContrast {
   public:
-    /// Takes the moments of every block, in parallel; the result does not depend on the number of threads.
+    /// @param domain must outlive this
+    /// Computed in parallel; the result does not depend on the number of threads.
     LocalContrast(const Domain& domain, const LeafValues<float>& values);
 
-    /// Of the eight voxels of a row along z. Not-a-number far from every voxel of the domain.
+    /// Of the eight voxels of a row along z. Not-a-number where no block around has a voxel of the domain.
     struct Row {
         Float8 mean, deviation;
     };
@@ -28,15 +33,16 @@ class LocalContrast {
         [[nodiscard]] Row row(int x, int y) const;
 
       private:
-        static constexpr int kAround = 4; // the leaf's blocks and one before and after, along each axis
+        static constexpr int kAround = 4; // along each axis: the leaf's blocks, one before and one after
         std::array<Float4, kAround * kAround * kAround> mMoments;
     };
 
   private:
-    static constexpr int kBlock = 4, kBlocks = 2; // voxels of a block, blocks of a leaf; along each axis
-    static int blockOf(int x, int y, int z) { return (x / kBlock * kBlocks + y / kBlock) * kBlocks + z / kBlock; }
+    static constexpr int kBlock = 4;                         // voxels of a block along each axis
+    static constexpr int kBlocks = LeafVoxel::kDim / kBlock; // blocks of a leaf along each axis
+    static int blockOf(LeafVoxel v) { return (v.x / kBlock * kBlocks + v.y / kBlock) * kBlocks + v.z / kBlock; }
 
-    /// Of each block of a leaf: number, sum and sum of squares of its values.
+    /// Of each block of a leaf: number of values, their sum, the sum of their squares.
     using Moments = std::array<Float4, kBlocks * kBlocks * kBlocks>;
 
     const Domain& mDomain;

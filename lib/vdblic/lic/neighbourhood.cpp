@@ -1,30 +1,38 @@
 #include "vdblic/lic/neighbourhood.h"
 
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/vector.h"
+
+#include <cstdint>
+
 namespace vdblic {
 namespace {
 
-constexpr int kLeafDim = Domain::Leaf::DIM;
-constexpr int kDim = kLeafDim + 2; // the leaf and the voxels around it
+constexpr int kLeafDim = LeafVoxel::kDim;
+constexpr int kDim = kLeafDim + 2; // a leaf and one voxel around it
 
-/// A number for each voxel of a leaf and those around it, x slowest.
+/// One number for each voxel of a leaf and one voxel around it, x slowest.
 using Cube = float[kDim][kDim][kDim];
 
-/// Copy numbers together: row(leaf, x, y) gives the 8 of a leaf's row, the leaf −1 where there is none.
+/// Fill a cube. @param row called as row(leaf, number of the row), gives the row's 8 numbers; leaf −1 is outside
 template<typename RowOf>
 VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Cube& cube)
 {
     for (int x = -1; x <= kLeafDim; ++x) {
         for (int y = -1; y <= kLeafDim; ++y) {
             float* to = cube[x + 1][y + 1];
-            const int* leaves = &window.leaves[std::size_t((((x + 8) >> 3) * 3 + ((y + 8) >> 3)) * 3)];
-            to[0] = row(leaves[0], x & 7, y & 7)[7];
-            const Float8 middle = row(leaves[1], x & 7, y & 7);
+            const int slot = LeafWindow::slot(LeafVoxel::leafCoordinate(x) + 1, LeafVoxel::leafCoordinate(y) + 1, 0);
+            const int* leaves = &window.leaves[std::size_t(slot)];
+            const int number = LeafVoxel::row(x, y);
+            to[0] = row(leaves[0], number)[kLeafDim - 1];
+            const Float8 middle = row(leaves[1], number);
             __builtin_memcpy(to + 1, &middle, sizeof middle);
-            to[kDim - 1] = row(leaves[2], x & 7, y & 7)[0];
+            to[kDim - 1] = row(leaves[2], number)[0];
         }
     }
 }
 
+/// Weighted 3³ sums, one axis after the other. @param sums of the 512 voxels
 VDBLIC_INLINE void sum(const Cube& cube, float centre, float* sums)
 {
     const auto load = [](const float* from) {
@@ -54,26 +62,25 @@ VDBLIC_KERNEL void sumLeaf(const Domain& domain, const LeafValues<float>& values
                            float centre, NeighbourSums& sums)
 {
     alignas(32) Cube cube;
-    const auto valueRow = [&](int leaf, int x, int y) {
+    const auto valueRow = [&](int leaf, int number) {
         Float8 row{};
-        if (leaf >= 0) __builtin_memcpy(&row, values[std::size_t(leaf)] + (x * kLeafDim + y) * kLeafDim, sizeof row);
+        if (leaf >= 0) __builtin_memcpy(&row, values[std::size_t(leaf)] + number * kLeafDim, sizeof row);
         return row;
     };
     gather(window, valueRow, cube);
     sum(cube, centre, sums.value.data());
 
     bool whole = true;
-    for (int place = 0; place < LeafWindow::kElsewhere; ++place) {
-        const int leaf = window.leaves[std::size_t(place)];
+    for (int slot = 0; slot < LeafWindow::kElsewhere; ++slot) {
+        const int leaf = window.leaves[std::size_t(slot)];
         whole = whole && leaf >= 0 && domain.mask(std::size_t(leaf)).isOn();
     }
     if (whole) {
         sums.weight.fill((2 + centre) * (2 + centre) * (2 + centre));
         return;
     }
-    const auto maskRow = [&](int leaf, int x, int y) {
-        const int bits =
-            leaf < 0 ? 0 : domain.mask(std::size_t(leaf)).getWord<std::uint8_t>(openvdb::Index(x * kLeafDim + y));
+    const auto maskRow = [&](int leaf, int number) {
+        const int bits = leaf < 0 ? 0 : domain.mask(std::size_t(leaf)).getWord<std::uint8_t>(openvdb::Index(number));
         const Int8 on = maskOf(unsigned(bits));
         return on ? broadcast8(1) : Float8{};
     };

@@ -1,6 +1,10 @@
 #include "vdblic/lic/noise.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
 #include <tbb/parallel_for.h>
+
+#include <cstddef>
 
 namespace vdblic {
 namespace {
@@ -9,13 +13,13 @@ void fillLeaf(const Domain& domain, std::size_t leaf, std::uint32_t seed, float*
 {
     const openvdb::Coord origin = domain.origin(leaf);
     const Domain::Mask& mask = domain.mask(leaf);
-    int offset = 0;
-    for (int x = 0; x < 8; ++x) {
-        for (int y = 0; y < 8; ++y) {
-            const std::uint64_t column = noiseColumn(origin.x() + x, origin.y() + y, seed);
-            for (int z = 0; z < 8; ++z, ++offset) {
-                if (mask.isOn(offset)) values[offset] = float(noiseInColumn(column, origin.z() + z)) / float(kNoiseMax);
-            }
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const LeafVoxel first = LeafVoxel::ofRow(row);
+        const std::uint64_t column = noiseColumn(origin.x() + first.x, origin.y() + first.y, seed);
+        for (int z = 0; z < LeafVoxel::kDim; ++z) {
+            const int offset = LeafVoxel::kDim * row + z;
+            if (mask.isOn(openvdb::Index(offset)))
+                values[offset] = float(noiseInColumn(column, origin.z() + z)) / float(kNoiseMax);
         }
     }
 }

@@ -1,6 +1,9 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/vector.h"
+
+#include <openvdb/openvdb.h>
 
 #include <cstdint>
 
@@ -21,8 +24,8 @@ VDBLIC_INLINE std::uint64_t mixBits(std::uint64_t bits)
 
 /// White noise: a value for each voxel of index space, uniform in [0, kNoiseMax] and independent of every other.
 ///
-/// A pure function of its arguments, so that any part of a domain can be made alone and in any order. A loop over
-/// z computes noiseColumn() once; a value then costs one mixing of 64 bits.
+/// A pure function of its arguments: any part of a domain can be computed alone and in any order. A loop over z
+/// computes noiseColumn() once; a value then costs one mixing of 64 bits.
 VDBLIC_INLINE std::uint64_t noiseColumn(std::int32_t x, std::int32_t y, std::uint32_t seed)
 {
     constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15u; // keeps the origin under seed 0 off the fixed point 0
@@ -46,7 +49,7 @@ VDBLIC_INLINE std::uint16_t noiseValue(std::int32_t x, std::int32_t y, std::int3
 ///
 /// @param transform of the grid; the noise itself depends on indices only
 /// @return a grid with the metadata `seed` (int64)
-/// Made in parallel.
+/// Computed in parallel.
 [[nodiscard]] openvdb::FloatGrid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform,
                                                 std::uint32_t seed);
 

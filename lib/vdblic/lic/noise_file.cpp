@@ -19,17 +19,11 @@ namespace {
 openvdb::GridBase::Ptr findGrid(const GridReference& reference)
 {
     const VdbFile file = readVdb(reference.path);
-    const auto wanted = std::find_if(file.grids.begin(), file.grids.end(), [&](const openvdb::GridBase::Ptr& grid) {
-        return reference.grid.empty() ? grid->activeVoxelCount() > 0 : grid->getName() == reference.grid;
-    });
-    if (wanted == file.grids.end()) {
-        throw InputError(
-            reference.grid.empty()
-                ? fmt::format("{}: no grid has active voxels; it holds {}", reference.path.string(), file.contents())
-                : fmt::format("{}: has no grid '{}'; it holds {}", reference.path.string(), reference.grid,
-                              file.contents()));
+    if (!reference.grid.empty()) return file.get<openvdb::GridBase>(reference.grid);
+    for (const openvdb::GridBase::Ptr& grid : file.grids) {
+        if (grid->activeVoxelCount() > 0) return grid;
     }
-    return *wanted;
+    throw file.missing("grid with active voxels");
 }
 
 openvdb::MaskTree::Ptr topologyOf(const openvdb::GridBase& grid, const std::string& name)
@@ -88,11 +82,7 @@ openvdb::FloatGrid::ConstPtr readNoise(const std::string& argument)
     const auto [path, named] = parseGridReference(argument);
     const std::string name = named.empty() ? "noise" : named;
     const VdbFile file = readVdb(path);
-    const auto grid = file.find<openvdb::FloatGrid>(name);
-    if (!grid) {
-        throw InputError(fmt::format("{}: no float grid '{}'; the file holds {}: choose with FILE:GRID", path.string(),
-                                     name, file.contents()));
-    }
+    const auto grid = file.get<openvdb::FloatGrid>(name, "FILE:GRID");
     for (auto value = grid->cbeginValueOn(); value; ++value) {
         if (!(*value >= 0 && *value <= 1)) {
             const openvdb::Coord at = value.getCoord();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdblic {
 
@@ -10,7 +11,7 @@ void ParticleBins::add(std::size_t tile, const Particle& particle, const std::ui
     Bin& bin = mBins[tile];
     if (bin.empty() || bin.back()->count == Chunk::kCapacity) {
         if (mSpare.empty()) {
-            bin.emplace_back(new Chunk); // its particles are left unset
+            bin.emplace_back(new Chunk); // not make_unique: it would zero the particles
             bin.back()->generations.reset(new std::uint32_t[Chunk::kCapacity * mGenerations]);
         } else {
             bin.push_back(std::move(mSpare.back()));

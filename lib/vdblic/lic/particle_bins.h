@@ -1,14 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace vdblic {
 
-/// A pathline in the making: where it is now. The values it carries stand beside it, a word for each of its
-/// generations.
+/// The moving end of a pathline. The values it carries are kept apart, one Generation word for each generation.
 struct Particle {
     static constexpr int kRankBits = 40; // of the id
 
@@ -18,15 +18,15 @@ struct Particle {
     std::uint64_t id; ///< step of release << kRankBits | rank of the release voxel in the domain's scan order
 };
 
-/// Particles of one thread, by the tile they are in.
+/// Particles that one thread moved, by the tile they are in now.
 ///
-/// Kept in chunks, each of which is used again as soon as it was read: the particles that come and those that go take
-/// the room of one. Not thread-safe.
+/// Kept in chunks that are used again as soon as they were read: arriving and leaving particles together take the
+/// memory of one set. Not thread-safe, but for take() on distinct tiles with distinct users.
 class ParticleBins {
   public:
     /// @param generations words that each particle carries
     ParticleBins(std::size_t tiles, std::size_t generations) : mGenerations(generations), mBins(tiles) {}
-    ParticleBins(ParticleBins&&) = default; // no copies, as the bins' chunks have none
+    ParticleBins(ParticleBins&&) = default; // chunks cannot be copied
     ParticleBins& operator=(ParticleBins&&) = default;
 
     void add(std::size_t tile, const Particle& particle, const std::uint32_t* generations);
@@ -34,15 +34,15 @@ class ParticleBins {
     /// Words that each particle carries.
     [[nodiscard]] std::size_t generations() const { return mGenerations; }
 
-    /// The largest amount of any particle's slope that was added, along each axis.
+    /// The largest magnitude of any added particle's slope, along each axis [voxels per step].
     [[nodiscard]] const std::array<float, 3>& largestSlope() const { return mLargestSlope; }
 
-    /// Append a tile's particles, in the order they were added, and their generations; the bin is empty then.
-    /// @param user takes the memory, for what will be added to it
+    /// Append a tile's particles, in the order they were added, and their generations; empties the bin.
+    /// @param user receives the chunks, for its own add()
     void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations,
               ParticleBins& user);
 
-    /// Free memory that was taken and not needed.
+    /// Free the chunks that were received and not used.
     void freeSpare() { Bin().swap(mSpare); }
 
     /// Visit a tile's particles: visit(particle, generations).
@@ -67,7 +67,7 @@ class ParticleBins {
 
     std::size_t mGenerations = 0;
     std::vector<Bin> mBins;
-    Bin mSpare; // chunks to be used again
+    Bin mSpare; // empty chunks
     std::array<float, 3> mLargestSlope{};
 };
 

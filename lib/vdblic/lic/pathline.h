@@ -1,37 +1,33 @@
 #pragma once
 
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/vector.h"
 #include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/pathline_params.h"
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <vector>
 
 namespace vdblic {
-
-/// How pathlines are integrated and sampled.
-struct PathlineParams {
-    float tolerance = 0.05f;    ///< largest estimated error of one integration step [voxels]
-    float sampleSpacing = 0.5f; ///< distance between samples along the path [voxels]
-
-    void validate() const; ///< @throws ParameterError
-};
 
 /// One integration step of up to eight particles, each a cubic Hermite curve.
 struct Segment {
     Vector8 start, end;           ///< index space, voxel centres at integers
     Vector8 startSlope, endSlope; ///< velocity there, voxels per time step
     Float8 time, duration;        ///< of the whole time step, 0 to 1
-    unsigned lanes;               ///< whose bits are set took this step
+    unsigned lanes;               ///< bits of the lanes that took this step
 };
 
 /// Particles to advance together, and the paths they took.
 struct PathBatch {
-    unsigned lanes = 0;            ///< whose bits are set hold a particle
+    unsigned lanes = 0;            ///< bits of the lanes that hold a particle
     Vector8 position{};            ///< index space; updated
-    Vector8 slope{};               ///< velocity there at the step's start; updated to that at its end
-    unsigned arrived = 0;          ///< lanes whose path lasts to the end of the time step
+    Vector8 slope{};               ///< velocity there at the step's start; updated to the velocity at its end
+    unsigned arrived = 0;          ///< bits of the lanes whose path lasts to the end of the time step
     std::vector<Segment> segments; ///< in order of time, for every lane
-    std::size_t steps = 0;         ///< integration steps tried since the batch was made
+    std::size_t steps = 0;         ///< integration steps tried since the batch was created
 };
 
 namespace pathline {
@@ -55,13 +51,14 @@ VDBLIC_INLINE float strideLimit(Float4 slope)
 
 /// Advance every particle of a batch by one time step.
 ///
-/// Classical RK4 whose end slope serves as the next step's first (FSAL) and gives the embedded third-order error
-/// estimate |h/6 (k4 − k5)|; the duration is cut and grown to keep it under the tolerance. Fourth order in
-/// space, second in time, where the velocity is linear between frames (Liu & Moorhead 2004, Table 1). A stage that
-/// falls where the field has no value goes straight on. A path stops after the segment that left the domain.
+/// Classical RK4. The end slope k5 serves as the next step's first (FSAL) and gives the embedded third-order error
+/// estimate |h/6 (k4 − k5)|; the duration h is cut and grown to keep the estimate under the tolerance. Fourth order in
+/// space; second in time, because velocity is linear between frames (Liu & Moorhead 2004, Table 1). A stage without a
+/// velocity continues with that of the stage before. A path stops after the segment that left the domain.
 /// Each lane is a pure function of its own position and slope. Hairer, Nørsett & Wanner, Solving ODEs I, II.4.
 ///
-/// @param window of the leaf the particles are in; it makes a difference to the time taken only
+/// @param window of the leaf that the particles are in; affects speed only
+/// Thread-safe for distinct batches.
 VDBLIC_INLINE void advancePaths(const VelocityField& field, const LeafWindow& window, const PathlineParams& params,
                                 PathBatch& batch)
 {
@@ -125,37 +122,46 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const LeafWindow& wi
     }
 }
 
-/// The voxels that the paths of a batch lead through, at the middles of even pieces of each segment's length, so that
-/// their mean is the segment's.
+/// The voxels that the paths of a batch pass: samples at the middles of equally long pieces of each segment, so that
+/// the samples' mean is the segment's.
 struct PathSamples {
-    /// One sample of each lane, as a code: place in the window · 512 + offset in the leaf; −1 − n for far voxel n.
+    /// One sample of each lane, as the code of a WindowVoxel; far ones are indices in `far`.
     struct Row {
         Int8 code;
+        [[nodiscard]] VDBLIC_INLINE WindowVoxel voxel(int lane) const { return {code[lane]}; }
     };
-    /// The samples on a segment: those of lane m are rows[firstRow + j].code[m], j from 0 to count[m].
+    /// The samples on a segment: those of lane m are rows[firstRow + j].code[m], 0 ≤ j < count[m].
     struct Run {
         unsigned lanes;
         std::size_t firstRow;
         Int8 count;
-        Int8 early; ///< how many of them lie before a given time
+        Int8 early; ///< number of samples before `until`
     };
-    /// A voxel that is not in the window.
-    struct FarVoxel {
+    /// A voxel of a domain.
+    struct Voxel {
         int leaf; ///< −1 where there is none
         unsigned offset;
     };
 
     std::vector<Run> runs;
     std::vector<Row> rows;
-    std::vector<FarVoxel> far;
+    std::vector<Voxel> far; ///< the samples outside the window
+
+    /// The voxel of a sample, near or far. @param window that the samples were taken with
+    [[nodiscard]] VDBLIC_INLINE Voxel find(WindowVoxel sample, const LeafWindow& window) const
+    {
+        if (sample.isFar()) return far[sample.farIndex()];
+        return {window.leaves[std::size_t(sample.slot())], sample.offset()};
+    }
 };
 
 /// Sample the paths of a batch.
 ///
-/// @param window the codes' places refer to
-/// @param until  samples before this time count as early, as a fraction of the time step
-/// Cubic Hermite dense output: Hairer, Nørsett & Wanner, Solving ODEs I, II.6. Even arc length takes the speed to
-/// change linearly over the segment.
+/// @param window  that the samples' codes refer to
+/// @param spacing largest distance between samples along the path [voxels]
+/// @param until   samples before this time count as early, as a fraction of the time step
+/// Cubic Hermite dense output: Hairer, Nørsett & Wanner, Solving ODEs I, II.6. Arc length is taken from a speed that
+/// changes linearly over the segment.
 VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, const LeafWindow& window, float spacing,
                                float until, PathSamples& samples)
 {
@@ -177,7 +183,7 @@ VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, con
         const Float8 pieces = wanted < kMostSamples ? wanted : broadcast8(kMostSamples);
         const Int8 whole = __builtin_convertvector(pieces, Int8);
         const Int8 taken = maskOf(segment.lanes);
-        const Int8 count = (whole - (__builtin_convertvector(whole, Float8) < pieces)) & taken; // a true one is −1
+        const Int8 count = (whole - (__builtin_convertvector(whole, Float8) < pieces)) & taken; // true is −1
         const Float8 pieceLength = arc / __builtin_convertvector(count, Float8);
         const Float8 square0 = speed0 * speed0, gain = (speed1 - speed0) * 2.0f;
 
@@ -193,14 +199,14 @@ VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, con
             const Int8 y = floorToInt(((u * c3.y + c2.y) * u + m0.y) * u + c0.y);
             const Int8 z = floorToInt(((u * c3.z + c2.z) * u + m0.z) * u + c0.z);
             const Int8 valid = count > j;
-            const Int8 place = window.place(x, y, z);
-            Int8 code = place << 9 | (x & 7) << 6 | (y & 7) << 3 | (z & 7);
+            const Int8 slots = window.slots(x, y, z);
+            Int8 code = WindowVoxel::encode(slots, x, y, z);
             early -= valid & (u * segment.duration + segment.time < until);
-            if (__builtin_expect(anyOf(valid & (place == LeafWindow::kElsewhere)), 0)) {
+            if (__builtin_expect(anyOf(valid & (slots == LeafWindow::kElsewhere)), 0)) {
                 for (int i = 0; i < kLanes; ++i) {
-                    if (!valid[i] || place[i] != LeafWindow::kElsewhere) continue;
+                    if (!valid[i] || slots[i] != LeafWindow::kElsewhere) continue;
                     const Int4 voxel = {x[i], y[i], z[i], 0};
-                    code[i] = -1 - int(samples.far.size());
+                    code[i] = WindowVoxel::encodeFar(samples.far.size());
                     samples.far.push_back({domain.findLeaf(voxel), Domain::offset(voxel)});
                 }
             }

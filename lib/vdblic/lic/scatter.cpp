@@ -1,20 +1,30 @@
 #include "vdblic/lic/scatter.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/slabs.h"
 #include "vdblic/lic/seeding.h"
 #include "vdblic/lic/tile_schedule.h"
 
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
 
 namespace vdblic {
 namespace {
 
-/// What an accumulator collected.
+/// Totals over an accumulator.
 struct Collected {
     std::size_t hits = 0, emptyVoxels = 0;
 };
@@ -24,7 +34,7 @@ Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumu
         tbb::blocked_range<std::size_t>(0, domain.leafCount()), Collected{},
         [&](const tbb::blocked_range<std::size_t>& range, Collected sum) {
             for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-                for (int i = 0; i < Domain::kLeafVoxels; ++i) { // what is outside counts nothing
+                for (int i = 0; i < LeafVoxel::kCount; ++i) { // Hits::kOutside has a count of 0
                     sum.hits += Hits::count(std::uint64_t(accumulator[leaf][i]));
                     sum.emptyVoxels += accumulator[leaf][i] == 0;
                 }
@@ -36,10 +46,10 @@ Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumu
         });
 }
 
-/// How far from its own leaf a path of this step can reach, in leaves along each axis.
+/// The farthest that a path of this step can lead from its own tile, in leaves along each axis.
 ///
-/// A step leads no farther than the largest of the slopes that make it; the Hermite curve swings beyond its ends by at
-/// most 4/27 of the slope at each.
+/// A step leads no farther than the largest of its slopes; the Hermite curve swings beyond its ends by at most 4/27 of
+/// the slope at each.
 openvdb::Coord reachOf(const ScatterScene& scene)
 {
     constexpr float kSwing = 1 + 2 * 4.0f / 27, kRounding = 1; // voxels
@@ -50,7 +60,7 @@ openvdb::Coord reachOf(const ScatterScene& scene)
             slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
         constexpr float kFarAway = 1e6f;
         const float voxels = std::min(kSwing * slope + kRounding, kFarAway);
-        reach[int(axis)] = int(std::ceil(voxels / float(Domain::Leaf::DIM)));
+        reach[int(axis)] = int(std::ceil(voxels / float(LeafVoxel::kDim)));
     }
     return reach;
 }
@@ -62,7 +72,7 @@ void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coor
     const auto onEveryThread = [&](const auto& work) {
         tbb::parallel_for(std::size_t(0), workers.size(), work, tbb::simple_partitioner());
     };
-    constexpr int kFarReach = 3; // leaves: beyond, too few tiles could be at work together
+    constexpr int kFarReach = 3; // in leaves; with a longer reach too few tiles could be at work together
     if (workers.size() == 1) {
         for (const std::uint32_t leaf : leaves)
             workers[0].run(leaf, false);
@@ -104,32 +114,6 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& 
 }
 
 } // namespace
-
-void ScatterParams::validate() const
-{
-    constexpr int kMaxLifeSpan = 1000;
-    if (lifeSpan < 1 || lifeSpan > kMaxLifeSpan) {
-        throw ParameterError(fmt::format("life span {} must lie between 1 and {} frames", lifeSpan, kMaxLifeSpan));
-    }
-    if (!(releaseWindow > 0 && releaseWindow <= 1)) {
-        throw ParameterError(fmt::format("release window {} must be above 0 and at most 1 step", releaseWindow));
-    }
-    pathline.validate();
-}
-
-ScatterStats& ScatterStats::operator+=(const ScatterStats& other)
-{
-    particles += other.particles;
-    blocked += other.blocked;
-    released += other.released;
-    reused += other.reused;
-    copied += other.copied;
-    steps += other.steps;
-    deposits += other.deposits;
-    hits += other.hits;
-    emptyVoxels += other.emptyVoxels;
-    return *this;
-}
 
 Scatter::Scatter(const ScatterParams& params) : mParams(params)
 {

@@ -1,5 +1,9 @@
 #include "vdblic/lic/seeding.h"
 
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/lic/hits.h"
+
+#include <algorithm>
 #include <atomic>
 
 namespace vdblic {
@@ -14,15 +18,15 @@ VDBLIC_INLINE std::array<float, 3> toArray(Float4 v)
     return {v[0], v[1], v[2]};
 }
 
-/// The accumulator of a leaf that is not there.
-std::int64_t* nowhere()
+/// An accumulator leaf that is outside everywhere: for the window's slots without a leaf.
+std::int64_t* outsideLeaf()
 {
-    static std::array<std::int64_t, Domain::kLeafVoxels> words = [] {
-        std::array<std::int64_t, Domain::kLeafVoxels> all;
+    static std::array<std::int64_t, LeafVoxel::kCount> words = [] {
+        std::array<std::int64_t, LeafVoxel::kCount> all;
         all.fill(Hits::kOutside);
         return all;
     }();
-    return words.data(); // never written to: deposit() leaves what is outside alone
+    return words.data(); // shared by all threads: deposit() never writes to a voxel outside
 }
 
 /// Add hits to a voxel. @return false if it is outside the domain
@@ -49,7 +53,7 @@ TileScatter::TileScatter(const ScatterScene& scene)
 {
 }
 
-/// Carry the values of the particle at work along its path, taking up those of open voxels on the way.
+/// Carry the particle's values along its path, and take up those of open voxels on the way.
 /// @return whether the particle stayed inside the domain
 template<bool kShared>
 VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
@@ -64,9 +68,10 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
         taken = Generation::add(taken, value);
         alive += Hits::pack(value, 1);
     };
-    const auto add = [&](int code) {
-        if (__builtin_expect(code >= 0, 1)) return deposit<kShared>(mTarget[std::size_t(code >> 9)][code & 511], alive);
-        const PathSamples::FarVoxel& voxel = mSamples.far[std::size_t(-1 - code)];
+    const auto add = [&](WindowVoxel sample) {
+        if (__builtin_expect(!sample.isFar(), 1))
+            return deposit<kShared>(mTarget[std::size_t(sample.slot())][sample.offset()], alive);
+        const PathSamples::Voxel& voxel = mSamples.far[sample.farIndex()];
         return voxel.leaf >= 0 && deposit<kShared>(mScene.accumulator[std::size_t(voxel.leaf)][voxel.offset], alive);
     };
     if (mayTakeUp) takeUp(Domain::offset(voxelOf(mBatch.segments.front().start.lane(lane))));
@@ -77,17 +82,17 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
         const int early = mayTakeUp ? run.early[lane] : 0, count = run.count[lane];
         int i = 0;
         for (; inside && i < early; ++i) {
-            const int code = row[i].code[lane];
-            if (code >> 9 == LeafWindow::kCentre && mDomain.isActive(int(mLeaf), unsigned(code & 511))) {
-                takeUp(unsigned(code & 511));
+            const WindowVoxel sample = row[i].voxel(lane);
+            if (sample.slot() == LeafWindow::kCentre && mDomain.isActive(int(mLeaf), sample.offset())) {
+                takeUp(sample.offset());
             }
-            inside = add(code);
+            inside = add(sample);
             if (inside) hits += Hits::count(alive);
         }
         const int first = i;
         for (; inside && i < count; ++i)
-            inside = add(row[i].code[lane]);
-        if (!inside) --i; // the one that was not added
+            inside = add(row[i].voxel(lane));
+        if (!inside) --i; // the last sample was not added
         deposits += std::size_t(i);
         if (i > first) hits += std::size_t(i - first) * Hits::count(alive);
         if (!inside) break;
@@ -99,7 +104,7 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
     return inside;
 }
 
-/// Keep the particle at work for the next step, unless all its values expire with this one.
+/// Keep the particle for the next step, unless all its values expire with this one.
 VDBLIC_INLINE void TileScatter::keep(int lane)
 {
     if (!mAuflic) {
@@ -120,7 +125,7 @@ VDBLIC_INLINE void TileScatter::keep(int lane)
     mLeaving.add(std::size_t(leaf), mParticle, mGenerations.data());
 }
 
-/// Advance the batch by the step, and find the voxels its paths lead through.
+/// Advance the batch by the step, and find the voxels that its paths pass.
 VDBLIC_INLINE void TileScatter::trace()
 {
     const PathlineParams& params = mScene.params.pathline;
@@ -128,7 +133,7 @@ VDBLIC_INLINE void TileScatter::trace()
     samplePaths(mBatch, mDomain, mWindow, params.sampleSpacing, mScene.params.releaseWindow, mSamples);
 }
 
-/// The tile's particles of earlier steps and the order of their turns.
+/// Collect the tile's particles of earlier steps and the order of their turns.
 void TileScatter::takeArriving()
 {
     mParticles.clear();
@@ -142,14 +147,14 @@ void TileScatter::takeArriving()
         mTurns.push_back({mParticles[i].id ^ newestFirst, std::uint32_t(i), voxel});
     }
     sortTurns();
-    if (mHistory) coalesce(); // afterwards: where a voxel collects more values than fit, the order decides which
+    if (mHistory) coalesce(); // after sorting: where more values meet than fit, the order decides which are kept
 }
 
-/// Of all particles in a voxel only the first will find it open: it takes over the values of the others.
+/// Only the first of the particles in a voxel will find it open: that one takes over the values of the others.
 void TileScatter::coalesce()
 {
     constexpr std::uint32_t kNone = ~std::uint32_t(0);
-    std::array<std::uint32_t, Domain::kLeafVoxels> first;
+    std::array<std::uint32_t, LeafVoxel::kCount> first;
     first.fill(kNone);
     mStats.blocked += std::erase_if(mTurns, [&](const Turn& turn) {
         std::uint32_t& heir = first[turn.voxel];
@@ -168,7 +173,7 @@ void TileScatter::coalesce()
     });
 }
 
-/// Particles come in few runs that are sorted already, one from each tile around: merge those.
+/// Sort turns by merging: particles arrive in few runs that are sorted already, one from each tile around.
 void TileScatter::sortTurns()
 {
     const auto earlier = [](const Turn& a, const Turn& b) { return a.order < b.order; };
@@ -214,14 +219,14 @@ VDBLIC_INLINE void TileScatter::advanceLive()
         trace();
         for (int lane = 0; lane < count; ++lane) {
             const Turn& mine = *turns[std::size_t(lane)];
-            if (mHistory && !mOpen.isOn(mine.voxel)) { // closed by one of the batch
+            if (mHistory && !mOpen.isOn(mine.voxel)) { // closed by a particle of this batch
                 ++mStats.blocked;
                 continue;
             }
             mParticle = mParticles[mine.particle];
             std::copy_n(mParticleGenerations.begin() + std::ptrdiff_t(mine.particle * mGenerationCount),
                         mGenerationCount, mGenerations.begin());
-            // Without history: it was blocked if it took up nothing in the step before.
+            // Without history a particle that took up nothing in the step before was blocked.
             const bool mayTakeUp =
                 mAuflic && (mHistory || Generation::count(mGenerations[(mScene.step - 1) % mGenerationCount]) > 0);
             const bool inside = scatterPath<kShared>(lane, mayTakeUp);
@@ -260,7 +265,7 @@ VDBLIC_INLINE void TileScatter::releaseNew()
         trace();
         for (int lane = 0; lane < count; ++lane) {
             const unsigned offset = offsets[std::size_t(lane)];
-            // A particle before it in the batch may have closed the voxel meanwhile.
+            // A particle earlier in the batch may have closed the voxel.
             if (!mOpen.isOn(offset)) continue;
             mParticle.id = ids[std::size_t(lane)];
             mParticle.alive = mAuflic ? 0 : Hits::pack(Input::value(mInput[offset]), 1);
@@ -288,7 +293,7 @@ VDBLIC_INLINE void TileScatter::runTile()
     mStats.steps += mBatch.steps - stepsBefore;
 }
 
-// The two kernels, each compiled for every instruction set.
+// The two kernels.
 VDBLIC_KERNEL void runShared(TileScatter& self)
 {
     self.runTile<true>();
@@ -302,9 +307,9 @@ void TileScatter::run(std::size_t leaf, bool shared)
 {
     mLeaf = leaf;
     mWindow = LeafWindow(mDomain, mDomain.origin(leaf));
-    for (std::size_t place = 0; place < mTarget.size(); ++place) {
-        const int there = mWindow.leaves[place];
-        mTarget[place] = there >= 0 ? mScene.accumulator[std::size_t(there)] : nowhere();
+    for (std::size_t slot = 0; slot < mTarget.size(); ++slot) {
+        const int there = mWindow.leaves[slot];
+        mTarget[slot] = there >= 0 ? mScene.accumulator[std::size_t(there)] : outsideLeaf();
     }
     mInput = mScene.input[leaf];
     mOpen = mDomain.mask(leaf);

@@ -1,10 +1,21 @@
 #pragma once
 
-#include "vdblic/lic/scatter.h"
+#include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/particle_bins.h"
+#include "vdblic/lic/pathline.h"
+#include "vdblic/lic/scatter_params.h"
+#include "vdblic/lic/scatter_stats.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 namespace vdblic {
 
-/// What the tiles of a step work on.
+/// Everything the tiles of a step share.
 struct ScatterScene {
     const ScatterParams& params;
     std::uint64_t step;
@@ -14,24 +25,27 @@ struct ScatterScene {
     const LeafValues<std::int64_t>& accumulator;
     const Domain& next;
     std::vector<ParticleBins>& arriving;  ///< each tile takes its own particles out of them
-    std::vector<std::uint64_t> firstRank; ///< of each leaf: its first voxel's place in the domain's scan order
+    std::vector<std::uint64_t> firstRank; ///< of each leaf: its first voxel's rank in the domain's scan order
 };
 
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).
 ///
-/// A voxel is *open* until a seed has been released in it during this step, then *closed*. First the tile's
-/// particles of earlier steps are advanced: one that starts in an open voxel, or passes one within the
-/// release window, closes it and takes up its value (pathline reuse, and pathline copying for every further voxel).
-/// Then each voxel that is still open, in scan order, releases a particle of its own, which likewise takes up the open
-/// voxels it passes.
+/// A *tile* is one leaf of the domain as the controller's unit of work, known by the leaf's number.
 ///
-/// A particle whose own voxel is closed when its turn comes is blocked. With ScatterParams::history those released last
-/// go first, and a blocked one ends there; of several that begin the step in one voxel the first takes over the values
-/// of the others. Without, the oldest go first, one that took up nothing in a whole step takes up no more, and ends
-/// when the values it carries have expired. With UFLIC every voxel releases a particle, and none takes up a second
-/// value.
+/// A voxel is *open* until a seed has been released in it during this step, then *closed*. First the tile's particles
+/// of earlier steps are advanced: a particle that starts in an open voxel, or passes one within the release window,
+/// closes it and takes up its value (pathline reuse, and pathline copying for every further voxel). Then each voxel
+/// that is still open, in scan order, releases a particle of its own, which likewise takes up the open voxels it
+/// passes.
 ///
-/// One object serves one thread; what it writes is its own but for the accumulator.
+/// A particle whose own voxel is closed when its turn comes is blocked. With ScatterParams::history the particles
+/// released last go first, and a blocked particle ends; of several that begin the step in one voxel, the first takes
+/// over the values of the others. Without history the oldest go first; a particle that took up nothing in a whole step
+/// takes up no more, and ends when its values have expired. With UFLIC every voxel releases a particle, and no particle
+/// takes up a second value.
+///
+/// One object serves one thread; it writes to nothing outside itself but the accumulator and the arriving bins of its
+/// tile.
 class TileScatter {
   public:
     explicit TileScatter(const ScatterScene& scene);
@@ -47,8 +61,8 @@ class TileScatter {
     /// A particle's turn, in ascending order.
     struct Turn {
         std::uint64_t order;
-        std::uint32_t particle; // its place in mParticles
-        std::uint32_t voxel;    // that it is in
+        std::uint32_t particle; // its index in mParticles
+        std::uint32_t voxel;    // its offset in the leaf
     };
 
     void takeArriving();
@@ -73,10 +87,10 @@ class TileScatter {
     const bool mAuflic, mHistory;
     const std::size_t mGenerationCount;
 
-    // The tile at work.
+    // The tile being computed.
     std::size_t mLeaf = 0;
-    LeafWindow mWindow, mNextWindow;
-    std::array<std::int64_t*, LeafWindow::kElsewhere> mTarget{}; // the accumulator's leaves in the window
+    LeafWindow mWindow;
+    std::array<std::int64_t*, LeafWindow::kElsewhere> mTarget{}; // the accumulator's leaf in each slot of the window
     const std::int32_t* mInput = nullptr;
     Domain::Mask mOpen;
     std::vector<Particle> mParticles;
@@ -84,7 +98,7 @@ class TileScatter {
     std::vector<Turn> mTurns, mMerged;
     std::vector<std::size_t> mRuns;
 
-    // The particles at work, and the one among them.
+    // The particles being advanced together, and the one of them being scattered.
     PathBatch mBatch;
     PathSamples mSamples;
     Particle mParticle{};

@@ -1,19 +1,25 @@
 #include "vdblic/lic/steady_lic.h"
 
-#include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/lic/noise.h"
-#include "vdblic/lic/scatter.h"
+#include "vdblic/lic/pathline.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// Weighted noise along the streamlines of eight voxels at a time.
+/// Weighted noise along the streamlines of eight voxels at a time. One object serves one thread.
 struct Convolution {
     const LeafValues<std::int32_t>& noise;
     const LicKernel kernel;
@@ -52,10 +58,8 @@ struct Convolution {
         values.clear();
         for (const PathSamples::Run& run : samples.runs) {
             for (int i = 0; run.lanes >> lane & 1 && i < run.count[lane]; ++i) {
-                const int code = samples.rows[run.firstRow + std::size_t(i)].code[lane];
-                const PathSamples::FarVoxel voxel =
-                    code < 0 ? samples.far[std::size_t(-1 - code)]
-                             : PathSamples::FarVoxel{window.leaves[std::size_t(code >> 9)], unsigned(code & 511)};
+                const WindowVoxel sample = samples.rows[run.firstRow + std::size_t(i)].voxel(lane);
+                const PathSamples::Voxel voxel = samples.find(sample, window);
                 if (voxel.leaf < 0 || !domain.isActive(voxel.leaf, voxel.offset)) return;
                 values.push_back(std::int32_t(Input::value(noise[std::size_t(voxel.leaf)][voxel.offset])));
             }
@@ -69,33 +73,21 @@ VDBLIC_KERNEL void convolveLeaf(Convolution& convolution, const VelocityField& d
     const Domain& domain = downstream.domain();
     const openvdb::Coord origin = domain.origin(leaf);
     const LeafWindow window(domain, origin);
-    for (int row = 0; row < 64; ++row) {
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const unsigned lanes = domain.mask(leaf).getWord<std::uint8_t>(openvdb::Index(row));
         if (lanes == 0) continue;
-        const openvdb::Coord first = origin + openvdb::Coord(row >> 3, row & 7, 0);
+        const openvdb::Coord first = origin + openvdb::Coord(LeafVoxel::ofRow(row).x, LeafVoxel::ofRow(row).y, 0);
         Float8 sum{}, weight{};
         convolution.addHalf(downstream, window, first, lanes, sum, weight);
         convolution.addHalf(upstream, window, first, lanes, sum, weight);
         const Float8 mean = sum / weight / float(kNoiseMax);
-        for (int z = 0; z < 8; ++z) {
-            if (lanes >> z & 1) texture[8 * row + z] = mean[z];
+        for (int z = 0; z < LeafVoxel::kDim; ++z) {
+            if (lanes >> z & 1) texture[LeafVoxel::kDim * row + z] = mean[z];
         }
     }
 }
 
 } // namespace
-
-LicKernel parseLicKernel(std::string_view text)
-{
-    if (text == "hann") return LicKernel::kHann;
-    if (text == "box") return LicKernel::kBox;
-    throw ParameterError(fmt::format("kernel '{}' is neither hann nor box", text));
-}
-
-std::string_view toString(LicKernel kernel)
-{
-    return kernel == LicKernel::kHann ? "hann" : "box";
-}
 
 LeafValues<float> steadyLic(const FlowFrame& frame, const openvdb::Mat3d& toStep, int lifeSpan, LicKernel kernel,
                             const PathlineParams& pathline, const NoiseField& noise)

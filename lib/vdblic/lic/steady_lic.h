@@ -1,26 +1,19 @@
 #pragma once
 
-#include "vdblic/lic/feedback.h"
+#include "vdblic/field/domain.h"
 #include "vdblic/lic/flow_frame.h"
-#include "vdblic/lic/pathline.h"
+#include "vdblic/lic/lic_kernel.h"
+#include "vdblic/lic/noise_field.h"
+#include "vdblic/lic/pathline_params.h"
 
-#include <string_view>
+#include <openvdb/openvdb.h>
 
 namespace vdblic {
-
-/// How the values along a streamline are weighted.
-enum class LicKernel {
-    kHann, ///< ½ + ½ cos(π s), s from 0 in the middle to 1 at the ends
-    kBox,  ///< all alike
-};
-
-[[nodiscard]] LicKernel parseLicKernel(std::string_view text); ///< `hann` or `box`. @throws ParameterError
-[[nodiscard]] std::string_view toString(LicKernel kernel);
 
 /// Line integral convolution of one frame on its own, with the noise as its input: the baseline for stills.
 ///
 /// From each voxel's centre the streamline is followed both ways, over half the life span each, so that streaks are as
-/// long as those that a steady flow gives UFLIC. A half that leaves the domain is weighted over what is left of it.
+/// long as those of UFLIC in a steady flow. Where the streamline leaves the domain, the kernel ends.
 ///
 /// @param frame    velocities and their domain
 /// @param toStep   stored value → voxels per step, in index space

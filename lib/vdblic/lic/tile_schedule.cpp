@@ -1,9 +1,14 @@
 #include "vdblic/lic/tile_schedule.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
+#include <algorithm>
+#include <cstdint>
+
 namespace vdblic {
 namespace {
 
-constexpr std::size_t kGroupLeaves = 8; // as many as to make handing out cheap, and as few as to end together
+constexpr std::size_t kGroupLeaves = 8; // enough to make handing out cheap, few enough for threads to end together
 
 } // namespace
 
@@ -14,13 +19,14 @@ TileSchedule::TileSchedule(const Domain& domain, Slabs::Leaves leaves, const ope
         Group group{leaves.subspan(begin, std::min(kGroupLeaves, leaves.size() - begin)), {}};
         for (const std::uint32_t leaf : group.leaves) {
             const openvdb::Coord origin = domain.origin(leaf);
-            group.box.expand(openvdb::Coord(origin[0] >> 3, origin[1] >> 3, origin[2] >> 3));
+            group.box.expand(openvdb::Coord(LeafVoxel::leafCoordinate(origin[0]), LeafVoxel::leafCoordinate(origin[1]),
+                                            LeafVoxel::leafCoordinate(origin[2])));
         }
         mGroups.push_back(group);
     }
     mTaken.assign(mGroups.size(), false);
     mLeft = mGroups.size();
-    for (std::size_t thread = 0; thread < threads; ++thread) // far from each other
+    for (std::size_t thread = 0; thread < threads; ++thread) // threads start far from each other
         mCursor[thread] = mGroups.size() * thread / threads;
 }
 

@@ -106,13 +106,13 @@ void writeLines(const GradientRecord* gradients, LineRecord* lines)
 {
     StructureBlock block;
     block.fill(gradients);
-    for (int x = 0; x < 8; ++x) {
-        for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < LeafVoxel::kDim; ++x) {
+        for (int y = 0; y < LeafVoxel::kDim; ++y) {
             const int first = brickIndex(x, y, 0);
             const Symmetric8 line = lineProjector(block.row(first));
             Float8 rows[8] = {line.xx, line.yy, line.zz, line.xy, line.xz, line.yz};
             transpose(rows, rows);
-            for (int z = 0; z < 8; ++z) {
+            for (int z = 0; z < LeafVoxel::kDim; ++z) {
                 for (int k = 0; k < 8; ++k)
                     lines[first + z].values[k] = halfFloat(rows[z][k]);
             }
@@ -133,14 +133,17 @@ void TextureVolume::addLines()
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
         const openvdb::Coord origin = domain().origin(leaf);
         LineRecord* const brick = mLines.get() + leaf * kBrickSize;
-        const auto begin = [](int side) { return side < 0 ? -1 : side * 8; };
-        const auto end = [](int side) { return side < 0 ? 0 : 8 + side; };
+        const auto begin = [](int side) { return side < 0 ? -1 : side * LeafVoxel::kDim; };
+        const auto end = [](int side) { return side < 0 ? 0 : LeafVoxel::kDim + side; };
         for (const openvdb::Coord& side : openvdb::CoordBBox(openvdb::Coord(-1), openvdb::Coord(1))) {
             if (side == openvdb::Coord(0)) continue;
-            const int found =
-                domain().findLeaf(Int4{origin[0] + 8 * side[0], origin[1] + 8 * side[1], origin[2] + 8 * side[2]});
+            const Int4 first =
+                Int4{origin[0], origin[1], origin[2]} + Int4{side[0], side[1], side[2]} * LeafVoxel::kDim;
+            const int found = domain().findLeaf(first);
             const LineRecord* const source = found >= 0 ? mLines.get() + std::size_t(found) * kBrickSize : brick;
-            const auto inside = [&](int place) { return found >= 0 ? place & 7 : std::clamp(place, 0, 7); };
+            const auto inside = [&](int along) {
+                return found >= 0 ? LeafVoxel::local(along) : std::clamp(along, 0, LeafVoxel::kDim - 1);
+            };
             for (int x = begin(side[0]); x < end(side[0]); ++x) {
                 for (int y = begin(side[1]); y < end(side[1]); ++y) {
                     for (int z = begin(side[2]); z < end(side[2]); ++z)

@@ -56,14 +56,14 @@ void RayCastParams::validate() const
 }
 
 VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std::uint8_t>& visible)
-    : mLeaves(kBlockLeaves, kNothing)
+    : mLeaves(LeafBlock::kCount, kNothing)
 {
     const Domain& domain = volume.domain();
     openvdb::CoordBBox box;
     for (std::size_t leaf = 0; leaf < visible.size(); ++leaf)
         box.expand(domain.origin(leaf));
     if (box.empty()) return;
-    mFirst = box.min().offsetBy(-8);
+    mFirst = box.min().offsetBy(-LeafVoxel::kDim);
     for (int axis = 0; axis < 3; ++axis)
         mDim[axis] = (box.max()[axis] - mFirst[axis]) / kBlockDim + 1;
     mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2], kNoBlock);
@@ -73,9 +73,9 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std:
         int& block = mBlocks[blockPlace(voxel[0] / kBlockDim, voxel[1] / kBlockDim, voxel[2] / kBlockDim)];
         if (block == kNoBlock) {
             block = int(mLeaves.size());
-            mLeaves.resize(mLeaves.size() + kBlockLeaves, kNothing);
+            mLeaves.resize(mLeaves.size() + LeafBlock::kCount, kNothing);
         }
-        mLeaves[std::size_t(block) + inBlock(voxel[0], voxel[1], voxel[2])] =
+        mLeaves[std::size_t(block + LeafBlock::leafIndex(voxel[0], voxel[1], voxel[2]))] =
             entryOf(leaf, voxel) | (volume.shown(leaf).isOn() ? 0 : kPartly);
     }
 }

@@ -33,8 +33,8 @@ class VisibleLeaves {
     VisibleLeaves(const TextureVolume& volume, const std::vector<std::uint8_t>& visible);
     VisibleLeaves(const TextureVolume& volume, const Look& look);
 
-    static constexpr int kBlockDim = 128; ///< in voxels
-    static constexpr int kNoBlock = 0;    ///< the table of all blocks in which nothing is visible
+    static constexpr int kBlockDim = 1 << LeafBlock::kLog2Voxels; ///< in voxels
+    static constexpr int kNoBlock = 0; ///< the table of all blocks in which nothing is visible
     /// An entry of a table tells where the leaf's brick is, with flags in its lowest bits.
     static constexpr int kNothingBit = 0; ///< the leaf is not there or not visible
     static constexpr int kPartlyBit = 1;  ///< some of its voxels are not shown
@@ -50,7 +50,7 @@ class VisibleLeaves {
     /// The entries of the leaves around eight voxels. @param blocks where the tables of their blocks begin
     [[nodiscard]] VDBLIC_INLINE Unsigned8 findLeaves(Int8 blocks, const Int8* voxel) const
     {
-        const Int8 place = blocks + inBlock(voxel[0], voxel[1], voxel[2]);
+        const Int8 place = blocks + LeafBlock::leafIndex(voxel[0], voxel[1], voxel[2]);
         Unsigned8 entries;
         for (int lane = 0; lane < 8; ++lane)
             entries[lane] = mLeaves[unsigned(place[lane])];
@@ -66,7 +66,6 @@ class VisibleLeaves {
     [[nodiscard]] const openvdb::Coord& first() const { return mFirst; }
 
   private:
-    static constexpr std::size_t kBlockLeaves = 4096;
     static constexpr unsigned kFlags = 7, kNothing = 1 << kNothingBit, kPartly = 1 << kPartlyBit;
 
     /// How far records are from each other in a brick, modulo 2³².
@@ -82,12 +81,6 @@ class VisibleLeaves {
     [[nodiscard]] std::size_t blockPlace(int x, int y, int z) const
     {
         return (std::size_t(x) * unsigned(mDim[1]) + unsigned(y)) * unsigned(mDim[2]) + unsigned(z);
-    }
-    /// The place of a voxel's leaf in its block's table.
-    template<typename Integer>
-    VDBLIC_INLINE static Integer inBlock(Integer x, Integer y, Integer z)
-    {
-        return (x << 5 & 0xf00) | (y << 1 & 0xf0) | (z >> 3 & 0xf);
     }
 
     openvdb::Coord mFirst{0};

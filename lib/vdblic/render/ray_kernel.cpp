@@ -207,7 +207,7 @@ unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
     for (; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         const auto& [x, y, z] = sample.voxel;
-        const int offset = (x[lane] & 7) << 6 | (y[lane] & 7) << 3 | (z[lane] & 7);
+        const int offset = LeafVoxel::offset(x[lane], y[lane], z[lane]);
         const bool shown = mVolume.shown(sample.record[lane] / kBrickSize).isOn(unsigned(offset));
         hidden |= unsigned(!shown) << lane;
     }

@@ -13,7 +13,8 @@ namespace {
 
 double memoryOf(const RenderParams& params, const TextureVolume& volume)
 {
-    constexpr double kGridLeaf = 2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * 512 * sizeof(float);
+    constexpr double kGridLeaf =
+        2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * LeafVoxel::kCount * sizeof(float);
     const double record =
         double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
     const double brick = kBrickSize * record;
@@ -25,17 +26,9 @@ double memoryOf(const RenderParams& params, const TextureVolume& volume)
 LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
 {
     const VdbFile file = readVdb(frame.path);
-    const auto find = [&](const std::string& name, const char* what, const char* option) {
-        const auto grid = file.find<openvdb::FloatGrid>(name);
-        if (!grid) {
-            throw InputError(fmt::format("{}: no float grid '{}' {}; the file has {}; choose with {}",
-                                         frame.path.string(), name, what, file.contents(), option));
-        }
-        return grid;
-    };
-    const auto texture = find(params.texture, "to render", "--texture");
+    const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
     const bool hasDriver = params.by != RenderParams{}.by || file.find<openvdb::FloatGrid>(params.by);
-    const auto driver = hasDriver ? find(params.by, "to drive the transfer function", "--by") : texture;
+    const auto driver = hasDriver ? file.get<openvdb::FloatGrid>(params.by, "`by`") : texture;
     try {
         LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver, params.stretch)};
         if (!params.region.empty()) {

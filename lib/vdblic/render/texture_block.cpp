@@ -9,7 +9,7 @@ namespace {
 /// unless it is null
 void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values, int* active)
 {
-    constexpr int kBegin[] = {-2, 0, 8}, kEnd[] = {0, 8, 10};
+    constexpr int kLeafDim = LeafVoxel::kDim, kBegin[] = {-2, 0, kLeafDim}, kEnd[] = {0, kLeafDim, kLeafDim + 2};
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
     for (int part = 0; part < 27; ++part) {
         const int p[] = {part / 9, part / 3 % 3, part % 3};
@@ -77,8 +77,8 @@ void TextureBlock::extend()
         for (int z = 0; z < kDim; ++z)
             rows[row] |= unsigned(mActive[row * kDim + z]) << z;
     }
-    for (int x = -1; x <= 8; ++x) {
-        for (int y = -1; y <= 8; ++y) {
+    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
+        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
             const int row = index(x, y, -2) / kDim;
             unsigned around = 0; // voxels with an active neighbour
             for (const int dx : {-kDim, 0, kDim})
@@ -117,9 +117,9 @@ LeafRange TextureBlock::range() const
 {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     LeafRange range{kInfinity, -kInfinity, -kInfinity};
-    for (int x = -1; x <= 8; ++x) {
-        for (int y = -1; y <= 8; ++y) {
-            for (int z = -1; z <= 8; ++z) {
+    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
+        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
+            for (int z = -1; z <= LeafVoxel::kDim; ++z) {
                 const int i = index(x, y, z);
                 if (!mActive[i]) continue;
                 range.lowMagnitude = std::min(range.lowMagnitude, mMagnitude[i]);
@@ -133,8 +133,8 @@ LeafRange TextureBlock::range() const
 
 void TextureBlock::writeValues(ValueRecord* brick) const
 {
-    for (int x = -1; x <= 8; ++x) {
-        for (int y = -1; y <= 8; ++y) {
+    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
+        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
             const int i = index(x, y, -1);
             ValueRecord* row = brick + brickIndex(x, y, -1);
             for (int z = 0; z < kBrickDim; ++z)
@@ -146,8 +146,8 @@ void TextureBlock::writeValues(ValueRecord* brick) const
 void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientRecord* brick) const
 {
     constexpr int kStrides[] = {kDim * kDim, kDim, 1};
-    for (int x = -1; x <= 8; ++x) {
-        for (int y = -1; y <= 8; ++y) {
+    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
+        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
             const float* value = mTexture + index(x, y, -1);
             const int* active = mActive + index(x, y, -1);
             float gradient[3][kBrickDim];
@@ -178,8 +178,8 @@ std::size_t TextureBlock::removeInactive(TextureVolume::Mask& mask) const
     if (mWhole) return 0;
     std::size_t removed = 0;
     for (auto i = mask.beginOn(); i; ++i) {
-        const auto offset = int(i.pos());
-        if (mActive[index(offset >> 6, offset >> 3 & 7, offset & 7)]) continue;
+        const LeafVoxel voxel = LeafVoxel::at(i.pos());
+        if (mActive[index(voxel.x, voxel.y, voxel.z)]) continue;
         mask.setOff(i.pos());
         ++removed;
     }

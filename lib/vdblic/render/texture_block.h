@@ -26,7 +26,7 @@ class TextureBlock {
     /// Take inactive voxels of the leaf itself out of its mask. @return how many of the mask's were
     std::size_t removeInactive(TextureVolume::Mask& mask) const;
 
-    static constexpr int kDim = 12;
+    static constexpr int kDim = LeafVoxel::kDim + 4;
     /// Where a voxel is. @param x from −2 to 9, counted from the leaf's origin; so are y and z
     static constexpr int index(int x, int y, int z) { return ((x + 2) * kDim + y + 2) * kDim + z + 2; }
 

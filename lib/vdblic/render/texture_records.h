@@ -32,7 +32,7 @@ struct alignas(16) LineRecord {
 
 /// A leaf's brick of records: its 8³ voxels and one voxel around them, x slowest, so that every cell a sample in one
 /// of its voxels can lie in is whole.
-inline constexpr int kBrickDim = 10;
+inline constexpr int kBrickDim = LeafVoxel::kDim + 2;
 inline constexpr int kBrickSize = kBrickDim * kBrickDim * kBrickDim;
 
 /// @param x from −1 to 8, counted from the leaf's origin; so are y and z

@@ -117,9 +117,8 @@ TextureVolume::Samples TextureVolume::samples() const
     for (std::size_t leaf = 0; leaf < domain().leafCount(); ++leaf) {
         for (auto i = mShown[leaf].beginOn(); i; ++i) {
             if (voxel++ % stride != 0) continue;
-            const auto offset = int(i.pos());
-            const ValueRecord& value =
-                mValues[leaf * kBrickSize + std::size_t(brickIndex(offset >> 6, offset >> 3 & 7, offset & 7))];
+            const LeafVoxel at = LeafVoxel::at(i.pos());
+            const ValueRecord& value = mValues[leaf * kBrickSize + std::size_t(brickIndex(at.x, at.y, at.z))];
             result.texture.push_back(value.texture);
             result.magnitude.push_back(value.magnitude);
         }

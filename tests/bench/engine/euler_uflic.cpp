@@ -1,5 +1,8 @@
 #include "bench/engine/euler_uflic.h"
 
+#include "vdblic/lic/convolve.h"
+#include "vdblic/lic/feedback.h"
+
 #include <algorithm>
 #include <cmath>
 

@@ -51,7 +51,7 @@ double stepAll(const Seeds& seeds, const Sample& sample)
 {
     const double before = cpuTime();
     for (const openvdb::Coord& seed : seeds) {
-        const Vec p(Real(seed[0]), Real(seed[1]), Real(seed[2]));
+        const Vec p{Real(seed[0]), Real(seed[1]), Real(seed[2])};
         const Vec k1 = sample(p, 0.0f), k2 = sample(p + k1 * Real(0.5), 0.5f), k3 = sample(p + k2 * Real(0.5), 0.5f),
                   k4 = sample(p + k3, 1.0f);
         sink += double((p + (k1 + (k2 + k3) * Real(2) + k4) / Real(6))[0]);

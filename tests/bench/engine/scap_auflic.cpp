@@ -1,6 +1,8 @@
 #include "bench/engine/scap_auflic.h"
 
 #include "bench/engine/euler_uflic.h"
+#include "vdblic/lic/convolve.h"
+#include "vdblic/lic/feedback.h"
 
 #include <algorithm>
 #include <utility>
@@ -40,10 +42,8 @@ void ScapAuflic::extend(const VelocityField& field, Path& path)
     path.slope = mBatch.slope.lane(0);
     for (const PathSamples::Run& run : mSamples.runs) {
         for (int i = 0; i < run.count[0] && !path.ended; ++i) {
-            const int code = mSamples.rows[run.firstRow + std::size_t(i)].code[0];
-            const PathSamples::FarVoxel sample =
-                code >= 0 ? PathSamples::FarVoxel{window.leaves[std::size_t(code >> 9)], unsigned(code & 511)}
-                          : mSamples.far[std::size_t(-1 - code)];
+            const PathSamples::Voxel sample =
+                mSamples.find(mSamples.rows[run.firstRow + std::size_t(i)].voxel(0), window);
             path.ended = sample.leaf < 0 || !domain.isActive(sample.leaf, sample.offset);
             if (path.ended) break;
             step.voxels.push_back(std::uint32_t(sample.leaf) << 9 | sample.offset);

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "vdblic/lic/feedback.h"
+#include "vdblic/lic/noise_field.h"
+#include "vdblic/lic/pathline.h"
 #include "vdblic/lic/scatter.h"
 
 #include <cstddef>

@@ -3,7 +3,7 @@
     blender -b --factory-startup --python-exit-code 9 -t 1 --python bake_smoke.py -- FOLDER RESOLUTION FRAMES [DEPTH]
 
 A hot ball rises in a box of 4 by 4 by 6 metres with its corner off the origin. RESOLUTION is the voxels along the
-longest side, DEPTH (16 or 32) the bits of a number. Blender numbers the files FOLDER/data/fluid_data_0001.vdb and on.
+longest side, DEPTH (16 or 32) the bits of a number. Blender numbers the files FOLDER/data/fluid_data_0001.vdb and so on.
 """
 
 import sys

@@ -1,10 +1,10 @@
-"""Imports a sequence of volumes as the file browser does, gives it no material, and looks at frames of it.
+"""Imports a sequence of volumes like the file browser, without a material, and renders frames of it.
 
     blender -b --factory-startup --python-exit-code 9 -t 1 --python show_sequence.py -- REQUEST.json
 
-The request: `files`, in order; scene `frames` to look at; the `window` of the world (x0, x1, z0, z1) that an
-orthographic camera sees along +y; `pixels` a unit of length; `samples` a pixel. Written beside it: answer.json, what
-Blender says about the volume and each frame, and alpha.<frame>.npy, the opacity of each pixel by row from z0 up.
+The request: `files`, in order; scene `frames` to render; the `window` of the world (x0, x1, z0, z1) that an
+orthographic camera sees along +y; `pixels` a unit of length; `samples` a pixel. Outputs beside it: answer.json,
+Blender's description of the volume and of each frame, and alpha.<frame>.npy, the opacity of each pixel by row from z0 up.
 """
 
 import json
@@ -47,7 +47,7 @@ scene.render.filepath = str(request_path.parent / "alpha.exr")
 
 
 def look(frame):
-    """What is shown at a scene frame; renders it."""
+    """Render a scene frame; returns Blender's description of the shown volume."""
     scene.frame_set(frame)
     data.grids.load()
     shown = volume.evaluated_get(bpy.context.evaluated_depsgraph_get())

@@ -4,11 +4,13 @@
 
 #include <openvdb/openvdb.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "temporary_folder.h"
 
 #include <fstream>
+#include <string>
 
 namespace vdblic {
 namespace {

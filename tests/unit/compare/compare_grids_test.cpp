@@ -7,10 +7,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <random>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -29,16 +37,16 @@ FloatGrid::Ptr gridOf(const std::vector<std::pair<Coord, float>>& voxels, float 
     return grid;
 }
 
-/// Voxels strewn over several top-level nodes, tiles among them, some inactive.
+/// Random voxels and tiles in several top-level nodes, some inactive.
 FloatGrid::Ptr strewn(unsigned seed)
 {
     std::mt19937 random(seed);
-    std::uniform_int_distribution<int> place(-60, 60);
+    std::uniform_int_distribution<int> coordinate(-60, 60);
     std::uniform_real_distribution<float> value(-2, 2);
     auto grid = FloatGrid::create(0.f);
     grid->tree().addTile(1, Coord(40, 40, 40), 1.5f, true);
     for (int i = 0; i < 4000; ++i) {
-        const Coord voxel(place(random), place(random), place(random));
+        const Coord voxel(coordinate(random), coordinate(random), coordinate(random));
         if (i % 7 == 0)
             grid->tree().setValueOff(voxel, value(random));
         else
@@ -81,7 +89,7 @@ TEST(CompareGrids, FiguresEqualALiteralReference)
     double sum = 0, squares = 0, max = 0, peak = 0, maxRelative = 0;
     std::uint64_t over = 0, failing = 0, onlyA = 0, onlyB = 0;
     std::optional<Coord> first, worst;
-    for (const Coord& voxel : voxels) { // in the order of (x, y, z)
+    for (const Coord& voxel : voxels) { // ordered by (x, y, z)
         const double x = a->tree().getValue(voxel), y = b->tree().getValue(voxel), error = std::abs(x - y);
         const bool onA = a->tree().isValueOn(voxel), onB = b->tree().isValueOn(voxel);
         const double magnitude = std::max(std::abs(x), std::abs(y));
@@ -144,7 +152,7 @@ TEST(CompareGrids, ATileAndEqualVoxelsAreTheSame)
         EXPECT_EQ(same.verdict(), Verdict::kSame) << json(same);
         EXPECT_EQ(same.values->compared, a->activeVoxelCount());
 
-        // And one voxel among them that is not equal is found, from either side.
+        // One different voxel is found, from either side.
         b->tree().setValue(Coord(130, 1, -121), 2.5f);
         const ValueDifference there = *compareGrids(*a, *b).values, back = *compareGrids(*b, *a).values;
         EXPECT_EQ(there.failing, 1u);
@@ -176,7 +184,7 @@ TEST(CompareGrids, NotANumberAndInfinitiesEqualThemselvesOnly)
 {
     const Coord at(3, 4, 5), other(3, 4, 6);
     const auto failing = [&](float x, float y) {
-        // A finite neighbour differs too, so that no two leaves are the same bytes.
+        // A finite neighbour differs too, so that the leaves differ in their bytes.
         const auto values =
             *compareGrids(*gridOf({{at, x}, {other, 1.f}}), *gridOf({{at, y}, {other, 1.25f}}), {.fail = 1e30}).values;
         EXPECT_EQ(values.notFinite, values.failing);
@@ -259,7 +267,7 @@ TEST(CompareGrids, ThresholdsActAsIdiffs)
     EXPECT_EQ(verdict({.fail = 0.49}), Verdict::kDiffers);
     EXPECT_EQ(verdict({.relative = 0.34}), Verdict::kSame);
     EXPECT_EQ(verdict({.relative = 0.33}), Verdict::kDiffers);
-    EXPECT_EQ(verdict({.fail = 0.5, .relative = 0.001}), Verdict::kSame); // the looser one holds
+    EXPECT_EQ(verdict({.fail = 0.5, .relative = 0.001}), Verdict::kSame); // the larger tolerance applies
     EXPECT_EQ(verdict({.fail = 0.1, .failPercent = 5}), Verdict::kSame);
     EXPECT_EQ(verdict({.fail = 0.1, .failPercent = 4.9}), Verdict::kDiffers);
     EXPECT_EQ(verdict({.failPercent = 5, .hardFail = 0.4}), Verdict::kDiffers);

@@ -5,8 +5,13 @@
 #include <openvdb/points/PointGroup.h>
 
 #include <gtest/gtest.h>
+#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -99,10 +104,10 @@ TEST(ComparePoints, AMovedPointIsFoundInWorldUnitsAcrossVoxels)
     EXPECT_EQ(moved.failing, 1u);
     EXPECT_NEAR(moved.error.max, 5, 1e-5);
     EXPECT_NEAR(moved.components[0].max, 3, 1e-5);
-    EXPECT_NEAR(moved.worst->world[2], 7, 1e-5); // where it was
+    EXPECT_NEAR(moved.worst->world[2], 7, 1e-5); // in A
     EXPECT_EQ(moved.worst->index[2], 14);
     EXPECT_EQ(compareGrids(*a, *b, {.fail = 5.1}).verdict(), Verdict::kSame);
-    // Without ids it has left its voxel: one point without a partner on either side.
+    // Without ids, the moved point has no partner in its new voxel: one unmatched point on either side.
     auto without = compareGrids(*gridOf(cloud(), false), *gridOf(particles, false));
     EXPECT_EQ(without.points->onlyInA, 1u);
     EXPECT_EQ(without.points->onlyInB, 1u);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -25,7 +26,7 @@ TEST(Memory, IsNoMoreThanTheProcessAllowsItself)
     rlimit before{};
     ::getrlimit(RLIMIT_DATA, &before);
     const rlimit limit{std::min<rlim_t>(rlim_t(1) << 40, before.rlim_max), before.rlim_max};
-    ::setrlimit(RLIMIT_DATA, &limit); // more than there is: no limit
+    ::setrlimit(RLIMIT_DATA, &limit); // more than the memory of the machine: no limit
     const std::uint64_t machine = memoryLimit();
     const rlimit least{rlim_t(1) << 30, before.rlim_max};
     ::setrlimit(RLIMIT_DATA, &least);
@@ -46,7 +47,7 @@ TEST(Memory, IsCheckedBeforeItIsAllocated)
                         .starts_with("grid v: 1152921504606846976 voxels would take 16777216.0 TiB "
                                      "of memory or more, and "))
             << error.what();
-        EXPECT_NE(std::string(error.what()).find("--bbox"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("`box`"), std::string::npos);
     }
 }
 

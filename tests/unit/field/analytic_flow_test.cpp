@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -14,15 +17,15 @@ using openvdb::Vec3d;
 
 const Vec3d kExtents[] = {{1, 1, 1}, {1.8, 0.9, 1}, {0.5, 1, 3}};
 
-/// Places in a box of that extent, off its symmetry planes and its walls.
-std::vector<Vec3d> placesIn(const Vec3d& extent)
+/// Positions in a box, away from its symmetry planes and its walls.
+std::vector<Vec3d> positionsIn(const Vec3d& extent)
 {
-    std::vector<Vec3d> places;
+    std::vector<Vec3d> positions;
     for (int i = 0; i < 9 * 9 * 9; ++i) {
         const Vec3d unit((i / 81 + 0.43) / 9 - 0.5, (i / 9 % 9 + 0.51) / 9 - 0.5, (i % 9 + 0.57) / 9 - 0.5);
-        places.push_back(unit * extent);
+        positions.push_back(unit * extent);
     }
-    return places;
+    return positions;
 }
 
 Vec3d velocityOf(const char* flow, const Vec3d& position, double time, const Vec3d& extent = Vec3d(1))
@@ -37,18 +40,19 @@ void expectNear(const Vec3d& a, const Vec3d& b, double tolerance)
 
 TEST(AnalyticFlow, DivergenceIsZero)
 {
-    constexpr double kStep = 1e-6; // so small that no difference spans the kink at the ring's surface
+    constexpr double kStep = 1e-6; // small, so that no difference spans the kink at the ring's surface
     for (const AnalyticFlow& flow : analyticFlows()) {
         for (const Vec3d& extent : kExtents) {
             const FlowFunction velocity = flow.make(extent);
             for (const double time : {0.0, 0.37, 5.2}) {
                 double divergence = 0, gradient = 0;
-                for (const Vec3d& place : placesIn(extent)) {
+                for (const Vec3d& position : positionsIn(extent)) {
                     double sum = 0;
                     for (int axis = 0; axis < 3; ++axis) {
                         Vec3d step(0);
                         step[axis] = kStep;
-                        const Vec3d slope = (velocity(place + step, time) - velocity(place - step, time)) / (2 * kStep);
+                        const Vec3d slope =
+                            (velocity(position + step, time) - velocity(position - step, time)) / (2 * kStep);
                         sum += slope[axis];
                         gradient = std::max(gradient, slope.length());
                     }
@@ -66,11 +70,11 @@ TEST(AnalyticFlow, TypicalSpeedIsOne)
         for (const Vec3d& extent : {kExtents[0], kExtents[1]}) {
             const FlowFunction velocity = flow.make(extent);
             double sum = 0;
-            const std::vector<Vec3d> places = placesIn(extent);
-            for (const Vec3d& place : places)
-                sum += velocity(place, 0.6).length();
-            EXPECT_GT(sum / double(places.size()), 0.67) << flow.name << " " << extent;
-            EXPECT_LT(sum / double(places.size()), 1.33) << flow.name << " " << extent;
+            const std::vector<Vec3d> positions = positionsIn(extent);
+            for (const Vec3d& position : positions)
+                sum += velocity(position, 0.6).length();
+            EXPECT_GT(sum / double(positions.size()), 0.67) << flow.name << " " << extent;
+            EXPECT_LT(sum / double(positions.size()), 1.33) << flow.name << " " << extent;
         }
     }
 }
@@ -80,8 +84,8 @@ TEST(AnalyticFlow, UnsteadyFlowsChange)
     for (const AnalyticFlow& flow : analyticFlows()) {
         const FlowFunction velocity = flow.make(Vec3d(1));
         const bool steady = flow.name == "uniform" || flow.name == "rotation";
-        const Vec3d place(0.21, 0.13, 0.34);
-        EXPECT_EQ(velocity(place, 0.1) == velocity(place, 0.4), steady) << flow.name;
+        const Vec3d position(0.21, 0.13, 0.34);
+        EXPECT_EQ(velocity(position, 0.1) == velocity(position, 0.4), steady) << flow.name;
     }
 }
 
@@ -103,15 +107,16 @@ TEST(AnalyticFlow, KnownValuesOfAbc)
         Vec3d(a * std::sin(1) + c * std::cos(1), b * std::sin(1) + a * std::cos(1), c * std::sin(1) + b * std::cos(1)),
         1e-14);
     // A Beltrami flow: its curl is 2π times itself.
-    const Vec3d place(0.13, -0.27, 0.4);
+    const Vec3d position(0.13, -0.27, 0.4);
     constexpr double kStep = 1e-4;
     const auto slope = [&](int component, int axis) {
         Vec3d step(0);
         step[axis] = kStep;
-        return (velocityOf("abc", place + step, 0.3) - velocityOf("abc", place - step, 0.3))[component] / (2 * kStep);
+        return (velocityOf("abc", position + step, 0.3) - velocityOf("abc", position - step, 0.3))[component] /
+               (2 * kStep);
     };
     const Vec3d curl(slope(2, 1) - slope(1, 2), slope(0, 2) - slope(2, 0), slope(1, 0) - slope(0, 1));
-    expectNear(curl, 2 * std::numbers::pi * velocityOf("abc", place, 0.3), 1e-5);
+    expectNear(curl, 2 * std::numbers::pi * velocityOf("abc", position, 0.3), 1e-5);
 }
 
 TEST(AnalyticFlow, TornadoHasTheLambOseenProfileAboutItsAxis)
@@ -127,7 +132,7 @@ TEST(AnalyticFlow, TornadoHasTheLambOseenProfileAboutItsAxis)
                    1e-14);
         expectNear(velocityOf("tornado", axis + Vec3d(0, r, 0), 0), Vec3d(-swirl, updraft * follows, updraft), 1e-14);
     }
-    // Half a unit of time later the axis has gone a quarter round.
+    // Half a unit of time later the axis has turned by a quarter.
     expectNear(velocityOf("tornado", {0, 0.12, 0}, 0.5), Vec3d(-1.5 * follows, 0, 1.5), 1e-14);
 }
 
@@ -135,10 +140,10 @@ TEST(AnalyticFlow, GyreDoesNotPassItsWalls)
 {
     for (const Vec3d& extent : kExtents) {
         const FlowFunction velocity = findAnalyticFlow("gyre").make(extent);
-        for (const Vec3d& place : placesIn(extent)) {
+        for (const Vec3d& position : positionsIn(extent)) {
             for (int axis = 0; axis < 3; ++axis) {
                 for (const double side : {-0.5, 0.5}) {
-                    Vec3d wall = place;
+                    Vec3d wall = position;
                     wall[axis] = side * extent[axis];
                     ASSERT_NEAR(velocity(wall, 0.8)[axis], 0, 1e-12) << wall;
                 }
@@ -149,7 +154,7 @@ TEST(AnalyticFlow, GyreDoesNotPassItsWalls)
 
 TEST(AnalyticFlow, GyreSeparatorMovesAsPublished)
 {
-    // Shadden et al.: on the lower wall the two gyres part where f = 1, that is at x = 1 when sin ωt = 0, elsewhere
+    // Shadden et al.: on the lower wall the two gyres meet where f = 1, that is at x = 1 when sin ωt = 0, elsewhere
     // at the root of ε s x² + (1 − 2 ε s) x = 1; here x counts from −1 to 1 over the box and ε = ¼.
     for (const double time : {0.0, 0.25, 0.5, 1.5}) {
         const double q = 0.25 * std::sin(std::numbers::pi * time);
@@ -177,7 +182,7 @@ TEST(AnalyticFlow, RingIsContinuousAndStillFarAway)
         expectNear(inside, outside, 1e-7);
         EXPECT_NEAR(outside.dot(direction.unit()), 0, 1e-7); // nothing leaves the sphere
     }
-    // Half a unit of time later it has its radius again, at the end of its way.
+    // Half a unit of time later the sphere has the same radius and its largest offset.
     expectNear(velocity({0, 0, 0.15}, 0.5), Vec3d(0, 0, 1.5), 1e-12);
 }
 
@@ -190,7 +195,7 @@ TEST(FlowInBox, IsScaledToTheMiddleSide)
     const Vec3d centre(14.75, 4.75, 9.75); // of the voxels 0 … 59, 0 … 19, 0 … 39
     expectNear(world(centre, 1), Vec3d(0), 1e-12);
     expectNear(world(centre + Vec3d(3, -2, 7), 1), 36 * plain(Vec3d(3, -2, 7) / 20, 0), 1e-12);
-    // Twice the voxels at half the size: the same box, half the speed, so all takes twice as long.
+    // Twice the voxels at half the size: the same box, half the speed, so changes take twice as long.
     const FlowFunction coarse = flowInBox(findAnalyticFlow("abc"), {10, 12, 20}, 1);
     const FlowFunction fine = flowInBox(findAnalyticFlow("abc"), {20, 24, 40}, 0.5);
     expectNear(coarse({3, 4, 5}, 0.2), 2 * fine(Vec3d(3, 4, 5) + Vec3d(0.25), 0.4), 1e-10);
@@ -198,17 +203,17 @@ TEST(FlowInBox, IsScaledToTheMiddleSide)
 
 TEST(FlowInBox, RefusesBadNumbersAndNames)
 {
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     const AnalyticFlow& flow = findAnalyticFlow("abc");
     EXPECT_THROW((void)findAnalyticFlow("ABC"), ParameterError);
     EXPECT_THROW((void)flowInBox(flow, {0, 1, 1}, 1), ParameterError);
     EXPECT_THROW((void)flowInBox(flow, {100000, 100000, 1000}, 1), ParameterError);
-    for (const double voxelSize : {0.0, -1.0, kNan, 1e30, 1e-30}) {
+    for (const double voxelSize : {0.0, -1.0, nan, 1e30, 1e-30}) {
         EXPECT_THROW((void)flowInBox(flow, {8, 8, 8}, voxelSize), ParameterError) << voxelSize;
     }
     const SynthParams good{.flow = "abc", .output = "%d.vdb", .size = {8, 8, 8}, .frames = "1-9"};
     EXPECT_NO_THROW(good.validate());
-    for (const double dt : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity(), 1e6}) {
+    for (const double dt : {0.0, -1.0, nan, std::numeric_limits<double>::infinity(), 1e6}) {
         SynthParams bad = good;
         bad.dt = dt;
         EXPECT_THROW(bad.validate(), ParameterError) << dt;

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
+#include <cstddef>
+
 namespace vdblic {
 namespace {
 

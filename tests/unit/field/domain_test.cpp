@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <random>
+#include <string>
 
 namespace vdblic {
 namespace {
@@ -17,9 +19,9 @@ openvdb::MaskTree::Ptr strewnVoxels(int reach, int count)
     std::mt19937 random(7);
     std::uniform_int_distribution<int> coordinate(-reach, reach - 1);
     for (int i = 0; i < count; ++i) {
-        const openvdb::Coord place(coordinate(random), coordinate(random), coordinate(random));
-        tree->setValueOn(place);
-        tree->setValueOn(place.offsetBy(5, -3, 1));
+        const openvdb::Coord voxel(coordinate(random), coordinate(random), coordinate(random));
+        tree->setValueOn(voxel);
+        tree->setValueOn(voxel.offsetBy(5, -3, 1));
     }
     return tree;
 }

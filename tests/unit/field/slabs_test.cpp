@@ -1,8 +1,16 @@
 #include "vdblic/field/slabs.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
 #include <set>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -36,7 +44,7 @@ TEST(Slabs, HoldEveryLeafOnce)
         int most = last;
         for (const std::uint32_t leaf : slabs[slab]) {
             ++held[leaf];
-            const int layer = domain.origin(leaf)[0] >> 3;
+            const int layer = LeafVoxel::leafCoordinate(domain.origin(leaf)[0]);
             EXPECT_GT(layer, last);
             most = std::max(most, layer);
         }
@@ -66,9 +74,10 @@ TEST(Slabs, ASweepHasEverythingWithinReachOpen)
             [&](Slabs::Leaves leaves) {
                 mostOpen = std::max(mostOpen, open.size());
                 worked += leaves.size();
-                const int first = domain.origin(leaves.front())[0] >> 3, last = domain.origin(leaves.back())[0] >> 3;
+                const int first = LeafVoxel::leafCoordinate(domain.origin(leaves.front())[0]),
+                          last = LeafVoxel::leafCoordinate(domain.origin(leaves.back())[0]);
                 for (std::uint32_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
-                    const int layer = domain.origin(leaf)[0] >> 3;
+                    const int layer = LeafVoxel::leafCoordinate(domain.origin(leaf)[0]);
                     if (layer < first - reach || layer > last + reach) continue;
                     ASSERT_EQ(open.count(leaf), 1u) << "layer " << layer << " from " << first << " to " << last;
                 }

@@ -6,7 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -95,13 +98,13 @@ TEST(VelocityField, AgreesWithOpenVdbInTheInterior)
     const VelocityField field = fieldOf(domain, start, end);
     std::uniform_real_distribution<double> x(-21, 22), y(-10, 30), z(-33, 9);
     for (int i = 0; i < 5000; ++i) {
-        const Float4 place = at(x(random), y(random), z(random));
-        const openvdb::Vec3d p(place[0], place[1], place[2]);
+        const Float4 position = at(x(random), y(random), z(random));
+        const openvdb::Vec3d p(position[0], position[1], position[2]);
         const float time = fraction(random);
         Vec3f a, b;
         openvdb::tools::BoxSampler::sample(start, p, a);
         openvdb::tools::BoxSampler::sample(end, p, b);
-        expectNear(field.sample(place, time, kOutside), a + (b - a) * time, 2e-5f);
+        expectNear(field.sample(position, time, kOutside), a + (b - a) * time, 2e-5f);
     }
 }
 
@@ -140,10 +143,10 @@ TEST(VelocityField, AVoxelOfOneFrameKeepsItsVelocity)
         expectNear(appears.sample(at(6, 3, 3), time, kOutside), {2, 0, 0}, 0);
         expectNear(vanishes.sample(at(6, 3, 3), time, kOutside), {2, 0, 0}, 0);
     }
-    // Where both have one they are mixed in time.
+    // Between two velocities the field is linear in time.
     expectNear(appears.sample(at(1, 3, 3), 0.25f, kOutside), {5, 3, 0}, 0);
     expectNear(vanishes.sample(at(1, 3, 3), 0.25f, kOutside), {3, 1, 0}, 0);
-    // At the very moment at which it has no velocity yet, the field ends there.
+    // At the moment of the frame without a velocity the voxel is outside the field.
     EXPECT_TRUE(isOutside(appears.sample(at(6, 3, 3), 0, kOutside)));
     EXPECT_TRUE(isOutside(vanishes.sample(at(6, 3, 3), 1, kOutside)));
 }
@@ -156,17 +159,17 @@ TEST(VelocityField, ContinuesTheLastVoxelsOverTheRim)
     const openvdb::Vec3STree tree = velocitiesOn(*domain, [](const Coord& c) { return linearFlow(c); });
     const VelocityField field = fieldOf(domain, tree, tree);
     // A voxel reaches half a voxel beyond its centre, at both ends; velocity is that of the nearest centre.
-    for (const auto& [place, clamped] :
+    for (const auto& [beyondRim, clamped] :
          {std::pair(7.25, 7.0), std::pair(7.49, 7.0), std::pair(-8.25, -8.0), std::pair(-8.5, -8.0)}) {
         for (const double other : {-8.0, -3.5, -0.25, 0.0, 6.75}) { // −0.25: where two leaves meet
-            expectNear(field.sample(at(place, other, 1), 0, kOutside), linearFlow(openvdb::Vec3d(clamped, other, 1)),
-                       1e-5f, "x");
-            expectNear(field.sample(at(other, place, 1), 0, kOutside), linearFlow(openvdb::Vec3d(other, clamped, 1)),
-                       1e-5f, "y");
-            expectNear(field.sample(at(1, other, place), 0, kOutside), linearFlow(openvdb::Vec3d(1, other, clamped)),
-                       1e-5f, "z");
+            expectNear(field.sample(at(beyondRim, other, 1), 0, kOutside),
+                       linearFlow(openvdb::Vec3d(clamped, other, 1)), 1e-5f, "x");
+            expectNear(field.sample(at(other, beyondRim, 1), 0, kOutside),
+                       linearFlow(openvdb::Vec3d(other, clamped, 1)), 1e-5f, "y");
+            expectNear(field.sample(at(1, other, beyondRim), 0, kOutside),
+                       linearFlow(openvdb::Vec3d(1, other, clamped)), 1e-5f, "z");
         }
-        expectNear(field.sample(at(place, place, place), 0, kOutside),
+        expectNear(field.sample(at(beyondRim, beyondRim, beyondRim), 0, kOutside),
                    linearFlow(openvdb::Vec3d(clamped, clamped, clamped)), 1e-5f, "corner");
     }
     for (const double beyond : {-8.75, -9.0, -200.0, 8.0, 8.5, 200.0}) {
@@ -178,7 +181,7 @@ TEST(VelocityField, ContinuesTheLastVoxelsOverTheRim)
 
 TEST(VelocityField, ContinuesActiveVoxelsOverHoles)
 {
-    // One active voxel alone: its velocity in the whole of the cells about it that its leaf covers.
+    // One active voxel alone: its velocity holds in all cells around it.
     const auto topology = std::make_shared<openvdb::MaskTree>();
     topology->setValueOn(Coord(3, 3, 3));
     const auto domain = std::make_shared<const Domain>(topology);
@@ -209,7 +212,7 @@ TEST(VisitBrick, SeesTheVoxelsOfAllEightLeavesAndTiles)
         const Coord c = Coord(i / 256, i / 16 % 16, i % 16).offsetBy(-8);
         tree.setValue(c, float(i));
     }
-    tree.addTile(1, Coord(-8, -8, 0), 7, true); // in the place of a leaf
+    tree.addTile(1, Coord(-8, -8, 0), 7, true); // instead of a leaf
     tree.addTile(1, Coord(0, 0, 0), 9, false);  // at the far corner
     std::vector<int> visits(Bricks::kSize, 0);
     visitBrick(tree, Coord(-8), [&](int record, float value, bool active) {

@@ -5,7 +5,18 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <csignal>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -16,6 +27,11 @@ std::string textOf(const fs::path& path)
 {
     std::ifstream stream(path);
     return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::size_t fileCount(const TemporaryFolder& folder)
+{
+    return std::size_t(std::distance(fs::directory_iterator(folder.path()), {}));
 }
 
 TEST(AtomicFile, AppearsOnlyWhenCommitted)
@@ -49,20 +65,86 @@ TEST(AtomicFile, WithoutCommitLeavesAllAsItWas)
         EXPECT_EQ(textOf(final), "old");
     }
     EXPECT_EQ(textOf(final), "old");
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+    EXPECT_EQ(fileCount(folder), 1u);
 }
 
-TEST(AtomicFile, ReplacesAnOlderFileAndWhatAKilledRunLeft)
+constexpr auto kNamed = AtomicFile::Temporary::kNamed;
+
+/// Another process that writes an output to a named temporary file until the test lets it commit or kills it.
+class Writer {
+  public:
+    explicit Writer(const fs::path& output)
+    {
+        std::array<int, 2> ends{};
+        if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0) throw std::runtime_error("no socket");
+        mProcess = ::fork();
+        if (mProcess == 0) write(output, ends[1]);
+        ::close(ends[1]);
+        mSocket = ends[0];
+        char begun = 0;
+        if (::read(mSocket, &begun, 1) != 1) throw std::runtime_error("the other process cannot write");
+    }
+    ~Writer()
+    {
+        if (mProcess > 0) kill();
+        ::close(mSocket);
+    }
+    Writer(const Writer&) = delete;
+    Writer& operator=(const Writer&) = delete;
+
+    void kill()
+    {
+        ::kill(mProcess, SIGKILL);
+        (void)wait();
+    }
+    /// @return whether the output was committed
+    bool commit()
+    {
+        const char go = 1;
+        return ::write(mSocket, &go, 1) == 1 && wait() == 0;
+    }
+
+  private:
+    [[noreturn]] static void write(const fs::path& output, int socket)
+    {
+        try {
+            AtomicFile file(output, kNamed);
+            std::ofstream(file.temporary()) << "of the other process";
+            char go = 1;
+            if (::write(socket, &go, 1) != 1 || ::read(socket, &go, 1) != 1) ::_exit(1);
+            file.commit();
+            ::_exit(0);
+        } catch (...) {
+            ::_exit(1);
+        }
+    }
+    int wait()
+    {
+        int status = -1;
+        ::waitpid(std::exchange(mProcess, -1), &status, 0);
+        return status;
+    }
+    pid_t mProcess = -1;
+    int mSocket = -1;
+};
+
+TEST(AtomicFile, ReplacesAnOlderFileAndWhatAKilledProcessLeft)
 {
-    const TemporaryFolder folder;
-    const fs::path final = folder.add("out.vdb", "old");
-    for (const auto kind : {AtomicFile::Temporary::kUnnamedIfPossible, AtomicFile::Temporary::kNamed}) {
-        folder.add(".out.vdb.part", "left behind, and longer");
+    for (const auto kind : {AtomicFile::Temporary::kUnnamedIfPossible, kNamed}) {
+        const TemporaryFolder folder;
+        const fs::path final = folder.add("out.vdb", "old");
+        {
+            Writer first(final), second(final);
+            EXPECT_EQ(fileCount(folder), 3u);
+            first.kill();
+            second.kill();
+        }
+        EXPECT_EQ(fileCount(folder), 3u);
         AtomicFile file(final, kind);
         std::ofstream(file.temporary(), std::ios::app) << "new";
         file.commit();
         EXPECT_EQ(textOf(final), "new");
-        EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+        EXPECT_EQ(fileCount(folder), 1u);
     }
 }
 
@@ -70,22 +152,54 @@ TEST(AtomicFile, HasAHiddenNameWhereItMustHaveOne)
 {
     const TemporaryFolder folder;
     {
-        AtomicFile file(folder / "out.vdb", AtomicFile::Temporary::kNamed);
-        EXPECT_EQ(file.temporary(), folder / ".out.vdb.part");
+        AtomicFile file(folder / "out.vdb", kNamed);
+        const std::string name = file.temporary().filename().string();
+        EXPECT_TRUE(name.starts_with(".out.vdb.") && name.ends_with("-0.part")) << name;
+        EXPECT_EQ(file.temporary().parent_path(), folder.path());
         EXPECT_TRUE(fs::exists(file.temporary()));
     }
     EXPECT_TRUE(folder.empty());
+    EXPECT_NO_THROW(AtomicFile(folder / std::string(255, 'x'), kNamed).commit()); // the longest name possible
 }
 
 TEST(AtomicFile, OfTwoAtOnceTheLastStaysWhole)
 {
+    for (const auto kind : {AtomicFile::Temporary::kUnnamedIfPossible, kNamed}) {
+        const TemporaryFolder folder;
+        AtomicFile first(folder / "out.vdb", kind), second(folder / "out.vdb", kind);
+        EXPECT_NE(first.temporary(), second.temporary());
+        std::ofstream(first.temporary()) << "first";
+        std::ofstream(second.temporary()) << "second";
+        second.commit();
+        EXPECT_EQ(textOf(folder / "out.vdb"), "second");
+        first.commit();
+        EXPECT_EQ(textOf(folder / "out.vdb"), "first");
+        EXPECT_EQ(fileCount(folder), 1u);
+    }
+}
+
+TEST(AtomicFile, LeavesTheFileOfALivingProcessAlone)
+{
+    for (const auto kind : {AtomicFile::Temporary::kUnnamedIfPossible, kNamed}) {
+        const TemporaryFolder folder;
+        Writer other(folder / "out.vdb");
+        AtomicFile own(folder / "out.vdb", kind);
+        std::ofstream(own.temporary()) << "own";
+        own.commit();
+        EXPECT_EQ(textOf(folder / "out.vdb"), "own");
+        EXPECT_EQ(fileCount(folder), 2u);
+        EXPECT_TRUE(other.commit());
+        EXPECT_EQ(textOf(folder / "out.vdb"), "of the other process");
+        EXPECT_EQ(fileCount(folder), 1u);
+    }
+}
+
+TEST(AtomicFile, LeavesTheFilesOfOtherHostsAlone)
+{
     const TemporaryFolder folder;
-    AtomicFile first(folder / "out.vdb"), second(folder / "out.vdb");
-    std::ofstream(first.temporary()) << "first";
-    std::ofstream(second.temporary()) << "second";
-    first.commit();
-    second.commit();
-    EXPECT_EQ(textOf(folder / "out.vdb"), "second");
+    folder.add(".out.vdb.elsewhere.example-0.part", "half");
+    AtomicFile(folder / "out.vdb", kNamed).commit();
+    EXPECT_EQ(textOf(folder / ".out.vdb.elsewhere.example-0.part"), "half");
 }
 
 TEST(CheckNotInput, KnowsAFileByAnyName)
@@ -148,7 +262,7 @@ TEST(AtomicFile, SaysWhenItCannotBeRenamed)
     fs::create_directory(folder / "out.vdb"); // meanwhile
     EXPECT_THROW(file.commit(), OutputError);
     EXPECT_TRUE(fs::is_directory(folder / "out.vdb"));
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 2); // the hidden name goes with the object
+    EXPECT_EQ(fileCount(folder), 2u); // the destructor removes the hidden one
 }
 
 } // namespace

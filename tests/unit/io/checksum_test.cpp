@@ -4,7 +4,13 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+
+#include <filesystem>
+#include <fstream>
+#include <istream>
 
 namespace vdblic {
 namespace {
@@ -25,12 +31,12 @@ VdbLayout layoutOf(const std::filesystem::path& path)
     return readLayout(stream, std::filesystem::file_size(path));
 }
 
-void flip(const std::filesystem::path& path, std::uint64_t place)
+void flip(const std::filesystem::path& path, std::uint64_t offset)
 {
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-    file.seekg(std::streamoff(place));
+    file.seekg(std::streamoff(offset));
     const char changed = char(file.get() ^ 1);
-    file.seekp(std::streamoff(place));
+    file.seekp(std::streamoff(offset));
     file.put(changed);
 }
 
@@ -52,12 +58,12 @@ TEST(Checksum, NamesTheDamagedGrid)
     write();
     EXPECT_TRUE(verifyVdb(path));
     const VdbLayout layout = layoutOf(path);
-    // A flipped bit anywhere in a grid, payload included, which nothing else would tell.
+    // A flipped bit anywhere in a grid; in the payload only the checksum reveals it.
     for (const auto& grid : layout.grids) {
-        for (std::uint64_t place = grid.begin; place < grid.end; place += (grid.end - grid.begin) / 7) {
+        for (std::uint64_t offset = grid.begin; offset < grid.end; offset += (grid.end - grid.begin) / 7) {
             write();
-            flip(path, place);
-            EXPECT_NE(complaint(path), "") << place;
+            flip(path, offset);
+            EXPECT_NE(complaint(path), "") << offset;
         }
         write();
         flip(path, grid.end - 9);
@@ -79,7 +85,7 @@ TEST(Checksum, IsNotTakenFromAFileThatAnotherProgramWrote)
 {
     const TemporaryFolder folder;
     writeVdb(folder / "ours.vdb", {someGrid("density")}, {});
-    // As a program does that loads a file, changes it, and keeps all metadata.
+    // Another program loads the file, changes it, and keeps all metadata.
     openvdb::io::File file(folder / "ours.vdb");
     file.open(false);
     const auto grids = file.getGrids();

@@ -4,6 +4,9 @@
 #include "vdblic/io/vdb_file.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+
+#include <chrono>
 
 namespace vdblic {
 namespace {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <sstream>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -17,7 +18,7 @@ std::string nameOf(const char* pattern, std::int64_t frame)
     return FramePattern(pattern).path(frame).string();
 }
 
-/// What an error's message says, or nothing if there is no such error.
+/// The message of an error; empty if none of the type is thrown.
 template<typename ErrorT, typename Call>
 std::string messageOf(const Call& call)
 {
@@ -95,7 +96,7 @@ TEST(FramePattern, RefusesWhatIsAmbiguous)
           "<F4>/v.vdb", "", "folder/", "%021d.vdb", "$F99.vdb", "<F0>.vdb"}) {
         EXPECT_THROW(FramePattern{pattern}, ParameterError) << pattern;
     }
-    // Characters that folders often have are no fields there.
+    // Characters that are common in folder names are not fields there.
     EXPECT_EQ(nameOf("shot #3/user@host/v.%02d.vdb", 4), "shot #3/user@host/v.04.vdb");
 }
 
@@ -124,55 +125,6 @@ TEST(FramePattern, FindsExactlyTheFilesItNames)
     EXPECT_THROW((void)FramePattern((folder / "none/v.%04d.vdb").string()).framesOnDisk(), InputError);
 }
 
-TEST(ParseFrameList, KnowsAllForms)
-{
-    EXPECT_EQ(parseFrameList("5"), (Frames{5}));
-    EXPECT_EQ(parseFrameList("-5"), (Frames{-5}));
-    EXPECT_EQ(parseFrameList("1-4"), (Frames{1, 2, 3, 4}));
-    EXPECT_EQ(parseFrameList("-2-1"), (Frames{-2, -1, 0, 1}));
-    EXPECT_EQ(parseFrameList("-4--2"), (Frames{-4, -3, -2}));
-    EXPECT_EQ(parseFrameList("1-10x3"), (Frames{1, 4, 7, 10}));
-    EXPECT_EQ(parseFrameList("1-9x3"), (Frames{1, 4, 7}));
-    EXPECT_EQ(parseFrameList("7-7x9"), (Frames{7}));
-    EXPECT_EQ(parseFrameList("9,1,5-6"), (Frames{1, 5, 6, 9}));
-    EXPECT_EQ(parseFrameList("1-3,2-4"), (Frames{1, 2, 3, 4}));
-    EXPECT_EQ(parseFrameList(" 1 , 3-4 "), (Frames{1, 3, 4}));
-    EXPECT_EQ(parseFrameList("0001-0003"), (Frames{1, 2, 3}));
-    EXPECT_EQ(parseFrameList("1-999999").size(), 999999u);
-}
-
-TEST(ParseFrameList, RefusesAnythingElse)
-{
-    for (const char* text : {"",
-                             ",",
-                             "1,",
-                             ",1",
-                             "a",
-                             "1-",
-                             "-",
-                             "1-2-3",
-                             "1..3",
-                             "1:3",
-                             "3-1",
-                             "1-5x0",
-                             "1-5x-1",
-                             "1-5x",
-                             "5x2",
-                             "1.5",
-                             "1e3",
-                             "nan",
-                             "1 2",
-                             "+1",
-                             "1-1000001",
-                             "1-999999,1000001",
-                             "99999999999999",
-                             "0-9223372036854775807",
-                             "-9223372036854775808-9223372036854775807",
-                             "18446744073709551616"}) {
-        EXPECT_THROW((void)parseFrameList(text), ParameterError) << "'" << text << "'";
-    }
-}
-
 TEST(SelectFrames, TakesWhatIsOnDiskOrWhatIsAsked)
 {
     const TemporaryFolder folder;
@@ -186,12 +138,12 @@ TEST(SelectFrames, TakesWhatIsOnDiskOrWhatIsAsked)
 
     expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, "1-5"}); }), "frame 2 is missing");
     expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, "1-5"}); }), "v.0002.vdb");
-    // Found frames step by two, so 7 was lost.
+    // The frames found are two apart, so 7 is missing.
     expectContains(messageOf<InputError>([&] { (void)selectFrames({pattern, ""}); }), "frame 7 is missing");
     folder.add("v.0007.vdb");
     EXPECT_EQ(selectFrames({pattern, ""}).size(), 5u);
     EXPECT_THROW((void)selectFrames({(folder / "w.%04d.vdb").string(), ""}), InputError);
-    // A folder of a frame's name is no frame.
+    // A folder with a frame's name is not a frame.
     std::filesystem::create_directory(folder / "v.0011.vdb");
     EXPECT_THROW((void)selectFrames({pattern, "11"}), InputError);
 }
@@ -204,7 +156,7 @@ TEST(SelectFrames, TakesOneFile)
     EXPECT_EQ(selectFrames({numbered, ""})[0].frame, 42);
     EXPECT_EQ(selectFrames({plain, ""})[0].frame, 1);
     EXPECT_EQ(selectFrames({plain, ""})[0].path, plain);
-    expectContains(messageOf<ParameterError>([&] { (void)selectFrames({plain, "1-3"}); }), "--frames");
+    expectContains(messageOf<ParameterError>([&] { (void)selectFrames({plain, "1-3"}); }), "`frames`");
     expectContains(messageOf<InputError>([&] { (void)selectFrames({plain + "x", ""}); }), "smoke.vdbx");
     EXPECT_THROW((void)selectFrames({folder.path().string(), ""}), InputError);
 }
@@ -218,7 +170,7 @@ TEST(OpenSequence, ReadsPathsFromAStream)
     std::size_t count = 99;
     const FrameSource next = openSequence({"-", ""}, lines, count);
     EXPECT_EQ(count, 0u);
-    // A name without a number follows its predecessor.
+    // A name without a number gets its predecessor's number plus one.
     for (const auto& [frame, path] : {std::pair(7, a), std::pair(8, b), std::pair(3, c), std::pair(4, b)}) {
         const std::optional<FrameFile> file = next();
         ASSERT_TRUE(file);
@@ -242,7 +194,7 @@ TEST(OpenSequence, ReadsPathsAsTheyCome)
     std::size_t count = 0;
     const FrameSource next = openSequence({"-", ""}, lines, count);
     EXPECT_EQ(next()->frame, 1);
-    lines << (folder / "a.0002.vdb").string() << "\n"; // not there yet when the first was handed out
+    lines << (folder / "a.0002.vdb").string() << "\n"; // appears after the first was returned
     folder.add("a.0002.vdb");
     const std::optional<FrameFile> second = next();
     ASSERT_TRUE(second);
@@ -285,7 +237,7 @@ TEST(CheckOutputPattern, WantsAFieldForSeveralFrames)
     EXPECT_NO_THROW(checkOutputPattern(FramePattern("v.vdb"), 1));
     EXPECT_NO_THROW(checkOutputPattern(FramePattern("v.%d.vdb"), 5));
     EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 2), ParameterError);
-    EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 0), ParameterError); // the number is not known yet
+    EXPECT_THROW(checkOutputPattern(FramePattern("v.vdb"), 0), ParameterError); // the number of frames is unknown
 }
 
 } // namespace

@@ -8,9 +8,13 @@
 
 #include <openvdb/io/File.h>
 
+#include <cmath>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <sys/resource.h>
 
 namespace vdblic {
@@ -64,6 +68,31 @@ TEST(VdbFile, KeepsGridsAndMetadata)
     EXPECT_FALSE(file.find<openvdb::FloatGrid>("none"));
 }
 
+TEST(VdbFile, FindsGridsByNameAndTypeOrSaysWhatThereIs)
+{
+    const auto wide = openvdb::DoubleGrid::create(), single = openvdb::DoubleGrid::create();
+    const auto narrow = openvdb::FloatGrid::create();
+    wide->setName("a");
+    narrow->setName("a");
+    single->setName("b");
+    const VdbFile file{{wide, narrow, single}, {}, "f.vdb"};
+    EXPECT_EQ(file.get<openvdb::FloatGrid>("a"), narrow);
+    EXPECT_EQ(file.get<openvdb::GridBase>("a"), wide);
+    EXPECT_EQ(file.find<openvdb::FloatGrid>("b"), nullptr);
+    const auto message = [&](const auto& get) -> std::string {
+        try {
+            get();
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(message([&] { (void)file.get<openvdb::FloatGrid>("b", "`texture`"); }),
+              "f.vdb: no float grid 'b'; the file holds a (double), a (float), b (double); choose with `texture`");
+    EXPECT_EQ(message([&] { (void)file.get<openvdb::GridBase>("c"); }),
+              "f.vdb: no grid 'c'; the file holds a (double), a (float), b (double)");
+}
+
 TEST(VdbFile, CreatorIsNotTakenForHoudini)
 {
     EXPECT_FALSE(std::string(kCreator).starts_with("Houdini"));
@@ -77,7 +106,7 @@ TEST(VdbFile, RefusesMissingAndDamagedFiles)
     EXPECT_EQ(readVdb(whole).contents(), "velocity (float), density (float)");
     const auto size = std::filesystem::file_size(whole);
     const std::filesystem::path cut = folder / "cut.vdb";
-    // Many places in the header and the descriptors, and some among the voxels.
+    // Many offsets in the header and the descriptors, and some in the voxels.
     for (std::uintmax_t length = 0; length < size; length += length < 1500 ? 11 : 9973) {
         std::filesystem::copy_file(whole, cut, std::filesystem::copy_options::overwrite_existing);
         std::filesystem::resize_file(cut, length);
@@ -94,7 +123,7 @@ TEST(VdbFile, RefusesMissingAndDamagedFiles)
     }
 }
 
-/// The size that the last node's values say to have, made larger than the buffer they are read into.
+/// A file whose last node states a size of its values that is larger than the buffer for them.
 template<typename Grid>
 void expectNoOverflow(bool half, std::uint32_t compression, std::int64_t bytes)
 {
@@ -115,16 +144,16 @@ void expectNoOverflow(bool half, std::uint32_t compression, std::int64_t bytes)
 
     std::ifstream file(folder / "a.vdb", std::ios::binary);
     std::string content{std::istreambuf_iterator<char>(file), {}};
-    const auto sizeAt = [&](std::size_t place) {
+    const auto sizeAt = [&](std::size_t offset) {
         std::int64_t size = 0;
-        std::memcpy(&size, content.data() + place, sizeof size);
+        std::memcpy(&size, content.data() + offset, sizeof size);
         return size;
     };
-    std::size_t place = content.size() - 9; // the last size is that of all that follows it
-    while (std::abs(sizeAt(place)) != std::int64_t(content.size() - place - 8))
-        --place;
+    std::size_t offset = content.size() - 9; // the last size counts all bytes after it
+    while (std::abs(sizeAt(offset)) != std::int64_t(content.size() - offset - 8))
+        --offset;
     const std::int64_t wrong = -bytes - 2;
-    std::memcpy(content.data() + place, &wrong, sizeof wrong);
+    std::memcpy(content.data() + offset, &wrong, sizeof wrong);
     content.append(std::size_t(-wrong), 'x');
     try {
         (void)readVdb(folder.add("b.vdb", content));
@@ -148,7 +177,7 @@ TEST(VdbFile, ReadsNoMoreThanThereIsRoomFor)
     }
 }
 
-/// While it lives, no file of this process can grow beyond a size; writing more fails as on a full disk.
+/// Limits the size of this process's files during its lifetime; writing more fails as on a full disk.
 class FileSizeLimit {
   public:
     explicit FileSizeLimit(rlim_t bytes) : mHandler(std::signal(SIGXFSZ, SIG_IGN))

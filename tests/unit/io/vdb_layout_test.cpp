@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
 
+#include <cstddef>
 #include <cstring>
+#include <fstream>
 #include <sstream>
 
 namespace vdblic {
@@ -24,12 +26,12 @@ openvdb::GridCPtrVec someGrids()
     flow->setName("flow");
     flow->tree().setValue({1, 2, 3}, {1, 2, 3});
     const auto frustum = openvdb::FloatGrid::create();
-    frustum->setName("fog"); // once more
+    frustum->setName("fog"); // a duplicate name
     frustum->setTransform(openvdb::math::Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 2));
     return {fog, flow, frustum};
 }
 
-/// The bytes of a file that OpenVDB itself wrote, without our additions.
+/// The bytes of a file written by OpenVDB, without this library's additions.
 std::string foreignFile(bool seekable = true)
 {
     const TemporaryFolder folder;
@@ -50,7 +52,7 @@ VdbLayout layoutOf(const std::string& bytes)
     return readLayout(stream, bytes.size());
 }
 
-/// What is wrong with a file, or nothing.
+/// The reason why a file is refused; empty if it is accepted.
 std::string complaint(const std::string& bytes)
 {
     try {
@@ -61,11 +63,11 @@ std::string complaint(const std::string& bytes)
     }
 }
 
-/// A file with the bytes at a place replaced.
+/// A file with the bytes at an offset replaced.
 template<typename T>
-std::string with(std::string bytes, std::size_t place, T value)
+std::string with(std::string bytes, std::size_t offset, T value)
 {
-    std::memcpy(bytes.data() + place, &value, sizeof value);
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
     return bytes;
 }
 
@@ -100,13 +102,13 @@ TEST(VdbLayout, RefusesEveryTruncation)
 
 TEST(VdbLayout, SurvivesEveryFlip)
 {
-    // Whether it is refused depends on the place; nothing may be read or allocated beyond the file.
+    // Some offsets make the file invalid, others do not; nothing may be read or allocated beyond the file.
     const std::string bytes = foreignFile();
     int refused = 0;
-    for (std::size_t place = 0; place < std::min<std::size_t>(bytes.size(), 3000); ++place) {
+    for (std::size_t offset = 0; offset < std::min<std::size_t>(bytes.size(), 3000); ++offset) {
         for (const int flip : {0x01, 0x80, 0xff}) {
             std::string flipped = bytes;
-            flipped[place] = char(flipped[place] ^ flip);
+            flipped[offset] = char(flipped[offset] ^ flip);
             refused += complaint(flipped).empty() ? 0 : 1;
         }
     }

@@ -25,10 +25,10 @@ using openvdb::Coord;
 using openvdb::Vec3f;
 
 const CoherenceParams kFewer{.samples = 30'000};
-const openvdb::CoordBBox kBox({-3, 5, 2}, {76, 52, 49});
+const openvdb::CoordBBox kTextureBox({-3, 5, 2}, {76, 52, 49});
 
 /// A texture whose values are a function of the voxel.
-SmoothedTexture textureOf(const std::function<float(const Coord&)>& value, const openvdb::CoordBBox& box = kBox)
+SmoothedTexture textureOf(const std::function<float(const Coord&)>& value, const openvdb::CoordBBox& box = kTextureBox)
 {
     openvdb::FloatTree tree(0);
     for (auto voxel = box.begin(); voxel; ++voxel)
@@ -56,7 +56,7 @@ float smoothField(const openvdb::Vec3d& at)
 
 VelocityField uniformFlow(const Vec3f& velocity)
 {
-    const auto frames = test::makeFrames(kBox, 2, [&](const Coord&, int) { return velocity; });
+    const auto frames = test::makeFrames(kTextureBox, 2, [&](const Coord&, int) { return velocity; });
     VelocityField field;
     field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
                 {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
@@ -137,7 +137,7 @@ TEST(Coherence, FindsTheLengthOfStreaks)
 TEST(Coherence, FollowsTheStreamline)
 {
     const auto radius = [](const Coord& at) { return std::hypot(at[0] - 36.5, at[1] - 28.5); };
-    const auto frames = test::makeFrames(kBox, 2, [&](const Coord& at, int) {
+    const auto frames = test::makeFrames(kTextureBox, 2, [&](const Coord& at, int) {
         return Vec3f(float(28.5 - at[1]) * 0.2f, float(at[0] - 36.5) * 0.2f, 0);
     });
     VelocityField field;

@@ -3,22 +3,34 @@
 #include "lic/test_flow.h"
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/flow_texture.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/lic/noise.h"
-#include "vdblic/lic/scatter.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <openvdb/tools/Count.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-constexpr int kSteps = 9;
+constexpr int kStateSteps = 9;
 
-/// What a file gives back of some grids.
+/// Grids written to a file and read again.
 VdbFile throughAFile(const openvdb::GridPtrVec& grids)
 {
     const TemporaryFolder folder;
@@ -40,8 +52,8 @@ class SavedState : public testing::TestWithParam<ScatterParams> {};
 
 TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
 {
-    const auto frames = test::unsteadyFlowWithHole(kSteps + 1); // every frame has another domain
-    const auto expected = test::streamedTextures(frames, kSteps, GetParam());
+    const auto frames = test::unsteadyFlowWithHole(kStateSteps + 1); // every frame has another domain
+    const auto expected = test::streamedTextures(frames, kStateSteps, GetParam());
     for (const std::size_t saved : {1, 2, 5, 8}) {
         FlowTexture before(GetParam(), FeedbackParams{}, NoiseField(7));
         for (std::size_t k = 0; k < saved; ++k)
@@ -49,12 +61,12 @@ TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
         FlowTexture after(GetParam(), FeedbackParams{}, NoiseField(7));
         after.restore(before.steps(), 1, frames[saved].domain, throughAFile(before.save()));
         EXPECT_EQ(after.steps(), saved);
-        for (std::size_t k = saved; k < kSteps; ++k) {
+        for (std::size_t k = saved; k < kStateSteps; ++k) {
             EXPECT_EQ(differingVoxels(after.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u)
                 << "step " << k << " after " << saved;
         }
         // Saving takes nothing away.
-        for (std::size_t k = saved; k < kSteps; ++k) {
+        for (std::size_t k = saved; k < kStateSteps; ++k) {
             EXPECT_EQ(differingVoxels(before.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u);
         }
     }
@@ -97,24 +109,24 @@ TEST(ParticleGrid, KeepsEveryBitOfAParticle)
     ParticleBins bins(domain->leafCount(), 2);
     std::map<std::uint64_t, std::pair<Particle, std::array<std::uint32_t, 2>>> expected;
     const float half = 0.5f;
-    std::vector<float> places = {0,
-                                 1e-30f,
-                                 half,
-                                 -half,
-                                 std::nextafter(half, 0.0f), // adding a half rounds it up to 1
-                                 std::nextafter(half, 1.0f),
-                                 std::nextafter(-half, 0.0f),
-                                 std::nextafter(-half, -1.0f),
-                                 std::nextafter(1.5f, 0.0f),
-                                 std::nextafter(-15.5f, 0.0f),
-                                 std::nextafter(15.5f, 0.0f),
-                                 7.4999995f,
-                                 7.5f,
-                                 -8.5f,
-                                 3.14159274f};
+    const std::vector<float> coordinates = {0,
+                                            1e-30f,
+                                            half,
+                                            -half,
+                                            std::nextafter(half, 0.0f), // adding a half rounds it up to 1
+                                            std::nextafter(half, 1.0f),
+                                            std::nextafter(-half, 0.0f),
+                                            std::nextafter(-half, -1.0f),
+                                            std::nextafter(1.5f, 0.0f),
+                                            std::nextafter(-15.5f, 0.0f),
+                                            std::nextafter(15.5f, 0.0f),
+                                            7.4999995f,
+                                            7.5f,
+                                            -8.5f,
+                                            3.14159274f};
     std::uint64_t number = 0;
-    for (const float x : places) {
-        for (const float y : places) {
+    for (const float x : coordinates) {
+        for (const float y : coordinates) {
             Particle particle{{x, y, -x}, {1e-38f * x, y, -3e30f}, 0, (number + 1) << Particle::kRankBits | number};
             const std::array<std::uint32_t, 2> words = {std::uint32_t(number * 65535) << 8 | 3, ~std::uint32_t(0)};
             particle.alive = Generation::hits(words[0]) + Generation::hits(words[1]);

@@ -1,10 +1,19 @@
 #include "vdblic/lic/flow_texture.h"
 
 #include "lic/test_flow.h"
-#include "vdblic/core/errors.h"
 #include "vdblic/field/slabs.h"
+#include "vdblic/lic/hits.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -36,9 +45,9 @@ class Correlation {
     double mCount = 0, mA = 0, mB = 0, mAA = 0, mBB = 0, mAB = 0;
 };
 
-const openvdb::CoordBBox kBox({0, 0, 0}, {47, 39, 39});
+const openvdb::CoordBBox kFlowBox({0, 0, 0}, {47, 39, 39});
 
-/// Correlation of a texture with a texture's value at x + shift, away from the rim.
+/// Correlation of texture a at x with texture b at x + shift, away from the rim.
 Correlation shifted(const LeafValues<float>& a, const LeafValues<float>& b, const Coord& shift)
 {
     Correlation correlation;
@@ -50,7 +59,7 @@ Correlation shifted(const LeafValues<float>& a, const LeafValues<float>& b, cons
 
 std::vector<LeafValues<float>> texturesOf(const Vec3f& velocity, ScatterMethod method, int steps)
 {
-    const auto frames = test::makeFrames(kBox, steps + 1, [&](const Coord&, int) { return velocity; });
+    const auto frames = test::makeFrames(kFlowBox, steps + 1, [&](const Coord&, int) { return velocity; });
     ScatterParams scatter;
     scatter.method = method;
     return test::streamedTextures(frames, steps, scatter);
@@ -64,7 +73,7 @@ TEST_P(FlowTextures, OfAUniformFlowAreLongAlongItAndShortAcross)
     const LeafValues<float>& texture = textures.back();
     EXPECT_GT(shifted(texture, texture, {2, 0, 0}).value(), 0.5);
     EXPECT_GT(shifted(texture, texture, {3, 0, 0}).value(), 0.3);
-    // The nearest two neighbours show the sharpening; beyond it there is nothing.
+    // Sharpening correlates the nearest two neighbours; farther voxels are independent.
     for (const auto& [lag, bound] : {std::pair(1, 0.25), std::pair(2, 0.25), std::pair(3, 0.08), std::pair(4, 0.08)}) {
         EXPECT_LT(std::abs(shifted(texture, texture, {0, lag, 0}).value()), bound);
         EXPECT_LT(std::abs(shifted(texture, texture, {0, 0, lag}).value()), bound);
@@ -84,7 +93,7 @@ TEST_P(FlowTextures, MoveWithTheFlow)
 
 TEST_P(FlowTextures, MoveAsFastAsTheFlow)
 {
-    // Where the correlation over three steps peaks, by a parabola through the three highest lags.
+    // The lag at which the correlation over three steps peaks, from a parabola through the three highest lags.
     const auto textures = texturesOf(Vec3f(2, 0, 0), GetParam(), 14);
     std::array<double, 10> correlation{};
     for (int lag = 0; lag < 10; ++lag)
@@ -92,14 +101,14 @@ TEST_P(FlowTextures, MoveAsFastAsTheFlow)
     const auto peak =
         std::size_t(std::max_element(correlation.begin() + 1, correlation.end() - 1) - correlation.begin());
     const double before = correlation[peak - 1], at = correlation[peak], after = correlation[peak + 1];
-    const double way = double(peak) + 0.5 * (before - after) / (before - 2 * at + after);
-    EXPECT_NEAR(way / 6, 1, 0.08);
+    const double distance = double(peak) + 0.5 * (before - after) / (before - 2 * at + after);
+    EXPECT_NEAR(distance / 6, 1, 0.08);
 }
 
 TEST_P(FlowTextures, OfAFlowAtRestStayTheNoiseTheyWere)
 {
     const auto textures = texturesOf(Vec3f(0), GetParam(), 12);
-    const auto frames = test::makeFrames(kBox, 1, [](const Coord&, int) { return Vec3f(0); });
+    const auto frames = test::makeFrames(kFlowBox, 1, [](const Coord&, int) { return Vec3f(0); });
     LeafValues<float> noise(*frames[0].domain, 0.0f);
     const LeafValues<std::int32_t> input = noiseInput(*frames[0].domain, NoiseField(7));
     for (auto value = input.tree()->cbeginValueOn(); value; ++value) {
@@ -140,7 +149,7 @@ TEST(FlowTexture, IsTheSameWhetherTheVelocityIsHeldInPartsOrWhole)
     constexpr int kSteps = 2;
     const auto frames = longFrames(kSteps + 1);
     ASSERT_GT(Slabs(*frames[0].domain).size(), 2u);
-    // A fast voxel that is not in the domain makes all of it be held, for what is known of the reach.
+    // A fast voxel outside the domain raises the bound of the reach, so that all of the domain is held at once.
     auto fast = frames;
     for (FlowFrame& frame : fast) {
         const auto grid = frame.velocities->deepCopy();
@@ -157,7 +166,7 @@ TEST(FlowTexture, IsTheSameWhetherTheVelocityIsHeldInPartsOrWhole)
 TEST(FlowTexture, CostsTheSameInEveryFrame)
 {
     constexpr int kSteps = 16, kSettled = 6;
-    const auto frames = test::makeFrames(kBox, 2, [](const Coord& at, int) {
+    const auto frames = test::makeFrames(kFlowBox, 2, [](const Coord& at, int) {
         return Vec3f(2, std::sin(0.2f * float(at[0])), std::cos(0.3f * float(at[1])));
     });
     FlowTexture pipeline({}, FeedbackParams{}, NoiseField(7));
@@ -178,78 +187,6 @@ TEST(FlowTexture, AFrameWithoutVoxelsInTheMiddleIsPassedOver)
     const auto textures = test::streamedTextures(frames, 7, {});
     EXPECT_EQ(textures[4].tree()->activeVoxelCount(), 0u);
     EXPECT_EQ(textures[6].tree()->activeVoxelCount(), frames[6].domain->voxelCount());
-}
-
-TEST(FeedForward, AVoxelNewInTheNextDomainTakesTheNoise)
-{
-    const auto frames = test::makeFrames({{0, 0, 0}, {11, 7, 7}}, 2, [](const Coord& at, int frame) {
-        return at[0] < (frame == 0 ? 6 : 12) ? std::optional(Vec3f(0)) : std::nullopt;
-    });
-    VelocityField field;
-    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
-                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
-    const NoiseField noise(5);
-    const LeafValues<float> texture(*frames[0].domain, 0.25f);
-    const auto next = feedForward(field, texture, *frames[1].domain, noise, {}, 0);
-    const auto original = noiseInput(*frames[1].domain, noise);
-    for (const Coord& at : openvdb::CoordBBox({6, 0, 0}, {11, 7, 7})) {
-        EXPECT_EQ(next.tree()->getValue(at), original.tree()->getValue(at));
-    }
-    EXPECT_NE(next.tree()->getValue({2, 2, 2}), original.tree()->getValue({2, 2, 2}));
-}
-
-TEST(FeedForward, FluidThatEntersBringsNewNoiseEveryStep)
-{
-    const auto frames = test::makeFrames({{0, 0, 0}, {15, 7, 7}}, 2, [](auto&, int) { return Vec3f(2, 0, 0); });
-    VelocityField field;
-    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
-                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
-    const LeafValues<float> texture(*frames[0].domain, 0.25f);
-    const auto first = feedForward(field, texture, *frames[1].domain, NoiseField(5), {}, 0);
-    const auto second = feedForward(field, texture, *frames[1].domain, NoiseField(5), {}, 1);
-    std::size_t differing = 0;
-    for (const Coord& at : openvdb::CoordBBox({0, 0, 0}, {1, 7, 7})) {
-        differing += Input::value(first.tree()->getValue(at)) != Input::value(second.tree()->getValue(at));
-    }
-    EXPECT_GT(differing, 120u); // of 128
-    for (const Coord& at : openvdb::CoordBBox({2, 0, 0}, {15, 7, 7})) {
-        EXPECT_EQ(first.tree()->getValue(at), second.tree()->getValue(at));
-    }
-}
-
-TEST(FeedForward, BitsTakeTheTopBitFromTheTextureAndTheRestFromTheNoise)
-{
-    const auto frames = test::makeFrames({{0, 0, 0}, {7, 7, 7}}, 1, [](auto&, int) { return Vec3f(0); });
-    VelocityField field;
-    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
-                {frames[0].velocities->tree(), openvdb::Mat3d::identity()});
-    FeedbackParams params;
-    params.jitter = Jitter::kBits;
-    const NoiseField noise(11);
-    const auto original = noiseInput(*frames[0].domain, noise);
-    for (const float level : {0.2f, 0.8f}) {
-        const auto next =
-            feedForward(field, LeafValues<float>(*frames[0].domain, level), *frames[0].domain, noise, params, 0);
-        for (auto value = next.tree()->cbeginValueOn(); value; ++value) {
-            const double rest = std::fmod(Input::value(original.tree()->getValue(value.getCoord())) / 65535.0, 0.5);
-            double expected = (level > 0.5f ? 0.5 : 0) + rest;
-            if (expected > 0.9) expected = 1;
-            if (expected < 0.1) expected = 0;
-            EXPECT_NEAR(Input::value(*value) / 65535.0, expected, 1e-4);
-        }
-    }
-}
-
-TEST(Convolve, DividesSumsByHitsAndKeepsTheInputWhereThereAreNone)
-{
-    const auto frames = test::makeFrames({{0, 0, 0}, {1, 0, 0}}, 1, [](auto&, int) { return Vec3f(0); });
-    const LeafValues<std::int64_t> accumulator = makeAccumulator(*frames[0].domain);
-    LeafValues<std::int32_t> input(*frames[0].domain, 0);
-    accumulator.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(3 * 65535, 4)));
-    input.tree()->setValue({1, 0, 0}, 13107);
-    const auto texture = convolve(*frames[0].domain, accumulator, input);
-    EXPECT_FLOAT_EQ(texture.tree()->getValue({0, 0, 0}), 0.75f);
-    EXPECT_FLOAT_EQ(texture.tree()->getValue({1, 0, 0}), 0.2f);
 }
 
 } // namespace

@@ -1,7 +1,18 @@
 #include "lic/literal_lic.h"
 
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/feedback.h"
+#include "vdblic/lic/hits.h"
+#include "vdblic/lic/noise_field.h"
+#include "vdblic/lic/pathline.h"
+
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <set>
+#include <utility>
+#include <vector>
 
 namespace vdblic::test {
 namespace {
@@ -12,7 +23,7 @@ struct Bucket {
     std::map<Coord, std::pair<std::uint64_t, std::uint64_t>> hits; // sum, count
 };
 
-/// A voxel that a pathline is in.
+/// A voxel that a pathline passes.
 struct Sample {
     Coord voxel;
     bool early; // within the release window
@@ -22,9 +33,9 @@ struct Sample {
 struct Path {
     std::uint64_t releaseStep, releaseRank;
     std::size_t firstStep;
-    std::vector<Coord> starts;                // where step firstStep + i began
-    std::vector<std::vector<Sample>> samples; // and what it passed
-    bool ended = false;                       // left the domain in the last of them
+    std::vector<Coord> starts;                // voxel in which step firstStep + i began
+    std::vector<std::vector<Sample>> samples; // voxels that it passed
+    bool ended = false;                       // left the domain in the last step
     Float4 position, slope;
 
     [[nodiscard]] std::size_t nextStep() const { return firstStep + samples.size(); }
@@ -66,17 +77,8 @@ Trace trace(const VelocityField& field, const ScatterParams& params, Float4 posi
     Trace result{batch.position.lane(0), batch.slope.lane(0), {}, false};
     for (const PathSamples::Run& run : samples.runs) {
         for (int i = 0; i < run.count[0] && !result.ended; ++i) {
-            const int code = samples.rows[run.firstRow + std::size_t(i)].code[0];
-            int leaf;
-            unsigned offset;
-            if (code >= 0) {
-                leaf = window.leaves[std::size_t(code >> 9)];
-                offset = unsigned(code & 511);
-            } else {
-                const PathSamples::FarVoxel& far = samples.far[std::size_t(-1 - code)];
-                leaf = far.leaf;
-                offset = far.offset;
-            }
+            const WindowVoxel sample = samples.rows[run.firstRow + std::size_t(i)].voxel(0);
+            const auto [leaf, offset] = samples.find(sample, window);
             result.ended = leaf < 0 || !domain.isActive(leaf, offset);
             if (result.ended) break;
             const Coord voxel = domain.origin(std::size_t(leaf)) + Domain::Leaf::offsetToLocalCoord(offset);
@@ -152,7 +154,7 @@ class LiteralLic {
         return {k, rank, k, {}, {}, false, centreOf(voxel), mFields[k].sample(centreOf(voxel), 0, Float4{})};
     }
 
-    /// Integrate a path up to, not including, a step; steps that are never shown are left out.
+    /// Integrate a path up to, not including, step `end`; steps after the last texture are left out.
     void extend(Path& path, std::size_t end) const
     {
         while (!path.ended && path.nextStep() < std::min(end, mFields.size())) {
@@ -265,7 +267,7 @@ class LiteralHistory {
             }
         }
 
-        // Those in one voxel become one; those released last go first.
+        // Particles in one voxel become one; those released last go first.
         std::map<Coord, Mote> byVoxel;
         std::sort(mMotes.begin(), mMotes.end(), goesFirst);
         for (const Mote& mote : mMotes) {

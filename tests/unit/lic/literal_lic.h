@@ -2,12 +2,14 @@
 
 #include "lic/test_flow.h"
 
+#include <vector>
+
 namespace vdblic::test {
 
-/// UFLIC and AUFLIC as the paper tells them, slowly: scattering process (SCAP) after scattering process, each seed
+/// UFLIC and AUFLIC literally as in the paper, slowly: scattering process (SCAP) after scattering process, each seed
 /// carried through its whole life span at once into a ring of L buckets, seed by seed and deposit by deposit.
 ///
-/// Shares with the library the integration of one step, the filter, and nothing else.
+/// Shares only the integration of one step and the filter with the library.
 std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
                                                const ScatterParams& scatter);
 

@@ -2,11 +2,19 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/leaf_window.h"
+#include "vdblic/field/velocity_field.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <map>
 #include <numbers>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -78,7 +86,7 @@ TEST(Pathline, ConvergesWithFourthOrderOnATurningAcceleratingField)
 
 TEST(Pathline, ConvergesWithSecondOrderInTheFrameSpacing)
 {
-    // x' = 6 sin(πt): frames sample it, and between them it is taken as linear.
+    // x' = 6 sin(πt), sampled by the frames and linear between them.
     const auto error = [](int steps) {
         Walk walk{{-10, 0, 0, 0}, {}};
         PathBatch batch;
@@ -135,19 +143,20 @@ TEST(Pathline, LanesDoNotSeeEachOther)
     }
 }
 
-/// The samples of a batch's first particle: their codes, and how many are early.
+/// The samples of a batch's first particle: their voxels, and how many are early.
 struct OneParticlesSamples {
-    std::vector<int> codes;
+    std::vector<PathSamples::Voxel> voxels;
     int early = 0;
 
     OneParticlesSamples(const TestField& field, const PathBatch& batch, float spacing, float until)
     {
         PathSamples samples;
         const Domain& domain = field.field.domain();
-        samplePaths(batch, domain, LeafWindow(domain, {-8, 0, 0}), spacing, until, samples);
+        const LeafWindow window(domain, {-8, 0, 0});
+        samplePaths(batch, domain, window, spacing, until, samples);
         for (const PathSamples::Run& run : samples.runs) {
             for (int i = 0; i < run.count[0]; ++i)
-                codes.push_back(samples.rows[run.firstRow + std::size_t(i)].code[0]);
+                voxels.push_back(samples.find(samples.rows[run.firstRow + std::size_t(i)].voxel(0), window));
             early += run.early[0];
         }
     }
@@ -161,19 +170,18 @@ TEST(Pathline, SamplesAreEvenlySpacedAndCarryTheirTime)
     const Float4 start = {-8, 0, 0, 0};
     advanceOne(field.field, {start, field.field.sample(start, 0, Float4{})}, {}, batch);
     const OneParticlesSamples samples(field, batch, 0.25f, 1);
-    ASSERT_GE(samples.codes.size(), 12u);
-    EXPECT_EQ(std::size_t(samples.early), samples.codes.size());
-    // Samples are the middles of pieces of a quarter voxel, so a third of them lies in each voxel between the path's
-    // ends.
+    ASSERT_GE(samples.voxels.size(), 12u);
+    EXPECT_EQ(std::size_t(samples.early), samples.voxels.size());
+    // Samples are the middles of pieces of a quarter voxel: a third of them lies in each voxel between the path's ends.
     std::map<int, int> perVoxel;
-    for (const int code : samples.codes)
-        ++perVoxel[code & 511 ? (code >> 6 & 7) - 8 + ((code >> 9) - LeafWindow::kCentre) / 9 * 8 : -8];
+    for (const PathSamples::Voxel& voxel : samples.voxels)
+        ++perVoxel[field.field.domain().origin(std::size_t(voxel.leaf))[0] + LeafVoxel::at(voxel.offset).x];
     EXPECT_EQ(perVoxel.begin()->first, -8);
-    EXPECT_NEAR(perVoxel[-7], double(samples.codes.size()) / 3, 1);
-    EXPECT_NEAR(perVoxel[-6], double(samples.codes.size()) / 3, 1);
-    // x(t) = −8 + t + 2 t² has gone half its way of three voxels at t = (√13 − 1) / 4.
+    EXPECT_NEAR(perVoxel[-7], double(samples.voxels.size()) / 3, 1);
+    EXPECT_NEAR(perVoxel[-6], double(samples.voxels.size()) / 3, 1);
+    // x(t) = −8 + t + 2 t² has gone half of its three voxels at t = (√13 − 1) / 4.
     const float halfway = (std::sqrt(13.0f) - 1) / 4;
-    EXPECT_NEAR(OneParticlesSamples(field, batch, 0.25f, halfway).early, double(samples.codes.size()) / 2, 1);
+    EXPECT_NEAR(OneParticlesSamples(field, batch, 0.25f, halfway).early, double(samples.voxels.size()) / 2, 1);
 }
 
 TEST(Pathline, FindsVoxelsOutsideTheWindow)
@@ -185,9 +193,9 @@ TEST(Pathline, FindsVoxelsOutsideTheWindow)
     const Domain& domain = field.field.domain();
     samplePaths(batch, domain, LeafWindow(domain, {8, 0, 0}), 1, 1, samples);
     ASSERT_EQ(samples.far.size(), std::size_t(samples.runs.at(0).count[0])); // the window begins at x = 0
-    for (const PathSamples::FarVoxel& voxel : samples.far) {
+    for (const PathSamples::Voxel& voxel : samples.far) {
         ASSERT_GE(voxel.leaf, 0);
-        const int x = domain.origin(std::size_t(voxel.leaf))[0] + int(voxel.offset >> 6);
+        const int x = domain.origin(std::size_t(voxel.leaf))[0] + LeafVoxel::at(voxel.offset).x;
         EXPECT_GE(x, -14);
         EXPECT_LE(x, -7);
     }
@@ -200,7 +208,7 @@ TEST(Pathline, AtRestThereIsOneSample)
     const Walk end = advanceOne(still.field, {Float4{3, 2, 1, 0}, Float4{}}, {}, batch);
     EXPECT_EQ(distance(end.position, 3, 2, 1), 0);
     ASSERT_EQ(batch.segments.size(), 1u);
-    EXPECT_EQ(OneParticlesSamples(still, batch, 0.5f, 1).codes.size(), 1u);
+    EXPECT_EQ(OneParticlesSamples(still, batch, 0.5f, 1).voxels.size(), 1u);
 }
 
 TEST(Pathline, EndsAfterLeavingTheDomain)

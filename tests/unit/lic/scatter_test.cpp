@@ -3,9 +3,21 @@
 #include "lic/literal_lic.h"
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/slabs.h"
+#include "vdblic/lic/hits.h"
+#include "vdblic/lic/tile_schedule.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -68,37 +80,73 @@ INSTANTIATE_TEST_SUITE_P(AuflicWithHistory, EqualsLiteral,
                                          params(ScatterMethod::kAuflic, 7, 1.0f, true)),
                          nameOf);
 
-TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
+/// Textures of runs on one, two and seven threads.
+void expectSameForAnyThreads(const std::vector<FlowFrame>& frames, const ScatterParams& method)
 {
-    const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
-    for (const ScatterParams& method : {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
-                                        params(ScatterMethod::kAuflic, 4, 0.5f, true)}) {
-        std::vector<std::vector<LeafValues<float>>> runs;
-        for (const std::size_t threads : {1, 2, 7}) {
-            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-            runs.push_back(test::streamedTextures(frames, kSteps, method));
-        }
-        expectEqual(runs[0], runs[1]);
-        expectEqual(runs[0], runs[2]);
-    }
-}
-
-TEST(Scatter, ASinkThatTakesInMoreThanFitsIsTheSameForAnyNumberOfThreads)
-{
-    // Thousands of particles end each step in one voxel, which can take over the values of 255 seeds of a step.
-    const auto frames = test::makeFrames({{-20, -20, -20}, {20, 20, 20}}, 4, [](const openvdb::Coord& at, int) {
-        return openvdb::Vec3f(at.asVec3s()) * -3;
-    });
+    const int steps = int(frames.size()) - 1;
     std::vector<std::vector<LeafValues<float>>> runs;
     for (const std::size_t threads : {1, 2, 7}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        runs.push_back(test::streamedTextures(frames, 3, params(ScatterMethod::kAuflic, 4, 0.25f, true)));
+        runs.push_back(test::streamedTextures(frames, steps, method));
     }
     expectEqual(runs[0], runs[1]);
     expectEqual(runs[0], runs[2]);
 }
 
-/// A step over a domain with every voxel's input and hits at hand.
+/// Whether two groups of a domain's tiles may be computed at the same time in a flow of less than 5 voxels a step,
+/// whose reach is one leaf: whether two are farther apart than twice that along some axis.
+bool groupsCanRunTogether(const Domain& domain)
+{
+    constexpr int kReach = 1;
+    const Slabs slabs(domain);
+    EXPECT_EQ(slabs.size(), 1u);
+    TileSchedule schedule(domain, slabs[0], openvdb::Coord(kReach), 1);
+    std::vector<openvdb::CoordBBox> boxes;
+    while (const auto group = schedule.next(0))
+        boxes.push_back(group->box);
+    return std::any_of(boxes.begin(), boxes.end(), [&](const openvdb::CoordBBox& a) {
+        return std::any_of(boxes.begin(), boxes.end(), [&](const openvdb::CoordBBox& b) {
+            const openvdb::Coord apart = b.min() - a.max();
+            return std::max({apart[0], apart[1], apart[2]}) > 2 * kReach;
+        });
+    });
+}
+
+/// A channel of many leaves with a few voxels across, in an unsteady flow along it of less than 5 voxels a step.
+std::vector<FlowFrame> channelFlow(int frames)
+{
+    return test::makeFrames({{0, -3, 5}, {4, 2, 324}}, frames, [](const openvdb::Coord& at, int frame) {
+        const float z = 0.3f * float(at[2]), t = 0.8f * float(frame);
+        return openvdb::Vec3f(0.4f * std::sin(z + t), 0.4f * std::cos(2 * z), 2.5f + 2 * std::sin(0.1f * z - t));
+    });
+}
+
+TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
+{
+    const auto frames = channelFlow(kSteps + 1);
+    ASSERT_TRUE(groupsCanRunTogether(*frames[0].domain));
+    for (const ScatterParams& method : {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
+                                        params(ScatterMethod::kAuflic, 4, 0.5f, true)})
+        expectSameForAnyThreads(frames, method);
+}
+
+TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreadsWhereTilesAreFewAndNear)
+{
+    const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
+    ASSERT_FALSE(groupsCanRunTogether(*frames[0].domain));
+    expectSameForAnyThreads(frames, params(ScatterMethod::kAuflic, 4, 0.5f, true));
+}
+
+TEST(Scatter, ASinkThatTakesInMoreThanFitsIsTheSameForAnyNumberOfThreads)
+{
+    // Thousands of particles end each step in one voxel, where a particle can take over the values of 255 seeds only.
+    const auto frames = test::makeFrames({{-20, -20, -20}, {20, 20, 20}}, 4, [](const openvdb::Coord& at, int) {
+        return openvdb::Vec3f(at.asVec3s()) * -3;
+    });
+    expectSameForAnyThreads(frames, params(ScatterMethod::kAuflic, 4, 0.25f, true));
+}
+
+/// A step over a domain, with its input and its accumulator.
 struct OneStep {
     std::vector<FlowFrame> frames;
     VelocityField field;

@@ -2,12 +2,15 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/lic/lic_kernel.h"
 #include "vdblic/lic/noise.h"
-#include "vdblic/lic/scatter.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <numbers>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -34,7 +37,7 @@ TEST(SteadyLic, WithABoxIsTheMeanOfTheNoiseAlongTheStreamline)
         double sum = 0;
         for (int voxel = -4; voxel <= 4; ++voxel) // the ends count half
             sum += noiseAt(at.offsetBy(voxel, 0, 0)) * (std::abs(voxel) == 4 ? 0.5 : 1);
-        // The path is a little over four voxels by the least speed, so a ninth sample may shift weights slightly.
+        // The kernel's least speed makes the path a little longer than four voxels: a ninth sample may shift weights.
         EXPECT_NEAR(texture.tree()->getValue(at), sum / 8, 0.06);
     }
 }

@@ -1,6 +1,7 @@
 #include "lic/test_flow.h"
 
 #include <cmath>
+#include <memory>
 
 namespace vdblic::test {
 

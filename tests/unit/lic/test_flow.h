@@ -1,16 +1,20 @@
 #pragma once
 
+#include "vdblic/field/domain.h"
+#include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/flow_texture.h"
+#include "vdblic/lic/scatter_params.h"
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <vector>
 
 namespace vdblic::test {
 
-/// Velocity in voxels per step at a voxel and a frame; nothing where the voxel is outside the domain.
+/// Velocity in voxels per step at a voxel and a frame; nothing for a voxel outside the domain.
 using FlowFunction = std::function<std::optional<openvdb::Vec3f>(const openvdb::Coord&, int frame)>;
 
 /// Frames of a flow on a box of index space, in voxels per step.

@@ -16,7 +16,8 @@ using openvdb::Vec3d;
 std::size_t numberAt(const TextureVolume& volume, const Coord& c)
 {
     const int leaf = volume.domain().findLeaf(Int4{c[0], c[1], c[2]});
-    return std::size_t(leaf) * kBrickSize + std::size_t(brickIndex(c[0] & 7, c[1] & 7, c[2] & 7));
+    return std::size_t(leaf) * kBrickSize +
+           std::size_t(brickIndex(LeafVoxel::local(c[0]), LeafVoxel::local(c[1]), LeafVoxel::local(c[2])));
 }
 
 float textureAt(const TextureVolume& volume, const Coord& c)

@@ -1,4 +1,4 @@
-#include "vdblic/io/velocity.h"
+#include "vdblic/field/velocity_frame.h"
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -174,7 +175,7 @@ TEST_F(VelocityFile, StaggeredVectorsAreExactOnALinearField)
     const VelocityFrame frame = read({grid});
     EXPECT_EQ(frame.values->activeVoxelCount(), kBox.volume());
     expectLinear(frame, withoutLast(kBox));
-    // At the rim the face beyond is missing: the nearer one stands for both.
+    // At the rim the far face is missing, so the near one stands for both.
     const Coord rim = kBox.max();
     EXPECT_FLOAT_EQ(frame.values->tree().getValue(rim)[0], float(face(rim, 0)));
 }
@@ -273,7 +274,7 @@ TEST_F(VelocityFile, UnderstandsEveryUnit)
     EXPECT_THROW((void)parseVelocityUnit("m/s"), ParameterError);
 }
 
-TEST_F(VelocityFile, RecognisesMantaflowUnlessToldTheUnit)
+TEST_F(VelocityFile, RecognisesMantaflowUnlessGivenTheUnit)
 {
     const auto grid = vectors();
     grid->setGridClass(openvdb::GRID_STAGGERED);
@@ -283,9 +284,9 @@ TEST_F(VelocityFile, RecognisesMantaflowUnlessToldTheUnit)
     EXPECT_TRUE(frame.mantaflow);
     EXPECT_EQ(frame.remarks.size(), 1u);
     EXPECT_NEAR((frame.toVoxelsPerStep(1.0 / 24) * Vec3d(1, 0, 0))[0], 2.5 / 24, 1e-12);
-    VelocityParams told;
-    told.unit = VelocityUnit::kWorldPerSecond;
-    EXPECT_NEAR((read({grid}, told).toVoxelsPerStep(1.0 / 24) * Vec3d(1, 0, 0))[0], 16.0 / 24, 1e-12);
+    VelocityParams withUnit;
+    withUnit.unit = VelocityUnit::kWorldPerSecond;
+    EXPECT_NEAR((read({grid}, withUnit).toVoxelsPerStep(1.0 / 24) * Vec3d(1, 0, 0))[0], 16.0 / 24, 1e-12);
 }
 
 TEST_F(VelocityFile, RefusesShearFrustumAndVoxelsWithoutSize)
@@ -307,7 +308,7 @@ TEST_F(VelocityFile, RefusesOrMendsValuesThatAreNotNumbers)
     grid->tree().setValue({1, 5, 1}, Vec3f(0, std::numeric_limits<float>::quiet_NaN(), 0));
     grid->tree().setValue({0, 5, 1}, Vec3f(std::numeric_limits<float>::infinity(), 0, 0));
     const std::string message = messageOf({grid});
-    for (const char* part : {"grid velocity", "frame 1", "2 voxels", "[0, 5, 1]", "--nonfinite zero"}) {
+    for (const char* part : {"grid velocity", "frame 1", "2 voxels", "[0, 5, 1]", "`non_finite` zero"}) {
         EXPECT_NE(message.find(part), std::string::npos) << message;
     }
     VelocityParams mend;

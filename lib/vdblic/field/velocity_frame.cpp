@@ -1,15 +1,20 @@
-#include "vdblic/io/velocity.h"
+#include "vdblic/field/velocity_frame.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/centred_velocity.h"
+#include "vdblic/field/index_axes.h"
+#include "vdblic/field/largest_value.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/velocity_grids.h"
 
-#include <openvdb/tree/LeafManager.h>
-#include <openvdb/tree/NodeManager.h>
-#include <tbb/parallel_reduce.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -29,7 +34,7 @@ bool isFinite(const Vec3f& v)
     return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
-/// Look at every active value. @return the number of voxels that are not finite, and the first of them
+/// The number of active voxels that are not finite, and the first of them.
 std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
 {
     std::size_t count = 0;
@@ -42,7 +47,7 @@ std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
     return {count, first};
 }
 
-/// Refuse velocities that are not numbers, or make them 0 and say how many there were.
+/// Refuse velocities that are not finite, or set them to 0 and add a remark.
 void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
 {
     const auto [count, first] = findNonFinite(*frame.values);
@@ -50,7 +55,7 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
     const std::string found = fmt::format("{}: grid {}, frame {}: {} {} not finite, the first at [{}, {}, {}]",
                                           frame.file.path.string(), frame.gridName, frame.file.frame, count,
                                           count == 1 ? "voxel is" : "voxels are", first[0], first[1], first[2]);
-    if (nonFinite == NonFinite::kRefuse) throw InputError(found + "; mend the file or give --nonfinite zero");
+    if (nonFinite == NonFinite::kRefuse) throw InputError(found + "; mend the file or give `non_finite` zero");
     frame.values = frame.values->deepCopy();
     for (auto value = frame.values->beginValueOn(); value; ++value) {
         if (!isFinite(*value)) value.setValue(Vec3f(0));
@@ -60,15 +65,8 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
 
 void carry(const VdbFile& file, const std::vector<std::string>& names, VelocityFrame& frame)
 {
-    for (const std::string& name : names) {
-        const auto found = std::find_if(file.grids.begin(), file.grids.end(),
-                                        [&](const openvdb::GridBase::Ptr& grid) { return grid->getName() == name; });
-        if (found == file.grids.end()) {
-            throw InputError(fmt::format("{}: no grid '{}' to carry along; the file holds {}", frame.file.path.string(),
-                                         name, file.contents()));
-        }
-        frame.carried.push_back(*found);
-    }
+    for (const std::string& name : names)
+        frame.carried.push_back(file.get<openvdb::GridBase>(name, "`carry`"));
 }
 
 } // namespace
@@ -111,49 +109,34 @@ Mat3d VelocityFrame::toVoxelsPerStep(double interval) const
 double VelocityFrame::largestDisplacement(double interval) const
 {
     const openvdb::Mat3s toStep(toVoxelsPerStep(interval));
-    using Leaves = openvdb::tree::LeafManager<const openvdb::Vec3STree>;
-    const Leaves leaves(values->tree());
-    float largest = tbb::parallel_reduce(
-        leaves.leafRange(), 0.0f,
-        [&](const Leaves::LeafRange& range, float most) {
-            for (auto leaf = range.begin(); leaf; ++leaf) {
-                for (auto value = leaf->cbeginValueOn(); value; ++value)
-                    most = std::max(most, (toStep * *value).lengthSqr());
-            }
-            return most;
-        },
+    const float squared = largestValue(
+        values->tree(), 0.0f, [&](const Vec3f& value) { return (toStep * value).lengthSqr(); },
         [](float a, float b) { return std::max(a, b); });
-    auto tile = values->cbeginValueOn();
-    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
-    for (; tile; ++tile)
-        largest = std::max(largest, (toStep * *tile).lengthSqr());
-    return std::sqrt(double(largest));
+    return std::sqrt(double(squared));
 }
 
 VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params)
 {
     const VdbFile contents = readVdb(file.path);
-    const std::string path = file.path.string();
     VelocityFrame frame;
     frame.file = file;
     std::string name = params.grid;
     if (name.empty()) {
         const std::vector<std::string> names = velocityNames(contents);
         if (names.empty()) {
-            throw InputError(
-                fmt::format("{}: no Vec3 grid, and no three scalars called 'velocity', 'vel' or 'v' with x, y "
-                            "and z; the file holds {}: choose with --velocity NAME",
-                            path, contents.contents()));
+            throw contents.missing("Vec3 grid, and no three scalars called 'velocity', 'vel' or 'v' with x, y and z",
+                                   "`velocity`");
         }
         name = names.front();
         if (names.size() > 1) {
             frame.remarks.push_back(
-                fmt::format("the files hold several velocities ({}): taking '{}'; choose with --velocity",
+                fmt::format("the files hold several velocities ({}): taking '{}'; choose with `velocity`",
                             fmt::join(names, ", "), name));
         }
     }
-    const VelocityGrid found = findVelocity(contents, name, path);
-    frame.gridName = found.name;
+    const VelocityGrids grids = findVelocityGrids(contents, name);
+    const CentredVelocity found = centredVelocity(grids, file.path.string());
+    frame.gridName = grids.name;
     frame.values = found.values;
     mendNonFinite(frame, params.nonFinite);
 

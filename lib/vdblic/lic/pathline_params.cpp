@@ -1,6 +1,8 @@
-#include "vdblic/lic/pathline.h"
+#include "vdblic/lic/pathline_params.h"
 
 #include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
 
 namespace vdblic {
 

@@ -1,4 +1,0 @@
-#include "vdblic/core/grid_instances.h"
-
-VDBLIC_GRID_INSTANCE(, openvdb::Int32Tree);
-VDBLIC_GRID_INSTANCE(, openvdb::Int64Tree);

@@ -1,4 +1,0 @@
-#include "vdblic/core/grid_instances.h"
-
-VDBLIC_GRID_INSTANCE(, openvdb::BoolTree);
-VDBLIC_GRID_INSTANCE(, openvdb::MaskTree);

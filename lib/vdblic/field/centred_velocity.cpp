@@ -1,0 +1,197 @@
+#include "vdblic/field/centred_velocity.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/field/index_axes.h"
+
+#include <fmt/format.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using openvdb::Mat3d;
+using openvdb::Vec3d;
+using openvdb::Vec3f;
+using openvdb::Vec3SGrid;
+using Components = std::array<FloatGrid::ConstPtr, 3>;
+
+// Transforms are products of floats in many files.
+constexpr double kTransformTolerance = 1e-4;
+
+/// A grid of double precision in single precision; its inactive values become 0.
+template<typename Single, typename Double>
+typename Single::Ptr narrowed(const Double& wide)
+{
+    using Value = typename Single::ValueType;
+    auto tree =
+        std::make_shared<typename Single::TreeType>(wide.tree(), openvdb::zeroVal<Value>(), openvdb::TopologyCopy());
+    const auto source = wide.getConstAccessor();
+    for (auto value = tree->beginValueOn(); value; ++value)
+        value.setValue(Value(source.getValue(value.getCoord())));
+    auto grid = Single::create(tree);
+    grid->insertMeta(wide); // name and class are metadata too
+    grid->setTransform(wide.transform().copy());
+    return grid;
+}
+
+/// A grid of single or double precision in single precision.
+template<typename Single, typename Double>
+typename Single::Ptr asSingle(const openvdb::GridBase::Ptr& grid)
+{
+    if (auto single = openvdb::gridPtrCast<Single>(grid)) return single;
+    return narrowed<Single>(*openvdb::gridPtrCast<Double>(grid));
+}
+
+void checkTransform(const openvdb::GridBase& grid, const std::string& where)
+{
+    if (!grid.transform().isLinear()) {
+        throw InputError(where + " has a frustum transform; resample it onto a box-shaped grid");
+    }
+    const Mat3d axes = indexAxes(grid.transform());
+    for (int a = 0; a < 3; ++a) {
+        const Vec3d p = axes.col(a), q = axes.col((a + 1) % 3);
+        if (!(p.length() > 0) || !std::isfinite(p.length())) {
+            throw InputError(where + fmt::format(" has a voxel of size {} along axis {}", p.length(), a));
+        }
+        if (std::abs(p.dot(q)) > kTransformTolerance * p.length() * q.length()) {
+            throw InputError(where + " has a sheared transform; resample it onto a grid with right angles");
+        }
+    }
+}
+
+/// Where the three components are sampled.
+struct Sampling {
+    openvdb::math::Transform::Ptr centres; ///< transform of the voxel centres
+    bool staggered = false;
+};
+
+/// Components on one transform are staggered if their class says so. Houdini gives each face-sampled component a
+/// transform of its own, shifted by half a voxel along the component's axis.
+Sampling samplingOf(const Components& components, const std::string& where)
+{
+    const openvdb::math::Transform& first = components[0]->transform();
+    const Mat3d toIndex = indexAxes(first).inverse();
+    const auto originOf = [&](std::size_t axis) {
+        return toIndex * (components[axis]->transform().indexToWorld(Vec3d(0)) - first.indexToWorld(Vec3d(0)));
+    };
+    const auto near = [](const Vec3d& a, const Vec3d& b) { return (a - b).length() < 1e-2; };
+    for (std::size_t axis = 1; axis < 3; ++axis) {
+        const Mat3d relative = toIndex * indexAxes(components[axis]->transform());
+        if (!relative.eq(Mat3d::identity(), kTransformTolerance)) {
+            throw InputError(where + ": the components have different voxels; resample them onto one grid");
+        }
+    }
+    const auto centres = first.copy();
+    if (near(originOf(1), Vec3d(0)) && near(originOf(2), Vec3d(0))) {
+        return {centres, components[0]->getGridClass() == openvdb::GRID_STAGGERED};
+    }
+    if (near(originOf(1), Vec3d(0.5, -0.5, 0)) && near(originOf(2), Vec3d(0.5, 0, -0.5))) {
+        centres->preTranslate(Vec3d(0.5, 0, 0));
+        return {centres, true};
+    }
+    throw InputError(where +
+                     ": the components' origins differ by other than half a voxel; resample them onto one grid");
+}
+
+/// Activate the voxels of a velocity joined from three components: the union of collocated components, the intersection
+/// of staggered ones, each of which has one more layer of faces along its own axis. A staggered component without any
+/// voxel is 0 everywhere and was dropped by its writer.
+void setTopology(Vec3SGrid& vectors, const Components& components, bool staggered, const std::string& where)
+{
+    for (const auto& component : components)
+        vectors.tree().topologyUnion(component->tree());
+    if (staggered) {
+        for (const auto& component : components) {
+            if (!component->empty()) vectors.tree().topologyIntersection(component->tree());
+        }
+    }
+    checkVoxels(vectors.tree().activeVoxelCount(), where);
+    vectors.tree().voxelizeActiveTiles();
+}
+
+/// Set the active voxels of a grid to the values of their components at the voxel centres.
+/// @param makeProbe gives a callable (axis, index, value) → whether the component is active there; called once a leaf
+template<typename MakeProbe>
+void setCentres(Vec3SGrid& centres, bool staggered, const MakeProbe& makeProbe)
+{
+    openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(centres.tree());
+    leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, std::size_t) {
+        const auto probe = makeProbe();
+        for (auto value = leaf.beginValueOn(); value; ++value) {
+            Vec3f centre(0);
+            for (int axis = 0; axis < 3; ++axis) {
+                float near = 0, far = 0;
+                if (!probe(axis, value.getCoord(), near)) near = 0;
+                Coord next = value.getCoord();
+                ++next[axis];
+                centre[axis] = staggered && probe(axis, next, far) ? 0.5f * (near + far) : near;
+            }
+            value.setValue(centre);
+        }
+    });
+}
+
+CentredVelocity joined(const Components& components, const std::string& where)
+{
+    const Sampling sampling = samplingOf(components, where);
+    const auto vectors = Vec3SGrid::create(Vec3f(0));
+    setTopology(*vectors, components, sampling.staggered, where);
+    vectors->setTransform(sampling.centres);
+    for (auto meta = components[0]->beginMeta(); meta != components[0]->endMeta(); ++meta) {
+        if (meta->first == "time" || meta->first == "dt") vectors->insertMeta(meta->first, *meta->second);
+    }
+    setCentres(*vectors, sampling.staggered, [&] {
+        return [sources = std::array{components[0]->getConstAccessor(), components[1]->getConstAccessor(),
+                                     components[2]->getConstAccessor()}](int axis, const Coord& at, float& value) {
+            return sources[std::size_t(axis)].probeValue(at, value);
+        };
+    });
+    return {vectors, sampling.staggered};
+}
+
+/// A staggered vector grid, whose components live on the faces at index − ½, on the voxel centres.
+Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where)
+{
+    checkVoxels(faces.tree().activeVoxelCount(), where);
+    auto centres = faces.deepCopy();
+    centres->setGridClass(openvdb::GRID_UNKNOWN);
+    centres->tree().voxelizeActiveTiles();
+    setCentres(*centres, true, [&] {
+        return [source = faces.getConstAccessor()](int axis, const Coord& at, float& value) {
+            Vec3f face;
+            const bool active = source.probeValue(at, face);
+            value = face[axis];
+            return active;
+        };
+    });
+    return centres;
+}
+
+} // namespace
+
+CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& path)
+{
+    const bool vectors = found.values.size() == 1;
+    const std::string where = fmt::format("{}: {} {}", path, vectors ? "grid" : "grids", found.name);
+    for (const auto& grid : found.values)
+        checkTransform(*grid, where);
+    if (vectors) {
+        const auto grid = asSingle<Vec3SGrid, openvdb::Vec3DGrid>(found.values.front());
+        const bool staggered = grid->getGridClass() == openvdb::GRID_STAGGERED;
+        return {staggered ? collocated(*grid, where) : grid, staggered};
+    }
+    const auto component = [&](std::size_t axis) {
+        return asSingle<FloatGrid, openvdb::DoubleGrid>(found.values[axis]);
+    };
+    return joined({component(0), component(1), component(2)}, where);
+}
+
+} // namespace vdblic

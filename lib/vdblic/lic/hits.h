@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace vdblic {
+
+/// Sum and number of values in one word, so that one addition scatters both: the sum of 16-bit texture values in the
+/// upper 40 bits, the number of hits in the lower 23.
+///
+/// Words add like the pairs they stand for as long as a voxel collects fewer than 2²³ hits a step; Scatter::step()
+/// checks that none collected more.
+struct Hits {
+    static constexpr int kCountBits = 23;
+    static constexpr std::uint64_t kCountMask = (std::uint64_t(1) << kCountBits) - 1;
+    /// An accumulator's word where the domain has no voxel: the one negative word.
+    static constexpr std::int64_t kOutside = std::numeric_limits<std::int64_t>::min();
+
+    [[nodiscard]] static constexpr std::uint64_t pack(std::uint64_t sum, std::uint64_t count)
+    {
+        return sum << kCountBits | count;
+    }
+    [[nodiscard]] static constexpr std::uint64_t sum(std::uint64_t word) { return word >> kCountBits; }
+    [[nodiscard]] static constexpr std::uint64_t count(std::uint64_t word) { return word & kCountMask; }
+};
+
+/// Seeds released onto one particle in one scattering process, in one word: the sum of up to 255 16-bit values in the
+/// upper 24 bits, their number in the lower 8.
+struct Generation {
+    static constexpr int kCountBits = 8;
+    static constexpr std::uint32_t kMaxCount = (1u << kCountBits) - 1;
+
+    /// @return the word with one more value. @param value 0 to 65535
+    [[nodiscard]] static constexpr std::uint32_t add(std::uint32_t word, std::uint32_t value)
+    {
+        return word + (value << kCountBits | 1);
+    }
+    [[nodiscard]] static constexpr std::uint32_t count(std::uint32_t word) { return word & kMaxCount; }
+    [[nodiscard]] static constexpr std::uint64_t hits(std::uint32_t word)
+    {
+        return Hits::pack(word >> kCountBits, count(word));
+    }
+    /// The inverse of hits(), for at most kMaxCount values.
+    [[nodiscard]] static constexpr std::uint32_t fromHits(std::uint64_t hits)
+    {
+        return std::uint32_t(Hits::sum(hits) << kCountBits | Hits::count(hits));
+    }
+};
+
+/// A step's input at a voxel, in one word: the value that the voxel's seed takes up, and the value that a pathline
+/// through the voxel is taken to carry already. Both 0 to 65535.
+struct Input {
+    [[nodiscard]] static constexpr std::int32_t pack(std::uint32_t value, std::uint32_t history)
+    {
+        return std::int32_t(history << 16 | value);
+    }
+    [[nodiscard]] static constexpr std::uint32_t value(std::int32_t word) { return std::uint32_t(word) & 65535; }
+    [[nodiscard]] static constexpr std::uint32_t history(std::int32_t word) { return std::uint32_t(word) >> 16; }
+};
+
+} // namespace vdblic

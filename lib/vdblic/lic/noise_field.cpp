@@ -1,0 +1,67 @@
+#include "vdblic/lic/noise_field.h"
+
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/lic/hits.h"
+#include "vdblic/lic/noise.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace vdblic {
+namespace {
+
+std::int32_t noiseOf(float value)
+{
+    return std::int32_t(std::clamp(value, 0.0f, 1.0f) * float(kNoiseMax) + 0.5f);
+}
+
+} // namespace
+
+void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
+{
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const LeafVoxel first = LeafVoxel::ofRow(row);
+        const std::uint64_t column = noiseColumn(origin[0] + first.x, origin[1] + first.y, mSeed);
+        for (int z = 0; z < LeafVoxel::kDim; ++z)
+            values[LeafVoxel::kDim * row + z] = noiseInColumn(column, origin[2] + z);
+    }
+    if (!mGrid) return;
+    if (const auto* leaf = mGrid->tree().probeConstLeaf(origin)) {
+        for (auto value = leaf->cbeginValueOn(); value; ++value)
+            values[value.pos()] = noiseOf(*value);
+    } else if (float constant = 0; mGrid->tree().probeValue(origin, constant)) {
+        std::fill_n(values, LeafVoxel::kCount, noiseOf(constant));
+    }
+}
+
+std::int32_t NoiseField::ofStep(const openvdb::Coord& voxel, std::uint64_t number) const
+{
+    const auto seed = std::uint32_t(mixBits(std::uint64_t(mSeed) << 32 ^ (number + 1)) >> 32);
+    return noiseValue(voxel[0], voxel[1], voxel[2], seed);
+}
+
+std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const
+{
+    return ofStep(voxel, 2 * step);
+}
+
+bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const
+{
+    return (float(ofStep(voxel, 2 * step + 1)) + 0.5f) / float(kNoiseMax + 1) > stayed;
+}
+
+LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise)
+{
+    LeafValues<std::int32_t> input(domain, 0);
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        std::int32_t* words = input[leaf];
+        noise.fill(domain.origin(leaf), words);
+        for (int i = 0; i < LeafVoxel::kCount; ++i)
+            words[i] = Input::pack(std::uint32_t(words[i]), std::uint32_t(words[i]));
+    });
+    return input;
+}
+
+} // namespace vdblic

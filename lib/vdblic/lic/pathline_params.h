@@ -1,0 +1,13 @@
+#pragma once
+
+namespace vdblic {
+
+/// How pathlines are integrated and sampled.
+struct PathlineParams {
+    float tolerance = 0.05f;    ///< largest estimated error of one integration step [voxels]
+    float sampleSpacing = 0.5f; ///< distance between samples along the path [voxels]
+
+    void validate() const; ///< @throws ParameterError
+};
+
+} // namespace vdblic

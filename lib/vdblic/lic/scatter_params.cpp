@@ -1,0 +1,21 @@
+#include "vdblic/lic/scatter_params.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+
+namespace vdblic {
+
+void ScatterParams::validate() const
+{
+    constexpr int kMaxLifeSpan = 1000;
+    if (lifeSpan < 1 || lifeSpan > kMaxLifeSpan) {
+        throw ParameterError(fmt::format("life span {} must lie between 1 and {} frames", lifeSpan, kMaxLifeSpan));
+    }
+    if (!(releaseWindow > 0 && releaseWindow <= 1)) {
+        throw ParameterError(fmt::format("release window {} must be above 0 and at most 1 step", releaseWindow));
+    }
+    pathline.validate();
+}
+
+} // namespace vdblic

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "vdblic/field/domain.h"
+
+namespace vdblic {
+
+/// High-pass filter: c + strength · (c − mean of those of the 26 neighbours that the domain has), for every voxel; c
+/// itself without neighbours.
+///
+/// @param texture 0 wherever the domain has no voxel
+/// Computed in parallel; the result does not depend on the number of threads. Shen & Kao 1998, section 3.3.
+[[nodiscard]] LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength);
+
+} // namespace vdblic

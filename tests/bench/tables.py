@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""The tables of docs/performance.md, docs/quality.md and docs/render.md, measured anew, as Markdown.
+
+    xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD [DATA] [--only engine|quality|render] [--frames N]
+
+BUILD is the build folder (build/release). DATA holds the flows of docs/quality.md, as for samples/gallery.sh:
+wake/wake.%04d.vdb and era5_west_europe/era5.%04d.vdb. Without DATA the flow is samples/wake. `--frames` shortens a trial.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import quality
+
+HERE = pathlib.Path(__file__).parent
+WAKE = HERE.parent.parent / "samples/wake/wake.%04d.vdb"
+
+
+def engine_report(build, frames):
+    """The JSON report of vdblic_bench_engine, whose own tables go to standard error."""
+    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+        report = pathlib.Path(folder) / "report.json"
+        subprocess.run([build / "tests/vdblic_bench_engine", "--frames", str(frames), "--json", report], check=True,
+                       stdout=sys.stderr)
+        return json.loads(report.read_text(encoding="utf-8"))
+
+
+def by_name(rows):
+    return {row["name"]: row for row in rows}
+
+
+def aims(report, frames):
+    """The table "Aims and figures": rows of (what, aim, measured)."""
+    rates = {row["name"].split(",")[0]: row["million_steps_per_second"] for row in report["integrators"]}
+    ours = rates["advancePaths"]
+    for name, against, aim in (
+            ("VelocityIntegrator", "OpenVDB's `VelocityIntegrator` on one frame", "12 ×"),
+            ("GridSampler and BoxSampler", "GridSampler and BoxSampler on two frames", "18 ×"),
+            ("NanoVDB", "NanoVDB on two frames", ""),
+            ("VTK's vtkStreamTracer", "VTK's `vtkStreamTracer` on one frame", "")):
+        known = [rate for found, rate in rates.items() if name in found]
+        if known:
+            yield f"RK4 steps against {against}", aim, f"{ours / known[0]:.1f} × ({ours:.1f} against {known[0]:.1f} million a second)"
+    methods, sweeps = by_name(report["methods"]), by_name(report["sweeps"])
+    auflic = methods["AUFLIC, window 0.25, history"]
+    for name, against, aim in (("UFLIC as in the paper, Euler", "the paper's Euler UFLIC", "25 ×"),
+                               ("UFLIC", "our UFLIC", "5 ×"),
+                               ("AUFLIC as in the paper, window 0.25", "AUFLIC in the paper's order of work", "")):
+        ratio = methods[name]["ns_per_voxel"] / auflic["ns_per_voxel"]
+        yield (f"AUFLIC against {against}", aim,
+               f"{ratio:.1f} × ({auflic['ns_per_voxel']:.0f} against {methods[name]['ns_per_voxel']:.0f} ns a voxel and frame)")
+    stages = ", ".join(f"{stage} {1e3 * seconds / frames:.0f}" for stage, seconds in auflic["seconds"].items())
+    yield "a texture", "≤ 60 ms", f"{1e-6 * auflic['ns_per_voxel'] * 144 * 73 * 81:.0f} ms: {stages}"
+    cost = lambda name, key="ns_per_voxel": sweeps[name][key]
+    yield "time at life span 32 against 4", "≤ 1.15", f"{cost('life span 32') / cost('life span 4'):.2f}"
+    yield "time per voxel, 384³ against 64³", "≤ 1.2", f"{cost('384 cubed') / cost('64 cubed'):.2f}"
+    wall = "wall_ns_per_voxel"
+    yield "two threads against one", "1.85 ×", f"{cost('1 threads', wall) / cost('2 threads', wall):.2f} ×"
+    yield "peak memory of the process, 256³", "≤ 96 bytes a voxel", f"{report['memory'][-1]['bytes_per_voxel']:.0f}"
+    yield ("a ball of 5 % of its box against a full one, time per voxel", "≤ 1.15",
+           f"{cost('5 %') / cost('100 %'):.2f}")
+
+
+def print_engine(report, frames):
+    print("| | aim | measured |\n|---|---|---|")
+    for row in aims(report, frames):
+        print("| " + " | ".join(row) + " |")
+    print("\n| | ns per voxel and frame | live | steps | deposits | hits | voxels without hits | temporal raw / smoothed "
+          "| deviation |\n|---|---|---|---|---|---|---|---|---|")
+    for row in report["methods"]:
+        name = row["name"].replace("as in the paper, window 0.25", "in the paper's order, δ 0.25").replace("window", "δ")
+        print(f"| {name} | {row['ns_per_voxel']:.0f} | {row['live_per_voxel']:.2f} | {row['steps_per_voxel']:.2f} | "
+              f"{row['deposits_per_voxel']:.1f} | {row['hits_per_voxel']:.1f} | {100 * row['zero_hit_share']:.1f} % | "
+              f"{row['temporal']:.3f} / {row['temporal_smoothed']:.3f} | {row['deviation']:.3f} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Measure the tables of the documents anew.")
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("data", type=pathlib.Path, nargs="?")
+    parser.add_argument("--only", choices=("engine", "quality", "render"))
+    parser.add_argument("--frames", type=int, help="frames of engine (default 6) and of quality (default 16)")
+    given = parser.parse_args()
+    build = given.build.resolve()
+    wanted = lambda part: given.only in (None, part)
+    if wanted("engine"):
+        print("## docs/performance.md\n")
+        frames = given.frames or 6
+        print_engine(engine_report(build, frames), frames)
+    if wanted("quality"):
+        print("\n## docs/quality.md")
+        flows = {"Wake": given.data / "wake/wake.%04d.vdb", "Winds": given.data / "era5_west_europe/era5.%04d.vdb"} \
+            if given.data else {"samples/wake": WAKE}
+        for title, velocity in flows.items():
+            print()
+            quality.print_tables(build / "tools", title, velocity, f"1-{given.frames or 16}")
+    if wanted("render"):
+        print("\n## docs/render.md\n", flush=True)
+        subprocess.run([sys.executable, HERE / "render_peers.py", build / "tools"], check=True)
+
+
+if __name__ == "__main__":
+    main()
