@@ -1,9 +1,7 @@
 #include "vdblic/compare/compare.h"
 
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/Dense.h>
-
 #include <benchmark/benchmark.h>
+#include <openvdb/openvdb.h>
 
 #include <cmath>
 
@@ -11,7 +9,7 @@ namespace {
 
 constexpr int kSize = 256;
 
-/// A dense cube of values that no two voxels in a row share, plus `shift` in every voxel.
+/// A dense cube of values that differ from voxel to voxel, plus `shift` in every voxel.
 template<typename GridT>
 typename GridT::Ptr cube(float shift)
 {

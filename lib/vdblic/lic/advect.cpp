@@ -5,6 +5,7 @@
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/frame_writer.h"
+#include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/noise_file.h"
 #include "vdblic/lic/run_checkpoint.h"
 #include "vdblic/lic/run_outputs.h"

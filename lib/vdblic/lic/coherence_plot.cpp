@@ -46,7 +46,7 @@ struct Stroke {
     double width = 1;
     std::array<double, 2> dashes{};
 };
-constexpr Stroke kGrid, kAxis{kAxisGrey}, kThreshold{kAxisGrey, 1, {2, 3}};
+constexpr Stroke kGridLine, kAxisLine{kAxisGrey}, kThresholdLine{kAxisGrey, 1, {2, 3}};
 
 /// Where a text stands relative to its position.
 enum class Anchor { kStart, kMiddle, kEnd };
@@ -117,6 +117,9 @@ class Drawing {
             if (status != CAIRO_STATUS_SUCCESS)
                 throw OutputError(fmt::format("the plot cannot be drawn: {}", cairo_status_to_string(status)));
         }
+        // Cairo counts the surfaces of the process; without the count, equal figures give equal files.
+        const std::size_t id = mSvg.find(" id=\"surface");
+        if (id != std::string::npos) mSvg.erase(id, mSvg.find('>', id) - id);
         return std::move(mSvg);
     }
 
@@ -131,16 +134,16 @@ class Drawing {
 void drawAxes(Drawing& drawing)
 {
     for (int lag = 0; lag <= int(kLongestLag); lag += 2) {
-        drawing.line({xOf(lag), kTop}, {xOf(lag), kBottom}, kGrid);
+        drawing.line({xOf(lag), kTop}, {xOf(lag), kBottom}, kGridLine);
         drawing.text({xOf(lag), kBottom + 18}, Anchor::kMiddle, fmt::format("{}", lag));
     }
     for (int tenths = -4; tenths <= 10; tenths += 2) {
         const double correlation = tenths / 10.0, y = yOf(correlation);
-        drawing.line({kLeft, y}, {kRight, y}, tenths == 0 ? kAxis : kGrid);
+        drawing.line({kLeft, y}, {kRight, y}, tenths == 0 ? kAxisLine : kGridLine);
         drawing.text({kLeft - 8, y + 4}, Anchor::kEnd, fmt::format("{:.1f}", correlation));
     }
     const double threshold = yOf(1 / std::numbers::e);
-    drawing.line({kLeft, threshold}, {kRight, threshold}, kThreshold);
+    drawing.line({kLeft, threshold}, {kRight, threshold}, kThresholdLine);
     drawing.text({kRight - 4, threshold - 4}, Anchor::kEnd, "1/e");
     drawing.text({(kLeft + kRight) / 2, kBottom + 40}, Anchor::kMiddle, "lag [voxels]");
     drawing.text({18, (kTop + kBottom) / 2}, Anchor::kMiddle, "autocorrelation", -std::numbers::pi / 2);

@@ -79,7 +79,7 @@ class FlowSequence {
     std::int64_t mSpacing = 0;          // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
     bool mStarted = false;
-    std::future<std::optional<LoadedFrame>> mAhead; // last: it uses the others
+    std::future<std::optional<LoadedFrame>> mAhead; // last member: its thread uses the others
 };
 
 } // namespace vdblic

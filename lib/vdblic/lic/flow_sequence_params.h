@@ -1,8 +1,8 @@
 #pragma once
 
 #include "vdblic/field/domain_mask.h"
-#include "vdblic/io/sequence.h"
 #include "vdblic/field/velocity_frame.h"
+#include "vdblic/io/sequence.h"
 
 #include <optional>
 

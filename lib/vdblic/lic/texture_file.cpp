@@ -1,6 +1,7 @@
 #include "vdblic/lic/texture_file.h"
 
 #include "vdblic/field/derived_grids.h"
+#include "vdblic/field/domain.h"
 #include "vdblic/lic/advect_params.h"
 #include "vdblic/lic/flow_sequence.h"
 

@@ -4,6 +4,10 @@
 #include "bench/engine/coherence_meter.h"
 #include "bench/engine/euler_uflic.h"
 #include "bench/engine/scap_auflic.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/feedback_params.h"
+#include "vdblic/lic/flow_texture.h"
+#include "vdblic/lic/noise_field.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "bench/engine/figures.h"
 #include "bench/engine/flow.h"
-#include "vdblic/lic/scatter.h"
+#include "vdblic/lic/scatter_params.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,7 @@
 #include "bench/engine/sweeps.h"
 
 #include "bench/engine/methods.h"
+#include "vdblic/field/box_domain.h"
 
 #include <openvdb/openvdb.h>
 #include <tbb/global_control.h>
