@@ -275,7 +275,7 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
     if (!params.output.empty()) {
         const glm::ivec2 size = params.scaledSize();
         checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
-                    "make it smaller with --size or --scale");
+                    "make it smaller with `size` or `scale`");
     }
     SequenceRenderer(params, lines, reporter).run();
 }

@@ -25,17 +25,17 @@ double memoryOf(const RenderParams& params, const TextureVolume& volume)
 LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
 {
     const VdbFile file = readVdb(frame.path);
-    const auto find = [&](const std::string& name, const char* what, const char* option) {
+    const auto find = [&](const std::string& name, const char* what, const char* parameter) {
         const auto grid = file.find<openvdb::FloatGrid>(name);
         if (!grid) {
-            throw InputError(fmt::format("{}: no float grid '{}' {}; the file has {}; choose with {}",
-                                         frame.path.string(), name, what, file.contents(), option));
+            throw InputError(fmt::format("{}: no float grid '{}' {}; the file has {}; choose with `{}`",
+                                         frame.path.string(), name, what, file.contents(), parameter));
         }
         return grid;
     };
-    const auto texture = find(params.texture, "to render", "--texture");
+    const auto texture = find(params.texture, "to render", "texture");
     const bool hasDriver = params.by != RenderParams{}.by || file.find<openvdb::FloatGrid>(params.by);
-    const auto driver = hasDriver ? find(params.by, "to drive the transfer function", "--by") : texture;
+    const auto driver = hasDriver ? find(params.by, "to drive the transfer function", "driver") : texture;
     try {
         LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver, params.stretch)};
         if (!params.region.empty()) {
