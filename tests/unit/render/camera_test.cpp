@@ -20,9 +20,9 @@ Corners box(const glm::dvec3& low, const glm::dvec3& high)
     return corners;
 }
 
-glm::dvec2 project(const Camera& camera, const glm::dvec3& place)
+glm::dvec2 project(const Camera& camera, const glm::dvec3& point)
 {
-    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(place, 1);
+    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(point, 1);
     return glm::dvec2(ndc) / ndc.w;
 }
 
@@ -35,8 +35,8 @@ TEST(Camera, FramesTheWholeBoxTightly)
             const Camera camera({.fieldOfView = fieldOfView}, kFlat, size);
             double most = 0;
             for (const glm::dvec3& corner : kFlat) {
-                const glm::dvec2 place = project(camera, corner);
-                most = std::max({most, std::abs(place.x - 0.5), std::abs(place.y - 0.5)});
+                const glm::dvec2 point = project(camera, corner);
+                most = std::max({most, std::abs(point.x - 0.5), std::abs(point.y - 0.5)});
                 EXPECT_GT((camera.worldToCamera() * glm::dvec4(corner, 1)).z, 0);
             }
             EXPECT_LT(most, 0.5);
@@ -47,7 +47,7 @@ TEST(Camera, FramesTheWholeBoxTightly)
 
 TEST(Camera, FillsThePictureWithFlatAndLongBoxes)
 {
-    // The share of the picture between the corners' extremes; the narrower of its two directions may well be short.
+    // The share of the picture between the extremes of the corners; it may be small in the narrower direction.
     const glm::ivec2 size(160, 90);
     for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
         for (const Corners& flat : {box({0, 0, 0}, {734, 1140, 12}), box({0, 0, 0}, {1140, 734, 12}),
@@ -74,9 +74,9 @@ TEST(Camera, AnOrthographicPictureHasTheGivenHeightAndNoPerspective)
                          .viewHeight = 8},
                         kFlat, {200, 100});
     for (const double depth : {-5.0, 0.0, 500.0}) {
-        const glm::dvec2 place = project(camera, {4, depth, 2});
-        EXPECT_NEAR(place.x, 0.75, 1e-12);
-        EXPECT_NEAR(place.y, 0.25, 1e-12);
+        const glm::dvec2 point = project(camera, {4, depth, 2});
+        EXPECT_NEAR(point.x, 0.75, 1e-12);
+        EXPECT_NEAR(point.y, 0.25, 1e-12);
     }
     const Ray ray = camera.ray({150, 25});
     EXPECT_LT(glm::distance(ray.origin, glm::dvec3(4, -10, 2)), 1e-12);
@@ -85,8 +85,8 @@ TEST(Camera, AnOrthographicPictureHasTheGivenHeightAndNoPerspective)
     const Camera fitting({.projection = Projection::kOrthographic, .eye = glm::dvec3(4000, -500, 900)}, kFlat,
                          {80, 60});
     for (const glm::dvec3& corner : kFlat) {
-        const glm::dvec2 place = project(fitting, corner);
-        EXPECT_TRUE(place.x > 0 && place.x < 1 && place.y > 0 && place.y < 1);
+        const glm::dvec2 point = project(fitting, corner);
+        EXPECT_TRUE(point.x > 0 && point.x < 1 && point.y > 0 && point.y < 1);
     }
 }
 
@@ -97,9 +97,9 @@ TEST(Camera, RaysPassThroughWhatProjectsToTheirPixel)
     for (const glm::dvec2& pixel : {glm::dvec2(0.5), glm::dvec2(299.5, 0.5), glm::dvec2(17.3, 140.25)}) {
         const Ray ray = camera.ray(pixel);
         EXPECT_NEAR(glm::length(ray.direction), 1, 1e-12);
-        const glm::dvec2 place = project(camera, ray.origin + ray.direction * 7.5) * glm::dvec2(300, 200);
-        EXPECT_NEAR(place.x, pixel.x, 1e-9);
-        EXPECT_NEAR(place.y, pixel.y, 1e-9);
+        const glm::dvec2 point = project(camera, ray.origin + ray.direction * 7.5) * glm::dvec2(300, 200);
+        EXPECT_NEAR(point.x, pixel.x, 1e-9);
+        EXPECT_NEAR(point.y, pixel.y, 1e-9);
     }
 }
 
@@ -107,9 +107,9 @@ TEST(Camera, HasKnownGeometry)
 {
     // From y = -10 towards +y with z up: x is to the right, z up; 90 degrees show ±10 at the target.
     const Camera camera({.eye = glm::dvec3(0, -10, 0), .target = glm::dvec3(0), .fieldOfView = 90}, kFlat, {200, 100});
-    const auto expectAt = [&](const glm::dvec3& place, double x, double y) {
-        EXPECT_NEAR(project(camera, place).x, x, 1e-12);
-        EXPECT_NEAR(project(camera, place).y, y, 1e-12);
+    const auto expectAt = [&](const glm::dvec3& point, double x, double y) {
+        EXPECT_NEAR(project(camera, point).x, x, 1e-12);
+        EXPECT_NEAR(project(camera, point).y, y, 1e-12);
     };
     expectAt({0, 0, 0}, 0.5, 0.5);
     expectAt({20, 0, 0}, 1, 0.5);
@@ -132,7 +132,7 @@ TEST(Camera, LooksFromTheFrontAndAboveByDefault)
     EXPECT_GT(yUp.eye().x, 0);
     EXPECT_GT(yUp.eye().y, 0);
     EXPECT_GT(yUp.eye().z, 0);
-    // Something that is a point still gets a distance.
+    // A volume without extent gets a distance too.
     const Camera point({}, box(glm::dvec3(4), glm::dvec3(4)), {10, 10});
     EXPECT_NEAR(glm::length(point.eye() - glm::dvec3(4)), 1, 1e-9);
 }
@@ -163,7 +163,7 @@ TEST(Camera, RefusesWhatHasNoMeaning)
     }
     EXPECT_THROW((CameraParams{.viewHeight = 1}.validate()), ParameterError);
     EXPECT_THROW((void)parseProjection("isometric"), ParameterError);
-    // So far away that nothing could be told apart.
+    // Too far away for double precision.
     for (const double far : {1e30, 1e308})
         EXPECT_THROW(Camera({.eye = glm::dvec3(far)}, kFlat, {10, 10}), ParameterError);
     EXPECT_THROW(Camera({.eye = glm::dvec3(0)}, box(glm::dvec3(-1), glm::dvec3(1)), {10, 10}), ParameterError);

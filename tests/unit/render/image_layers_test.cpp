@@ -12,16 +12,16 @@ using openvdb::Coord;
 
 constexpr int kLength = 40;
 
-/// A box along x whose texture rises along x; the magnitude is the same everywhere. Voxels are 0.5 x 2 x 1.
+/// A box along x whose texture rises along x; the driver is the same everywhere. Voxels are 0.5 x 2 x 1.
 TextureVolume slab(const openvdb::Mat4d& rotation = openvdb::Mat4d::identity())
 {
     const auto texture =
         boxGrid("density", boxOf(kLength, 9, 9), [](const Coord& c) { return float(c.x()) / (kLength - 1); });
-    const auto magnitude = boxGrid("magnitude", boxOf(kLength, 9, 9), [](const Coord&) { return 7.5f; });
+    const auto driver = boxGrid("magnitude", boxOf(kLength, 9, 9), [](const Coord&) { return 7.5f; });
     const openvdb::Mat4d matrix = openvdb::math::scale<openvdb::Mat4d>(openvdb::Vec3d(0.5, 2, 1)) * rotation;
-    for (const auto& grid : {texture, magnitude})
+    for (const auto& grid : {texture, driver})
         grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
-    return {*texture, *magnitude};
+    return {*texture, *driver};
 }
 
 const RayCastParams kFine{.step = 0.02, .leastTransmittance = 0, .layers = true};
@@ -39,7 +39,7 @@ TEST(ImageLayers, HoldTheMeansOfAUniformMedium)
     const double mean = 1 / k - kLength * through / (1 - through); // voxels behind the front
     EXPECT_NEAR(middle.depth, 100 - 0.5 * kLength / 2 + 0.5 * mean, 0.02);
     EXPECT_NEAR(middle.texture, (mean - 0.5) / (kLength - 1), 1e-3);
-    EXPECT_NEAR(middle.magnitude, 7.5, 1e-4);
+    EXPECT_NEAR(middle.driver, 7.5, 1e-4);
     EXPECT_NEAR(glm::distance(middle.normal, glm::vec3(-1, 0, 0)), 0, 1e-5);
     EXPECT_NEAR(middle.samples, kLength / kFine.step, 2);
 }
