@@ -1,3 +1,4 @@
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/render/texture_records.h"
 #include "vdblic/render/texture_volume.h"

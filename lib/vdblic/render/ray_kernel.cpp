@@ -1,5 +1,6 @@
 #include "vdblic/render/ray_kernel.h"
 
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/record_sampling.h"

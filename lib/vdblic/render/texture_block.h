@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/texture_records.h"
 #include "vdblic/render/texture_volume.h"
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 #include "vdblic/render/texture_volume.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/texture_block.h"
 
 #include <glm/ext/matrix_transform.hpp>

@@ -1,5 +1,6 @@
 #include "vdblic/render/visible_leaves.h"
 
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/texture_volume.h"
 

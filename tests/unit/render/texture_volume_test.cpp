@@ -2,6 +2,7 @@
 
 #include "render/scene.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
 
 #include <gtest/gtest.h>
 
