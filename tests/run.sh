@@ -3,7 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-.ci/packages.sh || echo "going on with what is there" >&2
+.ci/packages.sh || echo "continuing with the installed packages" >&2
 cmake --preset release
 cmake --build --preset release
 ctest --preset release -j "$(nproc)" "$@"

@@ -4,6 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace {
 
 void setMethod(vdblic::AdvectParams& params, const std::string& method, const std::string& kernel)

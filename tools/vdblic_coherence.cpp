@@ -1,6 +1,10 @@
 #include "cli/tool.h"
 #include "vdblic/lic/coherence_sequence.h"
 
+#include <optional>
+#include <string>
+#include <vector>
+
 int main(int argc, char** argv)
 {
     using namespace vdblic;

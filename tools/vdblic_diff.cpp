@@ -1,6 +1,10 @@
 #include "cli/tool.h"
 #include "vdblic/compare/compare.h"
 
+#include <functional>
+#include <string>
+#include <vector>
+
 int main(int argc, char** argv)
 {
     using namespace vdblic;

@@ -2,6 +2,8 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/lic/noise_file.h"
 
+#include <vector>
+
 int main(int argc, char** argv)
 {
     vdblic::NoiseParams params;

@@ -1,11 +1,17 @@
 #include "cli/look_options.h"
 #include "vdblic/render/render_sequence.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <string>
+#include <vector>
 
 namespace {
 
-/// An option of three numbers. @param target a vector, or one that is chosen automatically by default
+/// An option of three numbers. @param target a vector or an optional one
 template<typename Vector>
 void vectorOption(CLI::App& app, const std::string& name, Vector& target, const std::string& help)
 {
@@ -43,11 +49,11 @@ int main(int argc, char** argv)
                  "Factors on the world's axes, such as 1 1 20 to exaggerate heights; camera and lights stand in the "
                  "stretched space, cuts in the data's own.");
     tool.option("--scale", params.scale, "Factor on the size, for previews.");
-    tool.option("--samples", params.samples, "Rays to a pixel, at places of a low-discrepancy pattern.");
+    tool.option("--samples", params.samples, "Rays to a pixel, at points of a low-discrepancy pattern.");
 
     vectorOption(app, "--eye", params.camera.eye,
-                 "Place of the camera [world]. By default a three-quarter view that shows all of every frame.");
-    vectorOption(app, "--target", params.camera.target, "Place the camera looks at [world]; the middle by default.");
+                 "Position of the camera [world]. By default a three-quarter view that shows all of every frame.");
+    vectorOption(app, "--target", params.camera.target, "Position the camera looks at [world]; the middle by default.");
     vectorOption(app, "--up", params.camera.up, "Direction that is up in the image; 0 0 1 by default.");
     std::string projection(toString(params.camera.projection));
     tool.option("--projection", projection, "perspective or orthographic.");

@@ -7,7 +7,10 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <chrono>
+#include <cstddef>
 #include <cstdio>
+#include <string>
 #include <system_error>
 #include <unistd.h>
 
@@ -17,7 +20,7 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 constexpr Seconds kLineInterval{10};
 
-/// Where nobody listens to messages, the work goes on.
+/// Failing to print a message does not stop the work.
 void toStandardError(const std::string& text)
 {
     (void)!std::fwrite(text.data(), 1, text.size(), stderr);

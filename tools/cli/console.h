@@ -3,12 +3,15 @@
 #include "vdblic/core/reporter.h"
 
 #include <chrono>
+#include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace vdblic::cli {
 
-/// Whoever read our standard output has gone; there is nobody left to work for.
+/// The reader of standard output has closed it.
 struct ClosedPipe {};
 
 /// Reports to a terminal or a log: messages and progress on standard error, finished paths on standard output. Messages
@@ -26,7 +29,7 @@ class Console : public Reporter {
     void detail(std::string_view message) override;
     void say(std::string_view message) override;
     void warn(std::string_view message) override;
-    /// @throws ClosedPipe if nobody reads standard output any more, OutputError if it cannot be written otherwise
+    /// @throws ClosedPipe if the reader has closed standard output, OutputError if it cannot be written otherwise
     void finished(const std::filesystem::path& output) override;
     [[nodiscard]] bool stopRequested() const override;
     void error(std::string_view message);
@@ -38,7 +41,7 @@ class Console : public Reporter {
     std::string mTool;
     Level mLevel;
     bool mTerminal, mBarShown = false;
-    std::optional<std::size_t> mBefore; // frames that were done when the run began
+    std::optional<std::size_t> mBefore; // number of frames done when the run began
     std::chrono::steady_clock::time_point mStart, mLastLine;
 };
 

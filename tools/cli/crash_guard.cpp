@@ -5,6 +5,8 @@
 
 #include <array>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
@@ -16,13 +18,13 @@
 namespace vdblic::cli {
 namespace {
 
-// Processor time after which a file is taken to have none: 5 seconds, and more for large ones. The slowest files, of
-// zip, are read at 50 MB/s.
+// Limit on the processor time of parsing, after which it counts as endless: 5 s plus a share for large files. The
+// slowest files, compressed by zip, are read at 50 MB/s.
 constexpr std::uint64_t kSeconds = 5, kBytesPerSecond = 5'000'000;
 
 std::array<char, 64> gTool{};
 
-/// What this thread has parsed. Plain data, to be looked at in a signal handler.
+/// The file that this thread parses. Plain data, which a signal handler may read.
 struct Parsing {
     volatile sig_atomic_t active = 0;
     bool timed = false;
@@ -31,7 +33,7 @@ struct Parsing {
 };
 thread_local Parsing tParsing;
 
-/// An allocation failed in this thread; it may then be ended by an exception where none is allowed.
+/// An allocation failed in this thread. The exception may leave a function that must not throw, which aborts.
 thread_local volatile sig_atomic_t tMemoryRanOut = 0;
 
 void onNoMemory()
@@ -40,7 +42,7 @@ void onNoMemory()
     throw std::bad_alloc();
 }
 
-/// Whether the process holds about all the data it may. C libraries crash where an allocation fails.
+/// Whether the process is close to its limit on data. C libraries crash where an allocation fails.
 bool isMemoryUsedUp()
 {
     std::array<char, 256> text{};
@@ -99,7 +101,7 @@ void startTimer(std::uint64_t seconds) noexcept
 #ifdef sigev_notify_thread_id
     event.sigev_notify_thread_id = ::gettid();
 #else
-    event._sigev_un._tid = ::gettid(); // glibc before 2.38 has no name for it
+    event._sigev_un._tid = ::gettid(); // glibc before 2.38 has no public name for it
 #endif
     itimerspec limit{};
     limit.it_value.tv_sec = time_t(seconds);

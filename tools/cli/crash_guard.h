@@ -4,11 +4,11 @@
 
 namespace vdblic::cli {
 
-/// From here on, a crash, an abort or an endless loop while a thread has a file parsed (core/hazard.h) ends the process
-/// with a message naming the file and the status of bad input. So does one for want of memory, wherever it is, with a
-/// message that says so. Any other crash stays one.
+/// Handle crashes from here on. A crash, an abort or an endless loop while a thread parses a file (core/hazard.h) ends
+/// the process with a message that names the file, and with the status of bad input. A crash for lack of memory,
+/// anywhere, ends it with a message that says so. Any other crash stays one.
 ///
-/// Nothing is undone, and nothing has to be: outputs get their names when they are complete (io/atomic_file.h).
+/// Nothing has to be undone: an output gets its name once it is complete (io/atomic_file.h).
 /// @param tool its name, for the message
 void guardAgainstCrashes(const std::string& tool);
 

@@ -2,7 +2,7 @@
 
 namespace vdblic::cli {
 
-/// What a tool's process returns; the same for every tool (docs/survival.md). A signal adds its number to 128.
+/// Exit status of every tool (docs/survival.md). After a signal it is 128 plus the signal's number.
 enum class ExitStatus { kDone = 0, kDiffers = 1, kUsage = 2, kBadInput = 3, kCannotWrite = 4, kBug = 5 };
 
 } // namespace vdblic::cli

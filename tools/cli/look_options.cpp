@@ -3,7 +3,14 @@
 #include "vdblic/render/look_preset.h"
 #include "vdblic/render/transfer_file.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
 
 namespace vdblic::cli {
 namespace {

@@ -1,25 +1,27 @@
 #pragma once
 
 #include "cli/tool.h"
-#include "vdblic/render/render_sequence.h"
+#include "vdblic/render/render_params.h"
 
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace vdblic::cli {
 
-/// The options of how a picture looks and what is cut away, on top of a look with a name.
+/// The options for the look of a picture and for cuts, on top of a named look.
 ///
-/// Add them before parsing; they and the parameters must outlive it.
+/// Construct before parsing. This and the parameters must outlive the parsing.
 class LookOptions {
   public:
     LookOptions(Tool& tool, RenderParams& params);
 
-    /// Set look, cuts and background as they were asked for.
-    /// @throws ParameterError, InputError naming a transfer function's file
+    /// Set look, cuts and background in the parameters.
+    /// @throws ParameterError; InputError naming the file of a transfer function
     void apply() const;
 
   private:
-    /// An option whose value is used once the look is set.
+    /// An option whose value is applied on top of the look.
     template<typename Value>
     CLI::Option* option(const std::string& name, const std::string& help, std::function<void(const Value&)> change)
     {

@@ -6,6 +6,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
+#include <istream>
+#include <memory>
 #include <poll.h>
 #include <streambuf>
 #include <unistd.h>
@@ -15,7 +17,7 @@ namespace {
 
 std::atomic<int> gSignal{0};
 static_assert(std::atomic<int>::is_always_lock_free);
-std::array<int, 2> gWake = {-1, -1}; // a pipe that becomes readable with the signal
+std::array<int, 2> gWake = {-1, -1}; // a pipe that the signal makes readable
 
 extern "C" void onStopSignal(int signal)
 {
@@ -78,7 +80,7 @@ void dieBy(int signal)
 {
     std::signal(signal, SIG_DFL);
     (void)std::raise(signal);
-    std::_Exit(128 + signal); // it is blocked
+    std::_Exit(128 + signal); // the signal is blocked
 }
 
 std::unique_ptr<std::istream> stoppableInput()

@@ -5,17 +5,17 @@
 
 namespace vdblic::cli {
 
-/// From here on SIGINT (Ctrl-C), SIGTERM and SIGHUP ask the job to stop; the same signal a second time ends the process
-/// at once. A signal that the process was started to ignore (nohup) stays ignored.
+/// From here on SIGINT (Ctrl-C), SIGTERM and SIGHUP request the job to stop. The same signal a second time ends the
+/// process at once. A signal that was ignored at the start (nohup) stays ignored.
 void catchStopSignals();
 
-/// The signal that asked to stop; 0 if none did.
+/// The signal that requested a stop; 0 if none did.
 [[nodiscard]] int stopSignal();
 
-/// End the process as the signal would have: shells see the status 128 + its number.
+/// End the process by the signal, so that shells see the status 128 + its number.
 [[noreturn]] void dieBy(int signal);
 
-/// Standard input that ends when a stop is asked for, though whoever writes to it may not have come to an end.
+/// Standard input that ends when a stop is requested, even if its writer has not closed it.
 [[nodiscard]] std::unique_ptr<std::istream> stoppableInput();
 
 } // namespace vdblic::cli

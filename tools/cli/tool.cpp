@@ -13,7 +13,11 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
+#include <exception>
+#include <filesystem>
 #include <fstream>
 #include <new>
 #include <optional>
@@ -32,10 +36,10 @@ int status(ExitStatus value)
     return static_cast<int>(value);
 }
 
-/// The files of a sequence that are there.
+/// The existing files of a sequence.
 std::vector<std::filesystem::path> filesOf(const SequenceParams& input)
 {
-    if (input.pattern == "-") return {}; // checked as they come
+    if (input.pattern == "-") return {}; // checked as they arrive
     const FramePattern pattern(input.pattern);
     if (!pattern.hasField()) return {pattern.path(1)};
     std::vector<std::int64_t> frames = pattern.framesOnDisk();
@@ -108,7 +112,7 @@ void Tool::verifies(std::function<std::vector<SequenceParams>()> inputs)
                   "Check every input file before starting: its header and, where VDBLIC wrote it, its checksums.");
 }
 
-/// The budget is the process's own limit on data: what exceeds it is not allocated, whoever asks.
+/// Memory is limited by the process's own limit on data: any allocation beyond it fails, in every library.
 void Tool::limitMemory() const
 {
     const std::uint64_t held = dataHeld(), least = std::max(kLeastMemory, held);
@@ -119,7 +123,7 @@ void Tool::limitMemory() const
     }
     rlimit data{};
     ::getrlimit(RLIMIT_DATA, &data);
-    if (limit <= held || limit >= data.rlim_cur) return; // sanitizers hold more than there is
+    if (limit <= held || limit >= data.rlim_cur) return; // sanitizers reserve more memory than exists
     data.rlim_cur = limit;
     ::setrlimit(RLIMIT_DATA, &data);
 }
@@ -156,14 +160,13 @@ int Tool::run(int argc, char** argv, const std::function<void(Reporter&)>& job)
 
 int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>& job)
 {
-    // A closed pipe is met where it is written to, not by dying in the middle of a file.
+    // A closed pipe and a file that is too large become errors of the write, not signals in the middle of a file.
     std::signal(SIGPIPE, SIG_IGN);
-    // So is a file that grew too large.
     std::signal(SIGXFSZ, SIG_IGN);
     catchStopSignals();
     guardAgainstCrashes(mApp.get_name());
     try {
-        // An empty value leaves CLI11 with none, and a vector of them at 0; it comes from a variable that is not set.
+        // CLI11 ignores an empty value or reads it as 0. It mostly comes from an unset variable of a shell.
         for (int i = 1; i < argc; ++i) {
             if (*argv[i] == '\0') throw CLI::ValidationError("an argument is empty; leave it out or give it a value");
         }

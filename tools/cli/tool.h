@@ -14,14 +14,14 @@
 
 namespace vdblic::cli {
 
-/// A command-line tool: options common to all (`--threads`, `--max-memory`, `-q`, `-v`, `--version`), its own added by
-/// the caller; errors of the library, signals, crashes on damaged files turned into one message and the documented
-/// exit status.
+/// A command-line tool: the options common to all (`--threads`, `--max-memory`, `-q`, `-v`, `--version`), and those
+/// that the caller adds. Errors of the library, signals and crashes on damaged files become one message and the
+/// documented exit status.
 class Tool {
   public:
     Tool(std::string name, const std::string& description);
 
-    /// Add an option whose default is the target's value and appears in the help.
+    /// Add an option. Its default is the target's value, which the help shows.
     template<typename T>
     CLI::Option* option(const std::string& name, T& target, const std::string& help)
     {
@@ -32,17 +32,17 @@ class Tool {
     /// The required `-o,--output`.
     void output(std::string& target, const std::string& help);
 
-    /// `--skip-existing`, for stages whose frames do not depend on each other.
+    /// `--skip-existing`, for stages whose frames are independent of each other.
     void skipExisting(bool& target);
 
-    /// `--verify`. @param inputs the .vdb files that the job will read, asked for when all options are known
+    /// `--verify`. @param inputs returns the .vdb files that the job will read; called once all options are parsed
     void verifies(std::function<std::vector<SequenceParams>()> inputs);
 
     CLI::App& app() { return mApp; }
-    /// Standard input, for the job; it ends when a stop is asked for.
+    /// Standard input, for the job. It ends when a stop is requested.
     std::istream& standardInput() { return *mInput; }
 
-    /// Parse, run the job, report what it throws.
+    /// Parse the command line, run the job, and report its errors.
     /// @return the process's exit status
     int run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>& job);
     int run(int argc, char** argv, const std::function<void(Reporter&)>& job);
