@@ -64,7 +64,7 @@ int main(int argc, char** argv)
 
     tool.option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.");
     const vdblic::cli::LookOptions look(tool, params);
-    tool.option("--by", params.by, "Float grid that drives the transfer function.");
+    tool.option("--by", params.driver, "Float grid that drives the transfer function.");
     app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
     std::vector<std::string> layers;
     app.add_option("--aov", layers,

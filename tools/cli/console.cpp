@@ -1,5 +1,6 @@
 #include "cli/console.h"
 
+#include "cli/option_names.h"
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
 
@@ -97,7 +98,7 @@ void Console::finished(const std::filesystem::path& output)
 void Console::print(std::string_view kind, std::string_view message)
 {
     clearBar();
-    toStandardError(fmt::format("{}: {}{}\n", mTool, kind, message));
+    toStandardError(fmt::format("{}: {}{}\n", mTool, kind, withOptionNames(message, mTool)));
 }
 
 void Console::clearBar()

@@ -11,7 +11,8 @@ namespace vdblic::cli {
 /// Whoever read our standard output has gone; there is nobody left to work for.
 struct ClosedPipe {};
 
-/// Reports to a terminal or a log: messages and progress on standard error, finished paths on standard output.
+/// Reports to a terminal or a log: messages and progress on standard error, finished paths on standard output. Messages
+/// name options where the library names parameters (option_names.h).
 ///
 /// Progress is a bar that overwrites itself on a terminal, and otherwise a line every ten seconds at most.
 class Console : public Reporter {

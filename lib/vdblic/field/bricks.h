@@ -254,8 +254,10 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
         const auto forEachVoxel = [&](const auto& visitVoxel) {
             for (int x = begin[0]; x < end[0]; ++x) {
                 for (int y = begin[1]; y < end[1]; ++y) {
+                    const int record = Bricks::index(x, y, 0);
+                    const auto row = unsigned(LeafVoxel::offset(x, y, 0));
                     for (int z = begin[2]; z < end[2]; ++z)
-                        visitVoxel(Bricks::index(x, y, z), unsigned(LeafVoxel::offset(x, y, z)));
+                        visitVoxel(record + z, row + unsigned(LeafVoxel::local(z)));
                 }
             }
         };

@@ -150,8 +150,8 @@ struct PathSamples {
     /// The voxel of a sample, near or far. @param window that the samples were taken with
     [[nodiscard]] VDBLIC_INLINE Voxel find(WindowVoxel sample, const LeafWindow& window) const
     {
-        if (sample.isFar()) return far[sample.farIndex()];
-        return {window.leaves[std::size_t(sample.slot())], sample.offset()};
+        return sample.isFar() ? far[sample.farIndex()]
+                              : Voxel{window.leaves[std::size_t(sample.slot())], sample.offset()};
     }
 };
 

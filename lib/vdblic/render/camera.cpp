@@ -3,19 +3,23 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/render/framing.h"
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
 constexpr double kLeastFieldOfView = 0.001; // degrees
-constexpr double kFarthest = 1e7;           // the eye, in diagonals of the box
+constexpr double kFarthest = 1e7;           // distance of the eye, in diagonals of the box
 
-// Beyond it squares of lengths leave single precision.
+// Squares of larger lengths overflow single precision.
 constexpr double kFarthestCoordinate = 1e18;
 
 bool representable(const glm::dvec3& v)
@@ -34,13 +38,13 @@ std::string text(const glm::dvec3& v)
     return fmt::format("{} {} {}", v.x, v.y, v.z);
 }
 
-/// So far away that double precision no longer tells voxels apart, or lengths overflow.
-void checkDistance(const char* name, const glm::dvec3& place, const Corners& box)
+/// Refuse a point so far away that double precision cannot tell voxels apart or that lengths overflow.
+void checkDistance(const char* name, const glm::dvec3& point, const Corners& box)
 {
     const double diagonal = glm::length(box[7] - box[0]);
-    if (glm::length(place - middleOf(box)) <= kFarthest * std::max(diagonal, 1e-6)) return;
+    if (glm::length(point - middleOf(box)) <= kFarthest * std::max(diagonal, 1e-6)) return;
     throw ParameterError(fmt::format("camera {} {} is too far from the volume around {}; bring it closer", name,
-                                     text(place), text(middleOf(box))));
+                                     text(point), text(middleOf(box))));
 }
 
 } // namespace
@@ -131,7 +135,8 @@ Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2&
     mWorldToCamera = glm::dmat4(glm::transpose(axes));
     mWorldToCamera[3] = glm::dvec4(-(glm::transpose(axes) * mEye), 1);
 
-    // Columns: x from −extent to extent becomes 0 to 1, y the other way round; w is the depth of a perspective, else 1.
+    // By columns. x from −extent to extent becomes 0 to 1, y the same from the top; w is the depth, or 1 if
+    // orthographic.
     glm::dmat4 cameraToNdc(0);
     cameraToNdc[0][0] = 0.5 / mHalfExtent.x;
     cameraToNdc[1][1] = -0.5 / mHalfExtent.y;
@@ -153,13 +158,13 @@ PictureRays Camera::rays() const
 {
     const glm::dmat3 axes(mCameraToWorld);
     const glm::dvec2 pitch = 2.0 * mHalfExtent / glm::dvec2(mSize), corner = mShift * pitch - mHalfExtent;
-    const PictureGradient<glm::dvec3> place{axes * glm::dvec3(corner.x, -corner.y, 0), axes[0] * pitch.x,
-                                            axes[1] * -pitch.y};
+    const PictureGradient<glm::dvec3> offset{axes * glm::dvec3(corner.x, -corner.y, 0), axes[0] * pitch.x,
+                                             axes[1] * -pitch.y};
     const glm::dvec3 none(0);
     if (mProjection == Projection::kOrthographic) {
-        return {{mEye + place.corner, place.perX, place.perY}, {axes[2], none, none}};
+        return {{mEye + offset.corner, offset.perX, offset.perY}, {axes[2], none, none}};
     }
-    return {{mEye, none, none}, {axes[2] + place.corner, place.perX, place.perY}};
+    return {{mEye, none, none}, {axes[2] + offset.corner, offset.perX, offset.perY}};
 }
 
 Ray Camera::ray(const glm::dvec2& pixel) const

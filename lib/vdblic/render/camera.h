@@ -17,21 +17,21 @@ enum class Projection { kPerspective, kOrthographic };
 [[nodiscard]] Projection parseProjection(std::string_view text);
 [[nodiscard]] std::string_view toString(Projection projection);
 
-/// Where the picture is taken from, in world space. What is unset is chosen so that the volume fills the picture.
+/// Where the picture is taken from, in world space. Unset members are chosen so that the volume fills the picture.
 struct CameraParams {
     Projection projection = Projection::kPerspective;
     std::optional<glm::dvec3> eye{};    ///< unset: a three-quarter view of the target, from far enough to see all
     std::optional<glm::dvec3> target{}; ///< unset: the middle of the volume, or of its picture if the eye is unset too
     std::optional<glm::dvec3> up{};     ///< unset: +z, or +y when looking along z
     double fieldOfView = 35;            ///< of a perspective, vertical [degrees]
-    std::optional<double> viewHeight{}; ///< of an orthographic picture [world]; unset: all is seen
+    std::optional<double> viewHeight{}; ///< of an orthographic picture [world]; unset: such that all is seen
 
     /// @throws ParameterError
     void validate() const;
 };
 
-/// The corners of the box that holds what there is to see, in world space; bit a of a corner's number is its side
-/// along the box's axis a.
+/// The corners of a box around all that is visible, in world space. Bit a of a corner's index is its side along the
+/// box's axis a.
 using Corners = std::array<glm::dvec3, 8>;
 
 /// The mean of the corners.
@@ -41,28 +41,28 @@ struct Ray {
     glm::dvec3 origin, direction; ///< world space; the direction has length 1
 };
 
-/// What changes evenly over the picture.
+/// A quantity that is linear in the pixel.
 template<typename T>
 struct PictureGradient {
-    T corner, perX, perY; ///< at the top left corner of pixel (0, 0), and its change from pixel to pixel
+    T corner, perX, perY; ///< value at the top left corner of pixel (0, 0), change per pixel
 
     [[nodiscard]] T operator()(const glm::dvec2& pixel) const { return corner + perX * pixel.x + perY * pixel.y; }
 };
 
-/// The rays of a picture, in world space. Directions are as long as a step of depth 1 is.
+/// The rays of a picture, in world space. A direction's component along the view axis is 1.
 struct PictureRays {
     PictureGradient<glm::dvec3> origin, direction;
 };
 
-/// A camera that has been placed. Immutable.
+/// A camera with position, direction and projection. Immutable.
 ///
 /// Camera space is OpenEXR's: x right, y up, z forward, left-handed. Pixel (0, 0) is the top left one and covers
 /// [0, 1) in both directions, so its centre is at (½, ½). What lies behind the eye's plane is not seen.
 class Camera {
   public:
-    /// @param box  what there is to see
-    /// @param size width and height in pixels
-    /// @param also further places that must be seen when the distance is chosen
+    /// @param box  around all that is visible
+    /// @param size width and height [pixels]
+    /// @param also further points that must be seen when the distance is chosen
     /// @throws ParameterError if eye and target coincide, the view is along a given up, or the eye is too far away
     Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size,
            std::span<const glm::dvec3> also = {});
@@ -81,11 +81,11 @@ class Camera {
     /// World space to the picture, (0, 0) its top left and (1, 1) its bottom right corner, after division by w.
     [[nodiscard]] const glm::dmat4& worldToNdc() const { return mWorldToNdc; }
 
-    /// The same camera with every ray moved in the picture; its matrices stay. @param pixels to the right and down
+    /// The same camera with every ray shifted in the picture; its matrices stay. @param pixels to the right and down
     [[nodiscard]] Camera shifted(const glm::dvec2& pixels) const;
 
     [[nodiscard]] PictureRays rays() const;
-    /// The ray through a place in the picture, in pixels.
+    /// The ray through a point of the picture [pixels].
     [[nodiscard]] Ray ray(const glm::dvec2& pixel) const;
 
   private:

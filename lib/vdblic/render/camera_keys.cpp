@@ -1,10 +1,15 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/render/camera_path.h"
 
+#include <fmt/format.h>
+#include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <limits>
+#include <string>
 
 namespace vdblic {
 namespace {
@@ -27,13 +32,13 @@ glm::dvec3 parseVector(const Json& value, const std::string& what)
     return {parseNumber(value[0], what), parseNumber(value[1], what), parseNumber(value[2], what)};
 }
 
-std::int64_t parseFrame(const Json& key, const std::string& place)
+std::int64_t parseFrame(const Json& key, const std::string& what)
 {
     if (!key.is_object() || !key.contains("frame") || !key["frame"].is_number_integer()) {
-        throw InputError(fmt::format("{} has no whole number \"frame\"", place));
+        throw InputError(fmt::format("{} has no whole number \"frame\"", what));
     }
     const auto frame = key["frame"].get<std::int64_t>();
-    if (std::abs(frame) > kMostFrames) throw InputError(fmt::format("{}: frame {} is no usable one", place, frame));
+    if (std::abs(frame) > kMostFrames) throw InputError(fmt::format("{}: frame {} is no usable one", what, frame));
     return frame;
 }
 
@@ -48,11 +53,12 @@ CameraKeys parseKeys(const Json& json)
     for (std::size_t i = 0; i < json["keys"].size(); ++i) {
         const Json& key = json["keys"][i];
         const std::int64_t frame = parseFrame(key, fmt::format("key {}", i + 1));
-        const std::string place = fmt::format("the key of frame {}", frame);
-        if (frame <= last) throw InputError(fmt::format("{} comes after that of frame {}; sort the keys", place, last));
+        const std::string keyName = fmt::format("the key of frame {}", frame);
+        if (frame <= last)
+            throw InputError(fmt::format("{} comes after that of frame {}; sort the keys", keyName, last));
         last = frame;
         for (const auto& [name, value] : key.items()) {
-            const std::string what = fmt::format("{}: \"{}\"", place, name);
+            const std::string what = fmt::format("{}: \"{}\"", keyName, name);
             if (name == "eye") {
                 keys.eye.add(frame, parseVector(value, what));
             } else if (name == "target") {

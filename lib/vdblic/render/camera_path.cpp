@@ -2,35 +2,39 @@
 
 #include "vdblic/core/errors.h"
 
-#include <glm/geometric.hpp>
+#include <fmt/format.h>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
 constexpr double kMostTurns = 1e6;
-constexpr std::size_t kOrbitPlaces = 64; // from which all must be seen when the distance is chosen
+constexpr std::size_t kOrbitViews = 64; // all must be seen in each of them when the distance is chosen
 
-/// Rodrigues' rotation about an axis through the origin.
-glm::dvec3 rotated(const glm::dvec3& v, const glm::dvec3& axis, double angle)
+/// Rotation about an axis through the origin.
+glm::dmat3 rotation(const glm::dvec3& axis, double angle)
 {
-    const glm::dvec3 k = glm::normalize(axis);
-    return v * std::cos(angle) + glm::cross(k, v) * std::sin(angle) + k * (glm::dot(k, v) * (1 - std::cos(angle)));
+    return glm::dmat3(glm::rotate(glm::dmat4(1), angle, axis));
 }
 
-/// The box as it turns under a camera that goes round it.
+/// The corners of the box in all views of a camera that orbits it, relative to the first one.
 std::vector<glm::dvec3> turned(const Corners& box, const glm::dvec3& middle, const glm::dvec3& axis)
 {
-    std::vector<glm::dvec3> places;
-    for (std::size_t i = 0; i < kOrbitPlaces; ++i) {
-        for (const glm::dvec3& corner : box) {
-            const double angle = 2 * std::numbers::pi * double(i) / kOrbitPlaces;
-            places.push_back(middle + rotated(corner - middle, axis, angle));
-        }
+    std::vector<glm::dvec3> points;
+    for (std::size_t i = 0; i < kOrbitViews; ++i) {
+        const glm::dmat3 turn = rotation(axis, 2 * std::numbers::pi * double(i) / kOrbitViews);
+        for (const glm::dvec3& corner : box)
+            points.push_back(middle + turn * (corner - middle));
     }
-    return places;
+    return points;
 }
 
 } // namespace
@@ -101,14 +105,14 @@ CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, c
     if (mKeyed) mKeys = readCameraKeys(motion.keys);
     if (motion.orbitFrames) mSpan.length = *motion.orbitFrames;
 
-    // What the user leaves open is chosen for the first frame and stays.
+    // Unset members are chosen for the first frame and stay.
     CameraParams first = mKeys.applied(params, double(span.first));
-    std::vector<glm::dvec3> places;
+    std::vector<glm::dvec3> points;
     if (mOrbit != 0) {
         if (!first.target) first.target = middleOf(box);
-        places = turned(box, *first.target, first.up.value_or(glm::dvec3(0, 0, 1)));
+        points = turned(box, *first.target, first.up.value_or(glm::dvec3(0, 0, 1)));
     }
-    const Camera chosen(first, box, size, places);
+    const Camera chosen(first, box, size, points);
     mParams.eye = chosen.eye();
     mParams.target = chosen.target();
     mParams.up = chosen.up();
@@ -121,7 +125,7 @@ Camera CameraPath::at(std::int64_t frame) const
     if (mOrbit != 0) {
         const double turns = mOrbit * double(frame - mSpan.first) / double(mSpan.length);
         const double angle = 2 * std::numbers::pi * (turns - std::floor(turns));
-        params.eye = *params.target + rotated(*params.eye - *params.target, *params.up, angle);
+        params.eye = *params.target + rotation(*params.up, angle) * (*params.eye - *params.target);
     }
     try {
         return Camera(params, mBox, mSize);

@@ -2,8 +2,13 @@
 
 #include "vdblic/render/camera.h"
 
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,8 +16,8 @@ namespace vdblic {
 
 /// Key frames of one property of the camera, by rising frame number.
 ///
-/// Between keys a cubic Hermite curve (Catmull-Rom with the frames' own spacing), so that nothing jerks; at rest
-/// between two equal keys, which takes the slope at both; constant before the first key and after the last.
+/// Between keys a cubic Hermite curve (Catmull-Rom with the keys' own spacing), so that motion is smooth. Between two
+/// equal keys the property rests: the slope is 0 at both. Constant before the first key and after the last.
 template<typename Value>
 class CameraTrack {
   public:
@@ -26,7 +31,7 @@ class CameraTrack {
     std::vector<std::pair<std::int64_t, Value>> mKeys;
 };
 
-/// The camera's key frames; a property without keys is left to CameraParams.
+/// The camera's key frames; a property without keys comes from CameraParams.
 struct CameraKeys {
     CameraTrack<glm::dvec3> eye, target, up;
     CameraTrack<double> fieldOfView, viewHeight;
@@ -35,30 +40,30 @@ struct CameraKeys {
 };
 
 /// Read key frames: {"keys": [{"frame": 1, "eye": [x, y, z], "target": ..., "up": ..., "fov": 35, "height": 2}, ...]}.
-/// A key may leave out any property: it then has no say in that property's curve.
-/// @throws InputError naming the file, the key and the mend
+/// A key that leaves out a property does not affect that property's curve.
+/// @throws InputError naming the file, the key and the remedy
 [[nodiscard]] CameraKeys readCameraKeys(const std::filesystem::path& path);
 
-/// How the camera moves in the course of a sequence.
+/// How the camera moves during a sequence.
 struct CameraMotion {
     double orbit = 0;                          ///< turns around the target, about up; counter-clockwise seen from above
-    std::optional<std::int64_t> orbitFrames{}; ///< that the turns take; unset: those of the sequence
+    std::optional<std::int64_t> orbitFrames{}; ///< number of frames for the turns; unset: those of the sequence
     std::filesystem::path keys{};              ///< file of key frames; empty: none
 
     /// @throws ParameterError
     void validate() const;
 };
 
-/// The frames of a sequence: the first one's number, and how many numbers there are until it starts over.
+/// The frames of a sequence: the number of the first one, and how many numbers there are until it repeats.
 struct FrameSpan {
     std::int64_t first = 1, length = 1;
 };
 
-/// The camera of every frame. What is chosen for the user is chosen once, so that nothing jumps, and for an orbit such
-/// that all is seen from everywhere. Immutable.
+/// The camera of every frame. Automatic choices are made once, so that nothing jumps, and for an orbit such that all is
+/// seen from everywhere. Immutable.
 class CameraPath {
   public:
-    /// @param box what there is to see in the whole sequence
+    /// @param box around all that is visible in the whole sequence
     /// @throws ParameterError; InputError if the key frames cannot be read
     CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box, const glm::ivec2& size,
                const FrameSpan& span);

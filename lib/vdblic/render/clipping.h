@@ -13,7 +13,7 @@ struct ClipPlane {
     glm::dvec3 point, normal;
 };
 
-/// Cuts by planes, in world space. What is left is convex.
+/// Cuts by planes, in world space. The remaining space is convex.
 struct ClipParams {
     std::vector<ClipPlane> planes{};
     std::optional<std::array<glm::dvec3, 2>> box{}; ///< low and high corner; what lies inside is kept
@@ -22,7 +22,7 @@ struct ClipParams {
     void validate() const;
     /// The planes and the sides of the box.
     [[nodiscard]] std::vector<ClipPlane> allPlanes() const;
-    /// The same cuts in a space whose axes are longer by some factors, all above 0.
+    /// The same cuts in a space that is stretched along its axes. @param factors above 0
     [[nodiscard]] ClipParams stretched(const glm::dvec3& factors) const;
 };
 

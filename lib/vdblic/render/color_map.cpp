@@ -2,10 +2,14 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/common.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <span>
 
 namespace vdblic {

@@ -18,7 +18,7 @@ namespace vdblic {
 /// @throws ParameterError on an unknown name, listing the known ones
 [[nodiscard]] glm::dvec3 colorMap(std::string_view name, double position);
 
-/// A corner of a piecewise linear course of colours.
+/// A corner of a piecewise linear colour curve.
 struct ColorPoint {
     double position;  ///< 0 to 1
     glm::dvec3 color; ///< display (sRGB) values, 0 to 1

@@ -14,10 +14,19 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfVecAttribute.h>
+#include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <string_view>
+#include <utility>
+#include <variant>
 
 namespace vdblic {
 namespace {
@@ -30,32 +39,32 @@ constexpr std::pair<std::string_view, Imf::Compression> kCompressions[] = {
 };
 
 constexpr std::pair<std::string_view, ImageLayer> kLayers[] = {
-    {"depth", ImageLayer::kDepth},     {"normal", ImageLayer::kNormal},   {"magnitude", ImageLayer::kMagnitude},
+    {"depth", ImageLayer::kDepth},     {"normal", ImageLayer::kNormal},   {"magnitude", ImageLayer::kDriver},
     {"texture", ImageLayer::kTexture}, {"samples", ImageLayer::kSamples},
 };
 
-/// A file in memory, so that one place writes to disk and checks it.
+/// A file in memory. Writing to disk, with its checks, is left to writeTextFile().
 class MemoryStream : public Imf::OStream {
   public:
     MemoryStream() : Imf::OStream("memory") {}
 
     void write(const char bytes[], int count) override
     {
-        if (mPlace + std::size_t(count) > mBytes.size()) mBytes.resize(mPlace + std::size_t(count));
-        std::memcpy(mBytes.data() + mPlace, bytes, std::size_t(count));
-        mPlace += std::size_t(count);
+        if (mOffset + std::size_t(count) > mBytes.size()) mBytes.resize(mOffset + std::size_t(count));
+        std::memcpy(mBytes.data() + mOffset, bytes, std::size_t(count));
+        mOffset += std::size_t(count);
     }
-    std::uint64_t tellp() override { return mPlace; }
-    void seekp(std::uint64_t place) override { mPlace = place; }
+    std::uint64_t tellp() override { return mOffset; }
+    void seekp(std::uint64_t offset) override { mOffset = offset; }
 
     [[nodiscard]] std::string take() { return std::move(mBytes); }
 
   private:
     std::string mBytes;
-    std::size_t mPlace = 0;
+    std::size_t mOffset = 0;
 };
 
-/// GLM's columns are Imath's rows, for Imath multiplies row vectors from the left.
+/// GLM's columns are Imath's rows: Imath multiplies row vectors from the left.
 Imath::M44f imathMatrix(const glm::mat4& m)
 {
     Imath::M44f result;
@@ -77,17 +86,17 @@ struct InsertAttribute {
     void operator()(const glm::vec3& v) const { header.insert(name, Imf::V3fAttribute({v.x, v.y, v.z})); }
 };
 
-/// A file's channels, and where the pixels of each lie in memory.
+/// A file's channels and the memory layout of each.
 struct Channels {
     Imf::Header& header;
     Imf::FrameBuffer frame{};
 
-    /// @param first the first pixel's value; the others follow at a distance of `pixelBytes`
+    /// @param first value of the first pixel; those of the others follow at a stride of `pixelBytes`
     void add(const char* name, Imf::PixelType type, const void* first, std::size_t pixelBytes)
     {
         const auto width = std::size_t(header.dataWindow().max.x) + 1;
         header.channels().insert(name, Imf::Channel(type));
-        // OpenEXR reads through the same slices it writes through, so they are never const.
+        // OpenEXR has the same slices for reading and for writing, so they are never const.
         auto* bytes = const_cast<char*>(static_cast<const char*>(first));
         frame.insert(name, Imf::Slice(type, bytes, pixelBytes, pixelBytes * width));
     }
@@ -99,8 +108,8 @@ struct Channels {
         switch (layer) {
         case ImageLayer::kDepth:
             return addFloat("Z", first.depth);
-        case ImageLayer::kMagnitude:
-            return addFloat("magnitude", first.magnitude);
+        case ImageLayer::kDriver:
+            return addFloat("magnitude", first.driver);
         case ImageLayer::kTexture:
             return addFloat("texture", first.texture);
         case ImageLayer::kSamples:

@@ -5,12 +5,14 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <fstream>
+#include <string>
 
 namespace vdblic {
 namespace {
 
-/// What the system could give without swapping and this process may take, in bytes.
+/// Bytes that the system can give without swapping and this process may take.
 double availableMemory()
 {
     const auto limit = double(memoryLimit());
@@ -29,7 +31,12 @@ std::size_t framesInFlight(double frameBytes)
 {
     const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     const auto threads = std::min(std::size_t(tbb::this_task_arena::max_concurrency()), allowed);
-    const double fitting = availableMemory() / 2 / std::max(frameBytes, 1.0);
+    return framesInFlight(frameBytes, threads, availableMemory());
+}
+
+std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBytes)
+{
+    const double fitting = freeBytes / 2 / std::max(frameBytes, 1.0);
     return fitting < double(threads) ? std::max(std::size_t(fitting), std::size_t(1)) : threads;
 }
 

@@ -4,9 +4,11 @@
 
 namespace vdblic {
 
-/// How many frames to work on side by side: as many as there are threads, while half of the memory that is free now
-/// holds them; at least one. With fewer frames than threads the tiles of each frame are shared out.
-/// @param frameBytes that one frame takes
+/// Number of frames to render at a time: one for each thread, but no more than half of the free memory holds; at least
+/// one. With fewer frames than threads, the threads share the tiles of each frame.
+/// @param frameBytes memory that one frame takes
 [[nodiscard]] std::size_t framesInFlight(double frameBytes);
+/// The same for a given number of threads and of free bytes.
+[[nodiscard]] std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBytes);
 
 } // namespace vdblic

@@ -4,18 +4,24 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <limits>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
 constexpr double kMargin = 1.04;
-constexpr double kClearance = 0.1; // before the nearest point, in sizes of the whole
+constexpr double kClearance = 0.1; // in front of the nearest point, in sizes of the whole
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Azimuth to the right of the front, elevation above it [degrees]; the first that fills the picture well is taken.
+/// Azimuth to the right of the front and elevation [degrees]. The first view that fills the picture well is taken.
 constexpr glm::dvec2 kViews[] = {{30, 25}, {60, 25}, {30, 45}, {60, 45}, {30, 60}, {60, 60}};
-/// As much of what the best of them fills is well.
+/// Share of the best view's coverage that counts as well.
 constexpr double kWell = 0.7;
 
 glm::dvec3 direction(const glm::dvec2& view, const glm::dvec3& up)
@@ -28,15 +34,15 @@ glm::dvec3 direction(const glm::dvec2& view, const glm::dvec3& up)
     return std::cos(elevation) * (std::cos(azimuth) * away - std::sin(azimuth) * right) - std::sin(elevation) * top;
 }
 
-/// The share of the picture a box covers: half the sum of its faces' areas there, for a convex body's outline
-/// holds each place twice.
+/// The share of the picture that a box covers: half the sum of its faces' areas there, since a convex body covers each
+/// point of its outline twice.
 double coverage(Projection projection, const glm::dmat3& axes, const Corners& box, const Framing& framing)
 {
-    std::array<glm::dvec2, 8> place;
+    std::array<glm::dvec2, 8> seen;
     for (std::size_t i = 0; i < 8; ++i) {
         const glm::dvec3 local = glm::transpose(axes) * (box[i] - framing.eye);
-        place[i] = glm::dvec2(local) / framing.halfExtent;
-        if (projection == Projection::kPerspective) place[i] /= local.z;
+        seen[i] = glm::dvec2(local) / framing.halfExtent;
+        if (projection == Projection::kPerspective) seen[i] /= local.z;
     }
     const auto cross = [](const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; };
     double area = 0;
@@ -44,9 +50,8 @@ double coverage(Projection projection, const glm::dmat3& axes, const Corners& bo
         const std::size_t across = std::size_t(1) << (axis + 1) % 3, along = std::size_t(1) << (axis + 2) % 3;
         for (std::size_t side : {std::size_t(0), std::size_t(1) << axis}) {
             // A quadrangle's area from its diagonals.
-            area += std::abs(
-                        cross(place[side + across + along] - place[side], place[side + along] - place[side + across])) /
-                    2;
+            area +=
+                std::abs(cross(seen[side + across + along] - seen[side], seen[side + along] - seen[side + across])) / 2;
         }
     }
     return area / 2 / 4;
@@ -61,22 +66,22 @@ double centredEye(const std::vector<glm::dvec3>& points, int axis, double eyeDep
         const double eye = (least + most) / 2;
         double first = kInfinity, last = -kInfinity;
         for (const glm::dvec3& point : points) {
-            const double place = (point[axis] - eye) / (point.z - eyeDepth);
-            first = std::min(first, place);
-            last = std::max(last, place);
+            const double seen = (point[axis] - eye) / (point.z - eyeDepth);
+            first = std::min(first, seen);
+            last = std::max(last, seen);
         }
         (first + last > 0 ? least : most) = eye;
     }
     return (least + most) / 2;
 }
 
-/// How far before a point an orthographic eye stands so that all lies behind it, not too close.
-double clearance(const glm::dvec3& place, const glm::dmat3& axes, std::span<const glm::dvec3> points)
+/// Distance of an orthographic eye in front of a point, such that all other points are in front of the eye.
+double clearance(const glm::dvec3& from, const glm::dmat3& axes, std::span<const glm::dvec3> points)
 {
     double before = 0, most = 0;
     for (const glm::dvec3& point : points) {
-        before = std::max(before, -glm::dot(axes[2], point - place));
-        most = std::max(most, glm::length(point - place));
+        before = std::max(before, -glm::dot(axes[2], point - from));
+        most = std::max(most, glm::length(point - from));
     }
     return before + (most > 0 ? most : 1);
 }
@@ -99,16 +104,16 @@ Framing frameTightly(Projection projection, const glm::dmat3& axes, std::span<co
         local.push_back(glm::transpose(axes) * point);
     glm::dvec2 low(-kInfinity), high(-kInfinity);
     double nearest = kInfinity, size = 0;
-    for (const glm::dvec3& place : local) {
-        const glm::dvec2 spread = perspective ? extent * place.z : glm::dvec2(0);
-        low = glm::max(low, -glm::dvec2(place) - spread);
-        high = glm::max(high, glm::dvec2(place) - spread);
-        nearest = std::min(nearest, place.z);
-        size = std::max(size, glm::distance(place, local[0]));
+    for (const glm::dvec3& point : local) {
+        const glm::dvec2 spread = perspective ? extent * point.z : glm::dvec2(0);
+        low = glm::max(low, -glm::dvec2(point) - spread);
+        high = glm::max(high, glm::dvec2(point) - spread);
+        nearest = std::min(nearest, point.z);
+        size = std::max(size, glm::distance(point, local[0]));
     }
     const glm::dvec2 middle = (high - low) / 2.0, half = (high + low) / 2.0;
     if (perspective) {
-        // Seen with a wide angle a corner may fill the picture from no distance at all.
+        // In a wide angle a corner fills the picture from any distance, hence the clearance.
         const double clear = size > 0 ? kClearance * size - nearest : 1 - nearest;
         const double back = std::max({half.x / extent.x, half.y / extent.y, clear});
         glm::dvec3 eye(0, 0, -back);
@@ -119,8 +124,8 @@ Framing frameTightly(Projection projection, const glm::dmat3& axes, std::span<co
     }
     double scale = std::max(half.x / extent.x, half.y / extent.y);
     if (!(scale > 0)) scale = 1;
-    const glm::dvec3 place = axes * glm::dvec3(middle, local[0].z);
-    return {place - axes[2] * clearance(place, axes, points), halfExtent * scale};
+    const glm::dvec3 center = axes * glm::dvec3(middle, local[0].z);
+    return {center - axes[2] * clearance(center, axes, points), halfExtent * scale};
 }
 
 Framing frameAround(const glm::dvec3& target, Projection projection, const glm::dmat3& axes,

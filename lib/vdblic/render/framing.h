@@ -2,6 +2,10 @@
 
 #include "vdblic/render/camera.h"
 
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
 #include <span>
 
 namespace vdblic {
@@ -9,16 +13,16 @@ namespace vdblic {
 /// The axes of a view as the columns of a matrix: right, up, forward.
 [[nodiscard]] glm::dmat3 viewAxes(const glm::dvec3& forward, const glm::dvec3& up);
 
-/// What a picture of given proportions must show, looking along an axis.
+/// Position and extent of a camera.
 struct Framing {
     glm::dvec3 eye;
-    glm::dvec2 halfExtent; ///< as Camera's
+    glm::dvec2 halfExtent; ///< as Camera::halfExtent()
 };
 
-/// The nearest eye that sees every point, wherever the middle of the picture then is.
+/// The nearest eye that sees every point; the picture need not be centred on any of them.
 ///
-/// Each edge of a perspective picture bounds x ∓ extent·z of the eye by the points' largest; two opposite bounds meet
-/// in one place, and the tighter pair of edges decides how far back it is.
+/// Each edge of a perspective picture bounds x ∓ extent·z of the eye by that of the outermost point. Two opposite
+/// bounds meet at one depth; the tighter pair of edges decides.
 /// @param halfExtent of a perspective at distance 1; of an orthographic picture only its proportions count
 [[nodiscard]] Framing frameTightly(Projection projection, const glm::dmat3& axes, std::span<const glm::dvec3> points,
                                    const glm::dvec2& halfExtent);
@@ -27,8 +31,8 @@ struct Framing {
 [[nodiscard]] Framing frameAround(const glm::dvec3& target, Projection projection, const glm::dmat3& axes,
                                   std::span<const glm::dvec3> points, const glm::dvec2& halfExtent);
 
-/// The direction of a three-quarter view from the front, the right and above: steeper and more from the side as far
-/// as a flat or a long box needs it to fill the picture.
+/// The direction of a three-quarter view from the front, the right and above. A flat or long box is seen from a steeper
+/// angle or more from the side, so that it fills the picture.
 [[nodiscard]] glm::dvec3 chooseDirection(Projection projection, const Corners& box, const glm::dvec3& up,
                                          const glm::dvec2& halfExtent);
 

@@ -3,15 +3,18 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 
 namespace vdblic {
 namespace {
 
-// How far beyond the look's range magnitudes are counted, in shares of the range.
+// Margin on each side of the look's range, in shares of the range.
 constexpr double kBeyond = 0.25;
 
 nlohmann::json toJson(const Histogram& histogram)
@@ -53,13 +56,13 @@ TextureHistograms::TextureHistograms(const Look& look)
 {
     const auto [low, high] = look.transfer.range();
     const double beyond = kBeyond * (high - low);
-    magnitude.low = low >= 0 ? std::max(low - beyond, 0.0) : low - beyond;
-    magnitude.high = high + beyond;
+    driver.low = low >= 0 ? std::max(low - beyond, 0.0) : low - beyond;
+    driver.high = high + beyond;
 }
 
-void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::FloatGrid& magnitudes)
+void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::FloatGrid& drivers)
 {
-    const auto speeds = magnitudes.getConstAccessor();
+    const auto speeds = drivers.getConstAccessor();
     for (auto value = textures.cbeginValueOn(); value; ++value) {
         openvdb::CoordBBox box;
         value.getBoundingBox(box); // of a voxel or a tile
@@ -67,7 +70,7 @@ void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::F
             const float speed = speeds.getValue(*voxel);
             if (!std::isfinite(*value) || !std::isfinite(speed)) continue;
             texture.add(double(*value));
-            magnitude.add(double(speed));
+            driver.add(double(speed));
         }
     }
 }
@@ -75,7 +78,7 @@ void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::F
 void TextureHistograms::add(const TextureHistograms& other)
 {
     texture.add(other.texture);
-    magnitude.add(other.magnitude);
+    driver.add(other.driver);
 }
 
 std::string histogramJson(const TextureHistograms& histograms, const Look& look)
@@ -87,7 +90,7 @@ std::string histogramJson(const TextureHistograms& histograms, const Look& look)
     const nlohmann::json json = {
         {"voxels", histograms.texture.total()},
         {"texture", toJson(histograms.texture)},
-        {"magnitude", toJson(histograms.magnitude)},
+        {"magnitude", toJson(histograms.driver)},
         {"transferFunction", {{"range", transfer.range()}, {"colorMap", transfer.colorMapName()}, {"opacity", points}}},
     };
     return json.dump(1) + "\n";

@@ -2,49 +2,53 @@
 
 #include "vdblic/render/look.h"
 
+#include <openvdb/openvdb.h>
+
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 
 namespace vdblic {
 
-/// How often values of a quantity occur, between two bounds and outside them.
+/// How often values occur, between two bounds and outside them.
 struct Histogram {
     static constexpr std::size_t kBins = 256;
 
     double low = 0, high = 1;
     std::array<std::uint64_t, kBins> counts{}; ///< bin i covers low + (high − low) · [i, i + 1) / kBins
-    std::uint64_t below = 0, above = 0;        ///< a value of `high` itself is in the last bin
+    std::uint64_t below = 0, above = 0;        ///< a value equal to `high` is in the last bin
 
     void add(double value);
-    /// Add the counts of one with the same bounds.
+    /// Add the counts of a histogram with the same bounds.
     void add(const Histogram& other);
-    [[nodiscard]] std::uint64_t total() const; ///< those outside included
+    [[nodiscard]] std::uint64_t total() const; ///< values outside the bounds included
 };
 
-/// The histograms of texture and magnitude: what transfer functions are designed from (Liu & Moorhead 2004, Figure 4).
+/// The histograms of texture and driver, for the design of transfer functions (Liu & Moorhead 2004, Figure 4).
 struct TextureHistograms {
-    Histogram texture;   ///< from 0 to 1
-    Histogram magnitude; ///< a quarter of the look's range further than that, yet not beyond 0 [world/s]
+    Histogram texture; ///< from 0 to 1
+    Histogram driver;  ///< the look's range and a quarter of it on each side, but not beyond 0
 
-    /// Empty ones, with the bounds for a look.
+    /// Empty histograms with the bounds for a look.
     explicit TextureHistograms(const Look& look);
-    /// Count every active voxel of a texture, with its magnitude; numbers that are not finite are left out.
-    void add(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& magnitude);
+    /// Count every active voxel of a texture and its driver; voxels with a number that is not finite are left out.
+    void add(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver);
     void add(const TextureHistograms& other);
 };
 
-/// Histograms, and the look's colours and opacities at the magnitude histogram's bins, as JSON.
+/// Histograms, and the look's colours and opacities at the driver histogram's bins, as JSON.
 [[nodiscard]] std::string histogramJson(const TextureHistograms& histograms, const Look& look);
 
-/// The histograms as a picture in PNG, the transfer function drawn over that of magnitude.
+/// The histograms as a picture in PNG, the transfer function drawn over that of the driver. Equal input gives equal
+/// bytes.
 [[nodiscard]] std::string histogramPng(const TextureHistograms& histograms, const Look& look);
 
 /// @throws ParameterError unless the file ends in .json or .png
 void checkHistogramPath(const std::filesystem::path& path);
 
-/// Write one of the two as the file's extension asks. @throws ParameterError, OutputError
+/// Write JSON or PNG, by the file's extension. @throws ParameterError, OutputError
 void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look);
 
 } // namespace vdblic

@@ -1,16 +1,27 @@
-#include "vdblic/render/canvas.h"
-#include "vdblic/render/color_map.h"
+#include "vdblic/core/errors.h"
 #include "vdblic/render/histogram.h"
-#include "vdblic/render/image_file.h"
 
+#include <cairo/cairo.h>
+#include <fmt/format.h>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
 
 namespace vdblic {
 namespace {
 
+constexpr int kWidth = 1240, kHeight = 460;
+constexpr const char* kFont = "@cairo:"; // built into Cairo: the same pixels on every machine, no font files
+constexpr double kFontSize = 19;
 constexpr glm::dvec3 kPaper(1), kInk(0.15), kBars(0.55), kCurve(0.05);
 
-/// A plot's frame on the canvas.
+/// A plot's frame in the picture [pixels].
 struct Panel {
     glm::dvec2 low, high; ///< top left, bottom right
 
@@ -18,39 +29,67 @@ struct Panel {
     [[nodiscard]] double y(double share) const { return high.y + (low.y - high.y) * share; }
 };
 
+void setColor(cairo_t* cairo, const glm::dvec3& color)
+{
+    cairo_set_source_rgb(cairo, color.r, color.g, color.b);
+}
+
+void drawLine(cairo_t* cairo, const glm::dvec2& from, const glm::dvec2& to)
+{
+    cairo_move_to(cairo, from.x, from.y);
+    cairo_line_to(cairo, to.x, to.y);
+    cairo_stroke(cairo);
+}
+
+/// @param point  on the baseline
+/// @param anchor what of the text is at the point: 0 its begin, ½ its middle, 1 its end
+void drawText(cairo_t* cairo, const glm::dvec2& point, double anchor, const std::string& text)
+{
+    cairo_text_extents_t extents;
+    cairo_text_extents(cairo, text.c_str(), &extents);
+    cairo_move_to(cairo, point.x - anchor * extents.x_advance, point.y);
+    cairo_show_text(cairo, text.c_str());
+}
+
 /// @param color of the bar of a bin
 template<typename Color>
-void drawBars(Canvas& canvas, const Panel& panel, const Histogram& histogram, const Color& color)
+void drawBars(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const Color& color)
 {
     // Square roots, so that a few crowded bins do not flatten all others.
     const double most = std::sqrt(double(*std::max_element(histogram.counts.begin(), histogram.counts.end())));
     for (std::size_t i = 0; most > 0 && i < Histogram::kBins; ++i) {
-        const double share = std::sqrt(double(histogram.counts[i])) / most;
-        canvas.rectangle({panel.x(double(i) / Histogram::kBins), panel.y(share)},
-                         {panel.x(double(i + 1) / Histogram::kBins), panel.high.y}, color(i));
+        const double share = std::sqrt(double(histogram.counts[i])) / most,
+                     left = panel.x(double(i) / Histogram::kBins);
+        setColor(cairo, color(i));
+        cairo_rectangle(cairo, left, panel.y(share), panel.x(double(i + 1) / Histogram::kBins) - left,
+                        panel.high.y - panel.y(share));
+        cairo_fill(cairo);
     }
 }
 
-void drawFrame(Canvas& canvas, const Panel& panel, const Histogram& histogram, const char* title)
+void drawFrame(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const char* title)
 {
     constexpr int kTicks = 4;
+    setColor(cairo, kInk);
+    cairo_set_line_width(cairo, 1);
     for (int i = 0; i <= kTicks; ++i) {
         const double share = double(i) / kTicks, value = histogram.low + (histogram.high - histogram.low) * share;
-        canvas.line({panel.x(share), panel.high.y}, {panel.x(share), panel.high.y + 6}, 1, kInk);
-        canvas.text({panel.x(share), panel.high.y + 26}, 0.5, fmt::format("{:.3g}", value), kInk);
+        drawLine(cairo, {panel.x(share), panel.high.y}, {panel.x(share), panel.high.y + 6});
+        drawText(cairo, {panel.x(share), panel.high.y + 26}, 0.5, fmt::format("{:.3g}", value));
     }
-    canvas.line({panel.low.x, panel.high.y}, panel.high, 1, kInk);
-    canvas.text({panel.x(0.5), panel.low.y - 16}, 0.5, title, kInk);
-    const double outside = double(histogram.below + histogram.above) / double(std::max(histogram.total(), 1ul));
-    canvas.text({panel.x(0.5), panel.high.y + 52}, 0.5,
-                fmt::format("square root of voxels ({:.2g}% outside)", outside * 100), kInk);
+    drawLine(cairo, {panel.low.x, panel.high.y}, panel.high);
+    drawText(cairo, {panel.x(0.5), panel.low.y - 16}, 0.5, title);
+    const double outside =
+        double(histogram.below + histogram.above) / double(std::max(histogram.total(), std::uint64_t(1)));
+    drawText(cairo, {panel.x(0.5), panel.high.y + 52}, 0.5,
+             fmt::format("square root of voxels ({:.2g}% outside)", outside * 100));
 }
 
-/// The opacity over the magnitudes, and its scale at the right edge, which ends at the curve's largest value.
-void drawOpacity(Canvas& canvas, const Panel& panel, const Histogram& histogram, const TransferFunction& transfer)
+/// The opacity over the driver, and at the right edge its scale, which ends at the curve's largest value.
+void drawOpacity(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const TransferFunction& transfer)
 {
-    const auto opacity = [&](double magnitude) {
-        const auto entry = transfer.entries(broadcast8(float(magnitude)))[0];
+    const auto opacity = [&](double driver) {
+        const auto entry = transfer.entries(broadcast8(float(driver)))[0];
         return -std::expm1(-double(transfer.table()[entry].extinction));
     };
     double most = 0;
@@ -58,46 +97,71 @@ void drawOpacity(Canvas& canvas, const Panel& panel, const Histogram& histogram,
         most = std::max(most, point.opacity);
     if (!(most > 0)) most = 1;
     constexpr int kTicks = 4;
+    setColor(cairo, kCurve);
+    cairo_set_line_width(cairo, 1);
     for (int i = 0; i <= kTicks; ++i) {
         const double share = double(i) / kTicks;
-        canvas.line({panel.high.x, panel.y(share)}, {panel.high.x + 4, panel.y(share)}, 1, kCurve);
-        canvas.text({panel.high.x + 8, panel.y(share) + 7}, 0, fmt::format("{:.2g}", most * share), kCurve);
+        drawLine(cairo, {panel.high.x, panel.y(share)}, {panel.high.x + 4, panel.y(share)});
+        drawText(cairo, {panel.high.x + 8, panel.y(share) + 6}, 0, fmt::format("{:.2g}", most * share));
     }
-    canvas.text({panel.high.x + 8, panel.low.y - 16}, 0.5, "opacity", kCurve);
+    drawText(cairo, {panel.high.x + 8, panel.low.y - 16}, 0.5, "opacity");
 
-    std::vector<glm::dvec2> curve;
     const int pixels = int(panel.high.x - panel.low.x);
     for (int i = 0; i <= pixels; ++i) {
         const double share = double(i) / pixels;
-        const double magnitude = histogram.low + (histogram.high - histogram.low) * share;
-        curve.emplace_back(panel.x(share), panel.y(opacity(magnitude) / most));
+        const double driver = histogram.low + (histogram.high - histogram.low) * share;
+        cairo_line_to(cairo, panel.x(share), panel.y(opacity(driver) / most));
     }
-    // A light edge keeps it apart from bars of its own colour.
-    for (const auto& [width, color] : {std::pair(5.0, kPaper), std::pair(2.0, kCurve)}) {
-        for (std::size_t i = 1; i < curve.size(); ++i)
-            canvas.line(curve[i - 1], curve[i], width, color);
-    }
+    // A light edge separates the curve from bars of its own colour.
+    cairo_set_line_width(cairo, 5);
+    setColor(cairo, kPaper);
+    cairo_stroke_preserve(cairo);
+    cairo_set_line_width(cairo, 2);
+    setColor(cairo, kCurve);
+    cairo_stroke(cairo);
+}
+
+std::string toPng(cairo_surface_t* surface)
+{
+    std::string bytes;
+    const auto append = [](void* target, const unsigned char* data, unsigned count) {
+        static_cast<std::string*>(target)->append(reinterpret_cast<const char*>(data), count);
+        return CAIRO_STATUS_SUCCESS;
+    };
+    const cairo_status_t status = cairo_surface_write_to_png_stream(surface, append, &bytes);
+    if (status != CAIRO_STATUS_SUCCESS)
+        throw OutputError(fmt::format("the histograms cannot be drawn: {}", cairo_status_to_string(status)));
+    return bytes;
 }
 
 } // namespace
 
 std::string histogramPng(const TextureHistograms& histograms, const Look& look)
 {
-    Canvas canvas({1240, 460}, kPaper);
+    const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, kWidth, kHeight), cairo_surface_destroy);
+    const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> owner(cairo_create(surface.get()), cairo_destroy);
+    cairo_t* cairo = owner.get();
+    setColor(cairo, kPaper);
+    cairo_paint(cairo);
+    cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
+    cairo_select_font_face(cairo, kFont, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cairo, kFontSize);
+
     const Panel left{{40, 60}, {552, 380}}, right{{630, 60}, {1142, 380}};
+    drawBars(cairo, left, histograms.texture, [](std::size_t) { return kBars; });
+    drawFrame(cairo, left, histograms.texture, "texture");
 
-    drawBars(canvas, left, histograms.texture, [](std::size_t) { return kBars; });
-    drawFrame(canvas, left, histograms.texture, "texture");
-
-    const Histogram& magnitude = histograms.magnitude;
+    const Histogram& driver = histograms.driver;
     const auto [low, high] = look.transfer.range();
-    drawBars(canvas, right, magnitude, [&, low = low, high = high](std::size_t bin) {
-        const double value = magnitude.low + (magnitude.high - magnitude.low) * (double(bin) + 0.5) / Histogram::kBins;
+    drawBars(cairo, right, driver, [&, low = low, high = high](std::size_t bin) {
+        const double value = driver.low + (driver.high - driver.low) * (double(bin) + 0.5) / Histogram::kBins;
         return look.transfer.displayColor((value - low) / (high - low));
     });
-    drawOpacity(canvas, right, magnitude, look.transfer);
-    drawFrame(canvas, right, magnitude, "magnitude");
-    return encodePng(canvas.size(), canvas.bytes());
+    drawOpacity(cairo, right, driver, look.transfer);
+    drawFrame(cairo, right, driver, "magnitude");
+    return toPng(surface.get());
 }
 
 } // namespace vdblic

@@ -4,17 +4,18 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include <cstddef>
 #include <limits>
 #include <vector>
 
 namespace vdblic {
 
-/// What a pixel's ray met: means over its samples, weighted by what each contributes to the pixel's alpha.
+/// Means over the samples of a pixel's ray, weighted by each sample's share of the pixel's alpha.
 struct PixelLayers {
     float depth = std::numeric_limits<float>::infinity(); ///< along the view axis [world]; infinite where alpha is 0
     glm::vec3 normal{0};                                  ///< world space, towards the eye, of length 1 or 0
-    float magnitude = 0, texture = 0;                     ///< as the grids have them
-    float samples = 0;                                    ///< how many were taken along the ray
+    float driver = 0, texture = 0;                        ///< values of the grids
+    float samples = 0;                                    ///< number of samples along the ray
 };
 
 /// A picture: rows from the top, linear light, colours premultiplied by alpha.

@@ -1,13 +1,25 @@
 #include "vdblic/render/image_attributes.h"
 
+#include "vdblic/io/sequence.h"
+#include "vdblic/render/camera.h"
+#include "vdblic/render/look.h"
+#include "vdblic/render/render_params.h"
+
+#include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
 using Attributes = std::vector<std::pair<std::string, ImageAttribute>>;
 
-// Each of these takes a struct apart by all its members: one more does not compile until it has its place here.
+// Each of these names all members of a struct: a new member does not compile until it is handled here.
 
 std::string text(const glm::dvec3& v)
 {
@@ -100,14 +112,14 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToCamera = camera.worldToCamera();
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
-    const auto& [input, skipExisting, output, histogram, texture, by, region, stretch, size, scale, samples,
+    const auto& [input, skipExisting, output, histogram, texture, driver, region, stretch, size, scale, samples,
                  cameraParams, motion, lookParams, rays, background, exr] = params;
     const auto& [transfer, modulation, shading, halo, depthCue, fading] = look;
     Attributes& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)},
                   {"source", file.path.filename().string()},
                   {"textureGrid", texture},
-                  {"by", by},
+                  {"by", driver},
                   {"region", region},
                   {"stretch", glm::vec3(stretch)},
                   {"scale", float(scale)},

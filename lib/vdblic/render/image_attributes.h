@@ -1,11 +1,16 @@
 #pragma once
 
-#include "vdblic/render/render_sequence.h"
+#include "vdblic/render/image_file.h"
 
 namespace vdblic {
 
-/// What the header of a frame's image says: all that made it, in the spelling of the
-/// command line where one attribute holds several numbers.
+class Camera;
+struct FrameFile;
+struct Look;
+struct RenderParams;
+
+/// The header of a frame's image: all parameters that made it. An attribute of several numbers is spelled as on the
+/// command line.
 [[nodiscard]] ImageHeader imageHeader(const RenderParams& params, const Look& look, const Camera& camera,
                                       const FrameFile& file);
 

@@ -3,6 +3,10 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 
+#include <fmt/format.h>
+
+#include <string>
+
 namespace vdblic {
 
 ImageFormat imageFormat(const std::filesystem::path& path)

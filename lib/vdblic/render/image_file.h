@@ -3,6 +3,8 @@
 #include "vdblic/render/image.h"
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <filesystem>
 #include <string>
@@ -18,11 +20,11 @@ enum class ImageFormat { kExr, kPng };
 /// The format a file name's extension asks for. @throws ParameterError if it is neither .exr nor .png
 [[nodiscard]] ImageFormat imageFormat(const std::filesystem::path& path);
 
-/// What an image file says about itself, by name. EXR only.
+/// An attribute in the header of an EXR file.
 using ImageAttribute = std::variant<int, float, std::string, glm::vec2, glm::vec3>;
 struct ImageHeader {
     std::vector<std::pair<std::string, ImageAttribute>> attributes;
-    glm::mat4 worldToCamera{1}, worldToNdc{1}; ///< written as OpenEXR's standard attributes, as is
+    glm::mat4 worldToCamera{1}, worldToNdc{1}; ///< OpenEXR's standard attributes
     float screenWindowWidth = 1;               ///< width of the picture at distance 1
 };
 
@@ -35,13 +37,13 @@ struct Background {
     void validate() const;
 };
 
-/// What an image can hold besides colour and alpha, as further channels of an .exr file.
-enum class ImageLayer { kDepth, kNormal, kMagnitude, kTexture, kSamples };
+/// What an .exr file can hold besides colour and alpha.
+enum class ImageLayer { kDepth, kNormal, kDriver, kTexture, kSamples };
 
-/// `depth`, `normal`, `magnitude`, `texture`, `samples`, or `all`. @throws ParameterError on any other name
+/// `depth`, `normal`, `magnitude` (the driver), `texture`, `samples`, or `all`. @throws ParameterError on other names
 [[nodiscard]] std::vector<ImageLayer> parseImageLayers(const std::vector<std::string>& names);
 
-/// How .exr files are written.
+/// Format of .exr files.
 struct ExrParams {
     std::string precision = "half"; ///< of colour and alpha: `half` or `float`
     std::string compression = "zip";
@@ -51,7 +53,7 @@ struct ExrParams {
     /// @throws ParameterError
     void validate() const;
 };
-/// The compressions OpenEXR knows, in its own spelling: none, rle, zips, zip, piz ...
+/// OpenEXR's compressions, in its own spelling: none, rle, zips, zip, piz ...
 [[nodiscard]] std::vector<std::string> exrCompressions();
 
 /// The bytes of an .exr file: RGBA premultiplied, linear Rec. 709, over the background with its alpha, then layers.
@@ -59,11 +61,9 @@ struct ExrParams {
                                     const ExrParams& params = {});
 /// The bytes of a .png file: 8-bit sRGB, over the background's colour, opaque.
 [[nodiscard]] std::string encodePng(const Image& image, const Background& background);
-/// The same of red, green and blue bytes, rows from the top.
-[[nodiscard]] std::string encodePng(const glm::ivec2& size, const std::vector<std::uint8_t>& bytes);
 
-/// Write an image atomically in the format its name asks for.
-/// @throws OutputError naming the file and the reason; a full disk is one
+/// Write an image atomically, in the format of its extension.
+/// @throws ParameterError; OutputError naming the file and the reason, such as a full disk
 void writeImage(const std::filesystem::path& path, const Image& image, const ImageHeader& header,
                 const Background& background, const ExrParams& params = {});
 

@@ -6,12 +6,12 @@
 
 namespace vdblic {
 
-/// 2^x for x ≤ 0, to a relative 3e-6 and exact at 0: 2^i · e^(f ln 2), |f| ≤ ½, with a Taylor polynomial of degree 5,
-/// its terms paired so that few wait for each other (Estrin 1960).
+/// 2^x for x ≤ 0, to a relative error of 3e-6 and exact at 0: 2^i · e^(f ln 2), |f| ≤ ½. The Taylor polynomial of
+/// degree 5 is evaluated by Estrin's scheme (1960), whose dependency chain is short.
 VDBLIC_INLINE Float8 powerOfTwo(Float8 x)
 {
     const Float8 power = x > -126 ? x : broadcast8(-126);
-    constexpr float kRound = 0x1.8p23f + 127; // adding it rounds to an integer, which stands, biased, in the low bits
+    constexpr float kRound = 0x1.8p23f + 127; // adding it rounds to an integer and leaves that, biased, in the low bits
     const Float8 rounded = power + kRound;
     const Float8 t = (power - (rounded - kRound)) * 0.693147181f;
     const Float8 square = t * t;
@@ -19,8 +19,8 @@ VDBLIC_INLINE Float8 powerOfTwo(Float8 x)
     return series * __builtin_bit_cast(Float8, __builtin_bit_cast(Int8, rounded) << 23);
 }
 
-/// Set one lane, with the whole vector loaded and stored: single lanes stored into memory would make the next load of
-/// the vector wait for them.
+/// Set one lane by loading and storing the whole vector: after a store of a single lane the next load of the vector
+/// would stall.
 VDBLIC_INLINE void setLane(Float8& vector, int lane, float value)
 {
     constexpr Int8 kNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -43,7 +43,7 @@ VDBLIC_INLINE Float8 clamped(Float8 x)
     return positive(x < 1 ? x : broadcast8(1));
 }
 
-/// One bit for each lane that is negative, as those are whose comparison is true.
+/// A bit for each negative lane; a true comparison is negative.
 VDBLIC_INLINE unsigned laneBits(Int8 x)
 {
 #ifdef __SSE__
@@ -58,7 +58,7 @@ VDBLIC_INLINE unsigned laneBits(Int8 x)
 #endif
 }
 
-/// For each set of lanes, the lanes of the set in rising order, at the front.
+/// For each set of lanes, a permutation that moves them to the front in rising order.
 struct Packing {
     Int8 order[256]{};
 

@@ -1,8 +1,11 @@
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
+#include "vdblic/render/texture_records.h"
 #include "vdblic/render/texture_volume.h"
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace vdblic {
@@ -13,7 +16,7 @@ struct Symmetric8 {
     Float8 xx, yy, zz, xy, xz, yz;
 };
 
-/// The matrices over their traces; of no direction where that is 0.
+/// The matrices over their traces; a third of the unit matrix where the trace is 0.
 VDBLIC_INLINE Symmetric8 ofTraceOne(const Symmetric8& m)
 {
     const Float8 trace = m.xx + m.yy + m.zz, perTrace = 1 / trace;
@@ -37,10 +40,11 @@ VDBLIC_INLINE Symmetric8 squared(const Symmetric8& m)
             xx * xy + xy * yy + xz * yz, xx * xz + xy * yz + xz * zz, xy * xz + yy * yz + yz * zz};
 }
 
-/// The projector on the direction a texture changes least in, from the mean of g·gᵀ over its gradients g nearby.
+/// The projector on the direction in which a texture changes least, from its structure tensor: the mean of g·gᵀ over
+/// the gradients g nearby.
 ///
-/// The adjugate has that direction as its strongest one; squaring it makes it all but the only one. Where no direction
-/// stands out the result stays undecided, which lights a sample evenly.
+/// The adjugate has that direction as its dominant eigenvector; squaring suppresses the others. Where no direction
+/// dominates the result stays near a third of the unit matrix, which lights a sample evenly.
 VDBLIC_INLINE Symmetric8 lineProjector(const Symmetric8& structure)
 {
     Symmetric8 m = ofTraceOne(adjugate(ofTraceOne(structure)));
@@ -49,14 +53,14 @@ VDBLIC_INLINE Symmetric8 lineProjector(const Symmetric8& structure)
     return m;
 }
 
-/// The structure tensor of a brick, smoothed by 1 2 1 along each axis: right for the leaf's own voxels.
+/// The structure tensor of a padded leaf, smoothed by 1 2 1 along each axis; valid for the leaf's own voxels.
 class StructureBlock {
   public:
     VDBLIC_INLINE void fill(const GradientRecord* gradients)
     {
-        static_assert(kBrickSize % 8 == 0);
-        for (int i = 0; i < kBrickSize; i += 8) {
-            Int8 front, back; // of each gradient x and y, then z
+        static_assert(kPaddedSize % 8 == 0);
+        for (int i = 0; i < kPaddedSize; i += 8) {
+            Int8 front, back; // a word with x and y of a gradient, then one with z, and so on
             std::memcpy(&front, gradients + i, sizeof front);
             std::memcpy(&back, gradients + i + 4, sizeof back);
             const Int8 xy = __builtin_shufflevector(front, back, 0, 2, 4, 6, 8, 10, 12, 14);
@@ -69,14 +73,14 @@ class StructureBlock {
                 std::memcpy(mValues[k] + i, &products[k], sizeof products[k]);
         }
         for (float* value : mValues) {
-            float once[kBrickSize], twice[kBrickSize];
+            float once[kPaddedSize], twice[kPaddedSize];
             smooth(value, once, 1);
-            smooth(once, twice, kBrickDim);
-            smooth(twice, value, kBrickDim * kBrickDim);
+            smooth(once, twice, kPaddedDim);
+            smooth(twice, value, kPaddedDim * kPaddedDim);
         }
     }
 
-    /// Of the eight records from one on.
+    /// The tensors of eight consecutive records.
     VDBLIC_INLINE Symmetric8 row(int record) const
     {
         const auto load = [&](int k) {
@@ -88,19 +92,19 @@ class StructureBlock {
     }
 
   private:
-    /// Of the outermost records the result is of no use.
+    /// The outermost records get no valid result.
     VDBLIC_INLINE static void smooth(const float* values, float* result, int stride)
     {
         std::copy(values, values + stride, result);
-        for (int i = stride; i < kBrickSize - stride; ++i)
+        for (int i = stride; i < kPaddedSize - stride; ++i)
             result[i] = values[i - stride] + 2 * values[i] + values[i + stride];
-        std::copy(values + kBrickSize - stride, values + kBrickSize, result + kBrickSize - stride);
+        std::copy(values + kPaddedSize - stride, values + kPaddedSize, result + kPaddedSize - stride);
     }
 
-    float mValues[6][kBrickSize];
+    float mValues[6][kPaddedSize];
 };
 
-/// The records of a leaf's own voxels.
+/// Write the records of a leaf's own voxels.
 VDBLIC_KERNEL
 void writeLines(const GradientRecord* gradients, LineRecord* lines)
 {
@@ -108,13 +112,13 @@ void writeLines(const GradientRecord* gradients, LineRecord* lines)
     block.fill(gradients);
     for (int x = 0; x < LeafVoxel::kDim; ++x) {
         for (int y = 0; y < LeafVoxel::kDim; ++y) {
-            const int first = brickIndex(x, y, 0);
+            const int first = paddedIndex(x, y, 0);
             const Symmetric8 line = lineProjector(block.row(first));
             Float8 rows[8] = {line.xx, line.yy, line.zz, line.xy, line.xz, line.yz};
             transpose(rows, rows);
             for (int z = 0; z < LeafVoxel::kDim; ++z) {
                 for (int k = 0; k < 8; ++k)
-                    lines[first + z].values[k] = halfFloat(rows[z][k]);
+                    lines[first + z].values[k] = toBFloat16(rows[z][k]);
             }
         }
     }
@@ -125,29 +129,28 @@ void writeLines(const GradientRecord* gradients, LineRecord* lines)
 void TextureVolume::addLines()
 {
     const std::size_t leaves = domain().leafCount();
-    mLines.reset(new LineRecord[leaves * kBrickSize]);
+    mLines.reset(new LineRecord[leaves * kPaddedSize]);
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
-        writeLines(mGradients.get() + leaf * kBrickSize, mLines.get() + leaf * kBrickSize);
+        writeLines(mGradients.get() + leaf * kPaddedSize, mLines.get() + leaf * kPaddedSize);
     });
-    // The voxels around a leaf are its neighbours' own, or, where it has none, its last ones.
+    // The padding is copied from the neighbouring leaves, or where there is none from the leaf's own nearest voxels.
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
         const openvdb::Coord origin = domain().origin(leaf);
-        LineRecord* const brick = mLines.get() + leaf * kBrickSize;
+        LineRecord* const padded = mLines.get() + leaf * kPaddedSize;
         const auto begin = [](int side) { return side < 0 ? -1 : side * LeafVoxel::kDim; };
         const auto end = [](int side) { return side < 0 ? 0 : LeafVoxel::kDim + side; };
         for (const openvdb::Coord& side : openvdb::CoordBBox(openvdb::Coord(-1), openvdb::Coord(1))) {
             if (side == openvdb::Coord(0)) continue;
-            const Int4 first =
-                Int4{origin[0], origin[1], origin[2]} + Int4{side[0], side[1], side[2]} * LeafVoxel::kDim;
-            const int found = domain().findLeaf(first);
-            const LineRecord* const source = found >= 0 ? mLines.get() + std::size_t(found) * kBrickSize : brick;
-            const auto inside = [&](int along) {
-                return found >= 0 ? LeafVoxel::local(along) : std::clamp(along, 0, LeafVoxel::kDim - 1);
+            const int found = domain().findLeaf(Int4{origin[0], origin[1], origin[2]} +
+                                                Int4{side[0], side[1], side[2]} * LeafVoxel::kDim);
+            const LineRecord* const source = found >= 0 ? mLines.get() + std::size_t(found) * kPaddedSize : padded;
+            const auto inside = [&](int i) {
+                return found >= 0 ? LeafVoxel::local(i) : std::clamp(i, 0, LeafVoxel::kDim - 1);
             };
             for (int x = begin(side[0]); x < end(side[0]); ++x) {
                 for (int y = begin(side[1]); y < end(side[1]); ++y) {
                     for (int z = begin(side[2]); z < end(side[2]); ++z)
-                        brick[brickIndex(x, y, z)] = source[brickIndex(inside(x), inside(y), inside(z))];
+                        padded[paddedIndex(x, y, z)] = source[paddedIndex(inside(x), inside(y), inside(z))];
                 }
             }
         }

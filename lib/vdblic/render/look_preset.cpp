@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 namespace vdblic {

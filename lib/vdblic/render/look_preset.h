@@ -2,16 +2,18 @@
 
 #include "vdblic/render/look.h"
 
+#include <glm/vec3.hpp>
+
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace vdblic {
 
-/// A look with a name, made to be good at once on unknown data.
+/// A look with a name, tuned to be good on unknown data.
 struct LookPreset {
     LookParams look;
-    glm::dvec3 background; ///< as displayed
+    glm::dvec3 background; ///< display (sRGB) values
 };
 
 /// The names lookPreset() knows.

@@ -1,21 +1,29 @@
 #include "vdblic/render/ray_kernel.h"
 
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/render/look.h"
+#include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/record_sampling.h"
+#include "vdblic/render/sample_shader.h"
+#include "vdblic/render/shade_queue.h"
+#include "vdblic/render/texture_volume.h"
 
+#include <algorithm>
+#include <limits>
 #include <numbers>
 
 namespace vdblic {
 namespace {
 
-struct SamplePlaces {
-    Float8 place, length;
+struct Steps {
+    Float8 middle, length;
 };
 
-/// Where a ray's sample lies and how much of the ray it stands for, in steps.
+/// The steps that samples represent, in steps from their rays' entries.
 ///
-/// The span is cut into steps, the first of which is as long as the shift says and the last as is left; samples lie in
-/// their middles. So a uniform medium is integrated exactly, and shifts 0 and 1 are the same.
-VDBLIC_INLINE SamplePlaces samplePlace(Int8 sample, Float8 shift, Float8 span)
+/// The first step is as long as the shift, the last one is what remains of the span. Samples lie in the middle of their
+/// steps, so a uniform medium is integrated exactly, and shifts 0 and 1 give the same.
+VDBLIC_INLINE Steps stepsOf(Int8 sample, Float8 shift, Float8 span)
 {
     const Float8 after = __builtin_convertvector(sample, Float8) + shift;
     const Float8 begin = positive(after - 1), end = after < span ? after : span;
@@ -24,30 +32,33 @@ VDBLIC_INLINE SamplePlaces samplePlace(Int8 sample, Float8 shift, Float8 span)
 
 } // namespace
 
-/// Eight rays under way. A lane without a ray stands still where there is nothing.
+/// Eight rays in flight. A lane without a ray stays where nothing is visible.
 struct alignas(32) RayKernel::Lanes {
     Float8 entry[3], direction[3], inverse[3];
     Float8 view[3]; // direction in world space
     Float8 shift, span;
-    Float8 transmittance, halo, haloPlace;
-    Float8 waiting;          // the weight of samples that added too little to be shaded
-    Int8 sample, last, task; // of the samples, the next and the last
-    Int8 since;              // the turn with which the ray began
-    Int8 spent; // too little light was left before the last sample; that after it would have to be waited for
-    Int8 blockOrigin[3], block; // where they are, as VisibleLeaves has them
-    int turn;                   // how many samples each has taken, rays after each other
+    Float8 transmittance, halo, haloDistance; // the last two as RaySum has them
+    Float8 waiting;                           // weight of samples that were too faint to be shaded
+    Int8 sample, last;                        // indices of the next and of the last sample
+    Int8 task;                                // index of the ray
+    Int8 since;                               // the turn in which the ray began
+    // Transmittance was below the limit before the sample just taken. Testing one sample late is deliberate: the newest
+    // value would stall the loop.
+    Int8 spent;
+    Int8 blockOrigin[3], block; // block of the sample before, and its table's offset
+    int turn;                   // samples that each lane has taken so far, of all its rays
     unsigned busy;              // lanes that have a ray
 };
 
-/// The lanes' samples: where they lie and what they meet there.
+/// The lanes' samples.
 struct alignas(32) RayKernel::Sample {
-    Float8 place, length; // along the ray [steps]
-    Float8 position[3];
+    Float8 distance, length; // along the ray [steps]
+    Float8 position[3];      // relative to VisibleLeaves::origin(), as voxel
     Int8 voxel[3];
-    Unsigned8 leaf;     // the entry of VisibleLeaves
-    Float8 fraction[3]; // in the cell
-    Unsigned8 record;   // number of the record at the cell's lowest corner
-    Float8 values[2];   // texture and magnitude
+    Unsigned8 leaf;     // entry of VisibleLeaves
+    Float8 fraction[3]; // position in the cell, 0 to 1
+    Unsigned8 record;   // index of the record at the cell's lowest corner
+    Float8 values[2];   // texture and driver
 };
 
 RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params,
@@ -58,20 +69,20 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
     mPowers.assign(look.transfer.extinctions(), look.transfer.extinctions() + TransferFunction::kEntries);
     for (float& power : mPowers)
         power *= -mStep * std::numbers::log2e_v<float>;
-    // More than single precision can be wrong by, in voxels, when it says where a ray leaves a box.
+    // Bound on the error in single precision of the distance at which a ray leaves a box [voxels].
     double reach = 0;
     for (int axis = 0; axis < 3; ++axis)
-        reach = std::max(reach, volume.high()[axis] - visible.first()[axis]);
+        reach = std::max(reach, volume.high()[axis] - visible.origin()[axis]);
     mMargin = float(1e-5 + reach * 0x1p-20);
 }
 
-/// Find where the lanes' next samples lie, and in which leaves if it is in the same blocks as the last ones.
-VDBLIC_INLINE void RayKernel::place(const Lanes& lanes, Sample& result) const
+/// Find the positions of the lanes' next samples, and their leaves if the samples have not left their blocks.
+VDBLIC_INLINE void RayKernel::locate(const Lanes& lanes, Sample& result) const
 {
-    const SamplePlaces sample = samplePlace(lanes.sample, lanes.shift, lanes.span);
-    result.place = sample.place;
-    result.length = sample.length;
-    const Float8 distance = sample.place * mStep;
+    const Steps steps = stepsOf(lanes.sample, lanes.shift, lanes.span);
+    result.distance = steps.middle;
+    result.length = steps.length;
+    const Float8 distance = steps.middle * mStep;
     for (int axis = 0; axis < 3; ++axis) {
         result.position[axis] = lanes.entry[axis] + lanes.direction[axis] * distance; // not negative
         result.voxel[axis] = __builtin_convertvector(result.position[axis] + 0.5f, Int8);
@@ -79,13 +90,13 @@ VDBLIC_INLINE void RayKernel::place(const Lanes& lanes, Sample& result) const
     result.leaf = mVisible.findLeaves(lanes.block, result.voxel);
 }
 
-/// Negative in the lanes whose ray is at its end, or has no light left to take.
+/// Negative in lanes whose ray is at its end or opaque.
 VDBLIC_INLINE Int8 RayKernel::isOver(const Lanes& lanes) const
 {
     return (lanes.last - lanes.sample) | lanes.spent;
 }
 
-/// The lanes whose ray is over or leaves its block, or is where nothing is visible.
+/// The lanes whose ray is over, leaves its block, or is where nothing is visible.
 VDBLIC_INLINE unsigned RayKernel::leaving(const Lanes& lanes, const Sample& sample) const
 {
     const Int8 apart = (sample.voxel[0] ^ lanes.blockOrigin[0]) | (sample.voxel[1] ^ lanes.blockOrigin[1]) |
@@ -95,10 +106,10 @@ VDBLIC_INLINE unsigned RayKernel::leaving(const Lanes& lanes, const Sample& samp
     return laneBits(elsewhere | nothing | isOver(lanes)) & lanes.busy;
 }
 
-/// Take lanes to the first sample behind the leaf or the block they are in.
+/// Move lanes to the first sample behind their leaf, or behind their block if that has no visible leaf.
 VDBLIC_INLINE void RayKernel::skip(Lanes& lanes, const Sample& sample, unsigned which) const
 {
-    // The samples before the ray comes within the margin of leaving this box are surely inside.
+    // Samples at least the margin before the ray's exit are inside the box for certain.
     const Int8 dim =
         lanes.block == VisibleLeaves::kNoBlock ? broadcastInt8(VisibleLeaves::kBlockDim) : broadcastInt8(8);
     const Float8 depth = __builtin_convertvector(dim, Float8) - mMargin;
@@ -106,8 +117,8 @@ VDBLIC_INLINE void RayKernel::skip(Lanes& lanes, const Sample& sample, unsigned 
     for (int axis = 0; axis < 3; ++axis) {
         const Float8 low = __builtin_convertvector(sample.voxel[axis] & -dim, Float8) - 0.5f;
         const Float8 exit = low + (lanes.inverse[axis] > 0 ? depth : broadcast8(mMargin));
-        const Float8 there = (exit - lanes.entry[axis]) * lanes.inverse[axis];
-        nearest = there < nearest ? there : nearest;
+        const Float8 distance = (exit - lanes.entry[axis]) * lanes.inverse[axis];
+        nearest = distance < nearest ? distance : nearest;
     }
     const Float8 last = nearest * mPerStep - lanes.shift + 0.5f;
     const Float8 end = __builtin_convertvector(lanes.last, Float8);
@@ -129,7 +140,7 @@ VDBLIC_INLINE void RayKernel::load(const RayTask& ray, int task, Lanes& lanes, i
     setLane(lanes.span, lane, ray.span);
     setLane(lanes.last, lane, ray.samples - 1);
     setLane(lanes.transmittance, lane, 1);
-    for (Float8* sum : {&lanes.halo, &lanes.haloPlace, &lanes.waiting})
+    for (Float8* sum : {&lanes.halo, &lanes.haloDistance, &lanes.waiting})
         setLane(*sum, lane, 0);
     setLane(lanes.sample, lane, 0);
     setLane(lanes.since, lane, lanes.turn);
@@ -138,7 +149,7 @@ VDBLIC_INLINE void RayKernel::load(const RayTask& ray, int task, Lanes& lanes, i
     lanes.busy |= 1u << lane;
 }
 
-/// Let a lane stand still, where no light is left to take.
+/// Take a lane's ray away.
 VDBLIC_INLINE void RayKernel::park(Lanes& lanes, int lane) const
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -150,7 +161,7 @@ VDBLIC_INLINE void RayKernel::park(Lanes& lanes, int lane) const
     lanes.busy &= ~(1u << lane);
 }
 
-/// Take lanes to the next sample in a visible leaf, on their ray or, if that is over, on the next ray.
+/// Move lanes to the next sample in a visible leaf, on their ray or, if that is over, on the next ray.
 VDBLIC_KERNEL
 void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes, Sample& sample,
                         RaySum* sums) const
@@ -161,7 +172,7 @@ void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned lea
             RaySum& sum = sums[lanes.task[lane]];
             sum.alpha = 1 - lanes.transmittance[lane];
             sum.halo = lanes.halo[lane];
-            sum.haloPlace = lanes.haloPlace[lane];
+            sum.haloDistance = lanes.haloDistance[lane];
             sum.waiting = lanes.waiting[lane];
             sum.samples = lanes.turn - lanes.since[lane];
             if (next < count) {
@@ -172,7 +183,7 @@ void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned lea
                 leaving &= ~(1u << lane);
             }
         }
-        place(lanes, sample);
+        locate(lanes, sample);
         for (unsigned left = leaving; left != 0; left &= left - 1) {
             const int lane = __builtin_ctz(left);
             const auto& [x, y, z] = sample.voxel;
@@ -188,7 +199,7 @@ void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned lea
     } while (leaving != 0);
 }
 
-/// Texture and magnitude at the lanes' samples.
+/// Texture and driver at the lanes' samples.
 VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
 {
     Int8 cell[3];
@@ -200,7 +211,7 @@ VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
     sampleValues(mVolume.values(), result.record, result.fraction, result.values);
 }
 
-/// Those of some lanes whose voxels are not shown.
+/// Those of the given lanes whose voxels are not shown.
 unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
 {
     unsigned hidden = 0;
@@ -208,14 +219,14 @@ unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
         const int lane = __builtin_ctz(lanes);
         const auto& [x, y, z] = sample.voxel;
         const int offset = LeafVoxel::offset(x[lane], y[lane], z[lane]);
-        const bool shown = mVolume.shown(sample.record[lane] / kBrickSize).isOn(unsigned(offset));
+        const bool shown = mVolume.shown(sample.record[lane] / kPaddedSize).isOn(unsigned(offset));
         hidden |= unsigned(!shown) << lane;
     }
     return hidden;
 }
 
-/// How far the flanks at the samples are turned aside: of halos, the share that is left.
-/// @param view by axis
+/// Factor on halos: 0 where a flank faces the eye, 1 where it is seen edge-on.
+/// @param view directions of the rays, by axis
 VDBLIC_KERNEL
 void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& result) const
 {
@@ -230,7 +241,7 @@ void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& res
     result = aside * aside;
 }
 
-/// Let the lanes' samples take their part of the light, and queue those that are seen.
+/// Composite the lanes' samples, and queue those that are visible.
 VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const
 {
     lanes.spent = lanes.transmittance < mLeastTransmittance;
@@ -260,25 +271,21 @@ VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQu
     if (mLook.halo.strength > 0) {
         weight = all > 0 ? taken * density / all : Float8{};
         lanes.halo += taken - weight;
-        lanes.haloPlace += (taken - weight) * sample.place;
+        lanes.haloDistance += (taken - weight) * sample.distance;
     }
 
-    // What adds next to nothing to its ray waits for more.
+    // Faint samples wait for further ones of their ray.
     weight += lanes.waiting;
     const Int8 enough = weight > (1 - left) * mLeastTransmittance;
     lanes.waiting = enough ? Float8{} : weight;
-    const unsigned seen = laneBits(enough);
-    const Int8 order = kPacking[seen];
-    const int end = queue.end;
-    for (int axis = 0; axis < 3; ++axis)
-        queue.put(queue.fraction[axis] + end, sample.fraction[axis], order);
-    queue.put(queue.record + end, sample.record, order);
-    queue.put(queue.task + end, lanes.task, order);
-    queue.put(queue.place + end, sample.place, order);
-    queue.put(queue.weight + end, weight, order);
-    queue.put(queue.stretched + end, stretched, order);
-    queue.put(queue.entry + end, entries, order);
-    queue.end = end + __builtin_popcount(seen);
+    queue.push({.fraction = {sample.fraction[0], sample.fraction[1], sample.fraction[2]},
+                .record = sample.record,
+                .task = lanes.task,
+                .distance = sample.distance,
+                .weight = weight,
+                .stretched = stretched,
+                .entry = entries},
+               laneBits(enough));
 }
 
 VDBLIC_KERNEL
@@ -299,31 +306,22 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
     ShadeQueue queue;
     Sample sample;
     while (true) {
-        place(lanes, sample);
+        locate(lanes, sample);
         if (const unsigned left = leaving(lanes, sample)) advance(tasks, count, next, left, lanes, sample, sums);
         if (lanes.busy == 0) break;
         interpolate(sample);
         absorb(lanes, sample, queue);
         lanes.sample += 1;
         ++lanes.turn;
-        if (queue.end >= ShadeQueue::kMany) {
-            for (; queue.begin + kLanes <= queue.end; queue.begin += kLanes)
+        if (queue.isFull()) {
+            for (; queue.hasEight(); queue.pop())
                 mShader.shade(queue, tasks, sums);
             queue.compact();
         }
     }
-    while (queue.begin < queue.end) {
-        for (int i = queue.end; i < queue.begin + kLanes; ++i) {
-            queue.weight[i] = 0;
-            queue.record[i] = 0;
-            queue.task[i] = 0;
-            queue.entry[i] = 0;
-            queue.place[i] = queue.stretched[i] = 0;
-            for (float* fraction : queue.fraction)
-                fraction[i] = 0;
-        }
+    for (; !queue.empty(); queue.pop()) {
+        queue.fillUp();
         mShader.shade(queue, tasks, sums);
-        queue.begin += kLanes;
     }
 }
 

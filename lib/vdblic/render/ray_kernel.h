@@ -1,18 +1,30 @@
 #pragma once
 
-#include "vdblic/render/sample_shader.h"
+#include "vdblic/render/lanes.h"
+#include "vdblic/render/ray_sum.h"
+#include "vdblic/render/ray_task.h"
+#include "vdblic/render/visible_leaves.h"
+
+#include <vector>
 
 namespace vdblic {
 
-/// Traces rays, eight in flight: a lane whose ray is done takes the next, so that lanes never idle in empty space.
+class SampleShader;
+class ShadeQueue;
+class TextureVolume;
+struct Look;
+struct RayCastParams;
+
+/// Traces rays, eight at a time: a lane whose ray ends takes the next ray, so that no lane idles.
 ///
-/// A sample costs little until it is known to be seen; those that are wait in a queue to be shaded eight at a time.
+/// A sample's opacity comes first. Only a visible sample enters a queue, from which eight at a time are shaded.
+/// Thread-safe.
 class RayKernel {
   public:
     RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params, const VisibleLeaves& visible,
               const SampleShader& shader);
 
-    /// @param sums receives what each task's ray adds up to; count of them, all zero
+    /// @param tasks, sums `count` of each; each ray is added to its sum, all zero before
     void trace(const RayTask* tasks, int count, RaySum* sums) const;
 
   private:
@@ -22,12 +34,12 @@ class RayKernel {
     void load(const RayTask& ray, int task, Lanes& lanes, int lane) const;
     void park(Lanes& lanes, int lane) const;
     Int8 isOver(const Lanes& lanes) const;
-    void place(const Lanes& lanes, Sample& result) const;
+    void locate(const Lanes& lanes, Sample& result) const;
     unsigned leaving(const Lanes& lanes, const Sample& sample) const;
     void skip(Lanes& lanes, const Sample& sample, unsigned which) const;
     void interpolate(Sample& result) const;
     void absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const;
-    // What is seldom needed is called, not merged into the loop, which then has less to keep in registers.
+    // Rarely needed. Inlined, they would take registers from the loop.
     [[gnu::noinline]] void advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes,
                                    Sample& sample, RaySum* sums) const;
     [[gnu::noinline]] unsigned findHidden(unsigned lanes, const Sample& sample) const;
@@ -38,7 +50,7 @@ class RayKernel {
     const VisibleLeaves& mVisible;
     const SampleShader& mShader;
     float mStep, mPerStep, mLeastTransmittance, mMargin;
-    std::vector<float> mPowers; // of 2: what a step at full density lets through, by the transfer function's entries
+    std::vector<float> mPowers; // of 2: transmittance of a step at full density, by entry of the transfer function
 };
 
 } // namespace vdblic

@@ -1,18 +1,27 @@
 #include "vdblic/render/ray_setup.h"
 
+#include "vdblic/render/clipping.h"
+#include "vdblic/render/ray_cast_params.h"
+#include "vdblic/render/sample_shader.h"
+#include "vdblic/render/texture_volume.h"
+#include "vdblic/render/visible_leaves.h"
+
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 namespace vdblic {
 namespace {
 
-constexpr int kSquare = 4; // neighbouring rays set up together: a square of pixels, row by row
+constexpr int kSquare = 4; // rays set up together: a square of pixels, row by row
 
-/// Every second bit from the lowest on, together: a place along a curve through a tile that stays in small squares
-/// (Morton 1966).
+/// The bits at even positions, packed: one coordinate of a position on Morton's curve (1966), which stays in small
+/// squares.
 int everySecondBit(int i)
 {
     return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4);
@@ -35,7 +44,7 @@ VDBLIC_INLINE Double4 length(const Double4* v)
     return Double4{std::sqrt(square[0]), std::sqrt(square[1]), std::sqrt(square[2]), std::sqrt(square[3])};
 }
 
-/// A number near 0 that takes its place, so that nothing across it is ever reached.
+/// Numbers near 0 replaced by a tiny one: a face parallel to a ray then lies out of reach.
 VDBLIC_INLINE Double4 notZero(Double4 x)
 {
     constexpr double kTiny = 1e-12;
@@ -63,19 +72,28 @@ Float4 toFloat4(const glm::dvec3& v)
 
 } // namespace
 
+float sampleShift(int x, int y, int ray)
+{
+    // Inverse powers of the plastic number and the radical inverse, as fractions of 2³².
+    std::uint32_t fraction = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
+    for (int bit = 31; ray != 0; ray >>= 1, --bit)
+        fraction += std::uint32_t(ray & 1) << bit;
+    return float(int(fraction >> 8)) * 0x1p-24f;
+}
+
 RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
                    const RayCastParams& params, const SampleShader& shader, int ray)
     : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mWorld(camera.rays())
 {
-    const glm::dvec3 first(visible.first()[0], visible.first()[1], visible.first()[2]);
-    mLow = volume.low() - first;
-    mHigh = volume.high() - first;
+    const glm::dvec3 zero(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
+    mLow = volume.low() - zero;
+    mHigh = volume.high() - zero;
     const glm::dmat3 toIndex(volume.worldToIndex());
     const auto linear = [&](const PictureGradient<glm::dvec3>& world) {
         return PictureGradient<glm::dvec3>{toIndex * world.corner, toIndex * world.perX, toIndex * world.perY};
     };
     mIndex = {linear(mWorld.origin), linear(mWorld.direction)};
-    mIndex.origin.corner += glm::dvec3(volume.worldToIndex()[3]) - first;
+    mIndex.origin.corner += glm::dvec3(volume.worldToIndex()[3]) - zero;
 
     const glm::dmat3 gradients = glm::transpose(toIndex); // of the index, by axis
     for (int axis = 0; axis < 3; ++axis) {
@@ -98,7 +116,7 @@ RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, co
 VDBLIC_KERNEL
 int RaySetup::rays(int x, int y, RayTask* tasks) const
 {
-    Float4 outward[kTile * kTile]; // normals of the faces where rays come in, with 1 behind; 0 where there is none
+    Float4 outward[kTile * kTile]; // of the faces where rays enter, see SampleShader::lightFaces()
     int count = 0;
     for (int i = 0; i < kTile * kTile / kSquare; ++i) {
         const int left = x + 2 * everySecondBit(i), top = y + 2 * everySecondBit(i >> 1);
@@ -110,7 +128,7 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
         const Double4 voxelsPerDepth = length(direction), depthPerVoxel = 1 / voxelsPerDepth;
 
         Double4 enter{}, leave = enter + std::numeric_limits<double>::infinity(); // in voxels from the origin
-        Long4 face = Long4{} - 1;                                                 // of mOutward
+        Long4 face = Long4{} - 1;                                                 // index in mOutward; −1: none
         for (int axis = 0; axis < 3; ++axis) {
             direction[axis] *= depthPerVoxel;
             inverse[axis] = 1 / notZero(direction[axis]);

@@ -1,36 +1,55 @@
 #pragma once
 
-#include "vdblic/render/clipping.h"
-#include "vdblic/render/sample_shader.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/render/camera.h"
+#include "vdblic/render/ray_task.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <vector>
 
 namespace vdblic {
 
-/// Turns pixels into rays to trace: where each comes into what is left of a volume, and out of it.
+class SampleShader;
+class TextureVolume;
+class VisibleLeaves;
+struct RayCastParams;
+
+/// The share of a step by which the steps of a pixel's ray are shifted along it, so that shells of samples leave no
+/// rings: a low-discrepancy sequence over the picture (Roberts' R2). The shifts of a pixel's further rays are spread
+/// evenly between (van der Corput's sequence).
+/// @param ray index among the pixel's rays
+[[nodiscard]] float sampleShift(int x, int y, int ray = 0);
+
+/// Turns pixels into rays to trace: the span of each ray inside the volume's bounds and all cuts. Thread-safe.
 class RaySetup {
   public:
     static constexpr int kTile = 16; ///< pixels a side
 
-    /// @param ray of a pixel's
+    /// @param ray index among each pixel's rays
     RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
              const RayCastParams& params, const SampleShader& shader, int ray);
 
-    /// The rays through the centres of a tile's pixels that meet the volume, neighbours close to each other.
-    /// @param x, y  its top left pixel; those beyond the picture are left out
-    /// @param tasks room for kTile² of them  @return how many there are
+    /// The rays through the centres of a tile's pixels that meet the volume, in an order that keeps neighbours
+    /// together.
+    /// @param x, y  top left pixel of the tile; pixels outside the picture are left out
+    /// @param tasks receives up to kTile² rays
+    /// @return number of rays
     int rays(int x, int y, RayTask* tasks) const;
 
   private:
-    /// A plane, as the rays of a picture meet it.
+    /// A plane that cuts the rays of a picture.
     struct Cut {
-        PictureGradient<double> above, slope; // height of a ray's origin over it, and gain of height along the ray
+        PictureGradient<double> above, slope; // height of a ray's origin above the plane, and its growth along the ray
     };
 
     const SampleShader& mShader;
     glm::ivec2 mSize;
     double mStep;
     int mRay;
-    PictureRays mWorld, mIndex; // the second to places as VisibleLeaves count them
-    glm::dvec3 mLow, mHigh;     // the volume's bounds there
+    PictureRays mWorld, mIndex; // in world space, and in index space relative to VisibleLeaves::origin()
+    glm::dvec3 mLow, mHigh;     // the volume's bounds, as mIndex
     std::vector<Cut> mCuts;
     std::vector<Float4> mOutward; // normals of the bounds' low and high faces, axis by axis, and of the cuts
 };

@@ -9,37 +9,46 @@
 #include "vdblic/render/scene.h"
 #include "vdblic/render/supersampling.h"
 
+#include <fmt/format.h>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <exception>
+#include <istream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-constexpr int kMostPixels = 32768; // a side
-constexpr double kMostStretch = 1e6;
-
-/// A frame's turn, or an error in place of it.
+/// A frame to render, or an error in place of it.
 struct FrameTask {
     FrameFile file;
-    std::shared_ptr<const LoadedTexture> loaded; ///< if it was needed before its turn
-    const Scene* scene = nullptr;                ///< null as long as no frame had an active voxel
+    std::shared_ptr<const LoadedTexture> loaded; ///< if it was read before its turn
+    const Scene* scene = nullptr;                ///< null until a frame has an active voxel
     std::exception_ptr error;
 };
 
-/// What became of a frame: its image is on disk, or there was an error.
+/// A frame whose image is on disk, or an error.
 struct RenderedFrame {
     FrameFile file;
     const Scene* scene = nullptr;
-    bool hasMagnitude = true;
+    bool hasDriver = true;
     std::size_t unusableVoxels = 0;
     std::optional<TextureHistograms> histograms;
     std::exception_ptr error;
 };
 
-/// The run over a sequence: frames are taken one by one, rendered side by side, and reported one by one in their order.
+/// The run over a sequence: frames are taken one by one, rendered in parallel, and reported one by one in order.
 class SequenceRenderer {
   public:
     SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
@@ -61,10 +70,10 @@ class SequenceRenderer {
             }
         }
         mReporter.progress(0, mTotal);
-        // How many fit side by side is known once one has been seen.
+        // How many frames fit in memory is known once one has been read.
         if (!mScene) runPipeline(1, /*untilScene=*/true);
         runPipeline(framesInFlight(mScene ? mScene->frameBytes : 1), /*untilScene=*/false);
-        mReporter.checkStop(); // it may have ended standard input
+        mReporter.checkStop(); // a request to stop ends standard input
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
         if (mParams.histogram.empty()) return;
         if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
@@ -73,7 +82,7 @@ class SequenceRenderer {
     }
 
   private:
-    /// @param untilScene end once a frame has shown something
+    /// @param untilScene end once a frame has an active voxel
     void runPipeline(std::size_t frames, bool untilScene)
     {
         const auto next = [&](tbb::flow_control& flow) {
@@ -82,8 +91,8 @@ class SequenceRenderer {
             return task;
         };
         const auto work = [&](const FrameTask& task) { return finish(task); };
-        // An exception that left the pipeline would cancel the half-done work of other frames in OpenVDB, which then
-        // crashes on its half-built trees; so it waits until they are through.
+        // An exception that left the pipeline would cancel OpenVDB's work on other frames, and OpenVDB crashes on
+        // half-built trees. So it is thrown once the pipeline is empty.
         const auto tell = [&](const RenderedFrame& frame) {
             if (mError) return;
             try {
@@ -100,7 +109,7 @@ class SequenceRenderer {
         if (mError) std::rethrow_exception(mError);
     }
 
-    /// The next frame's turn; false at the end and after an error.
+    /// Take the next frame; false at the end and after an error.
     bool take(FrameTask& task)
     {
         if (mStopped) return false;
@@ -109,7 +118,7 @@ class SequenceRenderer {
             const std::optional<FrameFile> file = mSource();
             if (!file) return false;
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
-            if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // paths of which there is a second one
+            if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // standard input named a second path
             task.file = *file;
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
             if (!mScene) {
@@ -125,7 +134,8 @@ class SequenceRenderer {
         return true;
     }
 
-    /// Render a frame and write its image. An error is kept for its turn, so that those before it are still finished.
+    /// Render a frame and write its image. An error waits for the frame's turn: the frames before it are still
+    /// reported.
     RenderedFrame finish(const FrameTask& task) const
     {
         RenderedFrame result{task.file, task.scene};
@@ -133,7 +143,7 @@ class SequenceRenderer {
         const bool skipped = mOutput && mParams.skipExisting && isFinished(mOutput->path(task.file.frame));
         if (result.error || skipped) return result;
         try {
-            // While it waits for its own tiles, a thread must not get caught in waiting for the next path.
+            // While a thread waits for this frame's tiles, it must not start to wait for the next path.
             tbb::this_task_arena::isolate([&] { render(task, result); });
         } catch (...) {
             result.error = std::current_exception();
@@ -145,11 +155,11 @@ class SequenceRenderer {
     {
         const auto frame =
             task.loaded ? task.loaded : std::make_shared<const LoadedTexture>(loadFrame(mParams, task.file));
-        result.hasMagnitude = frame->hasMagnitude;
+        result.hasDriver = frame->hasDriver;
         result.unusableVoxels = frame->volume.unusableVoxels();
         if (!mParams.histogram.empty() && task.scene) {
             result.histograms.emplace(task.scene->look);
-            result.histograms->add(*frame->texture, *frame->magnitude);
+            result.histograms->add(*frame->texture, *frame->driver);
         }
         if (!mOutput) return;
         const glm::ivec2 size = mParams.scaledSize();
@@ -170,10 +180,10 @@ class SequenceRenderer {
         if (frame.error) std::rethrow_exception(frame.error);
         const std::string path = frame.file.path.string();
         if (frame.scene && !mDescribed) describe(*frame.scene, frame.file.frame);
-        if (!frame.hasMagnitude && !mSaidNoMagnitude) {
+        if (!frame.hasDriver && !mSaidNoDriver) {
             mReporter.say(
                 fmt::format("{}: no float grid 'magnitude'; the texture chooses colour and opacity instead", path));
-            mSaidNoMagnitude = true;
+            mSaidNoDriver = true;
         }
         if (frame.unusableVoxels > 0) {
             mReporter.warn(
@@ -209,65 +219,14 @@ class SequenceRenderer {
     FrameSource mSource;
     std::optional<FramePattern> mOutput;
     std::optional<Scene> mScene;
-    std::shared_ptr<const LoadedTexture> mOnlyFrame; // if it was read to make the scene
+    std::shared_ptr<const LoadedTexture> mOnlyFrame; // of the sequence, if it was read to make the scene
     std::optional<TextureHistograms> mHistograms;
-    std::atomic<bool> mStopped = false; // no further frame is to be taken
+    std::atomic<bool> mStopped = false; // take no further frame
     std::exception_ptr mError;
-    bool mDescribed = false, mSaidNoMagnitude = false;
+    bool mDescribed = false, mSaidNoDriver = false;
 };
 
 } // namespace
-
-void RenderParams::validate() const
-{
-    if (output.empty() && histogram.empty()) throw ParameterError("there is nothing to make: give an output");
-    if (!output.empty()) {
-        const bool exrOutput = imageFormat(output) == ImageFormat::kExr;
-        if (!exr.layers.empty() && !exrOutput) {
-            throw ParameterError(fmt::format("output '{}': only .exr holds further channels", output));
-        }
-    }
-    if (!histogram.empty()) checkHistogramPath(histogram);
-    camera.validate();
-    motion.validate();
-    look.validate();
-    rays.validate();
-    background.validate();
-    exr.validate();
-    if (motion.orbit != 0 && !motion.orbitFrames && (input.pattern == "-" || !FramePattern(input.pattern).hasField())) {
-        throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
-    }
-    for (const double factor : {stretch.x, stretch.y, stretch.z}) {
-        if (!(factor >= 1 / kMostStretch && factor <= kMostStretch)) {
-            throw ParameterError(
-                fmt::format("stretch {} must be between {} and {}", factor, 1 / kMostStretch, kMostStretch));
-        }
-    }
-    if (!(scale > 0 && scale <= kMostPixels)) {
-        throw ParameterError(fmt::format("scale {} must be above 0 and at most {}", scale, kMostPixels));
-    }
-    for (const glm::ivec2& sides : {size, scaledSize()}) {
-        if (std::min(sides.x, sides.y) >= 1 && std::max(sides.x, sides.y) <= kMostPixels) continue;
-        throw ParameterError(
-            fmt::format("image size {}x{} must be 1 to {} pixels a side", sides.x, sides.y, kMostPixels));
-    }
-    if (samples < 1 || samples > kMostSamples) {
-        throw ParameterError(fmt::format("{} samples to a pixel must be 1 to {}", samples, kMostSamples));
-    }
-}
-
-glm::ivec2 RenderParams::scaledSize() const
-{
-    const auto scaled = [&](int side) { return int(std::clamp(std::round(side * scale), 1.0, 1e9)); };
-    return {scaled(size.x), scaled(size.y)};
-}
-
-double RenderParams::imageBytes() const
-{
-    // The sum over the samples, one of them, the file's pixels, and the file.
-    const double perPixel = sizeof(glm::vec4) * 4 + (rays.layers ? 2 * sizeof(PixelLayers) : 0);
-    return double(scaledSize().x) * scaledSize().y * perPixel;
-}
 
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter)
 {
@@ -275,7 +234,7 @@ void renderSequence(const RenderParams& params, std::istream& lines, Reporter& r
     if (!params.output.empty()) {
         const glm::ivec2 size = params.scaledSize();
         checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
-                    "make it smaller with --size or --scale");
+                    "make it smaller with `size` or `scale`");
     }
     SequenceRenderer(params, lines, reporter).run();
 }

@@ -1,31 +1,21 @@
 #include "vdblic/render/sample_shader.h"
 
+#include "vdblic/render/camera.h"
+#include "vdblic/render/lanes.h"
+#include "vdblic/render/look.h"
+#include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/record_sampling.h"
+#include "vdblic/render/shade_queue.h"
+#include "vdblic/render/texture_volume.h"
 
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <limits>
 
 namespace vdblic {
 namespace {
-
-VDBLIC_INLINE Float8 load8(const float* values)
-{
-    Float8 result;
-    std::memcpy(&result, values, sizeof result);
-    return result;
-}
-
-/// The places in their cells of the first eight samples of a queue, and the numbers of their records.
-struct Cells {
-    Float8 place[3];
-    Unsigned8 record;
-
-    VDBLIC_INLINE explicit Cells(const ShadeQueue& queue)
-        : place{load8(queue.fraction[0] + queue.begin), load8(queue.fraction[1] + queue.begin),
-                load8(queue.fraction[2] + queue.begin)}
-    {
-        std::memcpy(&record, queue.record + queue.begin, sizeof record);
-    }
-};
 
 VDBLIC_INLINE const Float4& asFloat4(const TransferFunction::Entry& entry)
 {
@@ -50,7 +40,7 @@ SampleShader::SampleShader(const TextureVolume& volume, const Look& look, const 
         mLights.emplace_back(glm::vec3(glm::normalize(light.direction)), float(light.intensity));
 }
 
-/// Schlick's stand-in for the cosine to the power of the shininess.
+/// Schlick's approximation of cosine^shininess (Graphics Gems IV, 1994).
 VDBLIC_INLINE Float8 SampleShader::highlight(Float8 cosine) const
 {
     const float power = mLook.shading.shininess;
@@ -69,22 +59,20 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightSurface(const Float8* norma
         const Float8 cosine = positive(normal[0] * light.x + normal[1] * light.y + normal[2] * light.z);
         const Float8 across = view[0] * light.x + view[1] * light.y + view[2] * light.z;
         diffuse += cosine * light.w;
-        // Only what the light reaches has a highlight.
+        // Only a side that faces the light has a highlight.
         specular += (cosine > 0 ? highlight(2 * cosine * facing + across) : Float8{}) * light.w;
     }
     return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
 }
 
-VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queue, const Float8* view) const
+VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeSamples& samples, const Float8* view) const
 {
-    const int first = queue.begin;
+    const auto& [u, v, w] = samples.fraction;
     Float8 rows[kLanes], line[kLanes];
-    for (int i = 0; i < kLanes; ++i) {
-        rows[i] = sampleLine(mVolume.lines() + queue.record[first + i], queue.fraction[0][first + i],
-                             queue.fraction[1][first + i], queue.fraction[2][first + i]);
-    }
+    for (int i = 0; i < kLanes; ++i)
+        rows[i] = sampleLine(mVolume.lines() + samples.record[i], u[i], v[i], w[i]);
     transpose(rows, line);
-    // The line's direction times its component along another one, t (t·d), whichever way t points.
+    // t (t·d) of the line's direction t and another one, d: independent of the sign of t.
     const auto along = [&](auto x, auto y, auto z, Float8* result) {
         result[0] = line[0] * x + line[3] * y + line[4] * z;
         result[1] = line[3] * x + line[1] * y + line[5] * z;
@@ -110,42 +98,39 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queu
     return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
 }
 
-VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth,
-                                           RaySum* sums) const
+VDBLIC_INLINE void SampleShader::addLayers(const ShadeSamples& samples, const Float8* normal, Float8 surface,
+                                           Float8 depth, RaySum* sums) const
 {
-    const int first = queue.begin;
-    const Float8 weight = load8(queue.weight + first);
+    const Float8 weight = samples.weight;
     const Float8 normals[] = {normal[0] * weight * surface, normal[1] * weight * surface, normal[2] * weight * surface,
                               Float8{}};
-    const Cells cells(queue);
     Float8 values[2];
-    sampleValues(mVolume.values(), cells.record, cells.place, values);
+    sampleValues(mVolume.values(), samples.record, samples.fraction, values);
     const Float8 numbers[] = {depth * weight, values[1] * weight, values[0] * weight, Float8{}};
     Float4 rows[kLanes];
     transposeBack(normals, rows);
     for (int i = 0; i < kLanes; ++i)
-        sums[queue.task[first + i]].normal += rows[i];
+        sums[samples.task[i]].normal += rows[i];
     transposeBack(numbers, rows);
     for (int i = 0; i < kLanes; ++i)
-        sums[queue.task[first + i]].numbers += rows[i];
+        sums[samples.task[i]].numbers += rows[i];
 }
 
 VDBLIC_KERNEL
 void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const
 {
-    const int first = queue.begin;
+    const ShadeSamples samples = queue.front();
     Float8 rays[kLanes], ray[kLanes];
     for (int i = 0; i < kLanes; ++i)
-        rays[i] = tasks[queue.task[first + i]].shading;
+        rays[i] = tasks[samples.task[i]].shading;
     transpose(rays, ray);
     const Float8* view = ray + kViewX;
 
-    // The gradient over its length, turned towards the eye, is the normal; where it is weak there is no surface.
+    // The normal is the gradient over its length, turned towards the eye; a weak gradient is no surface.
     const bool surfaces = mLook.shading.model == ShadingModel::kSurface;
     Float8 normal[3] = {}, surface = {};
     if (surfaces || mLayers) {
-        const Cells cells(queue);
-        sampleGradients(mVolume.gradients(), cells.record, cells.place, normal);
+        sampleGradients(mVolume.gradients(), samples.record, samples.fraction, normal);
         const Float8 length = squareRoots(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
         const Float8 along = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
         const Float8 unit = 1 / (length + 1e-20f);
@@ -160,31 +145,30 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
         const Light full = lightSurface(normal, view);
         light = {1 + surface * (full.lit - 1), surface * full.white};
     } else if (mLook.shading.model == ShadingModel::kLine) {
-        light = lightLine(queue, view);
+        light = lightLine(samples, view);
     }
-    // What lies within a voxel of a cut is lit as the cut is.
-    const Float8 place = load8(queue.place + first);
-    const Float8 face = ray[kFaceLit] >= 0 ? clamped(1 - place * mStep) : Float8{};
+    // Samples within a voxel of the face are lit as the face.
+    const Float8 face = ray[kFaceLit] >= 0 ? clamped(1 - samples.distance * mStep) : Float8{};
     light = {mix(light.lit, ray[kFaceLit], face), mix(light.white, ray[kFaceWhite], face)};
 
-    // Magnitude chooses the colour, the texture darkens it.
+    // The driver chooses the colour, the texture darkens it.
     Float4 rows[kLanes];
     for (int i = 0; i < kLanes; ++i)
-        rows[i] = asFloat4(mLook.transfer.table()[queue.entry[first + i]]);
+        rows[i] = asFloat4(mLook.transfer.table()[samples.entry[i]]);
     Float8 color[4];
     transpose(rows, color);
-    const Float8 tint = mLook.texture.brightness(load8(queue.stretched + first)) * light.lit;
-    const Float8 depth = ray[kEntryDepth] + ray[kDepthPerStep] * place;
+    const Float8 tint = mLook.texture.brightness(samples.stretched) * light.lit;
+    const Float8 depth = ray[kEntryDepth] + ray[kDepthPerStep] * samples.distance;
     const Float8 far = clamped((depth - mNearest) * mCuePerDepth);
-    const Float8 weight = load8(queue.weight + first);
+    const Float8 weight = samples.weight;
     for (int channel = 0; channel < 3; ++channel) {
         const Float8 seen = color[channel] * tint + light.white;
         color[channel] = mix(seen, broadcast8(mLook.background[channel]), far) * weight;
     }
     transposeBack(color, rows);
     for (int i = 0; i < kLanes; ++i)
-        sums[queue.task[first + i]].color += rows[i];
-    if (mLayers) addLayers(queue, normal, surface, depth, sums);
+        sums[samples.task[i]].color += rows[i];
+    if (mLayers) addLayers(samples, normal, surface, depth, sums);
 }
 
 VDBLIC_KERNEL

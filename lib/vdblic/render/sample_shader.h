@@ -1,31 +1,43 @@
 #pragma once
 
-#include "vdblic/render/ray_caster.h"
-#include "vdblic/render/shade_queue.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/render/ray_sum.h"
+#include "vdblic/render/ray_task.h"
+
+#include <glm/vec4.hpp>
+
+#include <vector>
 
 namespace vdblic {
 
-/// Light and colour of samples, eight at a time.
+class Camera;
+class ShadeQueue;
+class TextureVolume;
+struct Look;
+struct RayCastParams;
+struct ShadeSamples;
+
+/// Light and colour of samples, eight at a time. Thread-safe.
 class SampleShader {
   public:
     SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params);
 
-    /// Shade the first eight samples of a queue and add them to their rays' sums, in order. Those beyond its count must
-    /// have weight 0.
+    /// Shade the first eight samples of a queue and add them to their rays' sums, in order.
     void shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const;
 
-    /// Light the faces through which rays come in.
-    /// @param outward their normals, of length 1 in world space, with 1 behind; 0 for rays that come in through none
+    /// Light the faces where rays enter.
+    /// @param outward their normals, of length 1 in world space, fourth lane 1; all 0 for a ray that enters through
+    /// none
     void lightFaces(const Float4* outward, RayTask* tasks, int count) const;
 
   private:
     struct Light {
-        Float8 lit, white; // share of the colour that is seen, and light added to it
+        Float8 lit, white; // factor on the colour, and light added to it
     };
     Light lightSurface(const Float8* normal, const Float8* view) const;
-    Light lightLine(const ShadeQueue& queue, const Float8* view) const;
+    Light lightLine(const ShadeSamples& samples, const Float8* view) const;
     Float8 highlight(Float8 cosine) const;
-    void addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
+    void addLayers(const ShadeSamples& samples, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
 
     const TextureVolume& mVolume;
     const Look& mLook;

@@ -4,9 +4,19 @@
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/color_map.h"
+#include "vdblic/render/render_params.h"
 #include "vdblic/render/sequence_bounds.h"
 
+#include <fmt/format.h>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -17,8 +27,7 @@ double memoryOf(const RenderParams& params, const TextureVolume& volume)
         2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * LeafVoxel::kCount * sizeof(float);
     const double record =
         double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
-    const double brick = kBrickSize * record;
-    return double(volume.domain().leafCount()) * (kGridLeaf + brick) + params.imageBytes();
+    return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record) + params.imageBytes();
 }
 
 } // namespace
@@ -27,8 +36,8 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
 {
     const VdbFile file = readVdb(frame.path);
     const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
-    const bool hasDriver = params.by != RenderParams{}.by || file.find<openvdb::FloatGrid>(params.by);
-    const auto driver = hasDriver ? file.get<openvdb::FloatGrid>(params.by, "`by`") : texture;
+    const bool hasDriver = params.driver != RenderParams{}.driver || file.find<openvdb::FloatGrid>(params.driver);
+    const auto driver = hasDriver ? file.get<openvdb::FloatGrid>(params.driver, "`driver`") : texture;
     try {
         LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver, params.stretch)};
         if (!params.region.empty()) {
@@ -51,7 +60,7 @@ Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> fra
     for (const LoadedTexture& frame : frames) {
         const TextureVolume::Samples more = frame.volume.samples();
         samples.texture.insert(samples.texture.end(), more.texture.begin(), more.texture.end());
-        samples.magnitude.insert(samples.magnitude.end(), more.magnitude.begin(), more.magnitude.end());
+        samples.driver.insert(samples.driver.end(), more.driver.begin(), more.driver.end());
         voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
         bytes = std::max(bytes, memoryOf(params, frame.volume));
     }
@@ -81,7 +90,7 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     if (!bounds) return std::nullopt;
     for (glm::dvec3& corner : bounds->box)
         corner *= params.stretch;
-    // The look is made from a few frames over the whole sequence; what cannot be read is reported when it is its turn.
+    // The look is made from a few frames of the whole sequence. A file that cannot be read is reported at its turn.
     constexpr std::size_t kLookFrames = 4;
     std::vector<LoadedTexture> frames;
     frames.push_back(loadFrame(params, bounds->firstFilled));

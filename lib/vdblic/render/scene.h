@@ -1,6 +1,9 @@
 #pragma once
 
-#include "vdblic/render/render_sequence.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/render/camera_path.h"
+#include "vdblic/render/look.h"
+#include "vdblic/render/texture_volume.h"
 
 #include <openvdb/openvdb.h>
 
@@ -10,36 +13,38 @@
 
 namespace vdblic {
 
+struct RenderParams;
+
 /// A frame that was read.
 struct LoadedTexture {
     FrameFile file;
-    openvdb::FloatGrid::Ptr texture, magnitude;
-    bool hasMagnitude;
+    openvdb::FloatGrid::Ptr texture, driver; ///< the same grid if the file has no driver
+    bool hasDriver;
     TextureVolume volume;
 };
 
 /// @throws InputError naming the file
 [[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame);
 
-/// What stays the same for the whole animation, once it is known what there is to see.
+/// What stays the same for the whole animation.
 struct Scene {
     Look look;
     CameraPath cameras;
-    double frameBytes; ///< about what a frame takes in memory
+    double frameBytes; ///< estimate of the memory that a frame takes
 };
 
 /// @param frames at least one, none empty
-/// @param box    all that there will be to see, as far as is known
+/// @param box    around all frames, as far as is known
 [[nodiscard]] Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box,
                                 const FrameSpan& span);
 
-/// A scene, and the sequence's frame that was read to make it if that is its only one.
+/// A scene, and the frame that was read to make it if the sequence has no other.
 struct SequenceScene {
     Scene scene;
     std::shared_ptr<const LoadedTexture> onlyFrame;
 };
 
-/// The scene as the frames on disk give it, whichever are selected; nothing if none has an active voxel.
+/// The scene of all frames on disk, whichever are selected; nothing if none has an active voxel.
 [[nodiscard]] std::optional<SequenceScene> sceneOfSequence(const RenderParams& params);
 
 } // namespace vdblic

@@ -4,10 +4,14 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
 
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <openvdb/openvdb.h>
+
 namespace vdblic {
 namespace {
 
-/// The header of a frame's grid, taken from the voxels if it must be.
+/// The header of a frame's grid, computed from the voxels if the file does not hold it.
 std::optional<GridHeader> headerOf(const FrameFile& file, const std::string& gridName)
 {
     try {
@@ -24,10 +28,10 @@ Corners cornersOf(const openvdb::CoordBBox& box, const openvdb::math::Transform&
 {
     Corners corners;
     for (unsigned i = 0; i < 8; ++i) {
-        openvdb::Vec3d place;
+        openvdb::Vec3d corner;
         for (int axis = 0; axis < 3; ++axis)
-            place[axis] = i >> axis & 1 ? box.max()[axis] + 0.5 : box.min()[axis] - 0.5;
-        const openvdb::Vec3d world = transform.indexToWorld(place);
+            corner[axis] = i >> axis & 1 ? box.max()[axis] + 0.5 : box.min()[axis] - 0.5;
+        const openvdb::Vec3d world = transform.indexToWorld(corner);
         corners[i] = {world[0], world[1], world[2]};
     }
     return corners;

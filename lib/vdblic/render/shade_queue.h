@@ -2,79 +2,95 @@
 
 #include "vdblic/render/lanes.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <utility>
 
 namespace vdblic {
 
-/// A ray to trace. Places are in index space, counted as VisibleLeaves does; distances along it are in steps.
-struct alignas(32) RayTask {
-    Float4 entry, direction; ///< the direction has length 1; fourth lanes 0
-    Float4 inverse;          ///< of the direction's components, huge for those near 0
-    Float8 shading;          ///< what shading needs to know, by RayNumber
-    float shift;             ///< length of the first step
-    float span;              ///< from entry to exit
-    int samples;             ///< that represent the span
-    int pixel;
-};
-
-/// The numbers of RayTask::shading.
-enum RayNumber {
-    kViewX, ///< direction in world space, of length 1
-    kViewY,
-    kViewZ,
-    kFaceLit,    ///< the share of its colour that the face shows through which the ray comes in; negative: no face
-    kFaceWhite,  ///< the light that face adds to it
-    kEntryDepth, ///< along the view axis [world]
-    kDepthPerStep,
-};
-
-/// Samples that are seen and wait to be shaded, of any rays, side by side.
+/// What shading needs to know about eight samples, one a lane.
 ///
-/// They wait until there are many, so that the processor can mostly foresee that there are not enough yet.
-struct ShadeQueue {
-    static constexpr int kMany = 128, kCapacity = kMany + 4 * kLanes;
+/// A further number is one more member here, set where samples are queued: the queue treats all members alike.
+struct alignas(32) ShadeSamples {
+    Float8 fraction[3]; ///< position in the cell, 0 to 1
+    Unsigned8 record;   ///< index of the record at the cell's lowest corner
+    Int8 task;          ///< index of the ray
+    Float8 distance;    ///< along the ray [steps]
+    Float8 weight;      ///< in the pixel
+    Float8 stretched;   ///< the texture, see TextureModulation
+    Int8 entry;         ///< index in the transfer function's table
+};
 
-    float fraction[3][kCapacity]; ///< place in the cell
-    unsigned record[kCapacity];   ///< number of the record at the cell's lowest corner
-    int task[kCapacity];          ///< number of the ray
-    float place[kCapacity];       ///< along the ray [steps]
-    float weight[kCapacity];      ///< in the pixel
-    float stretched[kCapacity];   ///< the texture
-    int entry[kCapacity];         ///< of the transfer function
-    int begin = 0, end = 0;
+/// Visible samples of any rays that wait to be shaded, first in, first out.
+///
+/// They wait until there are many, so that the branch on that is mostly predicted. Column k of the queue holds what the
+/// k-th vector of ShadeSamples holds of eight samples.
+class ShadeQueue {
+  public:
+    [[nodiscard]] bool empty() const { return mBegin == mEnd; }
+    [[nodiscard]] bool isFull() const { return mEnd >= kMany; }
+    [[nodiscard]] bool hasEight() const { return mBegin + kLanes <= mEnd; }
 
-    /// Write some lanes to one of the arrays, from a place on. @param order the lanes, of kPacking
-    template<typename T, typename Vector>
-    VDBLIC_INLINE static void put(T* place, Vector values, Int8 order)
+    /// Append the samples of the lanes whose bits are set.
+    VDBLIC_INLINE void push(const ShadeSamples& samples, unsigned lanes)
     {
-        const Vector packed = __builtin_shuffle(values, order);
-        std::memcpy(place, &packed, sizeof packed);
+        const int end = mEnd; // a copy, which the stores cannot alias
+        pushColumns(samples, kPacking[lanes], end, std::make_index_sequence<kColumns>());
+        mEnd = end + __builtin_popcount(lanes);
     }
 
-    /// Move what is left to the front.
+    /// The first eight samples. @pre hasEight()
+    [[nodiscard]] VDBLIC_INLINE ShadeSamples front() const { return loadColumns(std::make_index_sequence<kColumns>()); }
+    /// Remove the first eight samples. @pre hasEight()
+    VDBLIC_INLINE void pop() { mBegin += kLanes; }
+
+    /// Move what is left, less than eight samples, to the front.
     VDBLIC_INLINE void compact()
     {
-        const auto shift = [&](auto* array) { std::memmove(array, array + begin, kLanes * sizeof *array); };
-        for (float* array : {fraction[0], fraction[1], fraction[2], place, weight, stretched})
-            shift(array);
-        shift(record);
-        for (int* array : {task, entry})
-            shift(array);
-        end -= begin;
-        begin = 0;
+        for (auto& column : mColumns)
+            std::memmove(column, column + mBegin, sizeof(Int8));
+        mEnd -= mBegin;
+        mBegin = 0;
     }
-};
 
-/// What the samples of a ray add up to.
-struct alignas(16) RaySum {
-    Float4 color{};   ///< red, green, blue, premultiplied
-    Float4 normal{};  ///< times weight, as what follows
-    Float4 numbers{}; ///< depth, magnitude, texture
-    float alpha = 0;
-    float halo = 0;      ///< the part of alpha that is halo
-    float haloPlace = 0; ///< along the ray [steps], times that
-    float waiting = 0;   ///< the part of alpha that was too little to be shaded
-    int samples = 0;
+    /// Append samples of weight 0 until there are eight.
+    void fillUp()
+    {
+        for (; mEnd < mBegin + kLanes; ++mEnd) {
+            for (auto& column : mColumns)
+                column[mEnd] = 0;
+        }
+    }
+
+  private:
+    static constexpr std::size_t kColumns = sizeof(ShadeSamples) / sizeof(Int8);
+    static constexpr int kMany = 128, kCapacity = kMany + 4 * kLanes;
+    static_assert(kColumns * sizeof(Int8) == sizeof(ShadeSamples), "every member is made of vectors");
+
+    // Written without loops, whose indices would force the samples out of registers.
+    template<std::size_t... k>
+    [[nodiscard]] VDBLIC_INLINE ShadeSamples loadColumns(std::index_sequence<k...>) const
+    {
+        ShadeSamples samples;
+        (std::memcpy(reinterpret_cast<char*>(&samples) + k * sizeof(Int8), mColumns[k] + mBegin, sizeof(Int8)), ...);
+        return samples;
+    }
+    template<std::size_t... k>
+    VDBLIC_INLINE void pushColumns(const ShadeSamples& samples, Int8 order, int end, std::index_sequence<k...>)
+    {
+        (pushColumn(reinterpret_cast<const char*>(&samples) + k * sizeof(Int8), order, mColumns[k] + end), ...);
+    }
+    VDBLIC_INLINE static void pushColumn(const char* vector, Int8 order, std::int32_t* target)
+    {
+        Int8 values;
+        std::memcpy(&values, vector, sizeof values);
+        const Int8 packed = __builtin_shuffle(values, order);
+        std::memcpy(target, &packed, sizeof packed);
+    }
+
+    std::int32_t mColumns[kColumns][kCapacity]; // bits of floats too
+    int mBegin = 0, mEnd = 0;
 };
 
 } // namespace vdblic

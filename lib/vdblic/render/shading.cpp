@@ -2,9 +2,13 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 
 namespace vdblic {
 namespace {

@@ -14,10 +14,10 @@ struct DirectionalLight {
     double intensity = 1;
 };
 
-/// What a sample is lit as.
+/// How a sample is lit.
 enum class ShadingModel {
-    kSurface, ///< a surface, its normal the texture's gradient: Phong's reflection
-    kLine,    ///< a thin line along the direction the texture changes least in (Zöckler, Stalling & Hege 1996)
+    kSurface, ///< as a surface with the texture's gradient as its normal: Phong's reflection
+    kLine,    ///< as a thin line in the direction of least change of the texture (Zöckler, Stalling & Hege 1996)
     kNone,    ///< not at all: colours are the transfer function's
 };
 
@@ -27,9 +27,9 @@ enum class ShadingModel {
 
 /// Ambient, diffuse and specular reflection of white lights: one at the eye, and directional ones.
 ///
-/// Samples have no outer side; they are lit on the side that is seen. A highlight's power is Schlick's rational
-/// form of it (Graphics Gems IV, 1994). A line is lit by its two-dimensional family of normals: 1 − (l·t)² takes the
-/// place of Phong's n·l, as after Banks (1994) squared so that not everything is bright.
+/// Samples have no outer side: the side that is seen is lit. Highlights have Schlick's rational approximation of a
+/// power (Graphics Gems IV, 1994). A line has a whole circle of normals: 1 − (l·t)² stands for Phong's n·l, squared
+/// after Banks (1994) so that not everything is bright.
 struct Shading {
     ShadingModel model = ShadingModel::kSurface;
     float ambient = 0.45f;
@@ -38,7 +38,7 @@ struct Shading {
     float shininess = 12;
     float headLight = 1; ///< intensity of the light at the eye
     std::vector<DirectionalLight> lights{};
-    /// Gradients of the stretched texture [1/voxel] much below this are no surface and are not lit.
+    /// Gradients of the stretched texture [1/voxel] far below this are no surface and are not lit.
     float leastGradient = 0.08f;
 
     /// @throws ParameterError

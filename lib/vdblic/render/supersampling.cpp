@@ -1,7 +1,19 @@
 #include "vdblic/render/supersampling.h"
 
+#include "vdblic/render/camera.h"
+#include "vdblic/render/look.h"
+#include "vdblic/render/ray_cast_params.h"
+#include "vdblic/render/ray_caster.h"
+#include "vdblic/render/texture_volume.h"
+#include "vdblic/render/visible_leaves.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include <cstddef>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -13,7 +25,7 @@ void addLayers(PixelLayers& sum, const PixelLayers& sample, float alpha)
     if (!(alpha > 0)) return;
     sum.depth += alpha * sample.depth;
     sum.normal += alpha * sample.normal;
-    sum.magnitude += alpha * sample.magnitude;
+    sum.driver += alpha * sample.driver;
     sum.texture += alpha * sample.texture;
 }
 
@@ -24,7 +36,7 @@ void divideLayers(PixelLayers& sum, float alpha)
         return;
     }
     sum.depth /= alpha;
-    sum.magnitude /= alpha;
+    sum.driver /= alpha;
     sum.texture /= alpha;
     if (const float length = glm::length(sum.normal); length > 0) sum.normal /= length;
 }
@@ -40,8 +52,8 @@ Image castSamples(const TextureVolume& volume, const Look& look, const Camera& c
     Image sum{camera.size(), std::vector<glm::vec4>(std::size_t(camera.size().x) * camera.size().y, glm::vec4(0))};
     if (params.layers) sum.layers.assign(sum.pixels.size(), {.depth = 0});
     for (int sample = 0; sample < samples; ++sample) {
-        const glm::dvec2 place = glm::fract(0.5 + double(sample) * kStep) - 0.5;
-        const Image image = castRays(volume, look, camera.shifted(place), params, visible, sample);
+        const glm::dvec2 offset = glm::fract(0.5 + double(sample) * kStep) - 0.5;
+        const Image image = castRays(volume, look, camera.shifted(offset), params, visible, sample);
         for (std::size_t i = 0; i < sum.pixels.size(); ++i) {
             sum.pixels[i] += image.pixels[i];
             if (params.layers) addLayers(sum.layers[i], image.layers[i], image.pixels[i].a);

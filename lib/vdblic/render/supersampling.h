@@ -1,15 +1,20 @@
 #pragma once
 
-#include "vdblic/render/ray_caster.h"
+#include "vdblic/render/image.h"
 
 namespace vdblic {
 
-inline constexpr int kMostSamples = 4096; ///< rays to a pixel
+class Camera;
+class TextureVolume;
+struct Look;
+struct RayCastParams;
 
-/// As castRays(), with several rays to a pixel, of which it gets the mean; of the layers the mean by alpha.
+inline constexpr int kMostSamples = 4096; ///< rays per pixel
+
+/// As castRays(), with several rays per pixel. A pixel is the mean of its rays, a layer their mean weighted by alpha.
 ///
-/// The rays' places are the first of a low-discrepancy sequence (Roberts' R2) over the pixel, the first its centre: the
-/// same in every pixel, and with one sample castRays()'s own picture.
+/// The rays of every pixel start at the same points of it: the first ones of a low-discrepancy sequence (Roberts' R2)
+/// that begins at the centre. With one ray the picture is that of castRays().
 [[nodiscard]] Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera,
                                 const RayCastParams& params, int samples);
 

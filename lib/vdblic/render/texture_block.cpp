@@ -1,12 +1,14 @@
 #include "vdblic/render/texture_block.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 namespace vdblic {
 namespace {
 
-/// Copy the values of a block, from the 27 leaves or tiles that it meets. @param active receives which of them are,
-/// unless it is null
+/// Copy the values of a block from the 27 leaves or tiles that it overlaps.
+/// @param active receives 1 for active voxels, else 0; may be null
 void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values, int* active)
 {
     constexpr int kLeafDim = LeafVoxel::kDim, kBegin[] = {-2, 0, kLeafDim}, kEnd[] = {0, kLeafDim, kLeafDim + 2};
@@ -37,14 +39,14 @@ void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, fl
     }
 }
 
-/// 1 if a number is finite, by its exponent, so that many are looked at at once.
+/// 1 for a finite number, else 0. Tests the exponent, so that loops vectorize.
 int isFinite(float x)
 {
     constexpr std::uint32_t kExponent = 0x7f800000;
     return (__builtin_bit_cast(std::uint32_t, x) & kExponent) != kExponent;
 }
 
-/// The derivative along one axis from the neighbours that are there, in texture per voxel; 0 where a voxel is inactive.
+/// The derivative along one axis from the active neighbours [texture/voxel]; 0 where the voxel itself is inactive.
 float difference(const float* value, const int* active, int stride)
 {
     const bool before = active[-stride], after = active[stride];
@@ -56,14 +58,14 @@ float difference(const float* value, const int* active, int stride)
 
 } // namespace
 
-void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatTree& magnitude,
+void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatTree& driver,
                         const openvdb::Coord& origin)
 {
     copyValues(texture, origin, mTexture, mActive);
-    copyValues(magnitude, origin, mMagnitude, nullptr);
+    copyValues(driver, origin, mDriver, nullptr);
     int active = 0;
     for (int i = 0; i < kSize; ++i) {
-        mActive[i] &= isFinite(mTexture[i]) & isFinite(mMagnitude[i]);
+        mActive[i] &= isFinite(mTexture[i]) & isFinite(mDriver[i]);
         active += mActive[i];
     }
     mWhole = active == kSize;
@@ -72,7 +74,7 @@ void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatT
 void TextureBlock::extend()
 {
     if (mWhole) return;
-    unsigned rows[kDim * kDim] = {}; // a bit for each active voxel
+    unsigned rows[kDim * kDim] = {}; // a bit for each active voxel of a row along z
     for (int row = 0; row < kDim * kDim; ++row) {
         for (int z = 0; z < kDim; ++z)
             rows[row] |= unsigned(mActive[row * kDim + z]) << z;
@@ -84,10 +86,10 @@ void TextureBlock::extend()
             for (const int dx : {-kDim, 0, kDim})
                 around |= rows[row + dx - 1] | rows[row + dx] | rows[row + dx + 1];
             around |= around << 1 | around >> 1;
-            for (int z = 1; z <= kBrickDim; ++z) {
+            for (int z = 1; z <= kPaddedDim; ++z) {
                 if (rows[row] >> z & 1) continue;
                 const int i = row * kDim + z;
-                mTexture[i] = mMagnitude[i] = 0;
+                mTexture[i] = mDriver[i] = 0;
                 if (around >> z & 1) extend(i);
             }
         }
@@ -96,21 +98,21 @@ void TextureBlock::extend()
 
 void TextureBlock::extend(int i)
 {
-    float texture[4] = {}, magnitude[4] = {}, count[4] = {}; // by how many axes a neighbour differs along
+    float texture[4] = {}, driver[4] = {}, count[4] = {}; // by the number of axes along which a neighbour differs
     for (int n = 0; n < 27; ++n) {
         const int dx = n / 9 - 1, dy = n / 3 % 3 - 1, dz = n % 3 - 1;
         const int j = i + (dx * kDim + dy) * kDim + dz;
         if (!mActive[j]) continue;
         const int distance = (dx != 0) + (dy != 0) + (dz != 0);
         texture[distance] += mTexture[j];
-        magnitude[distance] += mMagnitude[j];
+        driver[distance] += mDriver[j];
         count[distance] += 1;
     }
     int nearest = 1;
     while (count[nearest] == 0)
         ++nearest;
     mTexture[i] = texture[nearest] / count[nearest];
-    mMagnitude[i] = magnitude[nearest] / count[nearest];
+    mDriver[i] = driver[nearest] / count[nearest];
 }
 
 LeafRange TextureBlock::range() const
@@ -122,8 +124,8 @@ LeafRange TextureBlock::range() const
             for (int z = -1; z <= LeafVoxel::kDim; ++z) {
                 const int i = index(x, y, z);
                 if (!mActive[i]) continue;
-                range.lowMagnitude = std::min(range.lowMagnitude, mMagnitude[i]);
-                range.highMagnitude = std::max(range.highMagnitude, mMagnitude[i]);
+                range.lowDriver = std::min(range.lowDriver, mDriver[i]);
+                range.highDriver = std::max(range.highDriver, mDriver[i]);
                 range.highTexture = std::max(range.highTexture, mTexture[i]);
             }
         }
@@ -131,44 +133,44 @@ LeafRange TextureBlock::range() const
     return range;
 }
 
-void TextureBlock::writeValues(ValueRecord* brick) const
+void TextureBlock::writeValues(ValueRecord* records) const
 {
     for (int x = -1; x <= LeafVoxel::kDim; ++x) {
         for (int y = -1; y <= LeafVoxel::kDim; ++y) {
             const int i = index(x, y, -1);
-            ValueRecord* row = brick + brickIndex(x, y, -1);
-            for (int z = 0; z < kBrickDim; ++z)
-                row[z] = {mTexture[i + z], mMagnitude[i + z]};
+            ValueRecord* row = records + paddedIndex(x, y, -1);
+            for (int z = 0; z < kPaddedDim; ++z)
+                row[z] = {mTexture[i + z], mDriver[i + z]};
         }
     }
 }
 
-void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientRecord* brick) const
+void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientRecord* records) const
 {
     constexpr int kStrides[] = {kDim * kDim, kDim, 1};
     for (int x = -1; x <= LeafVoxel::kDim; ++x) {
         for (int y = -1; y <= LeafVoxel::kDim; ++y) {
             const float* value = mTexture + index(x, y, -1);
             const int* active = mActive + index(x, y, -1);
-            float gradient[3][kBrickDim];
+            float gradient[3][kPaddedDim];
             for (int axis = 0; axis < 3; ++axis) {
                 const int stride = kStrides[axis];
-                for (int z = 0; z < kBrickDim; ++z) {
+                for (int z = 0; z < kPaddedDim; ++z) {
                     gradient[axis][z] = mWhole ? (value[z + stride] - value[z - stride]) * 0.5f
                                                : difference(value + z, active + z, stride);
                 }
             }
-            std::uint32_t world[3][kBrickDim];
+            std::uint32_t world[3][kPaddedDim];
             for (int axis = 0; axis < 3; ++axis) {
-                for (int z = 0; z < kBrickDim; ++z) {
-                    world[axis][z] = halfFloat(gradientToWorld[0][axis] * gradient[0][z] +
-                                               gradientToWorld[1][axis] * gradient[1][z] +
-                                               gradientToWorld[2][axis] * gradient[2][z]);
+                for (int z = 0; z < kPaddedDim; ++z) {
+                    world[axis][z] = toBFloat16(gradientToWorld[0][axis] * gradient[0][z] +
+                                                gradientToWorld[1][axis] * gradient[1][z] +
+                                                gradientToWorld[2][axis] * gradient[2][z]);
                 }
             }
-            GradientRecord* row = brick + brickIndex(x, y, -1);
-            for (int z = 0; z < kBrickDim; ++z)
-                row[z] = {{HalfFloat(world[0][z]), HalfFloat(world[1][z]), HalfFloat(world[2][z]), 0}};
+            GradientRecord* row = records + paddedIndex(x, y, -1);
+            for (int z = 0; z < kPaddedDim; ++z)
+                row[z] = {{BFloat16(world[0][z]), BFloat16(world[1][z]), BFloat16(world[2][z]), 0}};
         }
     }
 }

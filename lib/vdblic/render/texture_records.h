@@ -1,45 +1,46 @@
 #pragma once
 
-#include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/vector.h"
 
 #include <cstdint>
 
 namespace vdblic {
 
-/// A number from the upper half of a float: eight bits of precision, the range of a float. Enough for directions.
-using HalfFloat = std::uint16_t;
+/// The upper half of a float: eight bits of precision, the range of a float. Precise enough for directions.
+using BFloat16 = std::uint16_t;
 
-VDBLIC_INLINE HalfFloat halfFloat(float x)
+VDBLIC_INLINE BFloat16 toBFloat16(float x)
 {
     const auto bits = __builtin_bit_cast(std::uint32_t, x);
-    return HalfFloat((bits + 0x7fff + (bits >> 16 & 1)) >> 16); // to nearest, ties to even
+    return BFloat16((bits + 0x7fff + (bits >> 16 & 1)) >> 16); // to nearest, ties to even
 }
 
-/// What decides whether a sample is seen. Two neighbours along z are loaded at once.
+/// What the opacity of a sample depends on. Two neighbours along z are loaded at once.
 struct alignas(8) ValueRecord {
-    float texture, magnitude;
+    float texture, driver;
 };
 
-/// The gradient of the texture, for samples that are seen. The fourth number is 0.
+/// The gradient of the texture, for visible samples. The fourth number is 0.
 struct alignas(8) GradientRecord {
-    HalfFloat values[4];
+    BFloat16 values[4];
 };
 
-/// The projector on the lines' direction, xx yy zz xy xz yz, of trace 1; two numbers are 0.
+/// The projector on the direction of lines: xx yy zz xy xz yz 0 0, of trace 1.
 struct alignas(16) LineRecord {
-    HalfFloat values[8];
+    BFloat16 values[8];
 };
 
-/// A leaf's brick of records: its 8³ voxels and one voxel around them, x slowest, so that every cell a sample in one
-/// of its voxels can lie in is whole.
-inline constexpr int kBrickDim = LeafVoxel::kDim + 2;
-inline constexpr int kBrickSize = kBrickDim * kBrickDim * kBrickDim;
+/// A padded leaf: records of a leaf's 8³ voxels and of one voxel around them, x slowest. It holds all corners of every
+/// cell that a sample in one of the leaf's voxels can lie in.
+inline constexpr int kPaddedDim = LeafVoxel::kDim + 2;
+inline constexpr int kPaddedSize = kPaddedDim * kPaddedDim * kPaddedDim;
 
-/// @param x from −1 to 8, counted from the leaf's origin; so are y and z
+/// Index of a record in its padded leaf. @param x, y, z from −1 to 8, relative to the leaf's origin
 template<typename Integer>
-constexpr Integer brickIndex(Integer x, Integer y, Integer z)
+constexpr Integer paddedIndex(Integer x, Integer y, Integer z)
 {
-    return ((x + 1) * kBrickDim + y + 1) * kBrickDim + z + 1;
+    return ((x + 1) * kPaddedDim + y + 1) * kPaddedDim + z + 1;
 }
 
 } // namespace vdblic

@@ -1,15 +1,21 @@
 #include "vdblic/render/texture_volume.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/texture_block.h"
 
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/matrix.hpp>
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
 
 namespace vdblic {
 namespace {
@@ -34,29 +40,29 @@ glm::dmat4 affine(const openvdb::math::Transform& transform, const std::string& 
 
 } // namespace
 
-TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& magnitude,
+TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
                              const glm::dvec3& stretch)
     : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) * affine(texture.transform(), texture.getName())),
       mWorldToIndex(glm::inverse(mIndexToWorld))
 {
-    if (texture.transform() != magnitude.transform()) {
+    if (texture.transform() != driver.transform()) {
         throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
-                                     texture.getName(), magnitude.getName()));
+                                     texture.getName(), driver.getName()));
     }
     mDomain = std::make_shared<const Domain>(
         std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()));
     const std::size_t leaves = domain().leafCount();
-    if (leaves > std::numeric_limits<std::uint32_t>::max() / kBrickSize) {
+    if (leaves > std::numeric_limits<std::uint32_t>::max() / kPaddedSize) {
         throw InputError(fmt::format("grid {} has {} leaves; at most {} can be rendered: cut it into parts",
                                      texture.getName(), leaves,
-                                     std::numeric_limits<std::uint32_t>::max() / kBrickSize));
+                                     std::numeric_limits<std::uint32_t>::max() / kPaddedSize));
     }
     mRanges.resize(leaves);
     mShown.resize(leaves);
-    mValues.reset(new ValueRecord[leaves * kBrickSize]);
-    mGradients.reset(new GradientRecord[leaves * kBrickSize]);
+    mValues.reset(new ValueRecord[leaves * kPaddedSize]);
+    mGradients.reset(new GradientRecord[leaves * kPaddedSize]);
 
-    // Gradients are covectors; scaled so that a step of one voxel counts the same in any unit of length.
+    // Gradients are covectors. The factor makes them independent of the unit of length.
     const glm::dmat3 linear(mIndexToWorld);
     const double voxelSize = std::cbrt(std::abs(glm::determinant(linear)));
     const glm::mat3 gradientToWorld(glm::transpose(glm::inverse(linear)) * voxelSize);
@@ -65,13 +71,13 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
-            block->copy(texture.tree(), magnitude.tree(), domain().origin(leaf));
+            block->copy(texture.tree(), driver.tree(), domain().origin(leaf));
             mRanges[leaf] = block->range();
             mShown[leaf] = domain().mask(leaf);
             if (const std::size_t found = block->removeInactive(mShown[leaf]); found > 0) unusable += found;
             block->extend();
-            block->writeValues(mValues.get() + leaf * kBrickSize);
-            block->writeGradients(gradientToWorld, mGradients.get() + leaf * kBrickSize);
+            block->writeValues(mValues.get() + leaf * kPaddedSize);
+            block->writeGradients(gradientToWorld, mGradients.get() + leaf * kPaddedSize);
         }
     });
     mUnusable = unusable;
@@ -118,9 +124,9 @@ TextureVolume::Samples TextureVolume::samples() const
         for (auto i = mShown[leaf].beginOn(); i; ++i) {
             if (voxel++ % stride != 0) continue;
             const LeafVoxel at = LeafVoxel::at(i.pos());
-            const ValueRecord& value = mValues[leaf * kBrickSize + std::size_t(brickIndex(at.x, at.y, at.z))];
+            const ValueRecord& value = mValues[leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z))];
             result.texture.push_back(value.texture);
-            result.magnitude.push_back(value.magnitude);
+            result.driver.push_back(value.driver);
         }
     }
     return result;

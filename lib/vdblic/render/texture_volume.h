@@ -1,71 +1,74 @@
 #pragma once
 
+#include "vdblic/field/domain.h"
 #include "vdblic/render/camera.h"
 #include "vdblic/render/texture_records.h"
 
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
 namespace vdblic {
 
-/// The values of a leaf's active voxels and of those one voxel around it: all that its samples can meet.
+/// Bounds of the active values in a padded leaf, and so of all samples in the leaf.
 struct LeafRange {
-    float lowMagnitude, highMagnitude, highTexture;
+    float lowDriver, highDriver, highTexture;
 };
 
-/// A texture and a magnitude made ready for ray casting.
+/// A texture and its driver (TransferParams), prepared for ray casting.
 ///
-/// For each leaf a brick of values and one of gradients (texture_records.h). Inactive voxels beside active ones hold
-/// the mean of their nearest active neighbours, so that values go on past the rim as they are in its last voxels. The
-/// gradient is taken between active neighbours, one-sided at the rim, and turned into world space, in texture
-/// per mean voxel size, so that its direction is the normal; where a voxel is inactive it is 0. Immutable once the
-/// cuts are made; any number of threads may read.
+/// Each leaf has padded records of values and of gradients (texture_records.h). Inactive voxels next to active ones
+/// hold the mean of their nearest active neighbours, which continues the values past the rim. Gradients are central
+/// differences, one-sided at the rim, 0 in inactive voxels, in world space [texture per mean voxel size]: their
+/// directions are normals. Any number of threads may read; cut() and addLines() must not run beside readers.
 class TextureVolume {
   public:
     using Mask = Domain::Mask;
 
-    /// @param magnitude may be the texture itself
-    /// @param stretch   factors on the grids' world space, along its axes: the volume's own is that much longer
+    /// @param driver may be the texture itself
+    /// @param stretch factors along the axes from the grids' world space to the volume's
     /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ
-    TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& magnitude,
+    TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
                   const glm::dvec3& stretch = glm::dvec3(1));
 
     [[nodiscard]] const Domain& domain() const { return *mDomain; }
     [[nodiscard]] bool empty() const { return domain().leafCount() == 0; }
 
-    /// Records of all leaves, kBrickSize each.
+    /// Records of all leaves, kPaddedSize for each, by paddedIndex().
     [[nodiscard]] const ValueRecord* values() const { return mValues.get(); }
     [[nodiscard]] const GradientRecord* gradients() const { return mGradients.get(); }
     /// Null unless addLines() was called.
     [[nodiscard]] const LineRecord* lines() const { return mLines.get(); }
 
-    /// The voxels of a leaf that can be seen: active, with finite values, not cut away.
+    /// The voxels of a leaf that are shown: active, with finite values, not cut away.
     [[nodiscard]] const Mask& shown(std::size_t leaf) const { return mShown[leaf]; }
     [[nodiscard]] const LeafRange& leafRange(std::size_t leaf) const { return mRanges[leaf]; }
 
-    /// Show only voxels that are in another domain, too, of the same index space.
+    /// Show only voxels that lie in another domain of the same index space too.
     void cut(const Domain& kept);
 
-    /// Find the direction of the lines at each voxel, for shading them as lines.
+    /// Compute lines(), for ShadingModel::kLine.
     void addLines();
 
-    /// The active voxels' bounds in index space: from the first ones' lower to the last ones' upper faces.
+    /// Bounds of the active voxels, faces included, in index space.
     [[nodiscard]] const glm::dvec3& low() const { return mLow; }
     [[nodiscard]] const glm::dvec3& high() const { return mHigh; }
-    /// The same box's corners in world space.
+    /// The corners of that box in world space.
     [[nodiscard]] Corners corners() const;
 
     [[nodiscard]] const glm::dmat4& indexToWorld() const { return mIndexToWorld; }
     [[nodiscard]] const glm::dmat4& worldToIndex() const { return mWorldToIndex; }
 
-    /// Active voxels whose texture or magnitude is not a finite number; they are left out.
+    /// Number of active voxels that are left out because texture or driver is not a finite number.
     [[nodiscard]] std::size_t unusableVoxels() const { return mUnusable; }
 
-    /// The values of evenly chosen voxels that are shown, a few hundred thousand at most.
+    /// Values of every n-th voxel shown, a few hundred thousand at most.
     struct Samples {
-        std::vector<float> texture, magnitude;
+        std::vector<float> texture, driver;
     };
     [[nodiscard]] Samples samples() const;
 

@@ -2,16 +2,21 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cstddef>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
 using Json = nlohmann::json;
 
-/// Rows of as many numbers. @throws ParameterError
+/// A list of rows of `count` numbers. @throws ParameterError
 std::vector<std::vector<double>> rows(const Json& value, const std::string& key, std::size_t count)
 {
     std::vector<std::vector<double>> result;

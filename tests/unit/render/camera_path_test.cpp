@@ -22,9 +22,9 @@ Corners box(const glm::dvec3& low, const glm::dvec3& high)
 const Corners kBox = box({-3, 1, 7}, {15, 9, 20});
 const glm::ivec2 kSize(120, 90);
 
-glm::dvec2 project(const Camera& camera, const glm::dvec3& place)
+glm::dvec2 project(const Camera& camera, const glm::dvec3& point)
 {
-    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(place, 1);
+    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(point, 1);
     return glm::dvec2(ndc) / ndc.w;
 }
 
@@ -65,8 +65,8 @@ TEST(CameraPath, AnOrbitSeesTheWholeBoxFromEverywhereAtOneDistance)
                         1e-9);
             EXPECT_EQ(camera.halfExtent(), path.at(1).halfExtent());
             for (const glm::dvec3& corner : kBox) {
-                const glm::dvec2 place = project(camera, corner);
-                most = std::max({most, std::abs(place.x - 0.5), std::abs(place.y - 0.5)});
+                const glm::dvec2 point = project(camera, corner);
+                most = std::max({most, std::abs(point.x - 0.5), std::abs(point.y - 0.5)});
             }
         }
         EXPECT_LT(most, 0.5);
@@ -140,7 +140,7 @@ TEST_F(CameraKeyFile, GivesEachPropertyACurveOfItsOwn)
                           kBox, kSize, {1, 11});
     expectNear(path.at(6).eye(), {55, 10, 5});
     expectNear(path.at(6).target(), {0, 0, 5});
-    EXPECT_EQ(path.at(3).fieldOfView(), 60); // its only key holds throughout
+    EXPECT_EQ(path.at(3).fieldOfView(), 60); // constant, from its only key
     expectNear(path.at(2).up(), {0, 1, 1});
 }
 

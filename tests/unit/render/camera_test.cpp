@@ -11,7 +11,7 @@
 namespace vdblic {
 namespace {
 
-Corners box(const glm::dvec3& low, const glm::dvec3& high)
+Corners boxOfCorners(const glm::dvec3& low, const glm::dvec3& high)
 {
     Corners corners;
     for (unsigned i = 0; i < 8; ++i) {
@@ -20,13 +20,13 @@ Corners box(const glm::dvec3& low, const glm::dvec3& high)
     return corners;
 }
 
-glm::dvec2 project(const Camera& camera, const glm::dvec3& place)
+glm::dvec2 toPixel(const Camera& camera, const glm::dvec3& point)
 {
-    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(place, 1);
+    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(point, 1);
     return glm::dvec2(ndc) / ndc.w;
 }
 
-const Corners kFlat = box({-3, 100, 7}, {1500, 900, 20});
+const Corners kFlat = boxOfCorners({-3, 100, 7}, {1500, 900, 20});
 
 TEST(Camera, FramesTheWholeBoxTightly)
 {
@@ -35,8 +35,8 @@ TEST(Camera, FramesTheWholeBoxTightly)
             const Camera camera({.fieldOfView = fieldOfView}, kFlat, size);
             double most = 0;
             for (const glm::dvec3& corner : kFlat) {
-                const glm::dvec2 place = project(camera, corner);
-                most = std::max({most, std::abs(place.x - 0.5), std::abs(place.y - 0.5)});
+                const glm::dvec2 point = toPixel(camera, corner);
+                most = std::max({most, std::abs(point.x - 0.5), std::abs(point.y - 0.5)});
                 EXPECT_GT((camera.worldToCamera() * glm::dvec4(corner, 1)).z, 0);
             }
             EXPECT_LT(most, 0.5);
@@ -47,16 +47,16 @@ TEST(Camera, FramesTheWholeBoxTightly)
 
 TEST(Camera, FillsThePictureWithFlatAndLongBoxes)
 {
-    // The share of the picture between the corners' extremes; the narrower of its two directions may well be short.
+    // The share of the picture between the extremes of the corners; it may be small in the narrower direction.
     const glm::ivec2 size(160, 90);
     for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
-        for (const Corners& flat : {box({0, 0, 0}, {734, 1140, 12}), box({0, 0, 0}, {1140, 734, 12}),
-                                    box({0, 0, 0}, {2, 300, 300}), box({0, 0, 0}, {300, 2, 300})}) {
+        for (const Corners& flat : {boxOfCorners({0, 0, 0}, {734, 1140, 12}), boxOfCorners({0, 0, 0}, {1140, 734, 12}),
+                                    boxOfCorners({0, 0, 0}, {2, 300, 300}), boxOfCorners({0, 0, 0}, {300, 2, 300})}) {
             const Camera camera({.projection = projection}, flat, size);
             glm::dvec2 low(1), high(0);
             for (const glm::dvec3& corner : flat) {
-                low = glm::min(low, project(camera, corner));
-                high = glm::max(high, project(camera, corner));
+                low = glm::min(low, toPixel(camera, corner));
+                high = glm::max(high, toPixel(camera, corner));
             }
             EXPECT_NEAR(low.x + high.x, 1, 1e-9); // centred
             EXPECT_NEAR(low.y + high.y, 1, 1e-9);
@@ -74,9 +74,9 @@ TEST(Camera, AnOrthographicPictureHasTheGivenHeightAndNoPerspective)
                          .viewHeight = 8},
                         kFlat, {200, 100});
     for (const double depth : {-5.0, 0.0, 500.0}) {
-        const glm::dvec2 place = project(camera, {4, depth, 2});
-        EXPECT_NEAR(place.x, 0.75, 1e-12);
-        EXPECT_NEAR(place.y, 0.25, 1e-12);
+        const glm::dvec2 point = toPixel(camera, {4, depth, 2});
+        EXPECT_NEAR(point.x, 0.75, 1e-12);
+        EXPECT_NEAR(point.y, 0.25, 1e-12);
     }
     const Ray ray = camera.ray({150, 25});
     EXPECT_LT(glm::distance(ray.origin, glm::dvec3(4, -10, 2)), 1e-12);
@@ -85,8 +85,8 @@ TEST(Camera, AnOrthographicPictureHasTheGivenHeightAndNoPerspective)
     const Camera fitting({.projection = Projection::kOrthographic, .eye = glm::dvec3(4000, -500, 900)}, kFlat,
                          {80, 60});
     for (const glm::dvec3& corner : kFlat) {
-        const glm::dvec2 place = project(fitting, corner);
-        EXPECT_TRUE(place.x > 0 && place.x < 1 && place.y > 0 && place.y < 1);
+        const glm::dvec2 point = toPixel(fitting, corner);
+        EXPECT_TRUE(point.x > 0 && point.x < 1 && point.y > 0 && point.y < 1);
     }
 }
 
@@ -97,9 +97,9 @@ TEST(Camera, RaysPassThroughWhatProjectsToTheirPixel)
     for (const glm::dvec2& pixel : {glm::dvec2(0.5), glm::dvec2(299.5, 0.5), glm::dvec2(17.3, 140.25)}) {
         const Ray ray = camera.ray(pixel);
         EXPECT_NEAR(glm::length(ray.direction), 1, 1e-12);
-        const glm::dvec2 place = project(camera, ray.origin + ray.direction * 7.5) * glm::dvec2(300, 200);
-        EXPECT_NEAR(place.x, pixel.x, 1e-9);
-        EXPECT_NEAR(place.y, pixel.y, 1e-9);
+        const glm::dvec2 point = toPixel(camera, ray.origin + ray.direction * 7.5) * glm::dvec2(300, 200);
+        EXPECT_NEAR(point.x, pixel.x, 1e-9);
+        EXPECT_NEAR(point.y, pixel.y, 1e-9);
     }
 }
 
@@ -107,9 +107,9 @@ TEST(Camera, HasKnownGeometry)
 {
     // From y = -10 towards +y with z up: x is to the right, z up; 90 degrees show ±10 at the target.
     const Camera camera({.eye = glm::dvec3(0, -10, 0), .target = glm::dvec3(0), .fieldOfView = 90}, kFlat, {200, 100});
-    const auto expectAt = [&](const glm::dvec3& place, double x, double y) {
-        EXPECT_NEAR(project(camera, place).x, x, 1e-12);
-        EXPECT_NEAR(project(camera, place).y, y, 1e-12);
+    const auto expectAt = [&](const glm::dvec3& point, double x, double y) {
+        EXPECT_NEAR(toPixel(camera, point).x, x, 1e-12);
+        EXPECT_NEAR(toPixel(camera, point).y, y, 1e-12);
     };
     expectAt({0, 0, 0}, 0.5, 0.5);
     expectAt({20, 0, 0}, 1, 0.5);
@@ -123,7 +123,7 @@ TEST(Camera, HasKnownGeometry)
 
 TEST(Camera, LooksFromTheFrontAndAboveByDefault)
 {
-    const Corners cube = box({-1, -1, -1}, {1, 1, 1});
+    const Corners cube = boxOfCorners({-1, -1, -1}, {1, 1, 1});
     const Camera zUp({}, cube, {10, 10});
     EXPECT_GT(zUp.eye().x, 0);
     EXPECT_LT(zUp.eye().y, 0);
@@ -132,15 +132,15 @@ TEST(Camera, LooksFromTheFrontAndAboveByDefault)
     EXPECT_GT(yUp.eye().x, 0);
     EXPECT_GT(yUp.eye().y, 0);
     EXPECT_GT(yUp.eye().z, 0);
-    // Something that is a point still gets a distance.
-    const Camera point({}, box(glm::dvec3(4), glm::dvec3(4)), {10, 10});
+    // A volume without extent gets a distance too.
+    const Camera point({}, boxOfCorners(glm::dvec3(4), glm::dvec3(4)), {10, 10});
     EXPECT_NEAR(glm::length(point.eye() - glm::dvec3(4)), 1, 1e-9);
 }
 
 TEST(Camera, LooksStraightDownUnlessUpIsGiven)
 {
     const CameraParams down{.eye = glm::dvec3(0, 0, 9), .target = glm::dvec3(0)};
-    EXPECT_NEAR(project(Camera(down, kFlat, {10, 10}), {0, 1, 0}).x, 0.5, 1e-12); // y is up
+    EXPECT_NEAR(toPixel(Camera(down, kFlat, {10, 10}), {0, 1, 0}).x, 0.5, 1e-12); // y is up
     CameraParams bad = down;
     bad.up = glm::dvec3(0, 0, 2);
     EXPECT_THROW(Camera(bad, kFlat, {10, 10}), ParameterError);
@@ -163,10 +163,10 @@ TEST(Camera, RefusesWhatHasNoMeaning)
     }
     EXPECT_THROW((CameraParams{.viewHeight = 1}.validate()), ParameterError);
     EXPECT_THROW((void)parseProjection("isometric"), ParameterError);
-    // So far away that nothing could be told apart.
+    // Too far away for double precision.
     for (const double far : {1e30, 1e308})
         EXPECT_THROW(Camera({.eye = glm::dvec3(far)}, kFlat, {10, 10}), ParameterError);
-    EXPECT_THROW(Camera({.eye = glm::dvec3(0)}, box(glm::dvec3(-1), glm::dvec3(1)), {10, 10}), ParameterError);
+    EXPECT_THROW(Camera({.eye = glm::dvec3(0)}, boxOfCorners(glm::dvec3(-1), glm::dvec3(1)), {10, 10}), ParameterError);
 }
 
 } // namespace

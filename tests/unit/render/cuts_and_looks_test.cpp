@@ -18,20 +18,20 @@ TEST(CutsAndLooks, ClipPlanesCutToThePixel)
     const TextureVolume volume(*grid, *grid);
     const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e5, 0.02, {200, 200});
     const Look look = plainLook(0.5);
-    // A plane seen edge on: what is left begins in the pixel in which it is projected.
+    // A plane seen edge-on: the rest of the volume begins in the pixel where the plane is projected.
     const ClipPlane slanted{{19.5, 22.3, 19.5}, {0, 1, 0.25}};
     const Image cut = castRays(volume, look, camera, {.clip = {.planes = {slanted}}});
     const Image whole = castRays(volume, look, camera, {});
     for (int y = 0; y < 200; ++y) {
         for (int x = 0; x < 200; ++x) {
             const Ray ray = camera.ray({x + 0.5, y + 0.5});
-            const glm::dvec3 place = ray.origin + ray.direction * ((19.5 - ray.origin.x) / ray.direction.x);
-            const double above = glm::dot(place - slanted.point, slanted.normal);
+            const glm::dvec3 point = ray.origin + ray.direction * ((19.5 - ray.origin.x) / ray.direction.x);
+            const double above = glm::dot(point - slanted.point, slanted.normal);
             if (std::abs(above) < 0.01) continue;
             EXPECT_EQ(cut.at(x, y).a > 0, above > 0 && whole.at(x, y).a > 0) << x << " " << y;
         }
     }
-    // Face on, optical depth is what lies behind it; two planes and a box cut from both sides.
+    // Face-on, the optical depth is that behind the plane. Two planes and a box cut from both sides.
     const ClipPlane front{{10.25, 0, 0}, {3, 0, 0}}, back{{30, 0, 0}, {-1, 0, 0}};
     const auto depth = [&](const ClipParams& clip) {
         const Image image = castRays(volume, plainLook(0.05), camera, {.leastTransmittance = 0, .clip = clip});
@@ -45,7 +45,7 @@ TEST(CutsAndLooks, ClipPlanesCutToThePixel)
 
 TEST(CutsAndLooks, CapsAreLitAsThePlaneThatCuts)
 {
-    // Opaque, so that only the cap is seen, and scattered inside, so that its own normals are of no use.
+    // Opaque, so that only the cap is seen; random inside, so that gradients give no usable normals.
     const auto grid = boxGrid("density", boxOf(30, 30, 30), [](const Coord& c) { return 0.6f + 0.4f * scattered(c); });
     const TextureVolume volume(*grid, *grid);
     Look look{TransferFunction({.colorMap = "gray", .opacity = {{0, 1}}, .range = std::array{-2.0, -1.0}}),
@@ -68,7 +68,7 @@ TEST(CutsAndLooks, CapsAreLitAsThePlaneThatCuts)
 
 TEST(CutsAndLooks, HalosHideOnlyWhatIsBehindStreaks)
 {
-    // One streak across the view. Its flanks turned aside take on the background's colour, its middle does not.
+    // One streak across the view. Its edge-on flanks have the background's colour, its middle does not.
     const auto grid = boxGrid("density", boxOf(21, 21, 21), [](const Coord& c) {
         const double square = (c.x() - 10) * (c.x() - 10) + (c.y() - 10) * (c.y() - 10);
         return float(std::exp(-square / 18));

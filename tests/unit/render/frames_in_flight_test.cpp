@@ -2,23 +2,34 @@
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 namespace vdblic {
 namespace {
 
-TEST(FramesInFlight, AreAsManyAsThreadsAndMemoryAllow)
+TEST(FramesInFlight, AreAsManyAsThreadsWhereHalfTheMemoryHoldsThem)
 {
-    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    EXPECT_EQ(framesInFlight(1), 1u);
-    EXPECT_EQ(framesInFlight(1e18), 1u); // there is always one
-    EXPECT_EQ(framesInFlight(0), 1u);
+    EXPECT_EQ(framesInFlight(1e9, 4, 8e9), 4u);
+    EXPECT_EQ(framesInFlight(1e9, 4, 7.9e9), 3u);
+    EXPECT_EQ(framesInFlight(1e9, 4, 2e9), 1u);
+    EXPECT_EQ(framesInFlight(1e9, 16, 20e9), 10u);
 }
 
-TEST(FramesInFlight, FallWithTheSizeOfAFrame)
+TEST(FramesInFlight, AreAtLeastOne)
 {
-    const std::size_t small = framesInFlight(1e3), large = framesInFlight(1e18);
-    EXPECT_GE(small, large);
-    EXPECT_EQ(large, 1u);
+    EXPECT_EQ(framesInFlight(1e18, 4, 8e9), 1u);
+    EXPECT_EQ(framesInFlight(0, 4, 8e9), 4u);
+    EXPECT_EQ(framesInFlight(1e18), 1u);
+}
+
+TEST(FramesInFlight, FollowTheThreadsOfTheArenaAndTheirLimit)
+{
+    tbb::task_arena arena(3);
+    const auto inArena = [&] { return arena.execute([] { return framesInFlight(1); }); };
+    const tbb::global_control three(tbb::global_control::max_allowed_parallelism, 3);
+    EXPECT_EQ(inArena(), 3u);
+    const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+    EXPECT_EQ(inArena(), 2u);
 }
 
 } // namespace

@@ -33,23 +33,23 @@ TEST(Histogram, CountsWhatIsInEachBin)
 TEST(Histogram, OfAVolumeHoldsEveryActiveVoxelThatIsANumber)
 {
     const auto texture = boxGrid("density", boxOf(20, 10, 5), [](const Coord& c) { return float(c.x()) / 20; });
-    const auto magnitude = boxGrid("magnitude", boxOf(20, 10, 5), [](const Coord& c) { return float(c.y()) / 10; });
+    const auto driver = boxGrid("magnitude", boxOf(20, 10, 5), [](const Coord& c) { return float(c.y()) / 10; });
     texture->tree().setValueOn(Coord(3, 3, 3), std::numeric_limits<float>::quiet_NaN());
-    magnitude->tree().setValueOn(Coord(4, 4, 4), std::numeric_limits<float>::infinity());
+    driver->tree().setValueOn(Coord(4, 4, 4), std::numeric_limits<float>::infinity());
     texture->fill(openvdb::CoordBBox(Coord(64), Coord(71)), 0.5f, true); // a tile
-    magnitude->fill(openvdb::CoordBBox(Coord(64), Coord(71)), 0.25f, true);
-    TextureHistograms histograms(fullLook()); // magnitudes 0 to 1
-    histograms.add(*texture, *magnitude);
+    driver->fill(openvdb::CoordBBox(Coord(64), Coord(71)), 0.25f, true);
+    TextureHistograms histograms(fullLook()); // driver from 0 to 1
+    histograms.add(*texture, *driver);
     EXPECT_EQ(histograms.texture.total(), 1000u - 2 + 512);
     EXPECT_EQ(histograms.texture.counts[0], 50u);
     EXPECT_EQ(histograms.texture.counts[Histogram::kBins / 2], 50u + 512);
-    EXPECT_EQ(histograms.magnitude.low, 0);
-    EXPECT_EQ(histograms.magnitude.high, 1.25);
+    EXPECT_EQ(histograms.driver.low, 0);
+    EXPECT_EQ(histograms.driver.high, 1.25);
 
     TextureHistograms sum(fullLook());
     sum.add(histograms);
     sum.add(histograms);
-    EXPECT_EQ(sum.magnitude.total(), 2 * histograms.magnitude.total());
+    EXPECT_EQ(sum.driver.total(), 2 * histograms.driver.total());
 }
 
 TEST(Histogram, JsonHoldsCountsAndTransferFunction)
@@ -67,6 +67,17 @@ TEST(Histogram, JsonHoldsCountsAndTransferFunction)
     EXPECT_EQ(json["transferFunction"]["opacity"][2][0], 0.6);
 }
 
+TEST(Histogram, EqualCountsGiveEqualPictures)
+{
+    TextureHistograms histograms(fullLook());
+    const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
+    histograms.add(*grid, *grid);
+    const std::string once = histogramPng(histograms, fullLook());
+    EXPECT_EQ(histogramPng(histograms, fullLook()), once);
+    histograms.texture.add(0.5);
+    EXPECT_NE(histogramPng(histograms, fullLook()), once);
+}
+
 TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
 {
     // All textures are at one value, so one bar stands in an empty plot.
@@ -79,7 +90,7 @@ TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
     ASSERT_TRUE(png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) << png.message;
     std::vector<png_byte> pixels(PNG_IMAGE_SIZE(png));
     ASSERT_TRUE(png_image_finish_read(&png, nullptr, pixels.data(), 0, nullptr)) << png.message;
-    // Half way up the left panel, from its left edge at 40 to its right one at 552.
+    // Halfway up the left panel, which reaches from x = 40 to 552.
     const auto dark = [&](int x) { return pixels[(220u * png.width + unsigned(x)) * 3] < 200; };
     EXPECT_TRUE(dark(40 + 512 / 4 + 1));
     EXPECT_FALSE(dark(40 + 512 / 4 - 3));

@@ -87,8 +87,7 @@ TEST_F(ImageFile, ExrHoldsTheLayersThatAreAskedFor)
 {
     Image image = sample();
     image.layers.resize(6);
-    image.layers[4] = {
-        .depth = 70000, .normal = {0, 0.6f, -0.8f}, .magnitude = 1e6f, .texture = 0.3f, .samples = 70001};
+    image.layers[4] = {.depth = 70000, .normal = {0, 0.6f, -0.8f}, .driver = 1e6f, .texture = 0.3f, .samples = 70001};
     const std::string path = mFolder / "a.exr";
     writeImage(path, image, {}, {.alpha = 1},
                {.precision = "float", .compression = "piz", .layers = parseImageLayers({"all"})});
@@ -111,7 +110,7 @@ TEST_F(ImageFile, ExrHoldsTheLayersThatAreAskedFor)
     EXPECT_EQ(values["N.Z"][4], -0.8f);
     EXPECT_EQ(values["magnitude"][4], 1e6f);
     EXPECT_EQ(values["texture"][4], 0.3f);
-    EXPECT_EQ(values["A"][4], 1); // the background is in colour and alpha alone
+    EXPECT_EQ(values["A"][4], 1); // the background affects colour and alpha only
     EXPECT_EQ(values["samples"][4], 70001);
 
     writeImage(path, image, {}, {}, {.layers = parseImageLayers({"depth"})});

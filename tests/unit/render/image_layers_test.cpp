@@ -10,18 +10,18 @@ namespace {
 
 using openvdb::Coord;
 
-constexpr int kLength = 40;
+constexpr int kRodLength = 40;
 
-/// A box along x whose texture rises along x; the magnitude is the same everywhere. Voxels are 0.5 x 2 x 1.
+/// A box along x whose texture rises along x; the driver is the same everywhere. Voxels are 0.5 x 2 x 1.
 TextureVolume slab(const openvdb::Mat4d& rotation = openvdb::Mat4d::identity())
 {
     const auto texture =
-        boxGrid("density", boxOf(kLength, 9, 9), [](const Coord& c) { return float(c.x()) / (kLength - 1); });
-    const auto magnitude = boxGrid("magnitude", boxOf(kLength, 9, 9), [](const Coord&) { return 7.5f; });
+        boxGrid("density", boxOf(kRodLength, 9, 9), [](const Coord& c) { return float(c.x()) / (kRodLength - 1); });
+    const auto driver = boxGrid("magnitude", boxOf(kRodLength, 9, 9), [](const Coord&) { return 7.5f; });
     const openvdb::Mat4d matrix = openvdb::math::scale<openvdb::Mat4d>(openvdb::Vec3d(0.5, 2, 1)) * rotation;
-    for (const auto& grid : {texture, magnitude})
+    for (const auto& grid : {texture, driver})
         grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
-    return {*texture, *magnitude};
+    return {*texture, *driver};
 }
 
 const RayCastParams kFine{.step = 0.02, .leastTransmittance = 0, .layers = true};
@@ -35,13 +35,13 @@ TEST(ImageLayers, HoldTheMeansOfAUniformMedium)
     const PixelLayers& middle = image.layers.at(4);
 
     // The mean of x weighted by exp(−kx) over the box.
-    const double k = -std::log1p(-kOpacity), through = std::exp(-k * kLength);
-    const double mean = 1 / k - kLength * through / (1 - through); // voxels behind the front
-    EXPECT_NEAR(middle.depth, 100 - 0.5 * kLength / 2 + 0.5 * mean, 0.02);
-    EXPECT_NEAR(middle.texture, (mean - 0.5) / (kLength - 1), 1e-3);
-    EXPECT_NEAR(middle.magnitude, 7.5, 1e-4);
+    const double k = -std::log1p(-kOpacity), through = std::exp(-k * kRodLength);
+    const double mean = 1 / k - kRodLength * through / (1 - through); // voxels behind the front
+    EXPECT_NEAR(middle.depth, 100 - 0.5 * kRodLength / 2 + 0.5 * mean, 0.02);
+    EXPECT_NEAR(middle.texture, (mean - 0.5) / (kRodLength - 1), 1e-3);
+    EXPECT_NEAR(middle.driver, 7.5, 1e-4);
     EXPECT_NEAR(glm::distance(middle.normal, glm::vec3(-1, 0, 0)), 0, 1e-5);
-    EXPECT_NEAR(middle.samples, kLength / kFine.step, 2);
+    EXPECT_NEAR(middle.samples, kRodLength / kFine.step, 2);
 }
 
 TEST(ImageLayers, DepthIsThatOfTheFirstOpaqueSurfaceAlongTheViewAxis)
@@ -51,7 +51,7 @@ TEST(ImageLayers, DepthIsThatOfTheFirstOpaqueSurfaceAlongTheViewAxis)
     const Camera camera = cameraAlong(volume, {1, 0, 0}, 14, 40, {9, 9});
     const Image image = castRays(volume, plainLook(1), camera, kFine);
     for (const PixelLayers& pixel : image.layers)
-        EXPECT_NEAR(pixel.depth, 14 - 0.5 * kLength / 2, 0.05);
+        EXPECT_NEAR(pixel.depth, 14 - 0.5 * kRodLength / 2, 0.05);
 }
 
 TEST(ImageLayers, NormalsAreInWorldSpaceAndTowardsTheEye)

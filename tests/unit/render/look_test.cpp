@@ -39,9 +39,9 @@ TEST(Look, IsChosenFromRobustPercentiles)
 {
     const openvdb::CoordBBox box = boxOf(50, 20, 10);
     const auto texture = boxGrid("density", box, scattered);
-    const auto magnitude = boxGrid("magnitude", box, [](const Coord& c) { return float(c.x() * 20 + c.y()); });
-    magnitude->tree().setValueOn({3, 3, 3}, 1e9f); // one outlier
-    const TextureVolume volume(*texture, *magnitude);
+    const auto driver = boxGrid("magnitude", box, [](const Coord& c) { return float(c.x() * 20 + c.y()); });
+    driver->tree().setValueOn({3, 3, 3}, 1e9f); // one outlier
+    const TextureVolume volume(*texture, *driver);
     const Look look = chooseLook({}, volume);
     EXPECT_NEAR(look.transfer.range()[0], 0.02 * 1000, 3);
     EXPECT_NEAR(look.transfer.range()[1], 0.99 * 1000, 3);
@@ -65,15 +65,15 @@ TEST(Look, WhatIsGivenIsKept)
 
 TEST(Look, OneSeesAsFarIntoASmallVolumeAsIntoALargeOne)
 {
-    // Through the middle along an axis, a cube lets about as much light through whatever its size.
+    // The transmittance of a cube along an axis hardly depends on its size.
     double alphas[2];
     for (const int i : {0, 1}) {
         const int size = i == 0 ? 20 : 60;
         const auto texture = boxGrid("density", boxOf(size, size, size), scattered);
-        const auto magnitude = boxGrid("magnitude", boxOf(size, size, size), [](const Coord& c) {
+        const auto driver = boxGrid("magnitude", boxOf(size, size, size), [](const Coord& c) {
             return scattered({c.z(), c.x(), 5});
         });
-        const TextureVolume volume(*texture, *magnitude);
+        const TextureVolume volume(*texture, *driver);
         const Camera camera = cameraAlong(volume, {1, 0, 0}, size * 100.0, 0.3, {50, 50});
         const Image image = castRays(volume, chooseLook({}, volume), camera, {.leastTransmittance = 0});
         double sum = 0;

@@ -21,9 +21,9 @@ std::vector<Mat4d> transforms()
     return {Mat4d::identity(), openvdb::math::scale<Mat4d>(Vec3d(0.1)), turned, mirrored};
 }
 
-glm::dvec2 project(const Camera& camera, const Vec3d& place)
+glm::dvec2 project(const Camera& camera, const Vec3d& point)
 {
-    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(place[0], place[1], place[2], 1);
+    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(point[0], point[1], point[2], 1);
     return glm::dvec2(ndc) / ndc.w * glm::dvec2(camera.size());
 }
 
@@ -35,7 +35,7 @@ TEST(Projection, AVoxelsCentreProjectsWhereTheTransformSays)
                 const auto grid = boxGrid("density", {voxel, voxel}, [](const Coord&) { return 0.5f; });
                 grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
                 const TextureVolume volume(*grid, *grid);
-                // Looking past the voxel, so that it is not seen in the middle of the picture.
+                // Look past the voxel, so that it is not in the middle of the picture.
                 const Vec3d centre = grid->indexToWorld(voxel);
                 const glm::dvec3 target(centre[0] + 0.4, centre[1] - 0.3, centre[2] + 0.5);
                 CameraParams params{.projection = projection,
@@ -46,7 +46,7 @@ TEST(Projection, AVoxelsCentreProjectsWhereTheTransformSays)
                 const Camera camera(params, volume.corners(), {200, 160});
                 const Image image = castRays(volume, plainLook(0.02), camera, {.step = 0.05});
 
-                // The middle of its picture's mass.
+                // Its centre of mass in the picture.
                 glm::dvec2 sum(0);
                 double total = 0;
                 for (int y = 0; y < 160; ++y) {
@@ -67,7 +67,7 @@ TEST(Projection, AVoxelsCentreProjectsWhereTheTransformSays)
 
 TEST(Projection, AnOrthographicPictureOfAPatternIsThePattern)
 {
-    // A plate of voxels one thick, some of them there; four pixels to a voxel.
+    // A plate of voxels, some of them active; four pixels per voxel.
     constexpr int kWidth = 12, kHeight = 9, kPixels = 4;
     const auto there = [](int x, int z) { return (x * 5 + z * 3 + x * z) % 7 < 3; };
     auto grid = openvdb::FloatGrid::create();

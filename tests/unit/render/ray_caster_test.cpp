@@ -2,6 +2,8 @@
 
 #include "render/scene.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/render/ray_setup.h"
+#include "vdblic/render/visible_leaves.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -168,11 +170,11 @@ TEST(RayCaster, PassingOverEmptySpaceChangesNoPixel)
 {
     for (const Coord& offset : {Coord(0), Coord(100'000, -130'000, 70'000)}) { // exact and coarse in single precision
         const auto texture = clumps("density", offset);
-        const auto magnitude = clumps("magnitude", offset);
-        for (auto i = magnitude->beginValueOn(); i; ++i) {
+        const auto driver = clumps("magnitude", offset);
+        for (auto i = driver->beginValueOn(); i; ++i) {
             i.setValue(float(i.getCoord().y() - offset.y() + 9) / 80); // transparent for small y
         }
-        const TextureVolume volume(*texture, *magnitude);
+        const TextureVolume volume(*texture, *driver);
         const Look look = fullLook();
         const std::size_t leaves = volume.domain().leafCount();
         std::size_t hidden = 0;

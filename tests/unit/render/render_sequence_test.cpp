@@ -85,7 +85,7 @@ TEST_F(RenderSequence, CameraAndLookStayThoseOfTheFirstFrameThatShowsSomething)
 {
     write(1, {openvdb::FloatGrid::create()});
     writeBox(2, 16);
-    writeBox(3, 8);                     // of another size and other magnitudes
+    writeBox(3, 8);                     // of another size, with other values of the driver
     EXPECT_THROW(render(), InputError); // frame 1 has no grid of the name
     const auto empty = openvdb::FloatGrid::create();
     empty->setName("density");
@@ -97,8 +97,8 @@ TEST_F(RenderSequence, CameraAndLookStayThoseOfTheFirstFrameThatShowsSomething)
         EXPECT_EQ(nothing[i], nothing[i % 3]);
     EXPECT_NE(pixels("image.0002.png"), nothing);
 
-    // A machine of a farm that renders the third frame alone makes the same picture; on its own it would look
-    // otherwise.
+    // A machine that renders the third frame alone makes the same picture. As a sequence of its own the frame would
+    // look different.
     const std::vector<png_byte> followed = pixels("image.0003.png");
     mParams.input.frames = "3";
     render();
@@ -110,7 +110,7 @@ TEST_F(RenderSequence, CameraAndLookStayThoseOfTheFirstFrameThatShowsSomething)
 
 TEST_F(RenderSequence, TheCameraSeesAllFrames)
 {
-    // A box that wanders off: the later frames' voxels lie outside the first's.
+    // A box that moves: the voxels of later frames lie outside those of the first.
     for (const int frame : {1, 2, 3}) {
         const openvdb::CoordBBox box(Coord(frame * 40, 0, 0), Coord(frame * 40 + 9, 9, 9));
         const auto grid = boxGrid("density", box, scattered);
@@ -217,7 +217,7 @@ TEST_F(RenderSequence, OneOutputIsNotWrittenTwice)
     EXPECT_THROW(render(), ParameterError);
 }
 
-TEST_F(RenderSequence, SaysOnceThatThereIsNoMagnitude)
+TEST_F(RenderSequence, SaysOnceThatThereIsNoDriver)
 {
     for (const int frame : {1, 2})
         write(frame, {boxGrid("fog", boxOf(12, 12, 12), scattered)});

@@ -1,9 +1,21 @@
 #pragma once
 
+#include "vdblic/render/camera.h"
+#include "vdblic/render/image.h"
+#include "vdblic/render/look.h"
+#include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/ray_caster.h"
+#include "vdblic/render/texture_volume.h"
 
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -26,7 +38,7 @@ inline openvdb::CoordBBox boxOf(int x, int y, int z)
     return {openvdb::Coord(0), openvdb::Coord(x - 1, y - 1, z - 1)};
 }
 
-/// A number from 0 to 1 that looks random, by voxel.
+/// A pseudo-random number from 0 to 1 for each voxel.
 inline float scattered(const openvdb::Coord& c)
 {
     unsigned h = unsigned(c.x()) * 73856093u ^ unsigned(c.y()) * 19349663u ^ unsigned(c.z()) * 83492791u;
@@ -34,14 +46,14 @@ inline float scattered(const openvdb::Coord& c)
     return float((h ^ (h >> 13)) >> 8) * 0x1p-24f;
 }
 
-/// White at one opacity, whatever texture, gradient and magnitude are.
+/// White at one opacity, whatever texture, gradient and driver are.
 inline Look plainLook(double opacity)
 {
     const TransferFunction white({.colorMap = "gray", .opacity = {{0, opacity}}, .range = std::array{-2.0, -1.0}});
     return {white, {0, 1, 0, 0}, {.ambient = 1, .diffuse = 0, .specular = 0}};
 }
 
-/// A look that uses everything there is.
+/// A look with colours, opacities and shading that all matter.
 inline Look fullLook()
 {
     const TransferFunction transfer(

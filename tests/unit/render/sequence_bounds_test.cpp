@@ -23,7 +23,7 @@ class Bounds : public testing::Test {
         const auto grid = boxGrid("density", box, scattered);
         grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
         mFiles.push_back({frame, mFolder / fmt::format("a.{}.vdb", frame)});
-        // Another grid before it, which must not be taken.
+        // Another grid comes first and must be ignored.
         writeVdb(mFiles.back().path, {boxGrid("other", {Coord(-900), Coord(-898)}, scattered), grid}, {});
     }
 

@@ -1,6 +1,7 @@
 #include "vdblic/render/supersampling.h"
 
 #include "render/scene.h"
+#include "vdblic/render/ray_setup.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ Image plate(int samples)
 {
     const auto grid = boxGrid("density", boxOf(30, 3, 60), [](const Coord&) { return 0.5f; });
     const TextureVolume volume(*grid, *grid);
-    // Nine voxels to a pixel; the plate ends at 29.5, a third of the way from 26.5 to 35.5.
+    // Nine voxels per pixel; the plate ends at 29.5, a third of the way from 26.5 to 35.5.
     const glm::dvec3 target(26.5, 1, 29.5);
     const Camera camera({.projection = Projection::kOrthographic,
                          .eye = target - glm::dvec3(0, 50, 0),

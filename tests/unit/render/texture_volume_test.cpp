@@ -2,6 +2,7 @@
 
 #include "render/scene.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +17,8 @@ using openvdb::Vec3d;
 std::size_t numberAt(const TextureVolume& volume, const Coord& c)
 {
     const int leaf = volume.domain().findLeaf(Int4{c[0], c[1], c[2]});
-    return std::size_t(leaf) * kBrickSize +
-           std::size_t(brickIndex(LeafVoxel::local(c[0]), LeafVoxel::local(c[1]), LeafVoxel::local(c[2])));
+    return std::size_t(leaf) * kPaddedSize +
+           std::size_t(paddedIndex(LeafVoxel::local(c[0]), LeafVoxel::local(c[1]), LeafVoxel::local(c[2])));
 }
 
 float textureAt(const TextureVolume& volume, const Coord& c)
@@ -60,14 +61,14 @@ TEST(TextureVolume, HoldsTheGradientOfALinearTextureInWorldSpace)
 TEST(TextureVolume, KnowsTheRangeOfALeafAndItsNeighbours)
 {
     const auto texture = boxGrid("density", boxOf(24, 8, 8), [](const Coord& c) { return c.x() == 16 ? 0.9f : 0.1f; });
-    const auto magnitude = boxGrid("magnitude", boxOf(24, 8, 8), [](const Coord& c) { return float(c.x()); });
-    const TextureVolume volume(*texture, *magnitude);
+    const auto driver = boxGrid("magnitude", boxOf(24, 8, 8), [](const Coord& c) { return float(c.x()); });
+    const TextureVolume volume(*texture, *driver);
     ASSERT_EQ(volume.domain().leafCount(), 3u);
-    EXPECT_EQ(volume.leafRange(0).lowMagnitude, 0);
-    EXPECT_EQ(volume.leafRange(0).highMagnitude, 8);
+    EXPECT_EQ(volume.leafRange(0).lowDriver, 0);
+    EXPECT_EQ(volume.leafRange(0).highDriver, 8);
     EXPECT_EQ(volume.leafRange(0).highTexture, 0.1f);
-    EXPECT_EQ(volume.leafRange(1).lowMagnitude, 7);
-    EXPECT_EQ(volume.leafRange(1).highMagnitude, 16);
+    EXPECT_EQ(volume.leafRange(1).lowDriver, 7);
+    EXPECT_EQ(volume.leafRange(1).highDriver, 16);
     EXPECT_EQ(volume.leafRange(1).highTexture, 0.9f);
 }
 
@@ -101,7 +102,7 @@ TEST(TextureVolume, LeavesOutWhatIsNoNumber)
     EXPECT_EQ(volume.unusableVoxels(), 2u);
     EXPECT_FALSE(isShown(volume, {3, 3, 3}));
     EXPECT_TRUE(isShown(volume, {2, 3, 3}));
-    EXPECT_EQ(textureAt(volume, {3, 3, 3}), 0.5f); // as its neighbours
+    EXPECT_EQ(textureAt(volume, {3, 3, 3}), 0.5f); // the mean of its neighbours
     EXPECT_EQ(gradientAt(volume, {2, 3, 3}, 0), 0);
     EXPECT_EQ(volume.leafRange(0).highTexture, 0.5f);
 }
@@ -152,8 +153,8 @@ TEST(TextureVolume, LinesAroundALeafAreItsNeighboursOrItsLast)
     for (int x = -1; x <= 8; ++x) {
         for (int y = -1; y <= 8; ++y) {
             for (int z = -1; z <= 8; ++z) {
-                const std::size_t record = leaf * kBrickSize + std::size_t(brickIndex(x, y, z));
-                // Where no leaf is, all three coordinates go to the nearest voxel of this one.
+                const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(x, y, z));
+                // Without a neighbouring leaf the padding is the nearest voxel of this leaf.
                 const bool there = x >= 0 && y < 8 && z >= 0 && z < 8;
                 const Coord expected = there ? Coord(x, 8 + y, z)
                                              : Coord(std::clamp(x, 0, 7), 8 + std::clamp(y, 0, 7), std::clamp(z, 0, 7));
@@ -174,7 +175,7 @@ TEST(TextureVolume, ShowsWhatACutLeaves)
     EXPECT_TRUE(isShown(volume, {3, 1, 1}));
     EXPECT_TRUE(isShown(volume, {11, 7, 7}));
     EXPECT_FALSE(isShown(volume, {12, 7, 7}));
-    EXPECT_FALSE(isShown(volume, {17, 7, 7})); // its leaf has none
+    EXPECT_FALSE(isShown(volume, {17, 7, 7})); // its leaf has no voxel in the other domain
     EXPECT_EQ(volume.samples().texture.size(), 9u * 8 * 8);
 }
 

@@ -51,7 +51,7 @@ TEST(ColorMap, ConvertsBetweenDisplayAndLinearLight)
 TEST(TransferFunction, TabulatesColorAndExtinction)
 {
     const TransferFunction transfer(grayBetween({{0.25, 0}, {0.75, 0.5}}, 10, 20));
-    const auto at = [&](float magnitude) { return transfer.table()[transfer.entries(broadcast8(magnitude))[0]]; };
+    const auto at = [&](float driver) { return transfer.table()[transfer.entries(broadcast8(driver))[0]]; };
     // Opacity is constant before the first point and after the last, linear between.
     EXPECT_EQ(at(12).extinction, 0);
     EXPECT_NEAR(at(15).extinction, -std::log(0.75), 1e-3);
@@ -61,7 +61,7 @@ TEST(TransferFunction, TabulatesColorAndExtinction)
     EXPECT_NEAR(at(20).blue, 1, 1e-6);
 }
 
-TEST(TransferFunction, KeepsToItsTableForAnyMagnitude)
+TEST(TransferFunction, KeepsToItsTableForAnyDriver)
 {
     const TransferFunction transfer(grayBetween({{0, 0.5}}, 10, 20));
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -80,7 +80,7 @@ TEST(TransferFunction, AFullOpacityIsFinite)
     EXPECT_GT(transfer.table()[0].extinction, 10);
 }
 
-TEST(TransferFunction, KnowsWhichMagnitudesContribute)
+TEST(TransferFunction, KnowsWhichDriversContribute)
 {
     const TransferFunction transfer(grayBetween({{0, 0}, {0.4, 0}, {0.5, 1}, {0.6, 0}}, 0, 1));
     EXPECT_FALSE(transfer.contributes(-3, 0.39f));

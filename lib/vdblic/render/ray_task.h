@@ -1,0 +1,30 @@
+#pragma once
+
+#include "vdblic/field/vector.h"
+
+namespace vdblic {
+
+/// A ray to trace. Positions are in index space relative to VisibleLeaves::origin(); distances along the ray are in
+/// steps from the entry.
+struct alignas(32) RayTask {
+    Float4 entry, direction; ///< the direction has length 1; fourth lanes 0
+    Float4 inverse;          ///< of the direction's components, huge for those near 0
+    Float8 shading;          ///< what shading needs, indexed by RayNumber
+    float shift;             ///< length of the first step
+    float span;              ///< from entry to exit
+    int samples;             ///< that represent the span
+    int pixel;
+};
+
+/// Lanes of RayTask::shading.
+enum RayNumber {
+    kViewX, ///< direction in world space, of length 1
+    kViewY,
+    kViewZ,
+    kFaceLit,    ///< of the face where the ray enters: share of a sample's colour that is seen; negative: no face
+    kFaceWhite,  ///< of that face: light added to the colour
+    kEntryDepth, ///< along the view axis [world]
+    kDepthPerStep,
+};
+
+} // namespace vdblic

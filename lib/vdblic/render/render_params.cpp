@@ -1,0 +1,72 @@
+#include "vdblic/render/render_params.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/render/histogram.h"
+#include "vdblic/render/supersampling.h"
+
+#include <fmt/format.h>
+#include <glm/vec4.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdblic {
+namespace {
+
+constexpr int kMostPixels = 32768; // a side
+constexpr double kMostStretch = 1e6;
+
+} // namespace
+
+void RenderParams::validate() const
+{
+    if (output.empty() && histogram.empty()) throw ParameterError("there is nothing to make: give an output");
+    if (!output.empty()) {
+        const bool exrOutput = imageFormat(output) == ImageFormat::kExr;
+        if (!exr.layers.empty() && !exrOutput) {
+            throw ParameterError(fmt::format("output '{}': only .exr holds further channels", output));
+        }
+    }
+    if (!histogram.empty()) checkHistogramPath(histogram);
+    camera.validate();
+    motion.validate();
+    look.validate();
+    rays.validate();
+    background.validate();
+    exr.validate();
+    if (motion.orbit != 0 && !motion.orbitFrames && (input.pattern == "-" || !FramePattern(input.pattern).hasField())) {
+        throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
+    }
+    for (const double factor : {stretch.x, stretch.y, stretch.z}) {
+        if (!(factor >= 1 / kMostStretch && factor <= kMostStretch)) {
+            throw ParameterError(
+                fmt::format("stretch {} must be between {} and {}", factor, 1 / kMostStretch, kMostStretch));
+        }
+    }
+    if (!(scale > 0 && scale <= kMostPixels)) {
+        throw ParameterError(fmt::format("scale {} must be above 0 and at most {}", scale, kMostPixels));
+    }
+    for (const glm::ivec2& sides : {size, scaledSize()}) {
+        if (std::min(sides.x, sides.y) >= 1 && std::max(sides.x, sides.y) <= kMostPixels) continue;
+        throw ParameterError(
+            fmt::format("image size {}x{} must be 1 to {} pixels a side", sides.x, sides.y, kMostPixels));
+    }
+    if (samples < 1 || samples > kMostSamples) {
+        throw ParameterError(fmt::format("{} samples to a pixel must be 1 to {}", samples, kMostSamples));
+    }
+}
+
+glm::ivec2 RenderParams::scaledSize() const
+{
+    const auto scaled = [&](int side) { return int(std::clamp(std::round(side * scale), 1.0, 1e9)); };
+    return {scaled(size.x), scaled(size.y)};
+}
+
+double RenderParams::imageBytes() const
+{
+    // The sum over the samples, one sample, the file's pixels, and the file.
+    const double perPixel = sizeof(glm::vec4) * 4 + (rays.layers ? 2 * sizeof(PixelLayers) : 0);
+    return double(scaledSize().x) * scaledSize().y * perPixel;
+}
+
+} // namespace vdblic

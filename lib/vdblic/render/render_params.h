@@ -1,0 +1,47 @@
+#pragma once
+
+#include "vdblic/io/sequence.h"
+#include "vdblic/render/camera.h"
+#include "vdblic/render/camera_path.h"
+#include "vdblic/render/image_file.h"
+#include "vdblic/render/look_params.h"
+#include "vdblic/render/ray_cast_params.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <string>
+
+namespace vdblic {
+
+/// How a sequence of textures becomes a sequence of images.
+struct RenderParams {
+    SequenceParams input;
+    bool skipExisting = false;        ///< leave existing outputs as they are
+    std::string output;               ///< one file or a pattern, .exr or .png; frame numbers are the input's
+    std::string histogram;            ///< file for the histograms, .json or .png; empty: none
+    std::string texture = "density";  ///< grid that holds the texture
+    std::string driver = "magnitude"; ///< grid that drives the transfer function
+    std::string region;               ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
+    /// Factors on the axes of world space for all that is shown, such as 1 1 20 for weather. Camera and lights are in
+    /// the stretched space, cuts and region in the grids' own.
+    glm::dvec3 stretch{1};
+    glm::ivec2 size{1024, 1024}; ///< width and height [pixels]
+    double scale = 1;            ///< factor on the size, for previews
+    int samples = 1;             ///< rays per pixel
+    CameraParams camera;
+    CameraMotion motion;
+    LookParams look;
+    RayCastParams rays;
+    Background background;
+    ExrParams exr;
+
+    /// The size times the scale, at least one pixel a side.
+    [[nodiscard]] glm::ivec2 scaledSize() const;
+    /// Estimate of the memory that an image takes until it is written.
+    [[nodiscard]] double imageBytes() const;
+    /// @throws ParameterError
+    void validate() const;
+};
+
+} // namespace vdblic
