@@ -49,6 +49,7 @@ std::vector<std::filesystem::path> filesOf(const SequenceParams& input)
                       [&](std::int64_t frame) { return !std::binary_search(chosen.begin(), chosen.end(), frame); });
     }
     std::vector<std::filesystem::path> files;
+    files.reserve(frames.size());
     for (const std::int64_t frame : frames)
         files.push_back(pattern.path(frame));
     return files;

@@ -249,7 +249,7 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
     constexpr int kLeafDim = LeafVoxel::kDim;
     for (int part = 0; part < 8; ++part) {
         const openvdb::Coord begin(part & 4 ? kLeafDim : 0, part & 2 ? kLeafDim : 0, part & 1 ? kLeafDim : 0);
-        const auto endOf = [](int first) { return first == 0 ? kLeafDim : Bricks::kDim; };
+        const auto endOf = [](int first) { return first == 0 ? LeafVoxel::kDim : Bricks::kDim; };
         const openvdb::Coord end(endOf(begin[0]), endOf(begin[1]), endOf(begin[2]));
         const auto forEachVoxel = [&](const auto& visitVoxel) {
             for (int x = begin[0]; x < end[0]; ++x) {

@@ -36,9 +36,9 @@ class Domain {
     /// The number of the leaf that covers a voxel, active or not; −1 if there is none.
     [[nodiscard]] VDBLIC_INLINE int findLeaf(Int4 voxel) const
     {
-        const unsigned x = unsigned((voxel[0] >> LeafBlock::kLog2Voxels) - mFirstBlock[0]);
-        const unsigned y = unsigned((voxel[1] >> LeafBlock::kLog2Voxels) - mFirstBlock[1]);
-        const unsigned z = unsigned((voxel[2] >> LeafBlock::kLog2Voxels) - mFirstBlock[2]);
+        const auto x = unsigned((voxel[0] >> LeafBlock::kLog2Voxels) - mFirstBlock[0]);
+        const auto y = unsigned((voxel[1] >> LeafBlock::kLog2Voxels) - mFirstBlock[1]);
+        const auto z = unsigned((voxel[2] >> LeafBlock::kLog2Voxels) - mFirstBlock[2]);
         if (x >= mBlockDim[0] || y >= mBlockDim[1] || z >= mBlockDim[2]) return -1;
         const int block = mBlocks[(std::size_t(x) * mBlockDim[1] + y) * mBlockDim[2] + z];
         if (block < 0) return -1;

@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <cstddef>
-#include <ranges>
+#include <cstdint>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -55,8 +57,7 @@ void VelocityField::prepare(std::shared_ptr<const Domain> domain, const Velocity
     mSeconds = watch.lap();
 }
 
-template<typename Leaves>
-void VelocityField::fillBricks(const Leaves& leaves)
+void VelocityField::fill(Slabs::Leaves leaves)
 {
     Stopwatch watch;
     mBricks.fill(leaves, [&](std::size_t leaf, Record* records) {
@@ -76,15 +77,12 @@ void VelocityField::fillBricks(const Leaves& leaves)
     mSeconds += watch.lap();
 }
 
-void VelocityField::fill(Slabs::Leaves leaves)
-{
-    fillBricks(leaves);
-}
-
 void VelocityField::build(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end)
 {
     prepare(std::move(domain), start, end);
-    fillBricks(std::views::iota(std::size_t(0), this->domain().leafCount()));
+    std::vector<std::uint32_t> all(this->domain().leafCount());
+    std::iota(all.begin(), all.end(), 0u);
+    fill(all);
 }
 
 } // namespace vdblic

@@ -94,9 +94,7 @@ class VelocityField {
     [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mBricks.sharedDomain(); }
 
   private:
-    template<typename Leaves>
-    void fillBricks(const Leaves& leaves);
-    VDBLIC_INLINE const float* recordOf(int leaf, unsigned offset) const
+    [[nodiscard]] VDBLIC_INLINE const float* recordOf(int leaf, unsigned offset) const
     {
         const LeafVoxel voxel = LeafVoxel::at(offset);
         return mBricks.record(leaf, Bricks::index(voxel.x, voxel.y, voxel.z))->values;

@@ -40,7 +40,7 @@ struct VdbFile {
     template<typename GridT>
     [[nodiscard]] typename GridT::Ptr get(std::string_view name, std::string_view choice = {}) const
     {
-        if (const auto grid = find<GridT>(name)) return grid;
+        if (auto grid = find<GridT>(name)) return grid;
         std::string type;
         if constexpr (!std::is_same_v<GridT, openvdb::GridBase>) {
             type = std::string(openvdb::typeNameAsString<typename GridT::ValueType>()) + ' ';

@@ -22,7 +22,7 @@ constexpr std::size_t kOrbitViews = 64; // all must be seen in each of them when
 /// Rotation about an axis through the origin.
 glm::dmat3 rotation(const glm::dvec3& axis, double angle)
 {
-    return glm::dmat3(glm::rotate(glm::dmat4(1), angle, axis));
+    return {glm::rotate(glm::dmat4(1), angle, axis)};
 }
 
 /// The corners of the box in all views of a camera that orbits it, relative to the first one.
@@ -50,8 +50,8 @@ Value CameraTrack<Value>::slope(std::size_t key) const
     if (key + 1 == mKeys.size()) return secant(key - 1);
     const Value before = secant(key - 1), after = secant(key);
     if (before == Value(0) || after == Value(0)) return Value(0);
-    const double left = double(mKeys[key].first - mKeys[key - 1].first);
-    const double right = double(mKeys[key + 1].first - mKeys[key].first);
+    const auto left = double(mKeys[key].first - mKeys[key - 1].first);
+    const auto right = double(mKeys[key + 1].first - mKeys[key].first);
     return (before * right + after * left) / (left + right); // the parabola through the three keys
 }
 
@@ -63,7 +63,7 @@ Value CameraTrack<Value>::at(double frame) const
     if (after == mKeys.begin()) return mKeys.front().second;
     if (after == mKeys.end()) return mKeys.back().second;
     const auto i = std::size_t(after - mKeys.begin()) - 1;
-    const double length = double(mKeys[i + 1].first - mKeys[i].first);
+    const auto length = double(mKeys[i + 1].first - mKeys[i].first);
     const double t = (frame - double(mKeys[i].first)) / length, s = 1 - t;
     const Value& start = mKeys[i].second;
     return start + (mKeys[i + 1].second - start) * (t * t * (3 - 2 * t)) + slope(i) * (length * t * s * s) -
@@ -128,7 +128,7 @@ Camera CameraPath::at(std::int64_t frame) const
         params.eye = *params.target + rotation(*params.up, angle) * (*params.eye - *params.target);
     }
     try {
-        return Camera(params, mBox, mSize);
+        return {params, mBox, mSize};
     } catch (const ParameterError& error) {
         if (!mKeyed) throw;
         throw ParameterError(fmt::format("frame {}: {}", frame, error.what()));

@@ -99,10 +99,10 @@ TEST(CameraTrack, IsExactOnAStraightLineAndAParabola)
         line.add(frame, 2.0 * frame + 1);
         parabola.add(frame, 0.1 * frame * frame);
     }
-    for (double frame = 0; frame <= 20; frame += 0.5)
-        EXPECT_NEAR(line.at(frame), 2 * frame + 1, 1e-12);
-    for (double frame = 4; frame <= 12; frame += 0.5)
-        EXPECT_NEAR(parabola.at(frame), 0.1 * frame * frame, 1e-12);
+    for (int half = 0; half <= 40; ++half)
+        EXPECT_NEAR(line.at(0.5 * half), half + 1, 1e-12);
+    for (int half = 8; half <= 24; ++half)
+        EXPECT_NEAR(parabola.at(0.5 * half), 0.025 * half * half, 1e-12);
 }
 
 TEST(CameraTrack, RestsBetweenEqualKeys)
@@ -110,8 +110,8 @@ TEST(CameraTrack, RestsBetweenEqualKeys)
     CameraTrack<double> track;
     for (const auto& [frame, value] : {std::pair(0, 0.0), {10, 5.0}, {20, 5.0}, {30, -8.0}})
         track.add(frame, value);
-    for (double frame = 10; frame <= 20; frame += 0.7)
-        EXPECT_EQ(track.at(frame), 5);
+    for (int tenth = 100; tenth <= 200; tenth += 7)
+        EXPECT_EQ(track.at(0.1 * tenth), 5);
 }
 
 class CameraKeyFile : public testing::Test {

@@ -91,7 +91,7 @@ TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
     std::vector<png_byte> pixels(PNG_IMAGE_SIZE(png));
     ASSERT_TRUE(png_image_finish_read(&png, nullptr, pixels.data(), 0, nullptr)) << png.message;
     // Halfway up the left panel, which reaches from x = 40 to 552.
-    const auto dark = [&](int x) { return pixels[(220u * png.width + unsigned(x)) * 3] < 200; };
+    const auto dark = [&](int x) { return pixels[(std::size_t(220) * png.width + unsigned(x)) * 3] < 200; };
     EXPECT_TRUE(dark(40 + 512 / 4 + 1));
     EXPECT_FALSE(dark(40 + 512 / 4 - 3));
     EXPECT_FALSE(dark(40 + 512 / 4 + 5));
