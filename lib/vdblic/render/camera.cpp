@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/render/framing.h"
+#include "vdblic/render/vector_text.h"
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -33,18 +34,13 @@ bool parallel(const glm::dvec3& a, const glm::dvec3& b)
     return glm::length(glm::cross(glm::normalize(a), glm::normalize(b))) < 1e-9;
 }
 
-std::string text(const glm::dvec3& v)
-{
-    return fmt::format("{} {} {}", v.x, v.y, v.z);
-}
-
 /// Refuse a point so far away that double precision cannot tell voxels apart or that lengths overflow.
 void checkDistance(const char* name, const glm::dvec3& point, const Corners& box)
 {
     const double diagonal = glm::length(box[7] - box[0]);
     if (glm::length(point - middleOf(box)) <= kFarthest * std::max(diagonal, 1e-6)) return;
     throw ParameterError(fmt::format("camera {} {} is too far from the volume around {}; bring it closer", name,
-                                     text(point), text(middleOf(box))));
+                                     vectorText(point), vectorText(middleOf(box))));
 }
 
 } // namespace
@@ -73,16 +69,17 @@ void CameraParams::validate() const
 {
     const auto check = [](const char* name, const std::optional<glm::dvec3>& v) {
         if (v && !representable(*v))
-            throw ParameterError(fmt::format("camera {} {} must be at most {}", name, text(*v), kFarthestCoordinate));
+            throw ParameterError(
+                fmt::format("camera {} {} must be at most {}", name, vectorText(*v), kFarthestCoordinate));
     };
     check("eye", eye);
     check("target", target);
     check("up", up);
     if (up && !(glm::length(*up) > 0 && std::isfinite(glm::length(*up)))) {
-        throw ParameterError(fmt::format("camera up {} must have a direction", text(*up)));
+        throw ParameterError(fmt::format("camera up {} must have a direction", vectorText(*up)));
     }
     if (eye && target && *eye == *target) {
-        throw ParameterError(fmt::format("camera eye and target are the same place, {}", text(*eye)));
+        throw ParameterError(fmt::format("camera eye and target are the same place, {}", vectorText(*eye)));
     }
     if (!(fieldOfView >= kLeastFieldOfView && fieldOfView < 180)) {
         throw ParameterError(

@@ -19,7 +19,7 @@ namespace {
 constexpr int kWidth = 1240, kHeight = 460;
 constexpr const char* kFont = "@cairo:"; // built into Cairo: the same pixels on every machine, no font files
 constexpr double kFontSize = 19;
-constexpr glm::dvec3 kPaper(1), kInk(0.15), kBars(0.55), kCurve(0.05);
+constexpr glm::dvec3 kPaper(1), kAxes(0.15), kBars(0.55), kCurve(0.05);
 
 /// A plot's frame in the picture [pixels].
 struct Panel {
@@ -70,7 +70,7 @@ void drawBars(cairo_t* cairo, const Panel& panel, const Histogram& histogram, co
 void drawFrame(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const char* title)
 {
     constexpr int kTicks = 4;
-    setColor(cairo, kInk);
+    setColor(cairo, kAxes);
     cairo_set_line_width(cairo, 1);
     for (int i = 0; i <= kTicks; ++i) {
         const double share = double(i) / kTicks, value = histogram.low + (histogram.high - histogram.low) * share;
@@ -106,6 +106,7 @@ void drawOpacity(cairo_t* cairo, const Panel& panel, const Histogram& histogram,
     }
     drawText(cairo, {panel.high.x + 8, panel.low.y - 16}, 0.5, "opacity");
 
+    cairo_new_path(cairo); // text leaves a current point
     const int pixels = int(panel.high.x - panel.low.x);
     for (int i = 0; i <= pixels; ++i) {
         const double share = double(i) / pixels;

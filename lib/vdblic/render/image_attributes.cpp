@@ -4,6 +4,7 @@
 #include "vdblic/render/camera.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/render_params.h"
+#include "vdblic/render/vector_text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,11 +21,6 @@ namespace {
 using Attributes = std::vector<std::pair<std::string, ImageAttribute>>;
 
 // Each of these names all members of a struct: a new member does not compile until it is handled here.
-
-std::string text(const glm::dvec3& v)
-{
-    return fmt::format("{} {} {}", v.x, v.y, v.z);
-}
 
 template<typename Items, typename Text>
 std::string listText(const Items& items, const Text& itemText)
@@ -60,7 +56,7 @@ void add(Attributes& attributes, const TransferFunction& transfer)
 {
     const auto& [colorMap, colors, opacity, range] = transfer.params();
     const auto colorText = [](const ColorPoint& point) {
-        return fmt::format("{}:{}", point.position, text(point.color));
+        return fmt::format("{}:{}", point.position, vectorText(point.color));
     };
     attributes.emplace_back("colorMap", colors.empty() ? colorMap : listText(colors, colorText));
     attributes.emplace_back("opacity", opacityText(opacity));
@@ -79,7 +75,7 @@ void add(Attributes& attributes, const Shading& shading)
 {
     const auto& [model, ambient, diffuse, specular, shininess, headLight, lights, leastGradient] = shading;
     const auto lightText = [](const DirectionalLight& light) {
-        return fmt::format("{} {}", text(light.direction), light.intensity);
+        return fmt::format("{} {}", vectorText(light.direction), light.intensity);
     };
     attributes.insert(attributes.end(), {{"shading", std::string(shadingModelName(model))},
                                          {"ambient", ambient},
@@ -96,12 +92,13 @@ void add(Attributes& attributes, const RayCastParams& rays)
     const auto& [step, leastTransmittance, clip, layers] = rays;
     const auto& [planes, box] = clip;
     const auto planeText = [](const ClipPlane& plane) {
-        return fmt::format("{} {}", text(plane.point), text(plane.normal));
+        return fmt::format("{} {}", vectorText(plane.point), vectorText(plane.normal));
     };
     attributes.emplace_back("step", float(step));
     attributes.emplace_back("leastTransmittance", float(leastTransmittance));
     attributes.emplace_back("clipPlanes", listText(planes, planeText));
-    attributes.emplace_back("clipBox", box ? fmt::format("{} {}", text((*box)[0]), text((*box)[1])) : std::string());
+    attributes.emplace_back("clipBox",
+                            box ? fmt::format("{} {}", vectorText((*box)[0]), vectorText((*box)[1])) : std::string());
 }
 
 } // namespace

@@ -11,7 +11,7 @@
 namespace vdblic {
 namespace {
 
-constexpr double kMostOpacity = 0.95; // of a voxel
+constexpr double kMostChosenOpacity = 0.95; // of a voxel, where chosen automatically
 
 // The automatic opacity has a point every tenth of the range.
 constexpr int kPoints = 11;
@@ -65,7 +65,7 @@ std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, d
     }
     const double scale = depth > 0 ? voxelDepth / depth : 1;
     for (OpacityPoint& point : points)
-        point.opacity = std::min(-std::expm1(-point.opacity * scale), kMostOpacity);
+        point.opacity = std::min(-std::expm1(-point.opacity * scale), kMostChosenOpacity);
     return points;
 }
 

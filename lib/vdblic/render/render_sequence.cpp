@@ -8,6 +8,7 @@
 #include "vdblic/render/image_attributes.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/render/supersampling.h"
+#include "vdblic/render/vector_text.h"
 
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
@@ -202,9 +203,8 @@ class SequenceRenderer {
         mDescribed = true;
         const Look& look = scene.look;
         const Camera camera = scene.cameras.at(frame);
-        const auto text = [](const glm::dvec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
         mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, toString(camera.projection()),
-                                     text(camera.eye()), text(camera.target()), text(camera.up())));
+                                     vectorText(camera.eye()), vectorText(camera.target()), vectorText(camera.up())));
         mReporter.detail(fmt::format("magnitude {} to {}, opacity {}, texture {} to {}", look.transfer.range()[0],
                                      look.transfer.range()[1], opacityText(look.transfer.opacity()), look.texture.low,
                                      look.texture.high));

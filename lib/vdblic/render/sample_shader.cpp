@@ -12,10 +12,31 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 namespace vdblic {
 namespace {
+
+VDBLIC_INLINE Float8 load8(const float* values)
+{
+    Float8 result;
+    std::memcpy(&result, values, sizeof result);
+    return result;
+}
+
+/// The cells of the first eight samples of a queue.
+struct Cells {
+    Float8 fraction[3];
+    Unsigned8 record;
+
+    VDBLIC_INLINE explicit Cells(const ShadeQueue& queue)
+    {
+        for (int axis = 0; axis < 3; ++axis)
+            fraction[axis] = load8(queue.columns().fraction[axis] + queue.begin());
+        std::memcpy(&record, queue.columns().record + queue.begin(), sizeof record);
+    }
+};
 
 VDBLIC_INLINE const Float4& asFloat4(const TransferFunction::Entry& entry)
 {
@@ -65,12 +86,14 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightSurface(const Float8* norma
     return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
 }
 
-VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeSamples& samples, const Float8* view) const
+VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queue, const Float8* view) const
 {
-    const auto& [u, v, w] = samples.fraction;
+    const int first = queue.begin();
+    const auto& record = queue.columns().record;
+    const auto& [u, v, w] = queue.columns().fraction;
     Float8 rows[kLanes], line[kLanes];
     for (int i = 0; i < kLanes; ++i)
-        rows[i] = sampleLine(mVolume.lines() + samples.record[i], u[i], v[i], w[i]);
+        rows[i] = sampleLine(mVolume.lines() + record[first + i], u[first + i], v[first + i], w[first + i]);
     transpose(rows, line);
     // t (t·d) of the line's direction t and another one, d: independent of the sign of t.
     const auto along = [&](auto x, auto y, auto z, Float8* result) {
@@ -98,31 +121,35 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeSamples& sa
     return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
 }
 
-VDBLIC_INLINE void SampleShader::addLayers(const ShadeSamples& samples, const Float8* normal, Float8 surface,
-                                           Float8 depth, RaySum* sums) const
+VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth,
+                                           RaySum* sums) const
 {
-    const Float8 weight = samples.weight;
+    const int first = queue.begin();
+    const auto& samples = queue.columns();
+    const Float8 weight = load8(samples.weight + first);
     const Float8 normals[] = {normal[0] * weight * surface, normal[1] * weight * surface, normal[2] * weight * surface,
                               Float8{}};
+    const Cells cells(queue);
     Float8 values[2];
-    sampleValues(mVolume.values(), samples.record, samples.fraction, values);
+    sampleValues(mVolume.values(), cells.record, cells.fraction, values);
     const Float8 numbers[] = {depth * weight, values[1] * weight, values[0] * weight, Float8{}};
     Float4 rows[kLanes];
     transposeBack(normals, rows);
     for (int i = 0; i < kLanes; ++i)
-        sums[samples.task[i]].normal += rows[i];
+        sums[samples.task[first + i]].normal += rows[i];
     transposeBack(numbers, rows);
     for (int i = 0; i < kLanes; ++i)
-        sums[samples.task[i]].numbers += rows[i];
+        sums[samples.task[first + i]].numbers += rows[i];
 }
 
 VDBLIC_KERNEL
 void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const
 {
-    const ShadeSamples samples = queue.front();
+    const int first = queue.begin();
+    const auto& samples = queue.columns();
     Float8 rays[kLanes], ray[kLanes];
     for (int i = 0; i < kLanes; ++i)
-        rays[i] = tasks[samples.task[i]].shading;
+        rays[i] = tasks[samples.task[first + i]].shading;
     transpose(rays, ray);
     const Float8* view = ray + kViewX;
 
@@ -130,7 +157,8 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     const bool surfaces = mLook.shading.model == ShadingModel::kSurface;
     Float8 normal[3] = {}, surface = {};
     if (surfaces || mLayers) {
-        sampleGradients(mVolume.gradients(), samples.record, samples.fraction, normal);
+        const Cells cells(queue);
+        sampleGradients(mVolume.gradients(), cells.record, cells.fraction, normal);
         const Float8 length = squareRoots(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
         const Float8 along = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
         const Float8 unit = 1 / (length + 1e-20f);
@@ -145,30 +173,31 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
         const Light full = lightSurface(normal, view);
         light = {1 + surface * (full.lit - 1), surface * full.white};
     } else if (mLook.shading.model == ShadingModel::kLine) {
-        light = lightLine(samples, view);
+        light = lightLine(queue, view);
     }
     // Samples within a voxel of the face are lit as the face.
-    const Float8 face = ray[kFaceLit] >= 0 ? clamped(1 - samples.distance * mStep) : Float8{};
+    const Float8 distance = load8(samples.distance + first);
+    const Float8 face = ray[kFaceLit] >= 0 ? clamped(1 - distance * mStep) : Float8{};
     light = {mix(light.lit, ray[kFaceLit], face), mix(light.white, ray[kFaceWhite], face)};
 
     // The driver chooses the colour, the texture darkens it.
     Float4 rows[kLanes];
     for (int i = 0; i < kLanes; ++i)
-        rows[i] = asFloat4(mLook.transfer.table()[samples.entry[i]]);
+        rows[i] = asFloat4(mLook.transfer.table()[samples.entry[first + i]]);
     Float8 color[4];
     transpose(rows, color);
-    const Float8 tint = mLook.texture.brightness(samples.stretched) * light.lit;
-    const Float8 depth = ray[kEntryDepth] + ray[kDepthPerStep] * samples.distance;
+    const Float8 tint = mLook.texture.brightness(load8(samples.stretched + first)) * light.lit;
+    const Float8 depth = ray[kEntryDepth] + ray[kDepthPerStep] * distance;
     const Float8 far = clamped((depth - mNearest) * mCuePerDepth);
-    const Float8 weight = samples.weight;
+    const Float8 weight = load8(samples.weight + first);
     for (int channel = 0; channel < 3; ++channel) {
         const Float8 seen = color[channel] * tint + light.white;
         color[channel] = mix(seen, broadcast8(mLook.background[channel]), far) * weight;
     }
     transposeBack(color, rows);
     for (int i = 0; i < kLanes; ++i)
-        sums[samples.task[i]].color += rows[i];
-    if (mLayers) addLayers(samples, normal, surface, depth, sums);
+        sums[samples.task[first + i]].color += rows[i];
+    if (mLayers) addLayers(queue, normal, surface, depth, sums);
 }
 
 VDBLIC_KERNEL

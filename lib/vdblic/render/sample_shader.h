@@ -15,7 +15,6 @@ class ShadeQueue;
 class TextureVolume;
 struct Look;
 struct RayCastParams;
-struct ShadeSamples;
 
 /// Light and colour of samples, eight at a time. Thread-safe.
 class SampleShader {
@@ -35,9 +34,9 @@ class SampleShader {
         Float8 lit, white; // factor on the colour, and light added to it
     };
     Light lightSurface(const Float8* normal, const Float8* view) const;
-    Light lightLine(const ShadeSamples& samples, const Float8* view) const;
+    Light lightLine(const ShadeQueue& queue, const Float8* view) const;
     Float8 highlight(Float8 cosine) const;
-    void addLayers(const ShadeSamples& samples, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
+    void addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
 
     const TextureVolume& mVolume;
     const Look& mLook;

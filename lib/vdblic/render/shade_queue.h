@@ -9,79 +9,92 @@
 
 namespace vdblic {
 
-/// What shading needs to know about eight samples, one a lane.
+/// What shading needs to know about samples, each number a column of 32-bit values.
 ///
 /// A further number is one more member here, set where samples are queued: the queue treats all members alike.
-struct alignas(32) ShadeSamples {
-    Float8 fraction[3]; ///< position in the cell, 0 to 1
-    Unsigned8 record;   ///< index of the record at the cell's lowest corner
-    Int8 task;          ///< index of the ray
-    Float8 distance;    ///< along the ray [steps]
-    Float8 weight;      ///< in the pixel
-    Float8 stretched;   ///< the texture, see TextureModulation
-    Int8 entry;         ///< index in the transfer function's table
+template<typename Of>
+struct ShadeColumns {
+    typename Of::Floats fraction[3]; ///< position in the cell, 0 to 1
+    typename Of::Unsigneds record;   ///< index of the record at the cell's lowest corner
+    typename Of::Ints task;          ///< index of the ray
+    typename Of::Floats distance;    ///< along the ray [steps]
+    typename Of::Floats weight;      ///< in the pixel
+    typename Of::Floats stretched;   ///< the texture, see TextureModulation
+    typename Of::Ints entry;         ///< index in the transfer function's table
 };
+
+struct InLanes {
+    using Floats = Float8;
+    using Ints = Int8;
+    using Unsigneds = Unsigned8;
+};
+/// Eight samples, one a lane.
+using ShadeSamples = ShadeColumns<InLanes>;
 
 /// Visible samples of any rays that wait to be shaded, first in, first out.
 ///
-/// They wait until there are many, so that the branch on that is mostly predicted. Column k of the queue holds what the
-/// k-th vector of ShadeSamples holds of eight samples.
+/// They wait until there are many, so that the branch on that is mostly predicted.
 class ShadeQueue {
   public:
+    static constexpr int kMany = 128, kCapacity = kMany + 4 * kLanes;
+
+    struct InMemory {
+        using Floats = float[kCapacity];
+        using Ints = std::int32_t[kCapacity];
+        using Unsigneds = std::uint32_t[kCapacity];
+    };
+
     [[nodiscard]] bool empty() const { return mBegin == mEnd; }
     [[nodiscard]] bool isFull() const { return mEnd >= kMany; }
     [[nodiscard]] bool hasEight() const { return mBegin + kLanes <= mEnd; }
+
+    /// The samples of the queue; the first one at index begin().
+    [[nodiscard]] const ShadeColumns<InMemory>& columns() const { return mColumns; }
+    [[nodiscard]] int begin() const { return mBegin; }
 
     /// Append the samples of the lanes whose bits are set.
     VDBLIC_INLINE void push(const ShadeSamples& samples, unsigned lanes)
     {
         const int end = mEnd; // a copy, which the stores cannot alias
-        pushColumns(samples, kPacking[lanes], end, std::make_index_sequence<kColumns>());
+        storeColumns(samples, kPacking[lanes], end, std::make_index_sequence<kColumns>());
         mEnd = end + __builtin_popcount(lanes);
     }
 
-    /// The first eight samples. @pre hasEight()
-    [[nodiscard]] VDBLIC_INLINE ShadeSamples front() const { return loadColumns(std::make_index_sequence<kColumns>()); }
     /// Remove the first eight samples. @pre hasEight()
     VDBLIC_INLINE void pop() { mBegin += kLanes; }
 
     /// Move what is left, less than eight samples, to the front.
     VDBLIC_INLINE void compact()
     {
-        for (auto& column : mColumns)
-            std::memmove(column, column + mBegin, sizeof(Int8));
+        for (std::size_t k = 0; k < kColumns; ++k)
+            std::memmove(column(k), column(k) + mBegin * kBytes, sizeof(Int8));
         mEnd -= mBegin;
         mBegin = 0;
     }
 
-    /// Append samples of weight 0 until there are eight.
+    /// Append samples of weight 0 until there are eight, unless there are.
     void fillUp()
     {
-        for (; mEnd < mBegin + kLanes; ++mEnd) {
-            for (auto& column : mColumns)
-                column[mEnd] = 0;
-        }
+        if (hasEight()) return;
+        for (std::size_t k = 0; k < kColumns; ++k)
+            std::memset(column(k) + mEnd * kBytes, 0, sizeof(Int8));
+        mEnd = mBegin + kLanes;
     }
 
   private:
-    static constexpr std::size_t kColumns = sizeof(ShadeSamples) / sizeof(Int8);
-    static constexpr int kMany = 128, kCapacity = kMany + 4 * kLanes;
-    static_assert(kColumns * sizeof(Int8) == sizeof(ShadeSamples), "every member is made of vectors");
+    static constexpr std::size_t kColumns = sizeof(ShadeSamples) / sizeof(Int8), kBytes = sizeof(std::int32_t);
 
-    // Written without loops, whose indices would force the samples out of registers.
+    /// The bytes of a member of ShadeColumns.
+    VDBLIC_INLINE char* column(std::size_t k) { return reinterpret_cast<char*>(&mColumns) + k * kCapacity * kBytes; }
+
+    // Without a loop, whose index would force the samples out of registers.
     template<std::size_t... k>
-    [[nodiscard]] VDBLIC_INLINE ShadeSamples loadColumns(std::index_sequence<k...>) const
+    VDBLIC_INLINE void storeColumns(const ShadeSamples& samples, Int8 order, int end, std::index_sequence<k...>)
     {
-        ShadeSamples samples;
-        (std::memcpy(reinterpret_cast<char*>(&samples) + k * sizeof(Int8), mColumns[k] + mBegin, sizeof(Int8)), ...);
-        return samples;
+        const auto* vectors = reinterpret_cast<const char*>(&samples);
+        (storeColumn(vectors + k * sizeof(Int8), order, column(k) + end * kBytes), ...);
     }
-    template<std::size_t... k>
-    VDBLIC_INLINE void pushColumns(const ShadeSamples& samples, Int8 order, int end, std::index_sequence<k...>)
-    {
-        (pushColumn(reinterpret_cast<const char*>(&samples) + k * sizeof(Int8), order, mColumns[k] + end), ...);
-    }
-    VDBLIC_INLINE static void pushColumn(const char* vector, Int8 order, std::int32_t* target)
+    VDBLIC_INLINE static void storeColumn(const char* vector, Int8 order, char* target)
     {
         Int8 values;
         std::memcpy(&values, vector, sizeof values);
@@ -89,7 +102,8 @@ class ShadeQueue {
         std::memcpy(target, &packed, sizeof packed);
     }
 
-    std::int32_t mColumns[kColumns][kCapacity]; // bits of floats too
+    ShadeColumns<InMemory> mColumns;
+    static_assert(sizeof mColumns == kColumns * kCapacity * kBytes);
     int mBegin = 0, mEnd = 0;
 };
 

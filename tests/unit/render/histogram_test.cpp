@@ -96,6 +96,10 @@ TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
     EXPECT_FALSE(dark(40 + 512 / 4 - 3));
     EXPECT_FALSE(dark(40 + 512 / 4 + 5));
     EXPECT_FALSE(dark(500));
+    // The right panel, from 630 to 1142: nothing between the bar and the curve of the opacity.
+    EXPECT_TRUE(dark(630 + 512 / 5 + 1));
+    for (int x = 630 + 512 / 5 + 5; x < 910; ++x)
+        EXPECT_FALSE(dark(x)) << x;
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <png.h>
 

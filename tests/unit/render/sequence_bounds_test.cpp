@@ -4,6 +4,7 @@
 #include "temporary_folder.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
