@@ -126,25 +126,31 @@ void DomainParams::validate() const
     };
     if (box) check(*box, "box");
     if (worldBox) check(*worldBox, "world box");
+    refinement.validate();
 }
 
-std::shared_ptr<const Domain> makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
-                                         const DomainParams& params, std::int64_t frame)
+FieldDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
+                       const DomainParams& params, std::int64_t frame)
 {
+    const Refinement& refinement = params.refinement;
     if (params.box) {
         const auto& b = *params.box;
         topology->clip({Coord(b[0], b[1], b[2]), Coord(b[3], b[4], b[5])});
     }
+    const openvdb::MaskTree::Ptr texture = refinement.isNone() ? topology : refinement.refined(*topology);
+    const openvdb::math::Transform::Ptr textureTransform = refinement.refined(transform);
     if (params.worldBox) {
-        topology->clip(indexBox(*params.worldBox, transform));
-        cutByWorldBox(*topology, *params.worldBox, transform);
+        texture->clip(indexBox(*params.worldBox, *textureTransform));
+        cutByWorldBox(*texture, *params.worldBox, *textureTransform);
     }
     if (!params.mask.empty()) {
         std::string where;
         const auto mask = readMask(params.mask, frame, where);
-        cutByMask(*topology, transform, *mask, where);
+        cutByMask(*texture, *textureTransform, *mask, where);
     }
-    return std::make_shared<Domain>(std::move(topology));
+    if (refinement.isNone()) return FieldDomain(std::make_shared<Domain>(texture));
+    if (params.worldBox || !params.mask.empty()) topology = refinement.coarsened(*texture, *topology);
+    return {std::make_shared<Domain>(texture), std::make_shared<Domain>(topology), refinement};
 }
 
 } // namespace vdblic

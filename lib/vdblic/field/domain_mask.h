@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/field/domain.h"
+#include "vdblic/field/field_domain.h"
 #include "vdblic/io/sequence.h"
 
 #include <openvdb/openvdb.h>
@@ -18,19 +18,19 @@ struct DomainParams {
     /// FILE or FILE:GRID, where FILE is one file or a sequence with the input's frame numbers; empty for all voxels.
     /// A voxel is included if, at its centre, the mask is positive (a level set: negative; a mask grid: active).
     std::string mask;
-    std::optional<std::array<int, 6>> box;         ///< first and last voxel, x y z x y z
+    std::optional<std::array<int, 6>> box;         ///< first and last voxel of the velocity, x y z x y z
     std::optional<std::array<double, 6>> worldBox; ///< lower and upper corner; a voxel is included by its centre
+    Refinement refinement{};                       ///< of the voxels that are computed: `mask` and `worldBox` cut those
 
     void validate() const; ///< @throws ParameterError
 };
 
-/// The domain of a frame: the active voxels of the velocity that the parameters include.
+/// The domain of a frame: the active voxels of the velocity, refined, that the parameters include.
 ///
 /// @param topology the velocity's active voxels and tiles; tiles are expanded only inside the boxes
 /// @param transform of the velocity; the mask may have another
-/// @throws InputError if the mask cannot be read or its type is not supported
-[[nodiscard]] std::shared_ptr<const Domain> makeDomain(openvdb::MaskTree::Ptr topology,
-                                                       const openvdb::math::Transform& transform,
-                                                       const DomainParams& params, std::int64_t frame);
+/// @throws InputError if the mask cannot be read, its type is not supported, or the voxels exceed the memory
+[[nodiscard]] FieldDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
+                                     const DomainParams& params, std::int64_t frame);
 
 } // namespace vdblic

@@ -12,28 +12,53 @@ constexpr std::size_t kEnoughLeaves = 1024; // half a million voxels
 
 } // namespace
 
-Slabs::Slabs(const Domain& domain) : mLeaves(domain.leafCount())
+Slabs::Slabs(const Domain& domain, const Refinement& refinement)
 {
-    if (mLeaves.empty()) return;
+    if (domain.leafCount() == 0) return;
     openvdb::CoordBBox box;
-    for (std::size_t leaf = 0; leaf < mLeaves.size(); ++leaf)
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
         box.expand(domain.origin(leaf));
     mAxis = int(box.maxExtent());
-    const auto layerOf = [&](std::uint32_t leaf) { return LeafVoxel::leafCoordinate(domain.origin(leaf)[mAxis]); };
+    sortLeaves(domain);
+    for (std::size_t i = 0; i < mLeaves.size(); ++i) {
+        const openvdb::Coord origin = domain.origin(mLeaves[i]);
+        const int layer = LeafVoxel::leafCoordinate(origin[mAxis]);
+        const bool mayEnd =
+            i > 0 && refinement.coarseLeaf(layer, mAxis) != refinement.coarseLeaf(mSlabs.back().last, mAxis);
+        if (i == 0 || (mayEnd && i - mSlabs.back().begin >= kEnoughLeaves)) mSlabs.push_back({layer, layer, i});
+        mSlabs.back().last = layer;
+    }
+    sortSlabs();
+}
+
+Slabs::Slabs(const Slabs& refined, const Domain& velocity, const Refinement& refinement) : mAxis(refined.mAxis)
+{
+    sortLeaves(velocity);
+    std::size_t leaf = 0;
+    for (const Slab& slab : refined.mSlabs) {
+        const int first = refinement.coarseLeaf(slab.first, mAxis), last = refinement.coarseLeaf(slab.last, mAxis);
+        mSlabs.push_back({first, last, leaf});
+        while (leaf < mLeaves.size() && LeafVoxel::leafCoordinate(velocity.origin(mLeaves[leaf])[mAxis]) <= last)
+            ++leaf;
+    }
+    sortSlabs();
+}
+
+/// By layers, from the first on; within one by number.
+void Slabs::sortLeaves(const Domain& domain)
+{
+    const auto layerOf = [&](std::uint32_t leaf) { return domain.origin(leaf)[mAxis]; };
+    mLeaves.resize(domain.leafCount());
     std::iota(mLeaves.begin(), mLeaves.end(), 0u);
     std::stable_sort(mLeaves.begin(), mLeaves.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return layerOf(a) < layerOf(b); });
-    for (std::size_t i = 0; i < mLeaves.size(); ++i) {
-        const int layer = layerOf(mLeaves[i]);
-        if (i == 0 || (layer != mSlabs.back().last && i - mSlabs.back().begin >= kEnoughLeaves)) {
-            mSlabs.push_back({layer, layer, i});
-        }
-        mSlabs.back().last = layer;
-    }
+}
+
+void Slabs::sortSlabs()
+{
     for (std::size_t slab = 0; slab < mSlabs.size(); ++slab) {
-        const Leaves leaves = (*this)[slab];
         const auto begin = mLeaves.begin() + std::ptrdiff_t(mSlabs[slab].begin);
-        std::sort(begin, begin + std::ptrdiff_t(leaves.size()));
+        std::sort(begin, begin + std::ptrdiff_t((*this)[slab].size()));
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/refinement.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -18,27 +19,31 @@ class Slabs {
   public:
     using Leaves = std::span<const std::uint32_t>; ///< numbers of leaves, ascending
 
-    explicit Slabs(const Domain& domain);
+    /// @param refinement of the domain: no leaf of the velocity lies under two slabs
+    explicit Slabs(const Domain& domain, const Refinement& refinement = {});
+
+    /// The leaves of the velocity's domain under each slab of a refined domain. @param refined made with `refinement`
+    Slabs(const Slabs& refined, const Domain& velocity, const Refinement& refinement);
 
     [[nodiscard]] int axis() const { return mAxis; } ///< along which slab follows slab: the domain's longest
     [[nodiscard]] std::size_t size() const { return mSlabs.size(); }
     [[nodiscard]] Leaves operator[](std::size_t slab) const;
 
-    /// Call work(leaves) for each slab in order. Every slab within `reach` leaves of it was passed to open(leaves)
-    /// before; slabs that no later slab reaches are passed to close(leaves).
+    /// Call work(slab) for each slab in order. Every slab within `reach` leaves of it was passed to open(slab) before;
+    /// slabs that no later slab reaches are passed to close(slab).
     template<typename Open, typename Close, typename Work>
     void sweep(int reach, const Open& open, const Close& close, const Work& work) const
     {
         std::size_t first = 0, last = 0;
         for (std::size_t slab = 0; slab < size(); ++slab) {
             for (; distance(first, slab) > reach; ++first)
-                close((*this)[first]);
+                close(first);
             for (; last < size() && distance(slab, last) <= reach; ++last)
-                open((*this)[last]);
-            work((*this)[slab]);
+                open(last);
+            work(slab);
         }
         for (; first < last; ++first)
-            close((*this)[first]);
+            close(first);
     }
 
   private:
@@ -52,6 +57,9 @@ class Slabs {
     {
         return before < after ? mSlabs[after].first - mSlabs[before].last : 0;
     }
+
+    void sortLeaves(const Domain& domain);
+    void sortSlabs();
 
     int mAxis = 0;
     std::vector<std::uint32_t> mLeaves;

@@ -47,13 +47,21 @@ Float4 largestVelocity(const VelocityLevel& level)
 
 } // namespace
 
-void VelocityField::prepare(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end)
+void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
 {
     Stopwatch watch;
-    mStart.emplace(start);
-    mEnd.emplace(end);
-    mBricks.cover(std::move(domain));
-    mLargest = larger(largestVelocity(start), largestVelocity(end));
+    mDomain = std::move(domain);
+    const Refinement& refinement = mDomain.refinement;
+    openvdb::Mat3d toTexture = openvdb::Mat3d::identity();
+    for (int axis = 0; axis < 3; ++axis) {
+        mScale[axis] = refinement.scale(axis);
+        mShift[axis] = refinement.shift(axis);
+        toTexture(axis, axis) = refinement.factors[std::size_t(axis)];
+    }
+    mStart.emplace(start.velocities, toTexture * start.toStep);
+    mEnd.emplace(end.velocities, toTexture * end.toStep);
+    mBricks.cover(mDomain.velocity);
+    mLargest = larger(largestVelocity(*mStart), largestVelocity(*mEnd));
     mSeconds = watch.lap();
 }
 
@@ -65,7 +73,7 @@ void VelocityField::fill(Slabs::Leaves leaves)
             const openvdb::Mat3s m(level.toStep);
             const Float4 x = {m(0, 0), m(1, 0), m(2, 0), 0}, y = {m(0, 1), m(1, 1), m(2, 1), 0},
                          z = {m(0, 2), m(1, 2), m(2, 2), 0}, covered = {0, 0, 0, 1};
-            visitBrick(level.velocities, domain().origin(leaf),
+            visitBrick(level.velocities, mDomain.velocity->origin(leaf),
                        [&](int record, const openvdb::Vec3f& value, bool active) {
                            const Float4 step = x * value[0] + y * value[1] + z * value[2] + covered;
                            *reinterpret_cast<Float4*>(records[record].values + lane) = active ? step : Float4{};
@@ -77,10 +85,10 @@ void VelocityField::fill(Slabs::Leaves leaves)
     mSeconds += watch.lap();
 }
 
-void VelocityField::build(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end)
+void VelocityField::build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
 {
     prepare(std::move(domain), start, end);
-    std::vector<std::uint32_t> all(this->domain().leafCount());
+    std::vector<std::uint32_t> all(mDomain.velocity->leafCount());
     std::iota(all.begin(), all.end(), 0u);
     fill(all);
 }

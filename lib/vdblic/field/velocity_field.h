@@ -2,6 +2,7 @@
 
 #include "vdblic/field/bricks.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/field_domain.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/slabs.h"
@@ -21,32 +22,42 @@ struct VelocityLevel {
     openvdb::Mat3d toStep;                ///< stored value → voxels per step, in index space
 };
 
-/// The velocity over one time step, in voxels per step, trilinear in space and linear in time between two frames.
+/// The velocity over one time step, in texture voxels per step, trilinear in space and linear in time between two
+/// frames. Positions are in the index space of the texture, which may be finer than the velocity's; bricks hold the
+/// velocity's own voxels.
 ///
 /// A voxel that has a velocity in only one of the frames keeps it for the whole step, the moment of the other frame
 /// excluded. Any number of threads may sample, and none while leaves are filled or released.
 class VelocityField {
   public:
     /// Begin a step; no leaf can be sampled yet.
-    /// @param domain     the leaves to sample in
-    /// @param start, end the frames at the step's two ends; their trees must outlive every fill()
-    void prepare(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end);
+    /// @param start, end the frames at the step's two ends, in voxels of the velocity per step; their trees must
+    /// outlive
+    ///                   every fill()
+    void prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end);
 
-    /// Fill leaves. They can be sampled then from half a voxel before their first voxels' centres to the centres of the
-    /// voxels after their last.
+    /// Fill leaves of the velocity's domain. They can be sampled then from half a voxel before their first voxels'
+    /// centres to the centres of the voxels after their last.
     void fill(Slabs::Leaves leaves);
     /// Free filled leaves' memory for other leaves; they cannot be sampled any longer.
     void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
 
     /// prepare() and fill() everything.
-    void build(std::shared_ptr<const Domain> domain, const VelocityLevel& start, const VelocityLevel& end);
+    void build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end);
+
+    /// The window in which positions in and around a leaf of the texture's domain are expected. @param origin of the
+    /// leaf
+    [[nodiscard]] LeafWindow window(const openvdb::Coord& origin) const
+    {
+        return {mBricks.domain(), mDomain.refinement.coarse(origin)};
+    }
 
     /// @param position index space, voxel centres at integers; the fourth lane must be 0
     /// @param time     fraction of the step, 0 to 1
     /// @param outside  returned where the field has no value
     [[nodiscard]] VDBLIC_INLINE Float4 sample(Float4 position, float time, Float4 outside) const
     {
-        const Bricks::Cell cell = mBricks.locate(position);
+        const Bricks::Cell cell = mBricks.locate(position * mScale + mShift);
         if (__builtin_expect(!cell.corner, 0)) return outside;
         const Float8 both = Bricks::interpolate(cell);
         const Float4 start = __builtin_shufflevector(both, both, 0, 1, 2, 3);
@@ -60,13 +71,15 @@ class VelocityField {
     }
 
     /// Sample eight positions at once.
-    /// @param window the leaf in and around which they are expected; elsewhere sampling is slower
+    /// @param window of window(), around where they are expected; elsewhere sampling is slower
     /// @param lanes  those to sample; the others' results have no meaning
     [[nodiscard]] VDBLIC_INLINE Vector8 sample(const LeafWindow& window, const Vector8& position, Float8 time,
                                                const Vector8& outside, unsigned lanes) const
     {
         Float8 rows[8];
-        mBricks.interpolate(window, position, lanes, rows);
+        const Vector8 coarse = {position.x * mScale[0] + mShift[0], position.y * mScale[1] + mShift[1],
+                                position.z * mScale[2] + mShift[2]};
+        mBricks.interpolate(window, coarse, lanes, rows);
         transpose(rows, rows);
         const auto between = [&](int number) { return rows[number] + (rows[number + 4] - rows[number]) * time; };
         const Float8 coverage = between(3);
@@ -74,14 +87,7 @@ class VelocityField {
         return select(coverage > 0, velocity, outside);
     }
 
-    /// The velocity at the centre of a voxel of the domain at the step's start; 0 where only the other frame has one.
-    [[nodiscard]] VDBLIC_INLINE Float4 startAt(int leaf, unsigned offset) const
-    {
-        const float* record = recordOf(leaf, offset);
-        return Float4{record[0], record[1], record[2], 0};
-    }
-
-    /// The frame at the step's end.
+    /// The frame at the step's end, in texture voxels per step.
     [[nodiscard]] const VelocityLevel& end() const { return *mEnd; }
 
     /// An upper bound of the velocity's magnitude anywhere, along each axis [voxels per step].
@@ -90,17 +96,15 @@ class VelocityField {
     /// Wall time of the last prepare() and every fill() since.
     [[nodiscard]] double secondsToFill() const { return mSeconds; }
 
-    [[nodiscard]] const Domain& domain() const { return mBricks.domain(); }
-    [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mBricks.sharedDomain(); }
+    /// Of the texture.
+    [[nodiscard]] const Domain& domain() const { return *mDomain.texture; }
+    [[nodiscard]] const FieldDomain& fieldDomain() const { return mDomain; }
 
   private:
-    [[nodiscard]] VDBLIC_INLINE const float* recordOf(int leaf, unsigned offset) const
-    {
-        const LeafVoxel voxel = LeafVoxel::at(offset);
-        return mBricks.record(leaf, Bricks::index(voxel.x, voxel.y, voxel.z))->values;
-    }
+    FieldDomain mDomain;
+    Float4 mScale{}, mShift{}; // from the texture's index space to the velocity's
     Bricks mBricks;
-    std::optional<VelocityLevel> mStart, mEnd;
+    std::optional<VelocityLevel> mStart, mEnd; // in voxels of the texture per step
     Float4 mLargest{};
     double mSeconds = 0;
 };

@@ -146,8 +146,8 @@ class Advection {
     {
         warnOfOddFlow(frame, seconds);
         const std::int64_t number = frame.velocity.file.frame;
-        TextureFile file = makeTextureFile(mParams, frame, step.texture.tree(), frame.velocity.values->transform(),
-                                           {number, mTime, seconds});
+        TextureFile file =
+            makeTextureFile(mParams, frame, step.texture.tree(), *frame.textureTransform(), {number, mTime, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
         mWriter.write(mOutputs.texture(number), std::move(file.grids), std::move(file.metadata));

@@ -170,7 +170,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
         if (result.frames.empty()) flow.describe(*current, interval);
         VelocityField field;
-        field.build(current->flow.domain,
+        field.build(current->flow.fieldDomain(),
                     {current->flow.velocities->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},
                     {end.flow.velocities->tree(), end.velocity.toVoxelsPerStep(interval.seconds)});
         FrameCoherence frame = measureCoherence(texture->texture, nextTexture ? &nextTexture->texture : nullptr, field,

@@ -4,6 +4,7 @@
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lic/leaf_velocities.h"
 #include "vdblic/lic/local_contrast.h"
 #include "vdblic/lic/noise.h"
 #include "vdblic/lic/sharpen.h"
@@ -99,41 +100,10 @@ class FullBox {
     float mFirst[3] = {0, 0, 0}, mLast[3] = {0, 0, 0};
 };
 
-/// Velocities of a leaf's voxels, in voxels per step; 0 for voxels without one.
-class LeafVelocities {
-  public:
-    LeafVelocities(const VelocityLevel& level, const openvdb::Coord& origin)
-        : mToStep(level.toStep), mLeaf(level.velocities.probeConstLeaf(origin))
-    {
-        if (!mLeaf && !level.velocities.probeValue(origin, mConstant)) mConstant = openvdb::Vec3f(0);
-    }
-
-    /// The velocities of a row of voxels along z.
-    [[nodiscard]] VDBLIC_INLINE Vector8 row(int row) const
-    {
-        Vector8 stored{};
-        for (int z = 0; z < LeafVoxel::kDim; ++z) {
-            const auto offset = openvdb::Index(LeafVoxel::kDim * row + z);
-            const openvdb::Vec3f value = !mLeaf                     ? mConstant
-                                         : mLeaf->isValueOn(offset) ? mLeaf->buffer().data()[offset]
-                                                                    : openvdb::Vec3f(0);
-            stored.setLane(z, Float4{value[0], value[1], value[2], 0});
-        }
-        const auto component = [&](int i) {
-            return stored.x * mToStep(i, 0) + stored.y * mToStep(i, 1) + stored.z * mToStep(i, 2);
-        };
-        return {component(0), component(1), component(2)};
-    }
-
-  private:
-    openvdb::Mat3s mToStep;
-    const openvdb::Vec3STree::LeafNodeType* mLeaf;
-    openvdb::Vec3f mConstant;
-};
-
 /// Filters one leaf after another. Immutable; any number of threads may filter.
 struct FeedForward {
     const VelocityLevel& velocities; ///< at the step's end
+    const Refinement& refinement;
     const Domain& domain;
     const TextureBricks& texture;
     const LocalContrast& contrast;
@@ -147,7 +117,7 @@ struct FeedForward {
         const LeafWindow window(domain, origin);
         const LocalContrast::Leaf around(contrast, origin);
         const FullBox inside(domain, window);
-        const LeafVelocities displacements(velocities, origin);
+        const LeafVelocities displacements(velocities, refinement, origin);
         const Domain::Mask& mask = domain.mask(leaf);
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
@@ -230,18 +200,20 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
 {
     const Domain& domain = field.domain();
     const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
-    TextureBricks bricks(field.sharedDomain(), texture, sharp);
+    TextureBricks bricks(field.fieldDomain().texture, texture, sharp);
     const LocalContrast contrast(domain, sharp);
-    const FeedForward filter{field.end(), domain, bricks, contrast, noise, params, step};
+    const FeedForward filter{field.end(), field.fieldDomain().refinement, domain, bricks, contrast, noise, params,
+                             step};
 
     LeafValues<std::int32_t> input = noiseInput(next, noise);
     const Slabs slabs(domain);
     // A sample lies up to a whole step upstream, and its cell reaches one voxel farther.
     const int reach = int(std::ceil((std::min(field.largest()[slabs.axis()], 1e6f) + 1) / float(LeafVoxel::kDim)));
     slabs.sweep(
-        reach, [&](Slabs::Leaves leaves) { bricks.fill(leaves); },
-        [&](Slabs::Leaves leaves) { bricks.release(leaves); },
-        [&](Slabs::Leaves leaves) {
+        reach, [&](std::size_t slab) { bricks.fill(slabs[slab]); },
+        [&](std::size_t slab) { bricks.release(slabs[slab]); },
+        [&](std::size_t slab) {
+            const Slabs::Leaves leaves = slabs[slab];
             tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
                 const openvdb::Coord origin = domain.origin(leaves[i]);
                 const int to = next.findLeaf(Int4{origin[0], origin[1], origin[2], 0});

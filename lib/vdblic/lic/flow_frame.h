@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/field/domain.h"
+#include "vdblic/field/field_domain.h"
 
 #include <openvdb/openvdb.h>
 
@@ -10,9 +10,19 @@ namespace vdblic {
 
 /// One frame of the flow: its domain, and its velocity.
 struct FlowFrame {
-    std::shared_ptr<const Domain> domain;
+    std::shared_ptr<const Domain> domain; ///< of the texture
     openvdb::Vec3SGrid::ConstPtr velocities;
     openvdb::Mat3d toWorldPerSecond; ///< stored value → world units per second
+
+    // Of a texture with other voxels than the velocity:
+    Refinement refinement{};
+    std::shared_ptr<const Domain> refinedFrom{}; ///< the velocity's voxels under `domain`; null if not refined
+
+    [[nodiscard]] const std::shared_ptr<const Domain>& velocityDomain() const
+    {
+        return refinedFrom ? refinedFrom : domain;
+    }
+    [[nodiscard]] FieldDomain fieldDomain() const { return {domain, velocityDomain(), refinement}; }
 };
 
 } // namespace vdblic

@@ -34,7 +34,10 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
     auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
     frame.flow.velocities = frame.velocity.values;
     try {
-        frame.flow.domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame);
+        FieldDomain domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame);
+        frame.flow.domain = std::move(domain.texture);
+        frame.flow.refinedFrom = std::move(domain.velocity);
+        frame.flow.refinement = domain.refinement;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
     }

@@ -24,6 +24,11 @@ struct LoadedFrame {
     VelocityFrame velocity;
     FlowFrame flow;
     std::string stamp; ///< FlowSequence::stampOf() from just before reading
+
+    [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
+    {
+        return flow.refinement.refined(velocity.values->transform());
+    }
 };
 
 /// Time between two frames [s], and what determined it, for messages.

@@ -76,7 +76,7 @@ class FlowTexture::Pipeline {
         FlowTextureStep result;
         const Domain& domain = *step.start.domain;
         if (!mInput) mInput = noiseInput(domain, mNoise);
-        mField.prepare(step.start.domain, {step.start.velocities->tree(), step.startToStep},
+        mField.prepare(step.start.fieldDomain(), {step.start.velocities->tree(), step.startToStep},
                        {step.end.velocities->tree(), step.endToStep});
         {
             const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);

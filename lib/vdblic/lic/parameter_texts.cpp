@@ -39,7 +39,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
     const auto& [method, life, window, history, pathline] = params.scatter;
     const auto& [sharpen, jitter, noiseShare, deviation] = params.feedback;
     const auto& [velocity, unit, scale, nonFinite, carry] = params.velocity;
-    const auto& [mask, box, worldBox] = params.domain;
+    const auto& [mask, box, worldBox, refinement] = params.domain;
     const std::string noise =
         params.noise.empty() ? ""
                              : fmt::format("{} ({})", params.noise, fileStamp(parseGridReference(params.noise).path));
@@ -57,6 +57,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"mask", mask},
         {"box", textOf(box)},
         {"world_box", textOf(worldBox)},
+        {"refine", fmt::format("{}", fmt::join(refinement.factors, " "))},
         {"noise", noise},
         {"seed", text(params.seed)},
         {"preroll", text(params.prerollSteps())},

@@ -85,7 +85,7 @@ void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::stri
 
 void RunCheckpoint::stepDone(const RunPosition& position, const LoadedFrame& frame)
 {
-    mUnsaved = {position, frame.velocity.values->transform().copy()};
+    mUnsaved = {position, frame.textureTransform()};
     mSchedule.stepDone();
 }
 

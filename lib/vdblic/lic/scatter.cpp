@@ -15,6 +15,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
@@ -46,23 +47,27 @@ Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumu
         });
 }
 
-/// The farthest that a path of this step can lead from its own tile, in leaves along each axis.
+/// The farthest that a path of this step can lead from its own tile, along each axis [voxels].
 ///
 /// A step leads no farther than the largest of its slopes; the Hermite curve swings beyond its ends by at most 4/27 of
 /// the slope at each.
-openvdb::Coord reachOf(const ScatterScene& scene)
+std::array<float, 3> longestPath(const ScatterScene& scene)
 {
     constexpr float kSwing = 1 + 2 * 4.0f / 27, kRounding = 1; // voxels
-    openvdb::Coord reach;
+    std::array<float, 3> longest{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         float slope = scene.field.largest()[int(axis)];
         for (const ParticleBins& bins : scene.arriving)
             slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
         constexpr float kFarAway = 1e6f;
-        const float voxels = std::min(kSwing * slope + kRounding, kFarAway);
-        reach[int(axis)] = int(std::ceil(voxels / float(LeafVoxel::kDim)));
+        longest[axis] = std::min(kSwing * slope + kRounding, kFarAway);
     }
-    return reach;
+    return longest;
+}
+
+int inLeaves(float voxels)
+{
+    return int(std::ceil(voxels / float(LeafVoxel::kDim)));
 }
 
 /// Scatter the tiles of a slab, in parallel. Integer additions commute, so the order of tiles is free.
@@ -104,12 +109,17 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& 
     for (std::size_t thread = 0; thread < threads; ++thread)
         workers.emplace_back(scene);
 
-    const openvdb::Coord reach = reachOf(scene);
-    const Slabs slabs(field.domain());
+    const std::array<float, 3> longest = longestPath(scene);
+    const openvdb::Coord reach(inLeaves(longest[0]), inLeaves(longest[1]), inLeaves(longest[2]));
+    const FieldDomain& domain = field.fieldDomain();
+    const Slabs slabs(*domain.texture, domain.refinement), velocitySlabs(slabs, *domain.velocity, domain.refinement);
+    // The velocity's cell around a position begins up to one of its voxels before.
+    const auto axis = std::size_t(slabs.axis());
+    const int finer = domain.refinement.factors[axis] - 1;
     slabs.sweep(
-        reach[slabs.axis()], [&](Slabs::Leaves leaves) { field.fill(leaves); },
-        [&](Slabs::Leaves leaves) { field.release(leaves); },
-        [&](Slabs::Leaves leaves) { scatterSlab(field.domain(), leaves, reach, workers); });
+        inLeaves(longest[axis] + float(finer)), [&](std::size_t slab) { field.fill(velocitySlabs[slab]); },
+        [&](std::size_t slab) { field.release(velocitySlabs[slab]); },
+        [&](std::size_t slab) { scatterSlab(*domain.texture, slabs[slab], reach, workers); });
     return workers;
 }
 

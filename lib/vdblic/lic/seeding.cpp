@@ -129,7 +129,7 @@ VDBLIC_INLINE void TileScatter::keep(int lane)
 VDBLIC_INLINE void TileScatter::trace()
 {
     const PathlineParams& params = mScene.params.pathline;
-    advancePaths(mScene.field, mWindow, params, mBatch);
+    advancePaths(mScene.field, mFieldWindow, params, mBatch);
     samplePaths(mBatch, mDomain, mWindow, params.sampleSpacing, mScene.params.releaseWindow, mSamples);
 }
 
@@ -258,10 +258,10 @@ VDBLIC_INLINE void TileScatter::releaseNew()
             ids[std::size_t(count)] = nextId;
             const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             mBatch.position.setLane(count, Float4{float(at[0]), float(at[1]), float(at[2]), 0});
-            mBatch.slope.setLane(count, mScene.field.startAt(int(mLeaf), voxel.pos()));
             ++count;
         }
         mBatch.lanes = (1u << count) - 1;
+        mBatch.slope = mScene.field.sample(mFieldWindow, mBatch.position, Float8{}, Vector8{}, mBatch.lanes);
         trace();
         for (int lane = 0; lane < count; ++lane) {
             const unsigned offset = offsets[std::size_t(lane)];
@@ -307,6 +307,7 @@ void TileScatter::run(std::size_t leaf, bool shared)
 {
     mLeaf = leaf;
     mWindow = LeafWindow(mDomain, mDomain.origin(leaf));
+    mFieldWindow = mScene.field.window(mDomain.origin(leaf));
     for (std::size_t slot = 0; slot < mTarget.size(); ++slot) {
         const int there = mWindow.leaves[slot];
         mTarget[slot] = there >= 0 ? mScene.accumulator[std::size_t(there)] : outsideLeaf();

@@ -89,7 +89,7 @@ class TileScatter {
 
     // The tile being computed.
     std::size_t mLeaf = 0;
-    LeafWindow mWindow;
+    LeafWindow mWindow, mFieldWindow;                            // in the domain, and in the velocity's
     std::array<std::int64_t*, LeafWindow::kElsewhere> mTarget{}; // the accumulator's leaf in each slot of the window
     const std::int32_t* mInput = nullptr;
     Domain::Mask mOpen;

@@ -29,15 +29,15 @@ struct Convolution {
     std::vector<std::int32_t> values{}; // along one half of a streamline
 
     /// Add one half of the streamlines of voxels in a row, given by the bits of `lanes`.
-    VDBLIC_INLINE void addHalf(const VelocityField& field, const LeafWindow& window, const openvdb::Coord& row,
-                               unsigned lanes, Float8& sum, Float8& weight)
+    VDBLIC_INLINE void addHalf(const VelocityField& field, const LeafWindow& fieldWindow, const LeafWindow& window,
+                               const openvdb::Coord& row, unsigned lanes, Float8& sum, Float8& weight)
     {
         const Domain& domain = field.domain();
         batch.lanes = lanes;
         batch.position = {broadcast8(float(row[0])), broadcast8(float(row[1])),
                           Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(row[2])};
-        batch.slope = field.sample(window, batch.position, Float8{}, Vector8{}, lanes);
-        advancePaths(field, window, pathline, batch);
+        batch.slope = field.sample(fieldWindow, batch.position, Float8{}, Vector8{}, lanes);
+        advancePaths(field, fieldWindow, pathline, batch);
         samplePaths(batch, domain, window, pathline.sampleSpacing, 0, samples);
         for (int lane = 0; lane < kLanes; ++lane) {
             if (!(lanes >> lane & 1)) continue;
@@ -72,14 +72,14 @@ VDBLIC_KERNEL void convolveLeaf(Convolution& convolution, const VelocityField& d
 {
     const Domain& domain = downstream.domain();
     const openvdb::Coord origin = domain.origin(leaf);
-    const LeafWindow window(domain, origin);
+    const LeafWindow window(domain, origin), fieldWindow = downstream.window(origin);
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const unsigned lanes = domain.mask(leaf).getWord<std::uint8_t>(openvdb::Index(row));
         if (lanes == 0) continue;
         const openvdb::Coord first = origin + openvdb::Coord(LeafVoxel::ofRow(row).x, LeafVoxel::ofRow(row).y, 0);
         Float8 sum{}, weight{};
-        convolution.addHalf(downstream, window, first, lanes, sum, weight);
-        convolution.addHalf(upstream, window, first, lanes, sum, weight);
+        convolution.addHalf(downstream, fieldWindow, window, first, lanes, sum, weight);
+        convolution.addHalf(upstream, fieldWindow, window, first, lanes, sum, weight);
         const Float8 mean = sum / weight / float(kNoiseMax);
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (lanes >> z & 1) texture[LeafVoxel::kDim * row + z] = mean[z];
@@ -95,7 +95,7 @@ LeafValues<float> steadyLic(const FlowFrame& frame, const openvdb::Mat3d& toStep
     const auto along = [&](double sign) {
         const VelocityLevel level{frame.velocities->tree(), toStep * (sign * 0.5 * lifeSpan)};
         VelocityField field;
-        field.build(frame.domain, level, level);
+        field.build(frame.fieldDomain(), level, level);
         return field;
     };
     const VelocityField downstream = along(1), upstream = along(-1);

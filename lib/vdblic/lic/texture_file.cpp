@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -16,12 +17,13 @@ namespace {
 
 openvdb::FloatTree::Ptr magnitudeOf(const FlowFrame& frame)
 {
-    const LeafValues<float> magnitude(*frame.domain, 0.0f);
+    const Domain& domain = *frame.velocityDomain();
+    const LeafValues<float> magnitude(domain, 0.0f);
     const openvdb::Mat3s toWorld(frame.toWorldPerSecond);
-    tbb::parallel_for(std::size_t(0), frame.domain->leafCount(), [&](std::size_t leaf) {
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
         const auto values = frame.velocities->getConstAccessor();
-        for (auto voxel = frame.domain->mask(leaf).beginOn(); voxel; ++voxel) {
-            const openvdb::Coord at = frame.domain->origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             magnitude[leaf][voxel.pos()] = (toWorld * values.getValue(at)).length();
         }
     });
@@ -48,6 +50,8 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
         metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
         metadata.insertMeta("history", openvdb::BoolMetadata(params.scatter.history));
     }
+    const std::array<int, 3>& factors = params.domain.refinement.factors;
+    metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(params.scatter.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(params.scatter.pathline.tolerance));
     if (!params.steady) {
@@ -74,7 +78,8 @@ TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame
     TextureFile file;
     file.grids = {fogVolume(texture, params.textureName, transform),
                   fogVolume(magnitudeOf(frame.flow), "magnitude", velocity.values->transform())};
-    for (auto& grid : derivedGrids(params.derived, *frame.flow.domain, *velocity.values, frame.flow.toWorldPerSecond))
+    for (auto& grid :
+         derivedGrids(params.derived, *frame.flow.velocityDomain(), *velocity.values, frame.flow.toWorldPerSecond))
         file.grids.push_back(std::move(grid));
     file.grids.insert(file.grids.end(), velocity.carried.begin(), velocity.carried.end());
 

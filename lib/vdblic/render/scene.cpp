@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/domain_mask.h"
+#include "vdblic/field/resample.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/color_map.h"
 #include "vdblic/render/render_params.h"
@@ -37,12 +38,15 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
     const VdbFile file = readVdb(frame.path);
     const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
     const bool hasDriver = params.driver != RenderParams{}.driver || file.find<openvdb::FloatGrid>(params.driver);
-    const auto driver = hasDriver ? file.get<openvdb::FloatGrid>(params.driver, "`driver`") : texture;
+    const auto stored = hasDriver ? file.get<openvdb::FloatGrid>(params.driver, "`driver`") : texture;
     try {
+        const bool together = stored->transform() == texture->transform() || !stored->transform().isLinear();
+        const auto driver = together ? stored : resampled(*stored, *texture);
         LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver, params.stretch)};
         if (!params.region.empty()) {
-            loaded.volume.cut(*makeDomain(std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology()),
-                                          texture->transform(), {.mask = params.region}, frame.frame));
+            const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
+            loaded.volume.cut(
+                *makeDomain(topology, texture->transform(), {.mask = params.region}, frame.frame).texture);
         }
         if (params.look.shading.model == ShadingModel::kLine) loaded.volume.addLines();
         return loaded;

@@ -18,8 +18,7 @@ VDBLIC_KERNEL void advanceAll(const VelocityField& field, const PathlineParams& 
             if (batch.lanes == 0) continue;
             batch.position = {broadcast8(float(origin[0] + (row >> 3))), broadcast8(float(origin[1] + (row & 7))),
                               Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(origin[2])};
-            for (int z = 0; z < 8; ++z)
-                batch.slope.setLane(z, field.startAt(int(leaf), unsigned(8 * row + z)));
+            batch.slope = field.sample(window, batch.position, Float8{}, Vector8{}, batch.lanes);
             advancePaths(field, window, params, batch);
             sink += double(batch.position.x[0]);
         }

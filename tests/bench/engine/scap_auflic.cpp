@@ -115,7 +115,7 @@ void ScapAuflic::seedTile(std::size_t k, const std::vector<VelocityField>& field
         Path path;
         path.id = std::uint64_t(k) << Particle::kRankBits | rank;
         path.position = Float4{float(at[0]), float(at[1]), float(at[2]), 0};
-        path.slope = field.startAt(int(leaf), voxel.pos());
+        path.slope = field.sample(path.position, 0, Float4{});
         extend(field, path);
         ++mStats.released;
         if (releaseAlong(k, fields, leaf, path)) save(std::move(path));

@@ -30,7 +30,7 @@ openvdb::MaskTree::Ptr everything()
 std::shared_ptr<const Domain> cut(const DomainParams& params,
                                   const Transform& transform = *Transform::createLinearTransform())
 {
-    return makeDomain(everything(), transform, params, 7);
+    return makeDomain(everything(), transform, params, 7).texture;
 }
 
 class MaskFile : public testing::Test {
@@ -85,7 +85,7 @@ TEST(MakeDomain, ExpandsTilesOnlyInsideTheBox)
     topology->addTile(2, Coord(0, 0, 0), true, true); // 4096³ voxels
     DomainParams params;
     params.box = {100, 100, 100, 109, 109, 109};
-    EXPECT_EQ(makeDomain(topology, *Transform::createLinearTransform(), params, 1)->voxelCount(), 1000u);
+    EXPECT_EQ(makeDomain(topology, *Transform::createLinearTransform(), params, 1).texture->voxelCount(), 1000u);
 }
 
 TEST_F(MaskFile, CutsByEveryTypeThatMasks)

@@ -63,15 +63,17 @@ TEST(Slabs, ASweepHasEverythingWithinReachOpen)
         std::size_t opened = 0, closed = 0, mostOpen = 0, worked = 0;
         slabs.sweep(
             reach,
-            [&](Slabs::Leaves leaves) {
+            [&](std::size_t slab) {
+                const Slabs::Leaves leaves = slabs[slab];
                 opened += leaves.size();
                 open.insert(leaves.begin(), leaves.end());
             },
-            [&](Slabs::Leaves leaves) {
-                for (const std::uint32_t leaf : leaves)
+            [&](std::size_t slab) {
+                for (const std::uint32_t leaf : slabs[slab])
                     closed += open.erase(leaf);
             },
-            [&](Slabs::Leaves leaves) {
+            [&](std::size_t slab) {
+                const Slabs::Leaves leaves = slabs[slab];
                 mostOpen = std::max(mostOpen, open.size());
                 worked += leaves.size();
                 const int first = LeafVoxel::leafCoordinate(domain.origin(leaves.front())[0]),

@@ -71,7 +71,7 @@ Trace trace(const VelocityField& field, const ScatterParams& params, Float4 posi
     batch.lanes = 1;
     batch.position.setLane(0, position);
     batch.slope.setLane(0, slope);
-    advancePaths(field, window, params.pathline, batch);
+    advancePaths(field, field.window(tile), params.pathline, batch);
     PathSamples samples;
     samplePaths(batch, domain, window, params.pathline.sampleSpacing, params.releaseWindow, samples);
     Trace result{batch.position.lane(0), batch.slope.lane(0), {}, false};
@@ -94,7 +94,7 @@ class LiteralLic {
         : mParams(params), mFields(std::size_t(steps)), mBuckets(std::size_t(params.lifeSpan)), mNoise(7)
     {
         for (std::size_t k = 0; k < mFields.size(); ++k) {
-            mFields[k].build(frames[k].domain, {frames[k].velocities->tree(), openvdb::Mat3d::identity()},
+            mFields[k].build(frames[k].fieldDomain(), {frames[k].velocities->tree(), openvdb::Mat3d::identity()},
                              {frames[k + 1].velocities->tree(), openvdb::Mat3d::identity()});
         }
         mInput = noiseInput(mFields[0].domain(), mNoise);
@@ -360,7 +360,7 @@ std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<Flow
     std::vector<LeafValues<float>> textures;
     for (std::size_t k = 0; k < std::size_t(steps); ++k) {
         VelocityField field;
-        field.build(frames[k].domain, {frames[k].velocities->tree(), openvdb::Mat3d::identity()},
+        field.build(frames[k].fieldDomain(), {frames[k].velocities->tree(), openvdb::Mat3d::identity()},
                     {frames[k + 1].velocities->tree(), openvdb::Mat3d::identity()});
         textures.push_back(literal.step(k, field, *frames[k + 1].domain));
     }

@@ -24,6 +24,16 @@ std::vector<FlowFrame> makeFrames(const openvdb::CoordBBox& box, int frames, con
     return result;
 }
 
+std::vector<FlowFrame> refined(std::vector<FlowFrame> frames, const Refinement& refinement)
+{
+    for (FlowFrame& frame : frames) {
+        frame.refinement = refinement;
+        frame.refinedFrom = frame.domain;
+        frame.domain = std::make_shared<Domain>(refinement.refined(frame.refinedFrom->topology()));
+    }
+    return frames;
+}
+
 FlowStep stepFrom(const std::vector<FlowFrame>& frames, std::size_t k)
 {
     return {frames[k], frames[k + 1], openvdb::Mat3d::identity(), openvdb::Mat3d::identity(), 1.0};

@@ -20,6 +20,9 @@ using FlowFunction = std::function<std::optional<openvdb::Vec3f>(const openvdb::
 /// Frames of a flow on a box of index space, in voxels per step.
 std::vector<FlowFrame> makeFrames(const openvdb::CoordBBox& box, int frames, const FlowFunction& flow);
 
+/// The same frames, to be computed on finer voxels.
+std::vector<FlowFrame> refined(std::vector<FlowFrame> frames, const Refinement& refinement);
+
 /// The step from frame k to frame k + 1.
 FlowStep stepFrom(const std::vector<FlowFrame>& frames, std::size_t k);
 

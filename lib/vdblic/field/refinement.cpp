@@ -1,0 +1,124 @@
+#include "vdblic/field/refinement.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/field/leaf_voxel.h"
+
+#include <fmt/format.h>
+#include <openvdb/tree/LeafManager.h>
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::MaskTree;
+using openvdb::Vec3d;
+using MaskLeaf = MaskTree::LeafNodeType;
+
+int floorDivide(int number, int divisor)
+{
+    return (number >= 0 ? number : number - divisor + 1) / divisor;
+}
+
+/// The n-th of the blocks that fill a cube, as many along each axis as there are factors, x slowest.
+Coord blockOf(int n, const std::array<int, 3>& factors)
+{
+    return {n / (factors[1] * factors[2]), n / factors[2] % factors[1], n % factors[2]};
+}
+
+Coord firstOf(const Coord& velocityVoxel, const std::array<int, 3>& factors)
+{
+    return {velocityVoxel[0] * factors[0], velocityVoxel[1] * factors[1], velocityVoxel[2] * factors[2]};
+}
+
+} // namespace
+
+void Refinement::validate() const
+{
+    for (const int factor : factors) {
+        if (factor < 1 || factor > kMost) {
+            throw ParameterError(fmt::format("refinement {} {} {}: each factor must be 1 to {}", factors[0], factors[1],
+                                             factors[2], kMost));
+        }
+    }
+}
+
+Coord Refinement::coarse(const Coord& voxel) const
+{
+    return {floorDivide(voxel[0], factors[0]), floorDivide(voxel[1], factors[1]), floorDivide(voxel[2], factors[2])};
+}
+
+int Refinement::coarseLeaf(int leaf, int axis) const
+{
+    return floorDivide(leaf, factors[std::size_t(axis)]);
+}
+
+openvdb::math::Transform::Ptr Refinement::refined(const openvdb::math::Transform& velocity) const
+{
+    auto texture = velocity.copy();
+    if (isNone()) return texture;
+    const Vec3d scale = Vec3d(1) / Vec3d(factors[0], factors[1], factors[2]);
+    texture->preTranslate(0.5 * scale - Vec3d(0.5));
+    texture->preScale(scale);
+    return texture;
+}
+
+MaskTree::Ptr Refinement::refined(const MaskTree& velocity) const
+{
+    checkVoxels(velocity.activeVoxelCount() * std::uint64_t(voxels()));
+    MaskTree expanded(velocity);
+    expanded.voxelizeActiveTiles();
+    const openvdb::tree::LeafManager<const MaskTree> leaves(expanded);
+    std::vector<std::vector<std::unique_ptr<MaskLeaf>>> made(leaves.leafCount()); // over each velocity leaf
+    tbb::parallel_for(std::size_t(0), leaves.leafCount(), [&](std::size_t i) {
+        const MaskLeaf& coarseLeaf = leaves.leaf(i);
+        const Coord first = firstOf(coarseLeaf.origin(), factors);
+        for (int n = 0; n < voxels(); ++n) {
+            const Coord block = blockOf(n, factors);
+            auto leaf = std::make_unique<MaskLeaf>(
+                first.offsetBy(block[0] * LeafVoxel::kDim, block[1] * LeafVoxel::kDim, block[2] * LeafVoxel::kDim),
+                false);
+            for (openvdb::Index offset = 0; offset < MaskLeaf::SIZE; ++offset) {
+                if (coarseLeaf.isValueOn(coarse(leaf->offsetToGlobalCoord(offset)))) leaf->setValueOn(offset);
+            }
+            if (!leaf->isEmpty()) made[i].push_back(std::move(leaf));
+        }
+    });
+    auto texture = std::make_shared<MaskTree>();
+    for (auto& some : made) {
+        for (auto& leaf : some)
+            texture->addLeaf(leaf.release());
+    }
+    return texture;
+}
+
+MaskTree::Ptr Refinement::coarsened(const MaskTree& texture, const MaskTree& velocity) const
+{
+    auto result = std::make_shared<MaskTree>(velocity);
+    result->voxelizeActiveTiles();
+    openvdb::tree::LeafManager<MaskTree> leaves(*result);
+    leaves.foreach ([&](MaskLeaf& leaf, std::size_t) {
+        const openvdb::tree::ValueAccessor<const MaskTree> inTexture(texture);
+        const auto hasTexture = [&](const Coord& voxel) {
+            const Coord first = firstOf(voxel, factors);
+            for (int n = 0; n < voxels(); ++n) {
+                if (inTexture.isValueOn(first + blockOf(n, factors))) return true;
+            }
+            return false;
+        };
+        const auto mask = leaf.getValueMask();
+        for (auto voxel = mask.beginOn(); voxel; ++voxel) {
+            if (!hasTexture(leaf.offsetToGlobalCoord(voxel.pos()))) leaf.setValueOff(voxel.pos());
+        }
+    });
+    return result;
+}
+
+} // namespace vdblic

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+
+namespace vdblic {
+
+/// How many texture voxels fill a voxel of the velocity, along each axis.
+///
+/// Texture index f lies at velocity index (f + ½)/N − ½ along each axis, so N³ texture voxels fill a velocity voxel
+/// exactly: those of velocity voxel v are vN to vN + N − 1. The texture leaves over one velocity leaf are whole leaves,
+/// N along each axis. With N = 1 both index spaces are the same.
+struct Refinement {
+    static constexpr int kMost = 16;
+
+    std::array<int, 3> factors{1, 1, 1};
+
+    void validate() const; ///< @throws ParameterError if a factor is not 1 to kMost
+
+    [[nodiscard]] bool isNone() const { return factors == std::array{1, 1, 1}; }
+    [[nodiscard]] int voxels() const { return factors[0] * factors[1] * factors[2]; } ///< of the texture in one
+
+    /// Velocity index of a texture index: index · scale() + shift(), along an axis.
+    [[nodiscard]] float scale(int axis) const { return 1 / float(factors[std::size_t(axis)]); }
+    [[nodiscard]] float shift(int axis) const { return 0.5f * scale(axis) - 0.5f; }
+
+    /// The voxel of the velocity that a texture voxel lies in.
+    [[nodiscard]] openvdb::Coord coarse(const openvdb::Coord& voxel) const;
+
+    /// The leaf of the velocity that a leaf of the texture lies in, along an axis. @param leaf coordinate, in leaves
+    [[nodiscard]] int coarseLeaf(int leaf, int axis) const;
+
+    /// The texture's transform. @param velocity transform of the velocity
+    [[nodiscard]] openvdb::math::Transform::Ptr refined(const openvdb::math::Transform& velocity) const;
+
+    /// The texture voxels in active voxels of the velocity; tiles are expanded.
+    /// Computed in parallel. @throws InputError if they exceed the memory
+    [[nodiscard]] openvdb::MaskTree::Ptr refined(const openvdb::MaskTree& velocity) const;
+
+    /// The voxels of `velocity` that have at least one active texture voxel. Computed in parallel.
+    [[nodiscard]] openvdb::MaskTree::Ptr coarsened(const openvdb::MaskTree& texture,
+                                                   const openvdb::MaskTree& velocity) const;
+
+    bool operator==(const Refinement&) const = default;
+};
+
+} // namespace vdblic

@@ -1,0 +1,39 @@
+#include "vdblic/field/refinement.h"
+#include "vdblic/field/resample.h"
+
+#include <gtest/gtest.h>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+TEST(Resampled, IsExactForALinearGridInsideAndContinuesItAtTheRim)
+{
+    const auto linear = [](const Vec3d& p) { return 1 + 2 * p[0] - p[1] + 0.5 * p[2]; };
+    const auto values = openvdb::FloatGrid::create(0);
+    values->setName("magnitude");
+    values->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    for (auto voxel = openvdb::CoordBBox({-4, -4, -4}, {5, 5, 5}).begin(); voxel; ++voxel)
+        values->tree().setValue(*voxel, float(linear((*voxel).asVec3d())));
+
+    const Refinement refinement{{3, 2, 4}};
+    const auto like = openvdb::FloatGrid::create(0);
+    like->setTransform(refinement.refined(values->transform()));
+    for (const Coord& voxel : {Coord(0, 0, 0), Coord(-7, 5, 9), Coord(17, 11, 23), Coord(300, 0, 0)})
+        like->tree().setValue(voxel, 1);
+    const auto found = resampled(*values, *like);
+    EXPECT_EQ(found->getName(), "magnitude");
+    EXPECT_EQ(found->activeVoxelCount(), 4u);
+    EXPECT_EQ(found->transform(), like->transform());
+    for (const Coord& voxel : {Coord(0, 0, 0), Coord(-7, 5, 9)}) {
+        const Vec3d position = values->worldToIndex(like->indexToWorld(voxel));
+        EXPECT_NEAR(found->tree().getValue(voxel), linear(position), 1e-5);
+    }
+    EXPECT_NEAR(found->tree().getValue({17, 11, 23}), linear({5, 5, 5}), 1e-5); // the last corner alone
+    EXPECT_EQ(found->tree().getValue({300, 0, 0}), 0);
+}
+
+} // namespace
+} // namespace vdblic

@@ -1,0 +1,31 @@
+#include "cli/joined_numbers.h"
+
+namespace vdblic::cli {
+namespace {
+
+bool isNumber(std::string_view text)
+{
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+} // namespace
+
+JoinedNumbers::JoinedNumbers(int argc, char** argv, std::string_view option)
+{
+    constexpr int kMost = 3;
+    for (int i = 0; i < argc; ++i) {
+        mTexts.emplace_back(argv[i]);
+        if (mTexts.back() != option || i + 1 == argc) continue;
+        std::string joined = argv[++i];
+        for (int n = 1; n < kMost && isNumber(joined.substr(joined.rfind(',') + 1)) && i + 1 < argc; ++n) {
+            if (!isNumber(argv[i + 1])) break;
+            joined += ',' + std::string(argv[++i]);
+        }
+        mTexts.push_back(joined);
+    }
+    for (std::string& text : mTexts)
+        mPointers.push_back(text.data());
+    mPointers.push_back(nullptr);
+}
+
+} // namespace vdblic::cli
