@@ -28,6 +28,13 @@ class Survival(ToolTest):
         self.addCleanup(lambda: process.poll() is None and process.kill())
         return process
 
+    @staticmethod
+    def rest(run):
+        """What a run prints to its end after readline(), whose buffer communicate() loses: paths and messages."""
+        out, messages = run.stdout.read(), run.stderr.read()
+        run.wait(timeout=30)
+        return out, messages
+
     def endless_synth(self, **options):
         return self.start("vdblic_synth", "abc", "-o", "v.%06d.vdb", "--size", 32, 32, 32, "--frames", "1-900000",
                           **options)
@@ -48,7 +55,7 @@ class Survival(ToolTest):
             run = self.endless_synth()
             first = run.stdout.readline()
             run.send_signal(number)
-            rest, messages = run.communicate(timeout=30)
+            rest, messages = self.rest(run)
             self.assertEqual(run.returncode, -number, messages)
             self.assertIn("stopped", messages)
             self.assert_whole((first + rest).split())
@@ -68,7 +75,7 @@ class Survival(ToolTest):
         for _ in range(5):
             self.assertNotEqual(run.stdout.readline(), "")
         run.terminate()
-        run.communicate(timeout=30)
+        self.rest(run)
         self.assertEqual(run.returncode, -signal.SIGTERM)
 
     def test_every_tool_stops(self):
@@ -87,7 +94,7 @@ class Survival(ToolTest):
             else:
                 first = run.stdout.readline()
             run.terminate()
-            out, messages = run.communicate(timeout=30)
+            out, messages = self.rest(run)
             out = first + out
             self.assertEqual(run.returncode, -signal.SIGTERM, f"{command} {messages}")
             self.assertEqual(set(self.files()) - before - {"checkpoint.lic.vdb"}, set(out.split()), command)
