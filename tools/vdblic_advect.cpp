@@ -46,7 +46,8 @@ int main(int argc, char** argv)
     using namespace vdblic;
     AdvectParams params;
     std::string method = "auflic", kernel = "hann", nonFinite = "refuse", unit,
-                jitter(toString(params.feedback.jitter));
+                jitter(toString(params.feedback.jitter)), precision(toString(params.format.precision)),
+                compression(toString(params.format.compression)), scalars(toString(params.format.scalars));
     std::optional<double> fps;
     std::vector<int> refine{1};
 
@@ -95,6 +96,9 @@ int main(int argc, char** argv)
     tool.option("--jitter", jitter, "How noise is mixed in between steps: mix or bits.");
     tool.option("--noise-share", params.feedback.noiseShare, "Share of the noise with --jitter mix, 0 to 1.");
     tool.option("--texture-name", params.textureName, "Name of the texture grid.");
+    tool.option("--scalars", scalars, "Voxels of magnitude and the other float grids: velocity or texture.");
+    tool.option("--precision", precision, "Numbers of texture and scalars in the files: half or float.");
+    tool.option("--compression", compression, "Of the files: none, zip or blosc.");
 
     tool.option("--json", params.json, "File to write the work and the time of every frame to.");
     tool.app().add_flag("--resume", params.resume,
@@ -108,6 +112,7 @@ int main(int argc, char** argv)
     return tool.run(arguments.count(), arguments.arguments(), [&](Reporter& reporter) {
         setMethod(params, method, kernel);
         params.feedback.jitter = parseJitter(jitter);
+        params.format = {parseGridPrecision(precision), parseVdbCompression(compression), parseScalarVoxels(scalars)};
         if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
         params.domain.refinement = refinementOf(refine);
         if (fps) params.frameSpacing = 1 / *fps;

@@ -24,7 +24,7 @@ def values(path, name="density"):
 
 class Advect(ToolTest):
     def test_wake(self):
-        paths = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-4")
+        paths = self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-4", "--precision", "float")
         self.assertEqual([p.name for p in paths], [f"lic.{k:04}.vdb" for k in range(1, 5)])
         self.assertEqual(self.files(), [p.name for p in paths])
         velocity = vdb.read(str(WAKE) % 3, "velocity")
@@ -46,7 +46,8 @@ class Advect(ToolTest):
         numpy.testing.assert_allclose(values(paths[2], "magnitude")[0], numpy.linalg.norm(vectors, axis=3), rtol=1e-5)
 
     def test_vorticity_and_q(self):
-        path = self.outputs("vdblic_advect", "-o", "lic.%04d.vdb", "--frames", "3-4", "--with", "vorticity,q", WAKE)[0]
+        path = self.outputs("vdblic_advect", "-o", "lic.%04d.vdb", "--frames", "3-4", "--with", "vorticity,q", "--precision",
+                            "float", WAKE)[0]
         velocity = vdb.read(str(WAKE) % 3, "velocity")
         vorticity, low = values(path, "vorticity")
         q = values(path, "q")[0]
@@ -90,6 +91,72 @@ class Advect(ToolTest):
         self.assertAlmostEqual(metadata["time"], 0.1, 5)
         self.assertAlmostEqual(metadata["dt"], 0.05, 5)
         self.assertEqual((metadata["method"], metadata["life_span"], metadata["seed"]), ("auflic", 5, 9))
+
+    def test_half_precision_is_the_rounded_float(self):
+        common = WAKE, "--frames", "3-3", "--with", "vorticity,q"
+        half = self.outputs("vdblic_advect", *common, "-o", "half.%04d.vdb")[0]
+        full = self.outputs("vdblic_advect", *common, "-o", "float.%04d.vdb", "--precision", "float")[0]
+        self.assertLess(half.stat().st_size, 0.6 * full.stat().st_size)
+        for name in "density", "magnitude", "vorticity", "q":
+            exact, rounded = values(full, name)[0], values(half, name)[0]
+            # vdb files hold halves rounded to nearest, as numpy rounds.
+            numpy.testing.assert_array_equal(rounded, exact.astype(numpy.float16).astype(numpy.float32), name)
+            self.assertTrue((rounded != exact).any(), name)
+            self.assertEqual(vdb.read(str(half), name)["is_saved_as_half_float"], True)
+
+    def test_scalars_beyond_half_precision_stay_single(self):
+        for scale in 1e-6, 1e6:
+            path = self.outputs("vdblic_advect", WAKE, "--frames", "3-3", "-o", "scaled.%04d.vdb",
+                                "--velocity-scale", scale, "--dt", 0.05 / scale)[0]
+            speed = numpy.linalg.norm(self.velocities(), axis=3) * scale
+            numpy.testing.assert_allclose(values(path, "magnitude")[0], speed, rtol=1e-5)
+
+    def velocities(self):
+        grid = vdb.read(str(WAKE) % 3, "velocity")
+        low, high = grid.evalActiveVoxelBoundingBox()
+        vectors = numpy.zeros([*(high[i] - low[i] + 1 for i in range(3)), 3], numpy.float32)
+        grid.copyToArray(vectors, ijk=low)
+        return vectors
+
+    def test_compression(self):
+        speed = numpy.zeros((32, 32, 32, 3), numpy.float32)
+        speed[..., 0] = 1  # compresses well; a texture hardly does, and OpenVDB never zips fog volumes
+        grid = vdb.Vec3SGrid()
+        grid.name = "velocity"
+        grid.copyFromArray(speed, tolerance=(-1, -1, -1))
+        vdb.write(str(self.folder / "even.vdb"), grid)
+        sizes, arrays = {}, []
+        for compression in "none", "zip", "blosc":
+            path = self.outputs("vdblic_advect", "even.vdb", "-o", f"{compression}.vdb", "--carry", "velocity",
+                                "--compression", compression)[0]
+            sizes[compression] = path.stat().st_size
+            arrays.append(values(path)[0].tobytes())
+        self.assertEqual(len(set(arrays)), 1)
+        self.assertLess(sizes["zip"], 0.7 * sizes["none"])
+        self.assertLess(sizes["blosc"], 0.7 * sizes["none"])
+        self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--compression", "lzma")
+        self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--precision", "double")
+
+    def test_scalars_on_the_textures_voxels(self):
+        common = WAKE, "--frames", "3-3", "--bbox", 60, 10, 10, 90, 30, 30, "--refine", 2, 1, 3, "--precision", "float"
+        coarse = self.outputs("vdblic_advect", *common, "-o", "coarse.%04d.vdb", "--carry", "velocity")[0]
+        fine = self.outputs("vdblic_advect", *common, "-o", "fine.%04d.vdb", "--carry", "velocity", "--scalars",
+                            "texture")[0]
+        self.assertEqual(values(coarse)[0].tobytes(), values(fine)[0].tobytes())
+        texture = vdb.read(str(fine), "density")
+        magnitude = vdb.read(str(fine), "magnitude")
+        self.assertEqual(magnitude.transform, texture.transform)
+        self.assertEqual(magnitude.activeVoxelCount(), texture.activeVoxelCount())
+        self.assertEqual(vdb.read(str(fine), "velocity").transform, vdb.read(str(WAKE) % 3, "velocity").transform)
+        there, here = values(coarse, "magnitude")[0], values(fine, "magnitude")[0]
+        for axis, factor in enumerate((2, 1, 3)):  # linear interpolation, continued at the rim
+            at = numpy.clip((numpy.arange(there.shape[axis] * factor) + 0.5) / factor - 0.5, 0, there.shape[axis] - 1)
+            low = numpy.minimum(at.astype(int), there.shape[axis] - 2)
+            shape = [-1 if a == axis else 1 for a in range(3)]
+            fraction = (at - low).reshape(shape)
+            there = numpy.take(there, low, axis) * (1 - fraction) + numpy.take(there, low + 1, axis) * fraction
+        numpy.testing.assert_allclose(here, there, rtol=1e-5)
+        self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--scalars", "both")
 
     def test_work_and_time_as_json(self):
         run = self.run_tool("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-4", "--json", "run.json", "-v")

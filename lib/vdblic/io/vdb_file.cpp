@@ -47,6 +47,14 @@ void initializeOnce()
 /// Writes to a stream that throws. OpenVDB's own file writer ignores the state of its stream.
 class CheckedArchive : public openvdb::io::Archive {
   public:
+    explicit CheckedArchive(VdbCompression compression)
+    {
+        namespace io = openvdb::io;
+        setCompression(io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC
+                                                   : compression == VdbCompression::kZip ? io::COMPRESS_ZIP
+                                                                                         : io::COMPRESS_NONE));
+    }
+
     void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
     {
         openvdb::io::Archive::write(stream, grids, /*seekable=*/true, metadata);
@@ -167,7 +175,21 @@ bool verifyVdb(const std::filesystem::path& path)
     return GuardedFile(path).hasChecksums();
 }
 
-void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata)
+VdbCompression parseVdbCompression(std::string_view text)
+{
+    for (const VdbCompression compression : {VdbCompression::kBlosc, VdbCompression::kZip, VdbCompression::kNone}) {
+        if (text == toString(compression)) return compression;
+    }
+    throw ParameterError(fmt::format("compression '{}' is none of none, zip and blosc", text));
+}
+
+std::string_view toString(VdbCompression compression)
+{
+    return compression == VdbCompression::kBlosc ? "blosc" : compression == VdbCompression::kZip ? "zip" : "none";
+}
+
+void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
+              VdbCompression compression)
 {
     initializeOnce();
     metadata.removeMeta("creator");
@@ -180,7 +202,7 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
         std::fstream stream;
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(output.temporary(), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
-        CheckedArchive().writeTo(stream, grids, metadata);
+        CheckedArchive(compression).writeTo(stream, grids, metadata);
         stampChecksums(stream);
         stream.close();
     } catch (const std::exception& e) {

@@ -66,10 +66,16 @@ struct VdbFile {
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid
 bool verifyVdb(const std::filesystem::path& path);
 
-/// Write grids and file metadata atomically, blosc-compressed, and add `creator` and `checksum`. Equal content gives
-/// equal files.
+/// How the leaves of a file are compressed.
+enum class VdbCompression { kBlosc, kZip, kNone };
+
+[[nodiscard]] VdbCompression parseVdbCompression(std::string_view text); ///< @throws ParameterError
+[[nodiscard]] std::string_view toString(VdbCompression compression);     ///< `blosc`, `zip` or `none`
+
+/// Write grids and file metadata atomically, and add `creator` and `checksum`. Equal content gives equal files.
 /// @throws OutputError naming the file and the reason, such as a full disk
-void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata);
+void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
+              VdbCompression compression = VdbCompression::kBlosc);
 
 /// A number stored as double, float, int32 or int64 metadata, if there is one.
 [[nodiscard]] std::optional<double> numericMetadata(const openvdb::MetaMap& metadata, const std::string& name);

@@ -33,7 +33,7 @@ class Advection {
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
           mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter),
-          mWriter(reporter, mFlow.total())
+          mWriter(reporter, mFlow.total(), params.format.compression)
     {
         mOutputs.check(mFlow.total());
     }

@@ -6,6 +6,7 @@
 #include "vdblic/lic/feedback_params.h"
 #include "vdblic/lic/lic_kernel.h"
 #include "vdblic/lic/scatter_params.h"
+#include "vdblic/lic/texture_format.h"
 
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,7 @@ struct AdvectParams {
     std::optional<int> preroll;
     std::string textureName = "density";
     std::vector<std::string> derived{};   ///< further grids computed from the velocity: of kDerivedNames
+    TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
     bool resume = false;                  ///< go on from the checkpoint that an interrupted run left, if there is one
     std::optional<int> checkpointEvery{}; ///< frames between checkpoints, 0 for none; nothing: CheckpointSchedule's

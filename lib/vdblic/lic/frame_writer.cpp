@@ -1,7 +1,6 @@
 #include "vdblic/lic/frame_writer.h"
 
 #include "vdblic/core/stopwatch.h"
-#include "vdblic/io/vdb_file.h"
 
 #include <utility>
 
@@ -13,7 +12,7 @@ void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, 
     mPath = std::move(path);
     mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata = std::move(metadata)] {
         Stopwatch watch;
-        writeVdb(mPath, grids, metadata);
+        writeVdb(mPath, grids, metadata, mCompression);
         return watch.lap();
     });
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/core/reporter.h"
+#include "vdblic/io/vdb_file.h"
 
 #include <openvdb/openvdb.h>
 
@@ -16,7 +17,10 @@ namespace vdblic {
 class FrameWriter {
   public:
     /// @param total number of files, 0 if it is unknown
-    FrameWriter(Reporter& reporter, std::size_t total) : mReporter(reporter), mTotal(total) {}
+    FrameWriter(Reporter& reporter, std::size_t total, VdbCompression compression)
+        : mReporter(reporter), mTotal(total), mCompression(compression)
+    {
+    }
 
     /// Begin to write a file, after the previous one is finished. @throws OutputError of the previous one
     void write(std::filesystem::path path, openvdb::GridCPtrVec grids, openvdb::MetaMap metadata);
@@ -36,6 +40,7 @@ class FrameWriter {
   private:
     Reporter& mReporter;
     std::size_t mTotal, mDone = 0;
+    VdbCompression mCompression;
     std::filesystem::path mPath;
     std::vector<double> mSeconds;
     std::future<double> mPending;

@@ -68,6 +68,9 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"jitter", text(toString(jitter))},
         {"noise_share", text(noiseShare)},
         {"texture_name", params.textureName},
+        {"precision", text(toString(params.format.precision))},
+        {"compression", text(toString(params.format.compression))},
+        {"scalars", text(toString(params.format.scalars))},
         {"history", text(history)},
         {"deviation", text(deviation)},
     };

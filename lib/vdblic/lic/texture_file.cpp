@@ -2,6 +2,7 @@
 
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/resample.h"
 #include "vdblic/lic/advect_params.h"
 #include "vdblic/lic/flow_sequence.h"
 
@@ -10,7 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
-#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -75,14 +76,29 @@ TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame
                             const TextureTime& time)
 {
     const VelocityFrame& velocity = frame.velocity;
-    TextureFile file;
-    file.grids = {fogVolume(texture, params.textureName, transform),
-                  fogVolume(magnitudeOf(frame.flow), "magnitude", velocity.values->transform())};
-    for (auto& grid :
-         derivedGrids(params.derived, *frame.flow.velocityDomain(), *velocity.values, frame.flow.toWorldPerSecond))
-        file.grids.push_back(std::move(grid));
-    file.grids.insert(file.grids.end(), velocity.carried.begin(), velocity.carried.end());
+    const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
+    std::vector<openvdb::FloatGrid::Ptr> scalars =
+        derivedGrids(params.derived, *frame.flow.velocityDomain(), *velocity.values, frame.flow.toWorldPerSecond);
+    scalars.insert(scalars.begin(), fogVolume(magnitudeOf(frame.flow), "magnitude", velocity.values->transform()));
+    openvdb::GridPtrVec carried = velocity.carried;
+    if (params.format.scalars == ScalarVoxels::kTexture && !frame.flow.refinement.isNone()) {
+        for (openvdb::FloatGrid::Ptr& scalar : scalars)
+            scalar = resampled(*scalar, *textureGrid);
+        for (openvdb::GridBase::Ptr& grid : carried) {
+            if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
+                grid = resampled(*scalar, *textureGrid);
+        }
+    }
+    if (params.format.precision == GridPrecision::kHalf) {
+        textureGrid->setSaveFloatAsHalf(true);
+        for (const openvdb::FloatGrid::Ptr& scalar : scalars)
+            saveAsHalf(*scalar);
+    }
 
+    TextureFile file;
+    file.grids = {textureGrid};
+    file.grids.insert(file.grids.end(), scalars.begin(), scalars.end());
+    file.grids.insert(file.grids.end(), carried.begin(), carried.end());
     file.metadata = parameterMetadata(params);
     if (!velocity.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));

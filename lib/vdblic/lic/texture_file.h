@@ -27,7 +27,8 @@ struct TextureFile {
 ///
 /// @param frame     velocity of that time; its flow.toWorldPerSecond must be set
 /// @param texture   in [0, 1]; shared with the result
-/// @param transform of the texture; every other grid has the velocity's transform
+/// @param transform of the texture; every other grid has the velocity's transform, unless scalars are to have the
+///                  texture's voxels: then the float grids are interpolated there
 /// Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame,
                                           const openvdb::FloatTree::Ptr& texture,
