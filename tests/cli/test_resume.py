@@ -274,6 +274,21 @@ class Resume(ToolTest):
         self.assertEqual(len(messages.splitlines()), 1, messages)
         return messages
 
+    def test_finer_textures(self):
+        """Refined and with substeps: stopped between frames, inside an interval, and in the preroll."""
+        for options in (("--refine", 2), ("--substeps", 3), ("--substeps", 4, "--refine", 1, 2, 1, "--method", "uflic"),
+                        ("--substeps", 2, "--method", "lic")):
+            whole = self.whole(self.flow(), *options)
+            for after in 6, 7:
+                self.interrupted(self.flow(), *options, after=after)
+                self.finish(whole, self.flow(), *options)
+                self.clear()
+            self.interrupted(self.flow(), *options, after=7)
+            done = self.outputs_there()
+            (self.folder / f"lic.{done:04}.vdb").unlink()
+            self.assertIn(f"lic.{done:04}.vdb was finished, but it is not there", self.refused(3, self.flow(), *options))
+            self.clear()
+
     def test_changed_parameters(self):
         noise = self.shared / "n.vdb"
         self.tool("vdblic_noise", "--like", str(self.flow()) % 1, "-o", noise)
@@ -285,7 +300,7 @@ class Resume(ToolTest):
             "--mask": mask, "--bbox": (0, 0, 0, 9, 9, 9), "--bbox-world": (0, 0, 0, 9, 9, 9), "--noise": noise,
             "--seed": 2, "--preroll": 3, "--release-window": 0.5, "--sample-spacing": 0.4, "--tolerance": 0.1,
             "--sharpen": 2, "--jitter": "bits", "--noise-share": 0.2, "--texture-name": "smoke", "--refine": 2,
-            "--precision": "float", "--compression": "zip", "--scalars": "texture"}
+            "--precision": "float", "--compression": "zip", "--scalars": "texture", "--substeps": 2}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--fps", "--kernel"}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))

@@ -4,6 +4,7 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/flow_texture.h"
+#include "vdblic/lic/frame_between.h"
 #include "vdblic/lic/frame_writer.h"
 #include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/noise_file.h"
@@ -33,9 +34,9 @@ class Advection {
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
           mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter),
-          mWriter(reporter, mFlow.total(), params.format.compression)
+          mWriter(reporter, params.textures(mFlow.total()), params.format.compression)
     {
-        mOutputs.check(mFlow.total());
+        mOutputs.check(mWriter.total());
     }
 
     void run()
@@ -49,11 +50,12 @@ class Advection {
             mReporter.warn("no frames on standard input; nothing was computed");
             return;
         }
+        mOutputs.startAt(current->velocity.file.frame);
         mOutputs.checkInputs(current->velocity.file);
         std::optional<LoadedFrame> next = nextFrame();
         FrameInterval interval{};
         if (before) {
-            interval = goOn(*before, *current, finished);
+            interval = goOn(*before, *current, std::move(finished));
             before.reset(); // frees the memory of its state
         } else {
             interval = begin(*current, next);
@@ -61,22 +63,19 @@ class Advection {
         mFlow.describe(*current, interval);
 
         Stopwatch watch;
-        while (mTexture.steps() < std::uint64_t(mParams.prerollSteps())) {
+        while (mTexture.steps() < mParams.prerollSteps()) {
             advance(*current, *current, interval.seconds);
             saveIfDue(*current);
         }
-        while (current) {
-            if (next) interval = mFlow.intervalAfter(*current, &*next);
-            // After the last frame the flow is taken to stay as it is.
-            const FlowTextureStep step = advance(*current, next ? *next : *current, interval.seconds);
-            write(*current, step, interval.seconds);
-            mTime += interval.seconds;
+        while (next) {
+            interval = mFlow.intervalAfter(*current, &*next);
+            compute(*current, *next, interval.seconds);
             current = std::move(next);
-            if (!current) break;
-            saveIfDue(*current);
             mOutputs.checkInputs(current->velocity.file);
             next = nextFrame();
         }
+        // After the last frame the flow is taken to stay as it is.
+        write(*current, advance(*current, *current, interval.seconds), 0, interval.seconds);
         mWriter.finish();
         mCheckpoint.remove();
         report(watch.lap());
@@ -87,7 +86,7 @@ class Advection {
     {
         try {
             mWriter.finish();
-            if (!mCheckpoint.isUnsaved() || mWriter.done() != mParams.framesDone(mTexture.steps())) return;
+            if (!mCheckpoint.isUnsaved() || mWriter.done() != mParams.texturesDone(mTexture.steps())) return;
             mCheckpoint.write(mTexture);
             mReporter.say(
                 fmt::format("{}: to go on from there, run again with `resume`", mOutputs.checkpoint().string()));
@@ -106,11 +105,10 @@ class Advection {
 
     /// Go on where an interrupted run was. @param frame that the next step starts from @param finished outputs of that
     /// run
-    FrameInterval goOn(const Checkpoint& before, const LoadedFrame& frame,
-                       const std::vector<std::filesystem::path>& finished)
+    FrameInterval goOn(const Checkpoint& before, const LoadedFrame& frame, std::vector<std::filesystem::path> finished)
     {
         mTime = before.position.time;
-        mCheckpoint.restore(before, frame, mTexture, mFlow);
+        mCheckpoint.restore(before, frame, mTexture, mFlow, finished);
         for (const std::filesystem::path& output : finished)
             mWriter.pass(output);
         return {before.position.interval, "as before"};
@@ -123,14 +121,33 @@ class Advection {
         return frame;
     }
 
-    FlowTextureStep advance(LoadedFrame& start, const LoadedFrame& end, double seconds)
+    /// The textures of a frame and of the substeps between it and the next. @param seconds between the frames
+    void compute(const LoadedFrame& frame, const LoadedFrame& next, double seconds)
+    {
+        const int parts = mParams.scatter.substeps;
+        const auto at = [&](int part) {
+            return part == 0 ? frame : part == parts ? next : frameBetween(frame, next, double(part) / parts);
+        };
+        int part = mParams.substep(mTexture.steps());
+        for (LoadedFrame start = at(part); part < parts; ++part) {
+            LoadedFrame end = at(part + 1);
+            write(start, advance(start, end, seconds), part, seconds);
+            if (part + 1 == parts) mTime += seconds;
+            saveIfDue(end);
+            start = std::move(end);
+        }
+    }
+
+    /// @param interval seconds between the frames that the step is a part of
+    FlowTextureStep advance(LoadedFrame& start, const LoadedFrame& end, double interval)
     {
         mReporter.checkStop();
         mCheckpoint.stepBegins();
-        mInterval = seconds;
-        start.flow.toWorldPerSecond = start.velocity.toWorldPerSecond(seconds);
-        return mTexture.advance({start.flow, end.flow, start.velocity.toVoxelsPerStep(seconds),
-                                 end.velocity.toVoxelsPerStep(seconds), seconds});
+        mInterval = interval;
+        start.flow.toWorldPerSecond = start.velocity.toWorldPerSecond(interval);
+        const double part = 1.0 / mParams.scatter.substeps; // of the interval
+        return mTexture.advance({start.flow, end.flow, start.velocity.toVoxelsPerStep(interval) * part,
+                                 end.velocity.toVoxelsPerStep(interval) * part, interval / mParams.scatter.substeps});
     }
 
     /// @param frame that the next step starts from
@@ -142,15 +159,18 @@ class Advection {
         mCheckpoint.write(mTexture);
     }
 
-    void write(const LoadedFrame& frame, const FlowTextureStep& step, double seconds)
+    /// @param part number of the substep after the frame @param interval seconds between frames
+    void write(const LoadedFrame& frame, const FlowTextureStep& step, int part, double interval)
     {
-        warnOfOddFlow(frame, seconds);
-        const std::int64_t number = frame.velocity.file.frame;
-        TextureFile file =
-            makeTextureFile(mParams, frame, step.texture.tree(), *frame.textureTransform(), {number, mTime, seconds});
+        if (part == 0) warnOfOddFlow(frame, interval);
+        const std::int64_t number = mOutputs.number(frame.velocity.file.frame, part);
+        const double seconds = interval / mParams.scatter.substeps;
+        TextureFile file = makeTextureFile(mParams, frame, step.texture.tree(), *frame.textureTransform(),
+                                           {number, frame.sourceFrame, mTime + part * seconds, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
-        mWriter.write(mOutputs.texture(number), std::move(file.grids), std::move(file.metadata));
+        mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids),
+                      std::move(file.metadata));
     }
 
     /// Warn of what is likely wrong with a frame, though its texture can be computed.
@@ -190,8 +210,8 @@ class Advection {
     FlowSequence mFlow;
     FrameWriter mWriter;
     RunReport mReport;
-    double mTime = 0;     // of the frame that the next step starts from
-    double mInterval = 0; // of the last step
+    double mTime = 0;     // of the frame that the next step starts from or after
+    double mInterval = 0; // between the frames of the last step
     bool mWarnedOfDisplacement = false;
 };
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 
 namespace vdblic {
 namespace {
@@ -47,15 +48,29 @@ std::string_view AdvectParams::methodName() const
     return steady ? "lic" : scatter.method == ScatterMethod::kAuflic ? "auflic" : "uflic";
 }
 
-int AdvectParams::prerollSteps() const
+int AdvectParams::prerollFrames() const
 {
     return preroll.value_or(steady ? 0 : scatter.lifeSpan);
 }
 
-std::uint64_t AdvectParams::framesDone(std::uint64_t steps) const
+std::uint64_t AdvectParams::prerollSteps() const
 {
-    const auto before = std::uint64_t(prerollSteps());
-    return std::max(steps, before) - before;
+    return std::uint64_t(prerollFrames()) * std::uint64_t(scatter.substeps);
+}
+
+std::uint64_t AdvectParams::texturesDone(std::uint64_t steps) const
+{
+    return std::max(steps, prerollSteps()) - prerollSteps();
+}
+
+int AdvectParams::substep(std::uint64_t steps) const
+{
+    return int(texturesDone(steps) % std::uint64_t(scatter.substeps));
+}
+
+std::size_t AdvectParams::textures(std::size_t frames) const
+{
+    return frames > 0 ? (frames - 1) * std::size_t(scatter.substeps) + 1 : 0;
 }
 
 } // namespace vdblic

@@ -8,6 +8,7 @@
 #include "vdblic/lic/scatter_params.h"
 #include "vdblic/lic/texture_format.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,10 +29,10 @@ struct AdvectParams {
     std::optional<LicKernel> steady; ///< steady LIC of each frame on its own, instead of scatter.method
     std::string noise;               ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;          ///< of the generated noise
-    /// Steps on the frozen first frame before it is written; nothing: the life span, 0 for LIC.
+    /// Frames that the first one stands still for before it is written; nothing: the life span, 0 for LIC.
     std::optional<int> preroll;
     std::string textureName = "density";
-    std::vector<std::string> derived{};   ///< further grids computed from the velocity: of kDerivedNames
+    std::vector<std::string> derived{}; ///< further grids computed from the velocity: of kDerivedNames
     TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
     bool resume = false;                  ///< go on from the checkpoint that an interrupted run left, if there is one
@@ -40,9 +41,14 @@ struct AdvectParams {
     void validate() const; ///< @throws ParameterError
 
     [[nodiscard]] std::string_view methodName() const; ///< `auflic`, `uflic` or `lic`
-    [[nodiscard]] int prerollSteps() const;            ///< as given, else the default
-    /// The number of frames whose texture is computed after so many steps, those of the preroll included.
-    [[nodiscard]] std::uint64_t framesDone(std::uint64_t steps) const;
+    [[nodiscard]] int prerollFrames() const;           ///< as given, else the default
+    [[nodiscard]] std::uint64_t prerollSteps() const;  ///< with their substeps
+    /// The number of textures that are computed after so many steps, those of the preroll included.
+    [[nodiscard]] std::uint64_t texturesDone(std::uint64_t steps) const;
+    /// The number of the next step, after so many, among its frame's substeps.
+    [[nodiscard]] int substep(std::uint64_t steps) const;
+    /// The number of textures of so many frames; 0 if that is not known. There is nothing between the last and a next.
+    [[nodiscard]] std::size_t textures(std::size_t frames) const;
 };
 
 } // namespace vdblic

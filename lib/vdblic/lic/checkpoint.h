@@ -13,8 +13,8 @@ namespace vdblic {
 /// Where a run is between two steps.
 struct RunPosition {
     std::uint64_t steps = 0;       ///< steps made, preroll included
-    double interval = 0;           ///< seconds of the last step
-    double time = 0;               ///< seconds, of the frame that the next step starts from
+    double interval = 0;           ///< seconds between the frames of the last step
+    double time = 0;               ///< seconds, of the frame that the next step starts from or after
     std::int64_t frameSpacing = 0; ///< FlowSequence::spacing()
 };
 

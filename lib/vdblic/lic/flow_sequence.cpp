@@ -28,6 +28,7 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
 {
     Stopwatch watch;
     LoadedFrame frame;
+    frame.sourceFrame = double(file.frame);
     frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
     frame.velocity = readVelocity(file, params.velocity);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;

@@ -20,7 +20,8 @@ namespace vdblic {
 
 /// A frame read from disk, with the domain it is computed on.
 struct LoadedFrame {
-    double seconds = 0; ///< spent on reading
+    double sourceFrame = 1; ///< frame number; between two frames a fraction
+    double seconds = 0;     ///< spent on reading
     VelocityFrame velocity;
     FlowFrame flow;
     std::string stamp; ///< FlowSequence::stampOf() from just before reading

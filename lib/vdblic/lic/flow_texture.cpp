@@ -65,7 +65,8 @@ class FlowTexture::Pipeline {
     {
         Stopwatch watch;
         FlowTextureStep result;
-        result.texture = steadyLic(step.start, step.startToStep, mParams.lifeSpan, *mSteady, mParams.pathline, mNoise);
+        result.texture = steadyLic(step.start, step.startToStep, mParams.lifeSpan * mParams.substeps, *mSteady,
+                                   mParams.pathline, mNoise);
         result.times.convolve = watch.lap();
         return result;
     }

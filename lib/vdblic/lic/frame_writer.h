@@ -34,6 +34,9 @@ class FrameWriter {
     /// Seconds that each finished write() took.
     [[nodiscard]] const std::vector<double>& seconds() const { return mSeconds; }
 
+    /// The number of files that there will be, 0 if it is unknown.
+    [[nodiscard]] std::size_t total() const { return mTotal; }
+
     /// The number of files that are complete on disk.
     [[nodiscard]] std::size_t done() const { return mDone; }
 

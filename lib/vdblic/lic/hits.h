@@ -24,7 +24,7 @@ struct Hits {
     [[nodiscard]] static constexpr std::uint64_t count(std::uint64_t word) { return word & kCountMask; }
 };
 
-/// Seeds released onto one particle in one scattering process, in one word: the sum of up to 255 16-bit values in the
+/// Seeds released onto one particle in the steps of one frame, in one word: the sum of up to 255 16-bit values in the
 /// upper 24 bits, their number in the lower 8.
 struct Generation {
     static constexpr int kCountBits = 8;
@@ -34,6 +34,11 @@ struct Generation {
     [[nodiscard]] static constexpr std::uint32_t add(std::uint32_t word, std::uint32_t value)
     {
         return word + (value << kCountBits | 1);
+    }
+    /// @return the word of `times` equal values. @param value 0 to 65535
+    [[nodiscard]] static constexpr std::uint32_t repeat(std::uint32_t value, std::uint32_t times)
+    {
+        return (value << kCountBits | 1) * times;
     }
     [[nodiscard]] static constexpr std::uint32_t count(std::uint32_t word) { return word & kMaxCount; }
     [[nodiscard]] static constexpr std::uint64_t hits(std::uint32_t word)

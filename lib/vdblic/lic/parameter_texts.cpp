@@ -36,7 +36,7 @@ std::string textOf(const std::optional<std::array<T, kCount>>& values)
 ParameterTexts parameterTexts(const AdvectParams& params)
 {
     const auto text = [](const auto& value) { return fmt::format("{}", value); };
-    const auto& [method, life, window, history, pathline] = params.scatter;
+    const auto& [method, life, substeps, window, history, pathline] = params.scatter;
     const auto& [sharpen, jitter, noiseShare, deviation] = params.feedback;
     const auto& [velocity, unit, scale, nonFinite, carry] = params.velocity;
     const auto& [mask, box, worldBox, refinement] = params.domain;
@@ -47,6 +47,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"method", text(params.methodName())},
         {"kernel", params.steady ? text(toString(*params.steady)) : ""},
         {"life_span", text(life)},
+        {"substeps", text(substeps)},
         {"velocity", velocity},
         {"velocity_unit", unit ? text(toString(*unit)) : ""},
         {"velocity_scale", text(scale)},
@@ -60,7 +61,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"refine", fmt::format("{}", fmt::join(refinement.factors, " "))},
         {"noise", noise},
         {"seed", text(params.seed)},
-        {"preroll", text(params.prerollSteps())},
+        {"preroll", text(params.prerollFrames())},
         {"release_window", text(window)},
         {"sample_spacing", text(pathline.sampleSpacing)},
         {"tolerance", text(pathline.tolerance)},

@@ -19,7 +19,7 @@
 
 namespace vdblic {
 
-RunCheckpoint::RunCheckpoint(const AdvectParams& params, const RunOutputs& outputs, Reporter& reporter)
+RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter)
     : mParams(params), mOutputs(outputs), mReporter(reporter), mParameters(parameterTexts(params)),
       mSchedule(params.checkpointEvery)
 {
@@ -39,7 +39,8 @@ std::optional<Checkpoint> RunCheckpoint::find()
 
 std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& before, FlowSequence& flow)
 {
-    const std::uint64_t frames = mParams.framesDone(before.position.steps);
+    const int substeps = mParams.scatter.substeps;
+    const std::uint64_t frames = mParams.texturesDone(before.position.steps) / std::uint64_t(substeps);
     std::vector<std::filesystem::path> outputs;
     for (std::uint64_t i = 0; i < frames; ++i) {
         const std::optional<FrameFile> file = flow.skip();
@@ -49,27 +50,36 @@ std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& bef
                              fmt::format("has {} frames done, the input has only {} now: give all of them", frames, i));
         }
         noteInput(file->path, flow.stampOf(*file));
-        outputs.push_back(mOutputs.texture(file->frame));
+        mOutputs.startAt(file->frame);
+        addFinished(*file, substeps, outputs);
+    }
+    return outputs;
+}
+
+/// Add the outputs of a frame's first substeps. @throws InputError if one is missing
+void RunCheckpoint::addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const
+{
+    for (int part = 0; part < parts; ++part) {
+        outputs.push_back(mOutputs.texture(file.frame, part));
         if (isFinished(outputs.back())) continue;
         refuseCheckpoint(
             mOutputs.checkpoint(),
             fmt::format("tells that {} was finished, but it is not there: put it back", outputs.back().string()));
     }
-    return outputs;
 }
 
 void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture,
-                            FlowSequence& flow) const
+                            FlowSequence& flow, std::vector<std::filesystem::path>& finished) const
 {
     const RunPosition& position = before.position;
     flow.setSpacing(position.frameSpacing);
+    addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
     try {
-        texture.restore(position.steps, position.interval, frame.flow.domain, before.state);
+        texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain, before.state);
     } catch (const InputError& error) {
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
     }
-    mReporter.say(
-        fmt::format("{}: {} frames are done", mOutputs.checkpoint().string(), mParams.framesDone(position.steps)));
+    mReporter.say(fmt::format("{}: {} frames are done", mOutputs.checkpoint().string(), finished.size()));
 }
 
 void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::string& stamp)
@@ -95,9 +105,9 @@ void RunCheckpoint::write(const FlowTexture& texture)
     mUnsaved.reset();
     const auto start = CheckpointSchedule::Clock::now();
     Checkpoint checkpoint{position, mInputs, {}};
-    // A step depends on both its frames and on none after them.
-    const std::size_t frames = std::max<std::size_t>(mParams.framesDone(position.steps), 1) + 1;
-    checkpoint.inputs.resize(std::min(frames, mInputs.size()));
+    // A step depends on the frames at both ends of its interval and on none after them.
+    const std::size_t last = std::max<std::size_t>(mParams.texturesDone(position.steps), 1) - 1;
+    checkpoint.inputs.resize(std::min(last / std::size_t(mParams.scatter.substeps) + 2, mInputs.size()));
     try {
         checkpoint.state.grids = texture.save();
         for (const auto& grid : checkpoint.state.grids)

@@ -18,6 +18,7 @@ namespace vdblic {
 struct AdvectParams;
 class FlowSequence;
 class FlowTexture;
+struct FrameFile;
 struct LoadedFrame;
 class RunOutputs;
 
@@ -26,7 +27,7 @@ class RunOutputs;
 class RunCheckpoint {
   public:
     /// All arguments must outlive this. @throws ParameterError
-    RunCheckpoint(const AdvectParams& params, const RunOutputs& outputs, Reporter& reporter);
+    RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter);
 
     // Going on from the checkpoint of an interrupted run, in the order of the calls.
 
@@ -37,9 +38,12 @@ class RunCheckpoint {
     /// @throws InputError if one of them, input or output, is missing or differs
     [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& before, FlowSequence& flow);
 
-    /// Put the state of the interrupted run into a new one. @param frame that the next step starts from
+    /// Put the state of the interrupted run into a new one.
+    /// @param frame    that the next step starts from or after
+    /// @param finished outputs of passOver(); receives those of the frame's substeps that were finished
     /// @throws InputError
-    void restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture, FlowSequence& flow) const;
+    void restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture, FlowSequence& flow,
+                 std::vector<std::filesystem::path>& finished) const;
 
     // Running.
 
@@ -64,13 +68,15 @@ class RunCheckpoint {
     void discard() const;
 
   private:
+    void addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const;
+
     struct Unsaved {
         RunPosition position;
         openvdb::math::Transform::Ptr transform; // of the grids in the checkpoint
     };
 
     const AdvectParams& mParams;
-    const RunOutputs& mOutputs;
+    RunOutputs& mOutputs;
     Reporter& mReporter;
     ParameterTexts mParameters;
     CheckpointSchedule mSchedule;

@@ -1,8 +1,11 @@
 #include "vdblic/lic/run_outputs.h"
 
+#include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/lic/advect_params.h"
+
+#include <fmt/format.h>
 
 #include <string>
 #include <vector>
@@ -14,9 +17,23 @@ RunOutputs::RunOutputs(const AdvectParams& params)
 {
 }
 
-void RunOutputs::check(std::size_t frames) const
+std::int64_t RunOutputs::number(std::int64_t frame, int part) const
 {
-    if (frames > 0) checkOutputPattern(mTextures, frames);
+    const std::int64_t first = mFirst.value_or(frame);
+    std::int64_t number = 0;
+    if (__builtin_sub_overflow(frame, first, &number) ||
+        __builtin_mul_overflow(number, std::int64_t(mParams.scatter.substeps), &number) ||
+        __builtin_add_overflow(number, first, &number) || __builtin_add_overflow(number, std::int64_t(part), &number)) {
+        throw ParameterError(
+            fmt::format("frame {} has no number in a sequence of {} `substeps` that starts at frame {}", frame,
+                        mParams.scatter.substeps, first));
+    }
+    return number;
+}
+
+void RunOutputs::check(std::size_t textures) const
+{
+    if (textures > 0) checkOutputPattern(mTextures, textures);
     if (mParams.json.empty()) return;
     checkNoFrame(mParams.json, mTextures);
     checkDistinct(mParams.json, mCheckpoint);
@@ -25,15 +42,22 @@ void RunOutputs::check(std::size_t frames) const
 
 void RunOutputs::checkInputs(const FrameFile& velocity) const
 {
-    std::vector<std::filesystem::path> inputs = {velocity.path};
-    for (const std::string& reference : {mParams.noise, mParams.domain.mask}) {
-        if (reference.empty()) continue;
-        inputs.push_back(FramePattern(parseGridReference(reference).path.string()).path(velocity.frame));
+    std::vector<std::string> references = {mParams.noise, mParams.domain.mask};
+    for (std::string& reference : references) {
+        if (!reference.empty()) reference = parseGridReference(reference).path.string();
     }
-    for (const std::filesystem::path& input : inputs) {
-        checkNotInput(texture(velocity.frame), input);
-        checkNotInput(mCheckpoint, input);
-        if (!mParams.json.empty()) checkNotInput(mParams.json, input);
+    if (mParams.input.pattern != "-") references.push_back(mParams.input.pattern);
+    for (int part = 0; part < mParams.scatter.substeps; ++part) {
+        const std::int64_t output = number(velocity.frame, part);
+        std::vector<std::filesystem::path> inputs = {velocity.path};
+        for (const std::string& reference : references) {
+            if (!reference.empty()) inputs.push_back(FramePattern(reference).path(output));
+        }
+        for (const std::filesystem::path& input : inputs) {
+            checkNotInput(texture(velocity.frame, part), input);
+            checkNotInput(mCheckpoint, input);
+            if (!mParams.json.empty()) checkNotInput(mParams.json, input);
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 namespace vdblic {
 
@@ -16,21 +17,31 @@ class RunOutputs {
     /// @param params must outlive this. @throws ParameterError if the output is no pattern
     explicit RunOutputs(const AdvectParams& params);
 
-    [[nodiscard]] std::filesystem::path texture(std::int64_t frame) const { return mTextures.path(frame); }
+    /// Number the outputs from the sequence's first frame; later calls change nothing.
+    void startAt(std::int64_t frame) { mFirst = mFirst.value_or(frame); }
+
+    /// The number of a texture: the first frame keeps its number, and substeps count on.
+    /// @param part number of the substep after the frame. @throws ParameterError if the number is too large
+    [[nodiscard]] std::int64_t number(std::int64_t frame, int part) const;
+    [[nodiscard]] std::filesystem::path texture(std::int64_t frame, int part) const
+    {
+        return mTextures.path(number(frame, part));
+    }
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
 
     /// Check that all outputs have different names and that the report can be written.
-    /// @param frames number of input frames, 0 if it is not known
+    /// @param textures their number, 0 if it is not known
     /// @throws ParameterError, OutputError
-    void check(std::size_t frames) const;
+    void check(std::size_t textures) const;
 
-    /// Check that no output replaces what a frame is computed from: its velocity, its mask, and the noise.
+    /// Check that no texture of a frame and its substeps replaces an input: velocities, masks, and the noise.
     /// @throws ParameterError
     void checkInputs(const FrameFile& velocity) const;
 
   private:
     const AdvectParams& mParams;
     FramePattern mTextures;
+    std::optional<std::int64_t> mFirst;
     std::filesystem::path mCheckpoint;
 };
 

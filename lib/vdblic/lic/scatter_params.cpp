@@ -12,6 +12,9 @@ void ScatterParams::validate() const
     if (lifeSpan < 1 || lifeSpan > kMaxLifeSpan) {
         throw ParameterError(fmt::format("life span {} must lie between 1 and {} frames", lifeSpan, kMaxLifeSpan));
     }
+    if (substeps < 1 || substeps > kMaxSubsteps) {
+        throw ParameterError(fmt::format("substeps {} must lie between 1 and {}", substeps, kMaxSubsteps));
+    }
     if (!(releaseWindow > 0 && releaseWindow <= 1)) {
         throw ParameterError(fmt::format("release window {} must be above 0 and at most 1 step", releaseWindow));
     }

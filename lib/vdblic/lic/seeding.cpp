@@ -44,6 +44,13 @@ VDBLIC_INLINE bool deposit(std::int64_t& voxel, std::uint64_t hits)
     return true;
 }
 
+/// 32 bits that look random and depend on every bit of a number (Fibonacci hashing; Knuth, The Art of Computer
+/// Programming 3, section 6.4).
+VDBLIC_INLINE std::uint64_t scrambled(std::uint64_t number)
+{
+    return (number * 0x9E3779B97F4A7C15u) >> 32;
+}
+
 } // namespace
 
 TileScatter::TileScatter(const ScatterScene& scene)
@@ -51,6 +58,25 @@ TileScatter::TileScatter(const ScatterScene& scene)
       mHistory(mAuflic && scene.params.history), mGenerationCount(mAuflic ? std::size_t(scene.params.lifeSpan) : 0),
       mGenerations(mGenerationCount), mLeaving(scene.next.leafCount(), mGenerationCount)
 {
+    const auto frames = std::uint64_t(scene.params.lifeSpan), substeps = std::uint64_t(scene.params.substeps);
+    for (std::uint64_t phase = 0; phase < substeps; ++phase) {
+        const std::uint64_t frame = (scene.step + phase) / substeps, elapsed = (scene.step + phase) % substeps;
+        mClocks.push_back({std::uint32_t(frame % frames), std::uint32_t((frame + 1) % frames), std::uint32_t(elapsed),
+                           elapsed + 1 == substeps});
+    }
+}
+
+VDBLIC_INLINE const GenerationClock& TileScatter::clockOf(const Particle& particle) const
+{
+    return mClocks[std::size_t(scrambled(particle.id) * mClocks.size() >> 32)];
+}
+
+/// Whether this is the frame's substep in which UFLIC releases a voxel's seed.
+VDBLIC_INLINE bool TileScatter::isReleaseStep(const openvdb::Coord& voxel) const
+{
+    const auto part = [&](int axis) { return std::uint64_t(std::uint32_t(voxel[axis])) & 0x1FFFFF; };
+    const std::uint64_t number = part(0) << 42 | part(1) << 21 | part(2);
+    return mClocks[std::size_t(scrambled(number) * mClocks.size() >> 32)].elapsed == 0;
 }
 
 /// Carry the particle's values along its path, and take up those of open voxels on the way.
@@ -59,7 +85,9 @@ template<bool kShared>
 VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
 {
     std::uint64_t alive = mParticle.alive;
-    std::uint32_t taken = 0;
+    std::uint32_t* const current = mAuflic ? &mGenerations[clockOf(mParticle).current] : nullptr;
+    const std::uint32_t before = current ? *current : 0;
+    std::uint32_t taken = before;
     std::size_t deposits = 0, hits = 0;
     const auto takeUp = [&](unsigned offset) {
         if (!mOpen.isOn(offset) || Generation::count(taken) == Generation::kMaxCount) return;
@@ -100,8 +128,18 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
     mStats.deposits += deposits;
     mStats.hits += hits;
     mParticle.alive = alive;
-    if (mAuflic) mGenerations[mScene.step % mGenerationCount] = taken;
+    if (current) *current = taken;
+    mTaken = Generation::count(taken - before);
     return inside;
+}
+
+/// Without history: whether the particle took up nothing in the frame of the step before.
+VDBLIC_INLINE bool TileScatter::wasBlocked() const
+{
+    const GenerationClock& clock = clockOf(mParticle);
+    const std::size_t last =
+        clock.elapsed > 0 ? clock.current : (clock.current + mGenerationCount - 1) % mGenerationCount;
+    return Generation::count(mGenerations[last]) == 0;
 }
 
 /// Keep the particle for the next step, unless all its values expire with this one.
@@ -109,9 +147,9 @@ VDBLIC_INLINE void TileScatter::keep(int lane)
 {
     if (!mAuflic) {
         const std::uint64_t age = mScene.step - (mParticle.id >> Particle::kRankBits);
-        if (age + 1 >= std::uint64_t(mScene.params.lifeSpan)) return;
-    } else {
-        std::uint32_t& expiring = mGenerations[(mScene.step + 1) % mGenerationCount];
+        if (age + 1 >= std::uint64_t(mScene.params.lifeSpan) * mClocks.size()) return;
+    } else if (const GenerationClock& clock = clockOf(mParticle); clock.endsFrame) {
+        std::uint32_t& expiring = mGenerations[clock.oldest];
         mParticle.alive -= Generation::hits(expiring);
         expiring = 0;
         if (Hits::count(mParticle.alive) == 0) return;
@@ -162,9 +200,13 @@ void TileScatter::coalesce()
             heir = turn.particle;
             return false;
         }
-        for (std::size_t i = 0; i < mGenerationCount; ++i) {
-            std::uint32_t& to = mParticleGenerations[heir * mGenerationCount + i];
+        // Words of the same age, whose indices differ if the particles' frames begin at different substeps.
+        std::size_t i = clockOf(mParticles[turn.particle]).current, j = clockOf(mParticles[heir]).current;
+        for (std::size_t age = 0; age < mGenerationCount; ++age) {
             const std::uint32_t from = mParticleGenerations[turn.particle * mGenerationCount + i];
+            std::uint32_t& to = mParticleGenerations[heir * mGenerationCount + j];
+            i = (i > 0 ? i : mGenerationCount) - 1;
+            j = (j > 0 ? j : mGenerationCount) - 1;
             if (Generation::count(to) + Generation::count(from) > Generation::kMaxCount) continue;
             to += from;
             mParticles[heir].alive += Generation::hits(from);
@@ -226,16 +268,10 @@ VDBLIC_INLINE void TileScatter::advanceLive()
             mParticle = mParticles[mine.particle];
             std::copy_n(mParticleGenerations.begin() + std::ptrdiff_t(mine.particle * mGenerationCount),
                         mGenerationCount, mGenerations.begin());
-            // Without history a particle that took up nothing in the step before was blocked.
-            const bool mayTakeUp =
-                mAuflic && (mHistory || Generation::count(mGenerations[(mScene.step - 1) % mGenerationCount]) > 0);
-            const bool inside = scatterPath<kShared>(lane, mayTakeUp);
+            const bool inside = scatterPath<kShared>(lane, mHistory || (mAuflic && !wasBlocked()));
             ++mStats.particles;
-            if (mayTakeUp) {
-                const std::uint32_t taken = Generation::count(mGenerations[mScene.step % mGenerationCount]);
-                mStats.reused += taken > 0;
-                mStats.copied += taken > 0 ? taken - 1 : 0;
-            }
+            mStats.reused += mTaken > 0;
+            mStats.copied += mTaken > 0 ? mTaken - 1 : 0;
             if (inside) keep(lane);
         }
     }
@@ -254,9 +290,10 @@ VDBLIC_INLINE void TileScatter::releaseNew()
         int count = 0;
         for (; voxel && count < kLanes; ++voxel, ++nextId) {
             if (!mOpen.isOn(voxel.pos())) continue;
+            const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+            if (!mAuflic && !isReleaseStep(at)) continue;
             offsets[std::size_t(count)] = voxel.pos();
             ids[std::size_t(count)] = nextId;
-            const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             mBatch.position.setLane(count, Float4{float(at[0]), float(at[1]), float(at[2]), 0});
             ++count;
         }
@@ -270,15 +307,19 @@ VDBLIC_INLINE void TileScatter::releaseNew()
             mParticle.id = ids[std::size_t(lane)];
             mParticle.alive = mAuflic ? 0 : Hits::pack(Input::value(mInput[offset]), 1);
             if (mHistory) {
-                const std::uint32_t before = Generation::add(0, Input::history(mInput[offset]));
-                std::fill(mGenerations.begin(), mGenerations.end(), before);
-                mParticle.alive = (mGenerationCount - 1) * Generation::hits(before);
+                const std::uint32_t value = Input::history(mInput[offset]);
+                const GenerationClock& clock = clockOf(mParticle);
+                const std::uint32_t whole = Generation::repeat(value, std::uint32_t(mClocks.size()));
+                std::fill(mGenerations.begin(), mGenerations.end(), whole);
+                mGenerations[clock.current] = Generation::repeat(value, clock.elapsed);
+                mParticle.alive =
+                    (mGenerationCount - 1) * Generation::hits(whole) + Generation::hits(mGenerations[clock.current]);
             } else {
                 std::fill(mGenerations.begin(), mGenerations.end(), 0u);
             }
             const bool inside = scatterPath<kShared>(lane, mAuflic);
             ++mStats.released;
-            if (mAuflic) mStats.copied += Generation::count(mGenerations[mScene.step % mGenerationCount]) - 1;
+            if (mAuflic) mStats.copied += mTaken - 1;
             if (inside) keep(lane);
         }
     }

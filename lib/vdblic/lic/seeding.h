@@ -15,6 +15,17 @@
 
 namespace vdblic {
 
+/// Which of a particle's Generation words a step adds to, and which values end with the step.
+///
+/// A word holds the values of one frame's substeps; a particle's frames begin `phase` substeps before those of the
+/// sequence.
+struct GenerationClock {
+    std::uint32_t current; ///< index of this step's word
+    std::uint32_t oldest;  ///< index of the word whose values end next
+    std::uint32_t elapsed; ///< substeps made in the particle's frame before this one
+    bool endsFrame;        ///< the oldest values end with this step
+};
+
 /// Everything the tiles of a step share.
 struct ScatterScene {
     const ScatterParams& params;
@@ -65,6 +76,8 @@ class TileScatter {
         std::uint32_t voxel;    // its offset in the leaf
     };
 
+    [[nodiscard]] const GenerationClock& clockOf(const Particle& particle) const;
+    [[nodiscard]] bool isReleaseStep(const openvdb::Coord& voxel) const;
     void takeArriving();
     void coalesce();
     void sortTurns();
@@ -75,6 +88,7 @@ class TileScatter {
     template<bool kShared>
     void releaseNew();
     void trace();
+    [[nodiscard]] bool wasBlocked() const;
     template<bool kShared>
     bool scatterPath(int lane, bool mayTakeUp);
     void keep(int lane);
@@ -86,6 +100,7 @@ class TileScatter {
     const Domain& mDomain;
     const bool mAuflic, mHistory;
     const std::size_t mGenerationCount;
+    std::vector<GenerationClock> mClocks; // by phase
 
     // The tile being computed.
     std::size_t mLeaf = 0;
@@ -103,6 +118,7 @@ class TileScatter {
     PathSamples mSamples;
     Particle mParticle{};
     std::vector<std::uint32_t> mGenerations;
+    std::uint32_t mTaken = 0; // values that it took up in this step
 
     ParticleBins mLeaving;
     ScatterStats mStats;

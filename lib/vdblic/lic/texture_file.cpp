@@ -47,6 +47,7 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
     metadata.insertMeta("method", openvdb::StringMetadata(std::string(params.methodName())));
     if (params.steady) metadata.insertMeta("kernel", openvdb::StringMetadata(std::string(toString(*params.steady))));
     metadata.insertMeta("life_span", openvdb::Int32Metadata(params.scatter.lifeSpan));
+    metadata.insertMeta("substeps", openvdb::Int32Metadata(params.scatter.substeps));
     if (params.scatter.method == ScatterMethod::kAuflic && !params.steady) {
         metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
         metadata.insertMeta("history", openvdb::BoolMetadata(params.scatter.history));
@@ -59,7 +60,7 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
         metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
         metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
-        metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollSteps()));
+        metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
     }
     if (params.noise.empty()) {
         metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));
@@ -103,6 +104,7 @@ TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame
     if (!velocity.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
     file.metadata.insertMeta("frame", openvdb::Int64Metadata(time.frame));
+    file.metadata.insertMeta("source_frame", openvdb::DoubleMetadata(time.sourceFrame));
     file.metadata.insertMeta("time", openvdb::DoubleMetadata(time.time));
     file.metadata.insertMeta("dt", openvdb::DoubleMetadata(time.interval));
     return file;

@@ -12,6 +12,7 @@ struct LoadedFrame;
 /// When a texture is valid.
 struct TextureTime {
     std::int64_t frame = 1; ///< number of the output
+    double sourceFrame = 1; ///< number of the input; between two frames a fraction
     double time = 0;        ///< seconds
     double interval = 0;    ///< seconds to the next texture
 };

@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
+
 #include <string>
 
 namespace vdblic {
@@ -16,8 +19,23 @@ TEST(RunOutputs, NamesTheCheckpointBesideTheTextures)
     AdvectParams params;
     params.output = "folder/lic.%04d.vdb";
     const RunOutputs outputs(params);
-    EXPECT_EQ(outputs.texture(7), "folder/lic.0007.vdb");
+    EXPECT_EQ(outputs.texture(7, 0), "folder/lic.0007.vdb");
     EXPECT_EQ(outputs.checkpoint(), "folder/checkpoint.lic.vdb");
+}
+
+TEST(RunOutputs, CountSubstepsFromTheFirstFrame)
+{
+    AdvectParams params;
+    params.output = "lic.%04d.vdb";
+    params.scatter.substeps = 12;
+    RunOutputs outputs(params);
+    outputs.startAt(-3);
+    outputs.startAt(5); // has no effect
+    EXPECT_EQ(outputs.number(-3, 0), -3);
+    EXPECT_EQ(outputs.number(-3, 11), 8);
+    EXPECT_EQ(outputs.number(-2, 0), 9);
+    EXPECT_EQ(outputs.number(7, 5), 122);
+    EXPECT_THROW((void)outputs.number(std::numeric_limits<std::int64_t>::max() / 6, 0), ParameterError);
 }
 
 TEST(RunOutputs, MustDiffer)
@@ -38,6 +56,22 @@ TEST(RunOutputs, MustDiffer)
     params.output = (folder / "lic.vdb").string();
     EXPECT_NO_THROW(RunOutputs(params).check(1));
     EXPECT_THROW(RunOutputs(params).check(2), ParameterError);
+}
+
+TEST(RunOutputs, OfSubstepsReplaceNoLaterInput)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"v.0001.vdb", "v.0003.vdb"})
+        folder.add(name, "content");
+    AdvectParams params;
+    params.input.pattern = params.output = (folder / "v.%04d.vdb").string();
+    EXPECT_THROW(RunOutputs(params).checkInputs({1, folder / "v.0001.vdb"}), ParameterError);
+    params.output = (folder / "v.%03d.vdb").string();
+    params.scatter.substeps = 2;
+    EXPECT_NO_THROW(RunOutputs(params).checkInputs({1, folder / "v.0001.vdb"}));
+    params.output = (folder / "v.0%03d.vdb").string();
+    EXPECT_NO_THROW(RunOutputs(params).checkInputs({5, folder / "elsewhere.vdb"}));
+    EXPECT_THROW(RunOutputs(params).checkInputs({2, folder / "elsewhere.vdb"}), ParameterError);
 }
 
 TEST(RunOutputs, ReplaceNoInput)

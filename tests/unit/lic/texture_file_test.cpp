@@ -53,7 +53,7 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
     texture->setValue({1, 2, 3}, 0.75f);
     const auto finer = openvdb::math::Transform::createLinearTransform(0.125);
 
-    const TextureFile file = makeTextureFile(params, frame, texture, *finer, {5, 1.5, 0.25});
+    const TextureFile file = makeTextureFile(params, frame, texture, *finer, {5, 3.75, 1.5, 0.25});
     EXPECT_EQ(namesOf(file), (std::vector<std::string>{"texture", "magnitude", "vorticity", "q", "smoke"}));
     EXPECT_EQ(file.grids[0]->transform(), *finer);
     EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[0])->treePtr(), texture);
@@ -83,8 +83,9 @@ TEST(TextureFile, TellsItsTimeAndParameters)
     const auto& transform = frame.velocity.values->transform();
     AdvectParams params;
     params.scatter.lifeSpan = 6;
-    openvdb::MetaMap metadata = makeTextureFile(params, frame, texture, transform, {5, 1.5, 0.25}).metadata;
+    openvdb::MetaMap metadata = makeTextureFile(params, frame, texture, transform, {5, 3.75, 1.5, 0.25}).metadata;
     EXPECT_EQ(metadata.metaValue<std::int64_t>("frame"), 5);
+    EXPECT_EQ(metadata.metaValue<double>("source_frame"), 3.75);
     EXPECT_EQ(metadata.metaValue<double>("time"), 1.5);
     EXPECT_EQ(metadata.metaValue<double>("dt"), 0.25);
     EXPECT_EQ(metadata.metaValue<std::string>("method"), "auflic");
