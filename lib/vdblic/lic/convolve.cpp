@@ -26,4 +26,45 @@ LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>&
     return texture;
 }
 
+RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
+                     const LeafValues<std::int32_t>& input, const RunningMean* before, int substeps)
+{
+    const float kept = float(substeps - 1) / float(substeps + 1); // of the older hits' weight
+    RunningMean result{LeafValues<float>(domain, 0.0f), LeafValues<float>(domain, 0.0f)};
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        for (int i = 0; i < LeafVoxel::kCount; ++i) {
+            const std::int64_t word = accumulator[leaf][i];
+            if (word < 0) continue;
+            const std::uint64_t sum = Hits::sum(std::uint64_t(word)), count = Hits::count(std::uint64_t(word));
+            const float older = before ? before->weight[leaf][i] * kept : 0, weight = older + float(count);
+            float mean = before ? before->mean[leaf][i] : float(Input::value(input[leaf][i])) / float(kNoiseMax);
+            if (count > 0) {
+                const float hit = float(double(sum) / double(count)) / float(kNoiseMax);
+                mean += (hit - mean) * (float(count) / weight);
+            }
+            result.mean[leaf][i] = mean;
+            result.weight[leaf][i] = weight;
+        }
+    });
+    return result;
+}
+
+RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,
+                     const RunningMean& mean)
+{
+    RunningMean result{LeafValues<float>(to, 0.0f), LeafValues<float>(to, 0.0f)};
+    tbb::parallel_for(std::size_t(0), to.leafCount(), [&](std::size_t leaf) {
+        const openvdb::Coord origin = to.origin(leaf);
+        const int there = from.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+        for (auto voxel = to.mask(leaf).beginOn(); voxel; ++voxel) {
+            const auto i = voxel.pos();
+            const bool isOld = there >= 0 && from.isActive(there, i);
+            result.mean[leaf][i] =
+                isOld ? mean.mean[std::size_t(there)][i] : float(Input::value(input[leaf][i])) / float(kNoiseMax);
+            if (isOld) result.weight[leaf][i] = mean.weight[std::size_t(there)][i];
+        }
+    });
+    return result;
+}
+
 } // namespace vdblic

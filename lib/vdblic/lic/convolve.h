@@ -14,4 +14,23 @@ namespace vdblic {
 [[nodiscard]] LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
                                          const LeafValues<std::int32_t>& input);
 
+/// The texture with substeps: the mean over the last steps, in which hits count less the older they are.
+///
+/// A single substep moves a pathline by a fraction of a voxel or little more: too few voxels are hit for a texture, and
+/// too few hits average to it. With weights that fall by (N − 1) / (N + 1) in each of N substeps the mean age of the
+/// hits is half a frame, as it is without substeps.
+struct RunningMean {
+    LeafValues<float> mean;   ///< in [0, 1]
+    LeafValues<float> weight; ///< of the hits that `mean` is of
+};
+
+/// The running mean after a step. @param before the mean after the step before, on the same domain; null if none
+/// Otherwise as convolve(), whose texture it is for one substep.
+[[nodiscard]] RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
+                                   const LeafValues<std::int32_t>& input, const RunningMean* before, int substeps);
+
+/// The running mean on another domain: a new voxel has its input, without weight.
+[[nodiscard]] RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,
+                                   const RunningMean& mean);
+
 } // namespace vdblic

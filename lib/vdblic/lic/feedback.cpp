@@ -7,6 +7,7 @@
 #include "vdblic/lic/leaf_velocities.h"
 #include "vdblic/lic/local_contrast.h"
 #include "vdblic/lic/noise.h"
+#include "vdblic/lic/release_turn.h"
 #include "vdblic/lic/sharpen.h"
 #include "vdblic/lic/texture_bricks.h"
 
@@ -110,6 +111,7 @@ struct FeedForward {
     const NoiseField& noise;
     const FeedbackParams& params;
     std::uint64_t step;
+    float substeps;
 
     VDBLIC_INLINE void filterLeaf(std::size_t leaf, std::int32_t* input) const
     {
@@ -122,7 +124,7 @@ struct FeedForward {
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
             if (lanes == 0) continue;
-            const Vector8 displacement = displacements.row(row);
+            const Vector8 displacement = displacements.row(row) * substeps; // in a frame
             const LeafVoxel first = LeafVoxel::ofRow(row);
             Vector8 centre;
             centre.x = broadcast8(float(origin[0] + first.x));
@@ -196,19 +198,21 @@ VDBLIC_KERNEL void filterLeaf(const FeedForward& filter, std::size_t leaf, std::
 } // namespace
 
 LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture, const Domain& next,
-                                     const NoiseField& noise, const FeedbackParams& params, std::uint64_t step)
+                                     const NoiseField& noise, const FeedbackParams& params, std::uint64_t step,
+                                     int substeps)
 {
     const Domain& domain = field.domain();
     const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
     TextureBricks bricks(field.fieldDomain().texture, texture, sharp);
     const LocalContrast contrast(domain, sharp);
-    const FeedForward filter{field.end(), field.fieldDomain().refinement, domain, bricks, contrast, noise, params,
-                             step};
+    const FeedForward filter{
+        field.end(), field.fieldDomain().refinement, domain, bricks, contrast, noise, params, step, float(substeps)};
 
     LeafValues<std::int32_t> input = noiseInput(next, noise);
     const Slabs slabs(domain);
-    // A sample lies up to a whole step upstream, and its cell reaches one voxel farther.
-    const int reach = int(std::ceil((std::min(field.largest()[slabs.axis()], 1e6f) + 1) / float(LeafVoxel::kDim)));
+    // A sample lies up to a whole frame upstream, and its cell reaches one voxel farther.
+    const float farthest = std::min(field.largest()[slabs.axis()] * float(substeps), 1e6f);
+    const int reach = int(std::ceil((farthest + 1) / float(LeafVoxel::kDim)));
     slabs.sweep(
         reach, [&](std::size_t slab) { bricks.fill(slabs[slab]); },
         [&](std::size_t slab) { bricks.release(slabs[slab]); },
@@ -216,6 +220,7 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
             const Slabs::Leaves leaves = slabs[slab];
             tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
                 const openvdb::Coord origin = domain.origin(leaves[i]);
+                if (!isReleaseTurn(origin, step + 1, substeps)) return;
                 const int to = next.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
                 if (to >= 0) filterLeaf(filter, leaves[i], input[std::size_t(to)]);
             });

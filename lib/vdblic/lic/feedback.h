@@ -18,14 +18,18 @@ namespace vdblic {
 /// new in every step; a voxel takes it as often as its fluid was outside a step ago. Near an inlet nothing else flows
 /// in: fed back alone, a voxel's own values would freeze into streaks as long as the domain.
 ///
-/// @param field   velocity over the step that made the texture
-/// @param texture in [0, 1], on the field's domain; 0 outside
-/// @param next    domain of the step to come
-/// @param step    number of the step that made the texture
+/// With substeps all this is about a frame instead of a step, and only tiles that release seeds in the step to come get
+/// an input; the others keep the original noise, which nothing reads.
+///
+/// @param field    velocity over the step that made the texture
+/// @param texture  in [0, 1], on the field's domain; 0 outside
+/// @param next     domain of the step to come
+/// @param step     number of the step that made the texture
+/// @param substeps steps in a frame
 /// @return Input words on `next`. Computed in parallel; the result does not depend on the number of threads.
 /// Shen & Kao 1998, section 3.3; Liu & Moorhead 2004, section 1.
 [[nodiscard]] LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture,
                                                    const Domain& next, const NoiseField& noise,
-                                                   const FeedbackParams& params, std::uint64_t step);
+                                                   const FeedbackParams& params, std::uint64_t step, int substeps = 1);
 
 } // namespace vdblic

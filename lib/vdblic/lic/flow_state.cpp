@@ -25,7 +25,8 @@ using openvdb::points::AttributeWriteHandle;
 using openvdb::points::PointDataGrid;
 using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
 
-constexpr const char *kNoise = "noise", *kTexture = "texture", *kParticles = "particles";
+constexpr const char *kNoise = "noise", *kTexture = "texture", *kMean = "mean", *kWeight = "weight",
+                     *kParticles = "particles";
 constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kGenerations = "generations";
 constexpr float kScale = 65536; // exact in a float, and leaves its low bytes empty for the compressor
 
@@ -208,6 +209,24 @@ LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file)
         }
     });
     return input;
+}
+
+openvdb::GridPtrVec meanGrids(const RunningMean& mean)
+{
+    return {namedGrid(mean.mean, kMean), namedGrid(mean.weight, kWeight)};
+}
+
+RunningMean readMean(const Domain& domain, const VdbFile& file)
+{
+    const auto mean = leafBuffers(domain, file, kMean), weight = leafBuffers(domain, file, kWeight);
+    RunningMean result{LeafValues<float>(domain, 0.0f), LeafValues<float>(domain, 0.0f)};
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            result.mean[leaf][voxel.pos()] = mean[leaf][voxel.pos()];
+            result.weight[leaf][voxel.pos()] = weight[leaf][voxel.pos()];
+        }
+    });
+    return result;
 }
 
 openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins)

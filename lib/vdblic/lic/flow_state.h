@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/lic/convolve.h"
 #include "vdblic/lic/particle_bins.h"
 
 #include <openvdb/openvdb.h>
@@ -17,10 +18,11 @@ struct VdbFile;
 /// The state between two steps as grids that other programs can open; a round trip preserves every bit.
 ///
 /// `noise`: the noise-jittered texture that seeds take their values from; `texture`: the value that a pathline through
-/// a voxel is taken to carry already. Both float, multiples of 1/65536 in [0, 1). `particles`: points with the
-/// attributes `slope` (velocity there, voxels per step), `id` (step of release << 40 | rank of the release voxel) and
-/// `generations` (Generation words, by release step modulo the life span; for UFLIC a single one). A point's position
-/// is stored relative to the centre of its voxel, so no bit of it is lost.
+/// a voxel is taken to carry already. Both float, multiples of 1/65536 in [0, 1). With substeps also `mean` and
+/// `weight`, the RunningMean. `particles`: points with the attributes `slope` (velocity there, voxels per step), `id`
+/// (step of release << 40 | rank of the release voxel) and `generations` (Generation words, by release frame modulo the
+/// life span; for UFLIC a single one). A point's position is stored relative to the centre of its voxel, so no bit of
+/// it is lost.
 
 /// The grids `noise` and `texture`. @param input Input words of a step
 [[nodiscard]] openvdb::GridPtrVec inputGrids(const Domain& domain, const LeafValues<std::int32_t>& input);
@@ -28,6 +30,12 @@ struct VdbFile;
 /// The inverse of inputGrids().
 /// @throws InputError, without the file's name, if a grid is missing or its voxels are not exactly the domain's
 [[nodiscard]] LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file);
+
+/// The grids `mean` and `weight` of a running mean; they share its values.
+[[nodiscard]] openvdb::GridPtrVec meanGrids(const RunningMean& mean);
+
+/// The inverse of meanGrids(). @throws InputError as readInput()
+[[nodiscard]] RunningMean readMean(const Domain& domain, const VdbFile& file);
 
 /// The grid `particles`. Equal particles give an equal grid, whichever bins hold them.
 /// @param domain whose leaves are the bins' tiles

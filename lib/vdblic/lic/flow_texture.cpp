@@ -45,6 +45,10 @@ class FlowTexture::Pipeline {
     {
         if (mSteady) return {};
         openvdb::GridPtrVec grids = inputGrids(*mDomain, *mInput);
+        if (mMean) {
+            const openvdb::GridPtrVec mean = meanGrids(*mMean);
+            grids.insert(grids.end(), mean.begin(), mean.end());
+        }
         grids.push_back(particleGrid(*mDomain, mScatter.particles()));
         return grids;
     }
@@ -55,6 +59,7 @@ class FlowTexture::Pipeline {
         if (mSteady) return;
         mLastInterval = interval;
         mInput = readInput(*domain, state);
+        if (mParams.substeps > 1) mMean = readMean(*domain, state);
         const bool carries = mParams.method == ScatterMethod::kAuflic;
         mScatter.restore(steps, readParticles(*domain, state, carries ? std::size_t(mParams.lifeSpan) : 0));
         mDomain = std::move(domain);
@@ -87,11 +92,17 @@ class FlowTexture::Pipeline {
             result.times.load = mField.secondsToFill();
             result.times.scatter = watch.lap() - result.times.load;
 
-            result.texture = convolve(domain, accumulator, *mInput);
+            if (mParams.substeps == 1) {
+                result.texture = convolve(domain, accumulator, *mInput);
+            } else {
+                mMean = convolve(domain, accumulator, *mInput, mMean ? &*mMean : nullptr, mParams.substeps);
+                result.texture = mMean->mean;
+            }
             result.times.convolve = watch.lap();
         }
         mInput.reset(); // frees its memory before its successor is made
-        mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep);
+        mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep, mParams.substeps);
+        if (mMean && step.end.domain != step.start.domain) mMean = onDomain(*step.end.domain, *mInput, domain, *mMean);
         result.times.filter = watch.lap();
         mDomain = step.end.domain;
         return result;
@@ -105,6 +116,7 @@ class FlowTexture::Pipeline {
     VelocityField mField;
     std::shared_ptr<const Domain> mDomain; // of the step to come
     std::optional<LeafValues<std::int32_t>> mInput;
+    std::optional<RunningMean> mMean; // with substeps
     double mLastInterval = 0;
     std::uint64_t mStep = 0;
 };

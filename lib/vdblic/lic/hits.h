@@ -35,11 +35,6 @@ struct Generation {
     {
         return word + (value << kCountBits | 1);
     }
-    /// @return the word of `times` equal values. @param value 0 to 65535
-    [[nodiscard]] static constexpr std::uint32_t repeat(std::uint32_t value, std::uint32_t times)
-    {
-        return (value << kCountBits | 1) * times;
-    }
     [[nodiscard]] static constexpr std::uint32_t count(std::uint32_t word) { return word & kMaxCount; }
     [[nodiscard]] static constexpr std::uint64_t hits(std::uint32_t word)
     {

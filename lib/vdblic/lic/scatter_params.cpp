@@ -12,6 +12,7 @@ void ScatterParams::validate() const
     if (lifeSpan < 1 || lifeSpan > kMaxLifeSpan) {
         throw ParameterError(fmt::format("life span {} must lie between 1 and {} frames", lifeSpan, kMaxLifeSpan));
     }
+    constexpr int kMaxSubsteps = 64;
     if (substeps < 1 || substeps > kMaxSubsteps) {
         throw ParameterError(fmt::format("substeps {} must lie between 1 and {}", substeps, kMaxSubsteps));
     }

@@ -2,6 +2,7 @@
 
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lic/release_turn.h"
 
 #include <algorithm>
 #include <atomic>
@@ -44,13 +45,6 @@ VDBLIC_INLINE bool deposit(std::int64_t& voxel, std::uint64_t hits)
     return true;
 }
 
-/// 32 bits that look random and depend on every bit of a number (Fibonacci hashing; Knuth, The Art of Computer
-/// Programming 3, section 6.4).
-VDBLIC_INLINE std::uint64_t scrambled(std::uint64_t number)
-{
-    return (number * 0x9E3779B97F4A7C15u) >> 32;
-}
-
 } // namespace
 
 TileScatter::TileScatter(const ScatterScene& scene)
@@ -59,24 +53,17 @@ TileScatter::TileScatter(const ScatterScene& scene)
       mGenerations(mGenerationCount), mLeaving(scene.next.leafCount(), mGenerationCount)
 {
     const auto frames = std::uint64_t(scene.params.lifeSpan), substeps = std::uint64_t(scene.params.substeps);
-    for (std::uint64_t phase = 0; phase < substeps; ++phase) {
-        const std::uint64_t frame = (scene.step + phase) / substeps, elapsed = (scene.step + phase) % substeps;
-        mClocks.push_back({std::uint32_t(frame % frames), std::uint32_t((frame + 1) % frames), std::uint32_t(elapsed),
-                           elapsed + 1 == substeps});
+    for (std::uint64_t release = 0; release < substeps; ++release) {
+        const std::uint64_t step = scene.step + (substeps - release) % substeps, frame = step / substeps;
+        mClocks.push_back({std::uint32_t(frame % frames),
+                           std::uint32_t((step + frames * substeps - 1) / substeps % frames),
+                           std::uint32_t((frame + 1) % frames), (step + 1) % substeps == 0});
     }
 }
 
 VDBLIC_INLINE const GenerationClock& TileScatter::clockOf(const Particle& particle) const
 {
-    return mClocks[std::size_t(scrambled(particle.id) * mClocks.size() >> 32)];
-}
-
-/// Whether this is the frame's substep in which UFLIC releases a voxel's seed.
-VDBLIC_INLINE bool TileScatter::isReleaseStep(const openvdb::Coord& voxel) const
-{
-    const auto part = [&](int axis) { return std::uint64_t(std::uint32_t(voxel[axis])) & 0x1FFFFF; };
-    const std::uint64_t number = part(0) << 42 | part(1) << 21 | part(2);
-    return mClocks[std::size_t(scrambled(number) * mClocks.size() >> 32)].elapsed == 0;
+    return mClocks[std::size_t((particle.id >> Particle::kRankBits) % mClocks.size())];
 }
 
 /// Carry the particle's values along its path, and take up those of open voxels on the way.
@@ -136,10 +123,7 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
 /// Without history: whether the particle took up nothing in the frame of the step before.
 VDBLIC_INLINE bool TileScatter::wasBlocked() const
 {
-    const GenerationClock& clock = clockOf(mParticle);
-    const std::size_t last =
-        clock.elapsed > 0 ? clock.current : (clock.current + mGenerationCount - 1) % mGenerationCount;
-    return Generation::count(mGenerations[last]) == 0;
+    return Generation::count(mGenerations[clockOf(mParticle).before]) == 0;
 }
 
 /// Keep the particle for the next step, unless all its values expire with this one.
@@ -168,7 +152,8 @@ VDBLIC_INLINE void TileScatter::trace()
 {
     const PathlineParams& params = mScene.params.pathline;
     advancePaths(mScene.field, mFieldWindow, params, mBatch);
-    samplePaths(mBatch, mDomain, mWindow, params.sampleSpacing, mScene.params.releaseWindow, mSamples);
+    const float window = std::min(mScene.params.releaseWindow * float(mClocks.size()), 1.0f); // of this step
+    samplePaths(mBatch, mDomain, mWindow, params.sampleSpacing, window, mSamples);
 }
 
 /// Collect the tile's particles of earlier steps and the order of their turns.
@@ -184,6 +169,7 @@ void TileScatter::takeArriving()
         const unsigned voxel = Domain::offset(voxelOf(toVector(mParticles[i].position)));
         mTurns.push_back({mParticles[i].id ^ newestFirst, std::uint32_t(i), voxel});
     }
+    if (!mReleases) return; // additions commute: any order will do
     sortTurns();
     if (mHistory) coalesce(); // after sorting: where more values meet than fit, the order decides which are kept
 }
@@ -248,7 +234,7 @@ VDBLIC_INLINE void TileScatter::advanceLive()
     while (turn != mTurns.end()) {
         int count = 0;
         for (; turn != mTurns.end() && count < kLanes; ++turn) {
-            if (mHistory && !mOpen.isOn(turn->voxel)) {
+            if (mHistory && mReleases && !mOpen.isOn(turn->voxel)) {
                 ++mStats.blocked;
                 continue;
             }
@@ -261,14 +247,14 @@ VDBLIC_INLINE void TileScatter::advanceLive()
         trace();
         for (int lane = 0; lane < count; ++lane) {
             const Turn& mine = *turns[std::size_t(lane)];
-            if (mHistory && !mOpen.isOn(mine.voxel)) { // closed by a particle of this batch
+            if (mHistory && mReleases && !mOpen.isOn(mine.voxel)) { // closed by a particle of this batch
                 ++mStats.blocked;
                 continue;
             }
             mParticle = mParticles[mine.particle];
             std::copy_n(mParticleGenerations.begin() + std::ptrdiff_t(mine.particle * mGenerationCount),
                         mGenerationCount, mGenerations.begin());
-            const bool inside = scatterPath<kShared>(lane, mHistory || (mAuflic && !wasBlocked()));
+            const bool inside = scatterPath<kShared>(lane, mReleases && (mHistory || (mAuflic && !wasBlocked())));
             ++mStats.particles;
             mStats.reused += mTaken > 0;
             mStats.copied += mTaken > 0 ? mTaken - 1 : 0;
@@ -291,7 +277,6 @@ VDBLIC_INLINE void TileScatter::releaseNew()
         for (; voxel && count < kLanes; ++voxel, ++nextId) {
             if (!mOpen.isOn(voxel.pos())) continue;
             const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
-            if (!mAuflic && !isReleaseStep(at)) continue;
             offsets[std::size_t(count)] = voxel.pos();
             ids[std::size_t(count)] = nextId;
             mBatch.position.setLane(count, Float4{float(at[0]), float(at[1]), float(at[2]), 0});
@@ -307,13 +292,10 @@ VDBLIC_INLINE void TileScatter::releaseNew()
             mParticle.id = ids[std::size_t(lane)];
             mParticle.alive = mAuflic ? 0 : Hits::pack(Input::value(mInput[offset]), 1);
             if (mHistory) {
-                const std::uint32_t value = Input::history(mInput[offset]);
-                const GenerationClock& clock = clockOf(mParticle);
-                const std::uint32_t whole = Generation::repeat(value, std::uint32_t(mClocks.size()));
-                std::fill(mGenerations.begin(), mGenerations.end(), whole);
-                mGenerations[clock.current] = Generation::repeat(value, clock.elapsed);
-                mParticle.alive =
-                    (mGenerationCount - 1) * Generation::hits(whole) + Generation::hits(mGenerations[clock.current]);
+                const std::uint32_t before = Generation::add(0, Input::history(mInput[offset]));
+                std::fill(mGenerations.begin(), mGenerations.end(), before);
+                mGenerations[clockOf(mParticle).current] = 0;
+                mParticle.alive = (mGenerationCount - 1) * Generation::hits(before);
             } else {
                 std::fill(mGenerations.begin(), mGenerations.end(), 0u);
             }
@@ -330,7 +312,7 @@ VDBLIC_INLINE void TileScatter::runTile()
 {
     const std::size_t stepsBefore = mBatch.steps;
     advanceLive<kShared>();
-    releaseNew<kShared>();
+    if (mReleases) releaseNew<kShared>();
     mStats.steps += mBatch.steps - stepsBefore;
 }
 
@@ -354,6 +336,7 @@ void TileScatter::run(std::size_t leaf, bool shared)
         mTarget[slot] = there >= 0 ? mScene.accumulator[std::size_t(there)] : outsideLeaf();
     }
     mInput = mScene.input[leaf];
+    mReleases = isReleaseTurn(mDomain.origin(leaf), mScene.step, mScene.params.substeps);
     mOpen = mDomain.mask(leaf);
     takeArriving();
     shared ? runShared(*this) : runAlone(*this);

@@ -15,14 +15,12 @@
 
 namespace vdblic {
 
-/// Which of a particle's Generation words a step adds to, and which values end with the step.
-///
-/// A word holds the values of one frame's substeps; a particle's frames begin `phase` substeps before those of the
-/// sequence.
+/// Which of a particle's Generation words a step adds to, and which values end with the step. A word holds the values
+/// of one frame's substeps; a particle's frames begin at the substep of its release.
 struct GenerationClock {
     std::uint32_t current; ///< index of this step's word
+    std::uint32_t before;  ///< index of the word of the step before
     std::uint32_t oldest;  ///< index of the word whose values end next
-    std::uint32_t elapsed; ///< substeps made in the particle's frame before this one
     bool endsFrame;        ///< the oldest values end with this step
 };
 
@@ -42,6 +40,9 @@ struct ScatterScene {
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).
 ///
 /// A *tile* is one leaf of the domain as the controller's unit of work, known by the leaf's number.
+///
+/// With substeps a tile releases seeds in one substep of each frame (isReleaseTurn()); in the others its particles only
+/// advance and deposit. What follows is about a step that releases.
 ///
 /// A voxel is *open* until a seed has been released in it during this step, then *closed*. First the tile's particles
 /// of earlier steps are advanced: a particle that starts in an open voxel, or passes one within the release window,
@@ -77,7 +78,6 @@ class TileScatter {
     };
 
     [[nodiscard]] const GenerationClock& clockOf(const Particle& particle) const;
-    [[nodiscard]] bool isReleaseStep(const openvdb::Coord& voxel) const;
     void takeArriving();
     void coalesce();
     void sortTurns();
@@ -100,10 +100,11 @@ class TileScatter {
     const Domain& mDomain;
     const bool mAuflic, mHistory;
     const std::size_t mGenerationCount;
-    std::vector<GenerationClock> mClocks; // by phase
+    std::vector<GenerationClock> mClocks; // by the substep of release
 
     // The tile being computed.
     std::size_t mLeaf = 0;
+    bool mReleases = false;                                      // whether seeds are released in this step
     LeafWindow mWindow, mFieldWindow;                            // in the domain, and in the velocity's
     std::array<std::int64_t*, LeafWindow::kElsewhere> mTarget{}; // the accumulator's leaf in each slot of the window
     const std::int32_t* mInput = nullptr;
