@@ -40,6 +40,18 @@ Coord firstOf(const Coord& velocityVoxel, const std::array<int, 3>& factors)
 
 } // namespace
 
+Interpolation parseInterpolation(std::string_view text)
+{
+    if (text == "linear") return Interpolation::kLinear;
+    if (text == "cubic") return Interpolation::kCubic;
+    throw ParameterError(fmt::format("interpolation '{}' is neither linear nor cubic", text));
+}
+
+std::string_view toString(Interpolation interpolation)
+{
+    return interpolation == Interpolation::kLinear ? "linear" : "cubic";
+}
+
 void Refinement::validate() const
 {
     for (const int factor : factors) {

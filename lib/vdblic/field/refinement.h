@@ -3,8 +3,15 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <string_view>
 
 namespace vdblic {
+
+/// Interpolation between voxels: trilinear, or by cubic convolution.
+enum class Interpolation { kLinear, kCubic };
+
+[[nodiscard]] Interpolation parseInterpolation(std::string_view text); ///< `linear`, `cubic`. @throws ParameterError
+[[nodiscard]] std::string_view toString(Interpolation interpolation);
 
 /// How many texture voxels fill a voxel of the velocity, along each axis.
 ///
@@ -15,6 +22,7 @@ struct Refinement {
     static constexpr int kMost = 16;
 
     std::array<int, 3> factors{1, 1, 1};
+    Interpolation interpolation = Interpolation::kLinear; ///< of the velocity between its voxels
 
     void validate() const; ///< @throws ParameterError if a factor is not 1 to kMost
 

@@ -1,6 +1,7 @@
 #include "vdblic/field/velocity_field.h"
 
 #include "vdblic/core/stopwatch.h"
+#include "vdblic/field/cubic_brick.h"
 #include "vdblic/field/largest_value.h"
 
 #include <cmath>
@@ -52,15 +53,16 @@ void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, cons
     Stopwatch watch;
     mDomain = std::move(domain);
     const Refinement& refinement = mDomain.refinement;
+    mSampled = refinement.interpolation == Interpolation::kCubic ? FieldDomain(mDomain.texture) : mDomain;
     openvdb::Mat3d toTexture = openvdb::Mat3d::identity();
     for (int axis = 0; axis < 3; ++axis) {
-        mScale[axis] = refinement.scale(axis);
-        mShift[axis] = refinement.shift(axis);
+        mScale[axis] = mSampled.refinement.scale(axis);
+        mShift[axis] = mSampled.refinement.shift(axis);
         toTexture(axis, axis) = refinement.factors[std::size_t(axis)];
     }
     mStart.emplace(start.velocities, toTexture * start.toStep);
     mEnd.emplace(end.velocities, toTexture * end.toStep);
-    mBricks.cover(mDomain.velocity);
+    mBricks.cover(mSampled.velocity);
     mLargest = larger(largestVelocity(*mStart), largestVelocity(*mEnd));
     mSeconds = watch.lap();
 }
@@ -69,6 +71,12 @@ void VelocityField::fill(Slabs::Leaves leaves)
 {
     Stopwatch watch;
     mBricks.fill(leaves, [&](std::size_t leaf, Record* records) {
+        if (mDomain.refinement.interpolation == Interpolation::kCubic) {
+            CubicBrick brick(mDomain.refinement, mSampled.velocity->origin(leaf));
+            brick.fill(*mStart, records, 0);
+            brick.fill(*mEnd, records, 4);
+            return;
+        }
         const auto fillLevel = [&](const VelocityLevel& level, int lane) {
             const openvdb::Mat3s m(level.toStep);
             const Float4 x = {m(0, 0), m(1, 0), m(2, 0), 0}, y = {m(0, 1), m(1, 1), m(2, 1), 0},
@@ -88,7 +96,7 @@ void VelocityField::fill(Slabs::Leaves leaves)
 void VelocityField::build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
 {
     prepare(std::move(domain), start, end);
-    std::vector<std::uint32_t> all(mDomain.velocity->leafCount());
+    std::vector<std::uint32_t> all(mSampled.velocity->leafCount());
     std::iota(all.begin(), all.end(), 0u);
     fill(all);
 }

@@ -7,6 +7,7 @@
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/field/vector.h"
+#include "vdblic/field/velocity_level.h"
 
 #include <openvdb/openvdb.h>
 
@@ -16,15 +17,10 @@
 
 namespace vdblic {
 
-/// One frame's velocities and their conversion to voxels per step.
-struct VelocityLevel {
-    const openvdb::Vec3STree& velocities; ///< on voxel centres, in any unit
-    openvdb::Mat3d toStep;                ///< stored value → voxels per step, in index space
-};
-
 /// The velocity over one time step, in texture voxels per step, trilinear in space and linear in time between two
 /// frames. Positions are in the index space of the texture, which may be finer than the velocity's; bricks hold the
-/// velocity's own voxels.
+/// velocity's own voxels. With cubic interpolation bricks hold the texture's voxels, and the velocity is trilinear
+/// between them.
 ///
 /// A voxel that has a velocity in only one of the frames keeps it for the whole step, the moment of the other frame
 /// excluded. Any number of threads may sample, and none while leaves are filled or released.
@@ -36,8 +32,8 @@ class VelocityField {
     ///                   every fill()
     void prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end);
 
-    /// Fill leaves of the velocity's domain. They can be sampled then from half a voxel before their first voxels'
-    /// centres to the centres of the voxels after their last.
+    /// Fill leaves of the sampled velocity's domain. They can be sampled then from half a voxel before their first
+    /// voxels' centres to the centres of the voxels after their last.
     void fill(Slabs::Leaves leaves);
     /// Free filled leaves' memory for other leaves; they cannot be sampled any longer.
     void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
@@ -49,7 +45,7 @@ class VelocityField {
     /// leaf
     [[nodiscard]] LeafWindow window(const openvdb::Coord& origin) const
     {
-        return {mBricks.domain(), mDomain.refinement.coarse(origin)};
+        return {mBricks.domain(), mSampled.refinement.coarse(origin)};
     }
 
     /// @param position index space, voxel centres at integers; the fourth lane must be 0
@@ -99,10 +95,12 @@ class VelocityField {
     /// Of the texture.
     [[nodiscard]] const Domain& domain() const { return *mDomain.texture; }
     [[nodiscard]] const FieldDomain& fieldDomain() const { return mDomain; }
+    /// The texture's domain, and that of the bricks.
+    [[nodiscard]] const FieldDomain& sampledDomain() const { return mSampled; }
 
   private:
-    FieldDomain mDomain;
-    Float4 mScale{}, mShift{}; // from the texture's index space to the velocity's
+    FieldDomain mDomain, mSampled;
+    Float4 mScale{}, mShift{}; // from the texture's index space to the bricks'
     Bricks mBricks;
     std::optional<VelocityLevel> mStart, mEnd; // in voxels of the texture per step
     Float4 mLargest{};

@@ -14,9 +14,9 @@ using openvdb::Vec3STree;
 using Values = openvdb::tree::ValueAccessor<const Vec3STree>;
 
 /// Interpolates between two trees where both are active, and takes the value of the one that is active elsewhere.
-class Interpolation {
+class ValuesBetween {
   public:
-    Interpolation(const Vec3STree& before, const Vec3STree& after, const openvdb::Mat3s& unit, float fraction)
+    ValuesBetween(const Vec3STree& before, const Vec3STree& after, const openvdb::Mat3s& unit, float fraction)
         : mBefore(before), mAfter(after), mUnit(unit), mFraction(fraction)
     {
     }
@@ -49,16 +49,16 @@ openvdb::Mat3s unitChange(const VelocityFrame& from, const VelocityFrame& to)
 LoadedFrame frameBetween(const LoadedFrame& before, const LoadedFrame& after, double fraction)
 {
     const Vec3STree &first = before.velocity.values->tree(), &second = after.velocity.values->tree();
-    const Interpolation interpolation(first, second, unitChange(after.velocity, before.velocity), float(fraction));
+    const ValuesBetween between(first, second, unitChange(after.velocity, before.velocity), float(fraction));
     auto tree = std::make_shared<Vec3STree>(first, Vec3f(0), openvdb::TopologyCopy());
     tree->topologyUnion(second);
     openvdb::tree::LeafManager<Vec3STree> leaves(*tree);
     leaves.foreach ([&](Vec3STree::LeafNodeType& leaf, std::size_t) {
-        Interpolation values = interpolation;
+        ValuesBetween values = between;
         for (auto voxel = leaf.beginValueOn(); voxel; ++voxel)
             voxel.setValue(values.at(voxel.getCoord()));
     });
-    Interpolation values = interpolation;
+    ValuesBetween values = between;
     auto tile = tree->beginValueOn();
     tile.setMaxDepth(tile.getLeafDepth() - 1);
     for (; tile; ++tile)

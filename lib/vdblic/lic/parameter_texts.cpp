@@ -59,6 +59,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"box", textOf(box)},
         {"world_box", textOf(worldBox)},
         {"refine", fmt::format("{}", fmt::join(refinement.factors, " "))},
+        {"interpolation", text(toString(refinement.interpolation))},
         {"noise", noise},
         {"seed", text(params.seed)},
         {"preroll", text(params.prerollFrames())},

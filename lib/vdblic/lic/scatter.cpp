@@ -111,7 +111,7 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& 
 
     const std::array<float, 3> longest = longestPath(scene);
     const openvdb::Coord reach(inLeaves(longest[0]), inLeaves(longest[1]), inLeaves(longest[2]));
-    const FieldDomain& domain = field.fieldDomain();
+    const FieldDomain& domain = field.sampledDomain();
     const Slabs slabs(*domain.texture, domain.refinement), velocitySlabs(slabs, *domain.velocity, domain.refinement);
     // The velocity's cell around a position begins up to one of its voxels before.
     const auto axis = std::size_t(slabs.axis());

@@ -54,6 +54,8 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
     }
     const std::array<int, 3>& factors = params.domain.refinement.factors;
     metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
+    metadata.insertMeta("interpolation",
+                        openvdb::StringMetadata(std::string(toString(params.domain.refinement.interpolation))));
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(params.scatter.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(params.scatter.pathline.tolerance));
     if (!params.steady) {

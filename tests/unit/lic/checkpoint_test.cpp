@@ -29,7 +29,7 @@ std::string refusal(const std::filesystem::path& path, const ParameterTexts& par
     return "nothing";
 }
 
-void expectContains(const std::string& text, const std::string& part)
+void expectPart(const std::string& text, const std::string& part)
 {
     EXPECT_NE(text.find(part), std::string::npos) << "'" << text << "' lacks '" << part << "'";
 }
@@ -70,9 +70,9 @@ TEST(Checkpoint, NamesTheParameterThatDiffers)
     const TemporaryFolder folder;
     const auto path = folder / "c.vdb";
     writeCheckpoint(path, kCheckpoint, {{"life_span", "4"}, {"mask", ""}});
-    expectContains(refusal<ParameterError>(path, {{"life_span", "8"}, {"mask", ""}}),
+    expectPart(refusal<ParameterError>(path, {{"life_span", "8"}, {"mask", ""}}),
                    "the run that was interrupted had `life_span` 4, this one has `life_span` 8");
-    expectContains(refusal<ParameterError>(path, {{"life_span", "4"}, {"mask", "m.vdb"}}),
+    expectPart(refusal<ParameterError>(path, {{"life_span", "4"}, {"mask", "m.vdb"}}),
                    "had no `mask`, this one has `mask` m.vdb");
 }
 
@@ -81,9 +81,9 @@ TEST(Checkpoint, OtherFilesAreRefused)
     const TemporaryFolder folder;
     const auto path = folder / "c.vdb";
     writeVdb(path, {}, {});
-    expectContains(refusal<InputError>(path, {}), "is no checkpoint of vdblic_advect");
+    expectPart(refusal<InputError>(path, {}), "is no checkpoint of vdblic_advect");
     folder.add("c.vdb", "something else");
-    expectContains(refusal<InputError>(path, {}), "delete the checkpoint to start from the beginning");
+    expectPart(refusal<InputError>(path, {}), "delete the checkpoint to start from the beginning");
 }
 
 /// Replace a text in a file by one of the same length, and update the checksums.
@@ -108,7 +108,7 @@ TEST(Checkpoint, OfAnotherVersionIsRefused)
     const auto path = folder / "c.vdb";
     writeCheckpoint(path, kCheckpoint, {});
     edit(path, "VDBLIC 0", "VDBLIC 9");
-    expectContains(refusal<InputError>(path, {}), "was written by VDBLIC 9");
+    expectPart(refusal<InputError>(path, {}), "was written by VDBLIC 9");
 }
 
 TEST(Checkpoint, ThatSomebodyEditedIsRefused)
@@ -119,7 +119,7 @@ TEST(Checkpoint, ThatSomebodyEditedIsRefused)
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(std::streamoff(VdbLayout::kIdentityOffset)); // as another program's, which has no checksums
     file << "00000000" << std::flush;
-    expectContains(refusal<InputError>(path, {}), "its checksums are gone");
+    expectPart(refusal<InputError>(path, {}), "its checksums are gone");
 }
 
 } // namespace
