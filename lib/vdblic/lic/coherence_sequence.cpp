@@ -1,6 +1,7 @@
 #include "vdblic/lic/coherence_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/vdb_file.h"
@@ -26,7 +27,8 @@
 namespace vdblic {
 namespace {
 
-MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures FrameCoherence::*version)
+MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures FrameCoherence::*version,
+                   std::size_t lags)
 {
     const auto estimate = [&](const auto& figure) {
         std::vector<double> values;
@@ -37,11 +39,16 @@ MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures F
     MeanFigures means{};
     for (std::size_t i = 0; i < kNamedFigures.size(); ++i)
         means.figures[i] = estimate([i](const CoherenceFigures& figures) { return figures.*kNamedFigures[i].value; });
-    for (std::size_t lag = 0; lag < kLagCount; ++lag) {
-        means.along[lag] = estimate([lag](const CoherenceFigures& figures) { return figures.along[lag]; }).mean;
-        means.across[lag] = estimate([lag](const CoherenceFigures& figures) { return figures.across[lag]; }).mean;
+    for (std::size_t lag = 0; lag < lags; ++lag) {
+        means.along.push_back(estimate([lag](const CoherenceFigures& figures) { return figures.along[lag]; }).mean);
+        means.across.push_back(estimate([lag](const CoherenceFigures& figures) { return figures.across[lag]; }).mean);
     }
     return means;
+}
+
+std::string toString(const Refinement& refinement)
+{
+    return fmt::format("{}", fmt::join(refinement.factors, " x "));
 }
 
 /// A texture read from a file.
@@ -49,7 +56,9 @@ struct LoadedTexture {
     std::filesystem::path path;
     SmoothedTexture texture;
     openvdb::math::Transform::ConstPtr transform;
+    std::optional<double> sourceFrame; // frame of the velocity, with a fraction between two
     std::optional<HitFigures> hits;
+    Refinement refinement{}; // of the velocity's voxels
 };
 
 template<typename GridT>
@@ -72,7 +81,8 @@ LoadedTexture readTexture(const std::filesystem::path& path, const std::string& 
 {
     const VdbFile file = readVdb(path);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
-    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
+    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(),
+                         numericMetadata(file.metadata, "source_frame"), hitsOf<openvdb::FloatGrid>(file)};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);
     if (loaded.texture.domain().voxelCount() > 0 && !std::isfinite(loaded.texture.rawContrast().deviation)) {
@@ -124,15 +134,38 @@ class TextureFiles {
     FramePattern mPattern;
 };
 
-/// Read the texture of a velocity's frame, which must have the velocity's transform.
+/// Read the texture of a velocity's frame, which must have the velocity's transform or a refined one.
 LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
 {
     const VelocityFrame& velocity = frame.velocity;
     LoadedTexture loaded = readTexture(files.path(velocity.file.frame), name);
-    if (*loaded.transform == velocity.values->transform()) return loaded;
-    throw InputError(fmt::format("{}: grid {}: its transform is not that of grid {} of {}; give the velocity that the "
-                                 "texture was made from",
-                                 loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
+    if (loaded.sourceFrame && *loaded.sourceFrame != double(velocity.file.frame)) {
+        throw InputError(
+            fmt::format("{}: the texture is of frame {} of the velocity, by its metadata source_frame, and "
+                        "not of frame {}; give textures of the velocity's own frames",
+                        loaded.path.string(), *loaded.sourceFrame, velocity.file.frame));
+    }
+    const auto refinement = Refinement::between(velocity.values->transform(), *loaded.transform);
+    if (!refinement) {
+        throw InputError(
+            fmt::format("{}: grid {}: its transform is neither that of grid {} of {} nor a refinement of it; "
+                        "give the velocity that the texture was made from",
+                        loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
+    }
+    loaded.refinement = *refinement;
+    return loaded;
+}
+
+/// Read the texture after another one, which must have the same transform.
+LoadedTexture successorOf(const LoadedTexture& before, const LoadedFrame& frame, const TextureFiles& files,
+                          const std::string& name)
+{
+    LoadedTexture loaded = textureOf(frame, files, name);
+    if (loaded.refinement == before.refinement) return loaded;
+    throw InputError(fmt::format("{}: grid {}: {} texture voxels fill a voxel of the velocity, in {} {}; make all "
+                                 "textures with one refinement",
+                                 loaded.path.string(), name, toString(loaded.refinement), before.path.string(),
+                                 toString(before.refinement)));
 }
 
 void checkReplacesNoInput(const std::string& output, const SequenceCoherenceParams& params,
@@ -157,20 +190,30 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     FlowSequence flow(params.flow, noLines, reporter);
 
     SequenceCoherence result;
-    reporter.say(frameHeading());
     std::optional<LoadedFrame> current = flow.next(), next;
     std::optional<LoadedTexture> texture, nextTexture;
-    if (current) texture = textureOf(*current, files, params.textureName);
+    if (current) {
+        texture = textureOf(*current, files, params.textureName);
+        result.refine = texture->refinement.factors;
+        result.lags = coherenceLags(result.refine);
+        if (!texture->refinement.isNone()) {
+            reporter.say(
+                fmt::format("{} texture voxels fill a voxel of the velocity; lags and lengths are in voxels of the "
+                            "velocity",
+                            toString(texture->refinement)));
+        }
+    }
+    reporter.say(frameHeading());
     for (; current; current = std::move(next), texture = std::move(nextTexture)) {
         reporter.checkStop();
         next = flow.next();
         nextTexture.reset();
-        if (next) nextTexture = textureOf(*next, files, params.textureName);
+        if (next) nextTexture = successorOf(*texture, *next, files, params.textureName);
         const LoadedFrame& end = next ? *next : *current;
         const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
         if (result.frames.empty()) flow.describe(*current, interval);
         VelocityField field;
-        field.build(current->flow.fieldDomain(),
+        field.build({texture->texture.sharedDomain(), current->flow.velocityDomain(), texture->refinement},
                     {current->flow.velocities->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},
                     {end.flow.velocities->tree(), end.velocity.toVoxelsPerStep(interval.seconds)});
         FrameCoherence frame = measureCoherence(texture->texture, nextTexture ? &nextTexture->texture : nullptr, field,
@@ -185,8 +228,8 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         result.frames.push_back(std::move(frame));
         reporter.progress(result.frames.size(), flow.total());
     }
-    result.raw = meanOf(result.frames, &FrameCoherence::raw);
-    result.smoothed = meanOf(result.frames, &FrameCoherence::smoothed);
+    result.raw = meanOf(result.frames, &FrameCoherence::raw, result.lags.size());
+    result.smoothed = meanOf(result.frames, &FrameCoherence::smoothed, result.lags.size());
     for (const std::string& line : meanLines(result))
         reporter.say(line);
 
