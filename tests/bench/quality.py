@@ -51,7 +51,7 @@ def print_tables(tools, title, velocity, frames):
         options = ["--jitter", jitter, "--sharpen", sharpen] + (["--noise-share", share] if share else [])
         name = jitter + (f", noise {share}" if share else "") + f", sharpen {sharpen}"
         print(row(name, measure(tools, velocity, frames, options)), flush=True)
-    print(f"\n{title}, by texture voxels along each axis in a velocity voxel:\n\n{HEADER.format('refinement')}")
+    print(f"\n{title}, by texture voxels along each axis in a velocity voxel; lengths are in velocity voxels:\n\n{HEADER.format('refinement')}")
     for factor in REFINEMENTS:
         print(row(f"`--refine {factor}`", measure(tools, velocity, frames, ["--refine", factor])), flush=True)
 

@@ -56,7 +56,6 @@ struct LoadedTexture {
     std::filesystem::path path;
     SmoothedTexture texture;
     openvdb::math::Transform::ConstPtr transform;
-    std::optional<double> sourceFrame; // frame of the velocity, with a fraction between two
     std::optional<HitFigures> hits;
     Refinement refinement{}; // of the velocity's voxels
 };
@@ -77,12 +76,22 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
     return HitFigures{sum / count, zeros / count};
 }
 
+/// Refuse textures whose numbers are not those of the velocity's frames.
+void refuseSubsteps(const VdbFile& texture)
+{
+    const double substeps = numericMetadata(texture.metadata, "substeps").value_or(1);
+    if (substeps == 1) return;
+    throw InputError(fmt::format("{}: the sequence has {} textures for each interval of the velocity, by its metadata "
+                                 "substeps; compute the textures without `substeps` to measure them",
+                                 texture.path.string(), substeps));
+}
+
 LoadedTexture readTexture(const std::filesystem::path& path, const std::string& name)
 {
     const VdbFile file = readVdb(path);
+    refuseSubsteps(file);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
-    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(),
-                         numericMetadata(file.metadata, "source_frame"), hitsOf<openvdb::FloatGrid>(file)};
+    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);
     if (loaded.texture.domain().voxelCount() > 0 && !std::isfinite(loaded.texture.rawContrast().deviation)) {
@@ -118,6 +127,7 @@ class TextureFiles {
         for (const std::int64_t frame : mPattern.framesOnDisk()) {
             std::error_code ignored;
             if (std::filesystem::exists(velocity.path(frame), ignored)) continue;
+            refuseSubsteps(readVdb(path(frame)));
             throw InputError(
                 fmt::format("{}: the velocity of frame {} is missing, its texture is {}; choose frames that "
                             "both have with `frames`",
@@ -139,12 +149,6 @@ LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, con
 {
     const VelocityFrame& velocity = frame.velocity;
     LoadedTexture loaded = readTexture(files.path(velocity.file.frame), name);
-    if (loaded.sourceFrame && *loaded.sourceFrame != double(velocity.file.frame)) {
-        throw InputError(
-            fmt::format("{}: the texture is of frame {} of the velocity, by its metadata source_frame, and "
-                        "not of frame {}; give textures of the velocity's own frames",
-                        loaded.path.string(), *loaded.sourceFrame, velocity.file.frame));
-    }
     const auto refinement = Refinement::between(velocity.values->transform(), *loaded.transform);
     if (!refinement) {
         throw InputError(

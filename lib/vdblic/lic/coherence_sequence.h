@@ -28,9 +28,8 @@ struct SequenceCoherence {
 /// The successor of a frame is the next one selected; the last frame has no successor and no temporal figures. The
 /// texture may be finer than the velocity; their transforms show the refinement.
 /// @throws ParameterError; InputError if the velocity or the texture of a frame is missing, if the texture's transform
-/// is
-///         not a refinement of the velocity's, the same in every frame, or if the texture is of a time between the
-///         velocity's frames; OutputError
+///         is not a refinement of the velocity's, the same in every frame, or if the textures have substeps;
+///         OutputError
 SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter);
 
 } // namespace vdblic

@@ -231,6 +231,38 @@ TEST(Coherence, DoesNotDependOnTheVelocitysVoxels)
               0u);
 }
 
+TEST(Coherence, OfASmoothFieldIsTheSameForEveryRefinement)
+{
+    const openvdb::CoordBBox box({-3, 5, 2}, {56, 40, 37});
+    const Vec3f velocity(3, -2, 1.5f);
+    const auto measure = [&](const Refinement& refinement) {
+        const auto moved = [&](const Vec3f& by) {
+            const auto value = [&](const Coord& at) {
+                openvdb::Vec3d index;
+                for (int axis = 0; axis < 3; ++axis)
+                    index[axis] = (at[axis] + 0.5) / refinement.factors[std::size_t(axis)] - 0.5;
+                return smoothField(index - by);
+            };
+            return textureOf(value, refinedBox(box, refinement));
+        };
+        const auto before = moved(Vec3f(0)), after = moved(velocity);
+        return measureCoherence(before, &after, uniformFlow(velocity, box, refinement), kFewer, 1);
+    };
+    const FrameCoherence plain = measure({});
+    for (const Refinement& refinement : {Refinement{{2, 2, 2}}, Refinement{{3, 1, 2}}}) {
+        const FrameCoherence found = measure(refinement);
+        EXPECT_GT(found.raw.temporal, 0.985);
+        EXPECT_NEAR(found.raw.samePlace, plain.raw.samePlace, 0.03);
+        for (const double lag : {1.0, 2.0, 4.0, 8.0, 16.0}) {
+            EXPECT_NEAR(valueAt(lag, found.raw.along, refinement.factors), valueAt(lag, plain.raw.along, {1, 1, 1}),
+                        0.06)
+                << lag;
+        }
+        EXPECT_NEAR(found.raw.alongLength, plain.raw.alongLength, 0.1);
+        EXPECT_NEAR(found.raw.acrossLength, plain.raw.acrossLength, 0.1);
+    }
+}
+
 // Streaks of 8 voxels of the velocity along any axis, with other numbers of texture voxels along each.
 TEST(Coherence, OfAnAnisotropicRefinementIsTheSameAlongEveryAxis)
 {
