@@ -267,7 +267,7 @@ TEST(Coherence, OfASmoothFieldIsTheSameForEveryRefinement)
 TEST(Coherence, OfAnAnisotropicRefinementIsTheSameAlongEveryAxis)
 {
     const Refinement refinement{{4, 1, 2}};
-    const openvdb::CoordBBox box({-9, 3, 2}, {14, 26, 25});
+    const openvdb::CoordBBox box({-9, 3, 2}, {18, 30, 29});
     for (int axis = 0; axis < 3; ++axis) {
         const int length = 8 * refinement.factors[std::size_t(axis)];
         const auto texture =
@@ -278,7 +278,7 @@ TEST(Coherence, OfAnAnisotropicRefinementIsTheSameAlongEveryAxis)
             measureCoherence(texture, nullptr, uniformFlow(velocity, box, refinement), {.samples = 150'000}, 1);
         const double variance = 1 - 1 / (3.0 * length);
         for (const double lag : {2.0, 4.0, 6.0}) {
-            EXPECT_NEAR(valueAt(lag, found.raw.along, refinement.factors), (1 - lag / 8) / variance, 0.04)
+            EXPECT_NEAR(valueAt(lag, found.raw.along, refinement.factors), (1 - lag / 8) / variance, 0.06)
                 << axis << ' ' << lag;
         }
         EXPECT_NEAR(found.raw.alongLength, 8 * (1 - variance / M_E), 0.3) << axis;
