@@ -1,4 +1,5 @@
 #include "cli/joined_numbers.h"
+#include "cli/refinement_option.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/lic/advect.h"
@@ -30,13 +31,6 @@ vdblic::NonFinite parseNonFinite(const std::string& text)
     if (text == "refuse") return vdblic::NonFinite::kRefuse;
     if (text == "zero") return vdblic::NonFinite::kZero;
     throw vdblic::ParameterError(fmt::format("--nonfinite '{}' is neither refuse nor zero", text));
-}
-
-vdblic::Refinement refinementOf(const std::vector<int>& factors)
-{
-    if (factors.size() == 1) return {{factors[0], factors[0], factors[0]}};
-    if (factors.size() == 3) return {{factors[0], factors[1], factors[2]}};
-    throw vdblic::ParameterError("--refine takes one number, or one for each of the three axes");
 }
 
 } // namespace
@@ -118,7 +112,7 @@ int main(int argc, char** argv)
         params.feedback.jitter = parseJitter(jitter);
         params.format = {parseGridPrecision(precision), parseVdbCompression(compression), parseScalarVoxels(scalars)};
         if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
-        params.domain.refinement = refinementOf(refine);
+        params.domain.refinement = cli::refinementOf(refine);
         params.domain.refinement.interpolation = parseInterpolation(interpolation);
         if (fps) params.frameSpacing = 1 / *fps;
         params.velocity.nonFinite = parseNonFinite(nonFinite);

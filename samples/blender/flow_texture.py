@@ -124,6 +124,21 @@ def survey(volume, texture):
     return filled, corners
 
 
+def warn_if_apart(volume, texture):
+    """Tell where streaks and colours do not lie in the same place.
+
+    Blender draws a grid's values half a voxel of that grid off their positions, so grids of different voxels lie apart.
+    """
+    data = volume.data
+    data.grids.load()
+    half = Vector((0.5, 0.5, 0.5, 0))
+    shifts = [data.grids[grid].matrix_object @ half for grid in (texture, "magnitude")]
+    apart = (shifts[1] - shifts[0]).length
+    if apart > 1e-3 * shifts[1].length:
+        print(f"{data.filepath}: warning: magnitude has other voxels than {texture}, and Blender draws it {apart:.3g} "
+              "beside it; compute the textures with vdblic_advect --scalars texture")
+
+
 def measure_speeds(volume, frame, highest, count=len(COLORS)):
     """The speed of the last colour, and the histogram of the volume's speeds from 0 to that speed.
 
@@ -294,6 +309,7 @@ def main():
     if new_scene:
         set_up_new_scene(volume)
     filled, corners = survey(volume, options.texture)
+    warn_if_apart(volume, options.texture)
     speed, shares = measure_speeds(volume, filled[len(filled) // 2], options.speed)
 
     opacity = opacities(shares)

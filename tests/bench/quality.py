@@ -16,6 +16,7 @@ METHODS = [("LIC", 4, None), ("UFLIC", 4, None), ("UFLIC", 8, None)] + \
           [("AUFLIC", life, window) for life, window in ((4, 0.125), (4, 0.25), (4, 0.5), (4, 1), (8, 0.25), (16, 0.25))]
 FILTERS = [("mix", share, sharpen) for sharpen in (0.5, 1, 2) for share in (0.05, 0.1, 0.2)] + \
           [("bits", None, sharpen) for sharpen in (0.5, 1, 2)]
+REFINEMENTS = [1, 2, 3]
 HEADER = "| {} | temporal | same place | along [voxels] | across [voxels] | deviation |\n|---|---|---|---|---|---|"
 
 
@@ -50,6 +51,9 @@ def print_tables(tools, title, velocity, frames):
         options = ["--jitter", jitter, "--sharpen", sharpen] + (["--noise-share", share] if share else [])
         name = jitter + (f", noise {share}" if share else "") + f", sharpen {sharpen}"
         print(row(name, measure(tools, velocity, frames, options)), flush=True)
+    print(f"\n{title}, by texture voxels along each axis in a velocity voxel; lengths are in velocity voxels:\n\n{HEADER.format('refinement')}")
+    for factor in REFINEMENTS:
+        print(row(f"`--refine {factor}`", measure(tools, velocity, frames, ["--refine", factor])), flush=True)
 
 
 if __name__ == "__main__":

@@ -158,6 +158,14 @@ class Advect(ToolTest):
         numpy.testing.assert_allclose(here, there, rtol=1e-5)
         self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--scalars", "both")
 
+    def test_memory_is_told_and_checked_before_the_start(self):
+        run = self.run_tool("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "3-3", "--refine", 2)
+        self.assertRegex(run.stderr, r"864896 texture voxels: about \d+\.\d MiB of memory")
+        message = self.fails(3, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--refine", 6, "--max-memory", "600M")
+        self.assertRegex(message, "23352192 texture voxels would take .* 600.0 MiB may be used: lower --refine, or cut "
+                                  "the domain with --bbox or --mask, or raise --max-memory")
+        self.assertEqual([name for name in self.files() if name.startswith("x.")], [])
+
     def test_work_and_time_as_json(self):
         run = self.run_tool("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-4", "--json", "run.json", "-v")
         self.assertEqual(run.returncode, 0, run.stderr)

@@ -94,12 +94,15 @@ class Blender(ToolTest):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return self.folder / "cache/data/fluid_data_%04d.vdb"
 
-    def show(self, files, frames, window, pixels, samples=16):
-        """Blender's description of a sequence, and the opacity of each pixel of each frame."""
+    def show(self, files, frames, window, pixels, samples=16, grid=None):
+        """Blender's description of a sequence, and the opacity of each pixel of each frame.
+
+        Without a material Blender shows `density`; a `grid` is shown with a material.
+        """
         with tempfile.TemporaryDirectory(dir=self.folder) as folder:
             request = pathlib.Path(folder) / "request.json"
             request.write_text(json.dumps({"files": list(map(str, files)), "frames": list(frames), "window": window,
-                                           "pixels": pixels, "samples": samples}))
+                                           "pixels": pixels, "samples": samples, "grid": grid}))
             done = blender(HERE / "blender/show_sequence.py", request)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             answer = json.loads((request.parent / "answer.json").read_text())
@@ -158,6 +161,36 @@ class Blender(ToolTest):
                 (x0, _, z0), (x1, _, z1) = box(grid, (-4, 3, 0), (18, 21, 14))
                 window = x0, x1, z0, z1
                 self.assert_shows(self.show([file], [1], window, 48)[1][1], grid, window, 48)
+
+    def test_scalars_on_the_textures_voxels_are_where_the_texture_is(self):
+        """Blender shifts a grid by half its own voxel, so a texture of finer voxels lies beside coarse scalars."""
+        size, factor, first, centre = 0.2, 4, numpy.array((-8, 3, 2)), numpy.array((0.3, 2.0, 1.9))
+        velocity = vdb.Vec3SGrid()
+        velocity.name = "velocity"
+        velocity.transform = vdb.createLinearTransform(voxelSize=size)
+        index = numpy.stack(numpy.meshgrid(*(numpy.arange(n) for n in (19, 13, 15)), indexing="ij"), axis=-1) + first
+        speed = numpy.exp(-(((index * size - centre) / 0.5) ** 2).sum(axis=-1))  # symmetric about `centre`
+        velocity.copyFromArray((speed[..., None] * (1, 0, 0)).astype(numpy.float32), ijk=first.tolist())
+        vdb.write(str(self.folder / "v.vdb"), grids=[velocity])
+        files = {scalars: self.outputs("vdblic_advect", "v.vdb", "-o", f"{scalars}.vdb", "--refine", factor, "--scalars",
+                                       scalars, "--dt", 1)[0] for scalars in ("velocity", "texture")}
+
+        window, pixels = (-2, 2.6, 0, 3.8), 30
+        density = vdb.read(str(files["texture"]), "density")
+        self.assertAlmostEqual(density.transform.voxelSize()[0], size / factor)
+        self.assert_shows(self.show([files["texture"]], [1], window, pixels)[1][1], density, window, pixels)
+        x, z = (a + (numpy.arange(round((b - a) * pixels)) + 0.5) / pixels for a, b in (window[:2], window[2:]))
+        shift = {}
+        for scalars, file in files.items():
+            image = self.show([file], [1], window, pixels, samples=64, grid="magnitude")[1][1]
+            depth = -numpy.log(1 - image.clip(0, 0.999))
+            shift[scalars] = numpy.array(((depth @ x).sum(), (z @ depth).sum())) / depth.sum() - centre[[0, 2]]
+        numpy.testing.assert_allclose(shift["texture"], size / factor / 2, atol=0.002)
+        numpy.testing.assert_allclose(shift["velocity"], size / 2, atol=0.002)
+
+        for scalars, file in files.items():
+            warning = "beside it; compute the textures with vdblic_advect --scalars texture"
+            self.assertEqual(warning in self.sample(file, frame=1)[1], scalars == "velocity")
 
     def test_only_empty_frames_are_blank(self):
         files = self.velocities("gap", UNIFORM, range(7, 11), empty=(7, 9))

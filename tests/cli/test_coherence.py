@@ -86,12 +86,21 @@ class Coherence(ToolTest):
         self.assertEqual(len(curves), 8)
 
     def test_figures_equal_numpys(self):
-        velocity, texture = self.uniform(2)
+        self.assert_figures_equal_numpys((1, 1, 1), self.uniform(2))
+
+    def test_figures_of_refined_textures_equal_numpys(self):
+        for refine in (2, 2, 2), (3, 1, 2):
+            with self.subTest(refine):
+                self.assert_figures_equal_numpys(refine, self.uniform(2, "--refine", *refine, size=(40, 32, 24)))
+
+    def assert_figures_equal_numpys(self, refine, sequences):
         grid = vdb.read(str(self.folder / "vel.0001.vdb"), "velocity")
         world = numpy.array(grid.getConstAccessor().getValue((20, 20, 20)))
-        step = world * grid["dt"] / numpy.array(grid.transform.voxelSize())
-        self.assertGreater(numpy.linalg.norm(step), 0.5)
-        report = self.report(velocity, texture, "--samples", 200000)
+        coarse_step = world * grid["dt"] / numpy.array(grid.transform.voxelSize())
+        self.assertGreater(numpy.linalg.norm(coarse_step), 0.5)
+        step = coarse_step * refine
+        report = self.report(*sequences, "--samples", 200000)
+        self.assertEqual(report.get("refine", [1, 1, 1]), list(refine))
         found = report["frames"][0]["raw"]
 
         before, after = (array_of(self.folder / f"lic.000{k}.vdb") for k in (1, 2))
@@ -104,13 +113,31 @@ class Coherence(ToolTest):
         here = trilinear(before, points)
         self.assertAlmostEqual(found["temporal"], numpy.corrcoef(here, trilinear(after, there))[0, 1], delta=0.012)
         self.assertAlmostEqual(found["same_place"], numpy.corrcoef(here, trilinear(after, points))[0, 1], delta=0.012)
-        along = step / numpy.linalg.norm(step)
-        for lag in 1, 3, 5:
+        along = step / numpy.linalg.norm(coarse_step)  # a voxel of the velocity, in voxels of the texture
+        for lag in 0.5 / max(refine), 1, 3, 5:
             there = points + lag * along[:, None]
             inside = numpy.all(there < size - 1, axis=0)
             expected = numpy.corrcoef(here[inside], trilinear(before, there[:, inside]))[0, 1]
-            self.assertAlmostEqual(found["along"][2 * lag - 1], expected, delta=0.015)
+            self.assertAlmostEqual(found["along"][report["lags"].index(lag)], expected, delta=0.015)
         self.assertAlmostEqual(found["deviation"], before.std(), 6)
+
+    def test_lengths_are_in_voxels_of_the_velocity(self):
+        lengths = {}
+        for refine in 1, 2, 3:
+            self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "6-8", "--refine", refine)
+            report = self.report(WAKE, "lic.%04d.vdb", "--frames", "6-8", "--samples", 30000, "-o", f"{refine}.svg")
+            lags = report["lags"]
+            self.assertEqual((lags[0], lags[-1]), (0.5 / refine, 16))
+            self.assertEqual(lags, sorted({0.5 * n / refine for n in range(1, 33)} | {0.5 * n for n in range(1, 33)}))
+            for figures in report["frames"][0]["raw"], report["mean"]["smoothed"]:
+                self.assertEqual([len(figures["along"]), len(figures["across"])], [len(lags)] * 2)
+            raw = report["mean"]["raw"]
+            lengths[refine] = raw["along_length"]["mean"], refine * raw["across_length"]["mean"]
+            self.assertGreater(raw["gain"]["mean"], 0.1)
+        for refine in 2, 3:  # streaks of the same length, as many texture voxels wide
+            self.assertAlmostEqual(lengths[refine][0] / lengths[1][0], 1, delta=0.15)
+            self.assertAlmostEqual(lengths[refine][1] / lengths[1][1], 1.2, delta=0.15)
+        self.assertNotEqual(self.contents("1.svg"), self.contents("2.svg"))
 
     def test_report_does_not_depend_on_threads(self):
         velocity, texture = self.uniform(3)
@@ -162,6 +189,14 @@ class Coherence(ToolTest):
         moved.transform = vdb.createLinearTransform(voxelSize=0.77)
         vdb.write(str(self.folder / "moved.0002.vdb"), moved)
         self.assertIn("transform", self.fails(3, "vdblic_coherence", pair[0], "moved.%04d.vdb", "--frames", "2"))
+        shutil.copy(self.folder / "lic.0001.vdb", self.folder / "mixed.0001.vdb")
+        self.outputs("vdblic_advect", "vel.0002.vdb", "-o", "mixed.0002.vdb", "--refine", "2", "1", "1")
+        message = self.fails(3, "vdblic_coherence", pair[0], "mixed.%04d.vdb", "--frames", "1-2")
+        self.assertIn("mixed.0002.vdb: grid density: 2 x 1 x 1 texture voxels", message)
+        self.outputs("vdblic_advect", pair[0], "-o", "substep.%04d.vdb", "--substeps", 2)
+        for frames in [], ["--frames", "1-3"]:
+            message = self.fails(3, "vdblic_coherence", pair[0], "substep.%04d.vdb", *frames)
+            self.assertIn("2 textures for each interval of the velocity", message)
         bad = vdb.read(str(self.folder / "lic.0002.vdb"), "density")
         bad.getAccessor().setValueOn((3, 4, 5), float("nan"))
         vdb.write(str(self.folder / "bad.0002.vdb"), bad)

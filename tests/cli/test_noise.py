@@ -92,6 +92,30 @@ class Noise(ToolTest):
             (path,) = self.outputs("vdblic_noise", "-o", "noise.vdb", "--like", like)
             self.assertEqual(self.voxels(path), voxels)
 
+    def test_refined_noise_is_what_a_refined_texture_starts_from(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 12, 10, 9, "--frames", "1-3")
+        for refine in [2], [3, 1, 2]:
+            self.outputs("vdblic_noise", "-o", "noise.vdb", "--like", "v.0001.vdb", "--refine", *refine)
+            self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "own.%04d.vdb", "--refine", *refine)
+            self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "given.%04d.vdb", "--refine", *refine, "--noise",
+                         "noise.vdb")
+            for frame in 1, 2, 3:
+                done = self.run_tool("vdblic_diff", f"own.{frame:04}.vdb", f"given.{frame:04}.vdb", "--ignore-metadata",
+                                     "seed,noise")
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            first, *last = ([0, 0, 0], *(n * f for n, f in zip((12, 10, 9), refine * (4 - len(refine)))))
+            self.assert_values("noise.vdb", first, expected_noise(first, last, 1))
+            texture = self.printed("own.0001.vdb")
+            texture = texture[texture.index("Name: density"):]
+            noise = self.printed("noise.vdb")
+            place = [printed[printed.index("index to world:"):].split()[:19] for printed in (noise, texture)]
+            self.assertEqual(place[0], place[1])
+        # Other noise gives another texture.
+        self.outputs("vdblic_noise", "-o", "noise.vdb", "--like", "v.0001.vdb", "--refine", "3,1,2", "--seed", 2)
+        self.outputs("vdblic_advect", "v.0001.vdb", "-o", "other.vdb", "--refine", "3,1,2", "--noise", "noise.vdb")
+        self.assertEqual(self.run_tool("vdblic_diff", "own.0001.vdb", "other.vdb", "--ignore-metadata",
+                                       "seed,noise").returncode, 1)
+
     def test_a_colon_may_be_part_of_a_file_name(self):
         self.write("10:30.vdb", self.scalar("a", (0, 0, 0), (1, 1, 1)))
         self.outputs("vdblic_noise", "-o", "noise.vdb", "--like", "10:30.vdb")
@@ -110,7 +134,9 @@ class Noise(ToolTest):
                 ["--size", 4, 4, 1.5], ["--size", 4, 4, 200000], ["--size", 90000, 90000, 90000],
                 ["--size", 4, 4, 4, "--like", "v.vdb"], ["--size", 4, 4, 4, "--seed", -1],
                 ["--size", 4, 4, 4, "--seed", 4294967296], ["--size", 4, 4, 4, "--threads", 0],
-                ["--like", "v.vdb:"], ["--like", ""]):
+                ["--like", "v.vdb:"], ["--like", ""], ["--size", 4, 4, 4, "--refine", 2],
+                ["--like", "v.vdb", "--refine", 0], ["--like", "v.vdb", "--refine", 17],
+                ["--like", "v.vdb", "--refine", 2, 2], ["--like", "v.vdb", "--refine", 2, 2, 2, 2]):
             self.fails(2, "vdblic_noise", "-o", "noise.vdb", *arguments)
         self.fails(2, "vdblic_noise", "--size", 4, 4, 4)
         self.assertEqual(self.files(), [])
@@ -125,7 +151,11 @@ class Noise(ToolTest):
                            ("empty.vdb:flame", "flame"), ("empty.vdb:v", "flame (float)"), (".", "."),
                            ("far.vdb", "far.vdb: grid 'far'"), ("huge.vdb", "huge.vdb: grid 'huge'")):
             self.assertIn(told, self.fails(3, "vdblic_noise", "-o", "noise.vdb", "--like", like))
-        self.assertEqual(self.files(), before)
+        self.write("wide.vdb", self.scalar("wide", (-70000, 0, 0), (-69999, 0, 0)))
+        self.outputs("vdblic_noise", "-o", "noise.vdb", "--like", "wide.vdb")
+        self.assertIn("wide.vdb: grid 'wide'",
+                      self.fails(3, "vdblic_noise", "-o", "n.vdb", "--like", "wide.vdb", "--refine", 2))
+        self.assertEqual(self.files(), sorted([*before, "noise.vdb", "wide.vdb"]))
 
     def test_output_that_cannot_be_written(self):
         (self.folder / "taken.vdb").mkdir()

@@ -9,9 +9,11 @@
 #include <tbb/parallel_for.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
@@ -80,6 +82,19 @@ openvdb::math::Transform::Ptr Refinement::refined(const openvdb::math::Transform
     texture->preTranslate(0.5 * scale - Vec3d(0.5));
     texture->preScale(scale);
     return texture;
+}
+
+std::optional<Refinement> Refinement::between(const openvdb::math::Transform& velocity,
+                                              const openvdb::math::Transform& texture)
+{
+    Refinement refinement;
+    const Vec3d ratio = velocity.voxelSize() / texture.voxelSize();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(ratio[axis] > 0.5 && ratio[axis] < kMost + 0.5)) return std::nullopt;
+        refinement.factors[std::size_t(axis)] = int(std::lround(ratio[axis]));
+    }
+    if (*refinement.refined(velocity) != texture) return std::nullopt;
+    return refinement;
 }
 
 MaskTree::Ptr Refinement::refined(const MaskTree& velocity) const

@@ -3,6 +3,7 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace vdblic {
@@ -41,6 +42,10 @@ struct Refinement {
 
     /// The texture's transform. @param velocity transform of the velocity
     [[nodiscard]] openvdb::math::Transform::Ptr refined(const openvdb::math::Transform& velocity) const;
+
+    /// The refinement whose refined() transform of the velocity is the texture's, if there is one.
+    [[nodiscard]] static std::optional<Refinement> between(const openvdb::math::Transform& velocity,
+                                                           const openvdb::math::Transform& texture);
 
     /// The texture voxels in active voxels of the velocity; tiles are expanded.
     /// Computed in parallel. @throws InputError if they exceed the memory

@@ -1,11 +1,13 @@
 #include "vdblic/lic/advect.h"
 
+#include "vdblic/core/memory.h"
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/frame_between.h"
 #include "vdblic/lic/frame_writer.h"
+#include "vdblic/lic/memory_estimate.h"
 #include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/noise_file.h"
 #include "vdblic/lic/run_checkpoint.h"
@@ -61,6 +63,7 @@ class Advection {
             interval = begin(*current, next);
         }
         mFlow.describe(*current, interval);
+        checkMemoryFor(current->flow);
 
         Stopwatch watch;
         while (mTexture.steps() < mParams.prerollSteps()) {
@@ -112,6 +115,17 @@ class Advection {
         for (const std::filesystem::path& output : finished)
             mWriter.pass(output);
         return {before.position.interval, "as before"};
+    }
+
+    /// Tell how much memory the run takes; refuse a run that takes too much now, not after minutes.
+    void checkMemoryFor(const FlowFrame& first) const
+    {
+        const double bytes = advectBytes(mParams, first);
+        const std::string voxels = fmt::format("{} texture voxels", first.domain->voxelCount());
+        const std::string text = fmt::format("{}: about {} of memory", voxels, memoryText(bytes));
+        first.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
+        constexpr double kLeast = 0.75; // of the estimate
+        checkMemory(kLeast * bytes, voxels, "lower `refine`, or cut the domain with `box` or `mask`");
     }
 
     std::optional<LoadedFrame> nextFrame()

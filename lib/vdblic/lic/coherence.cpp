@@ -60,13 +60,14 @@ class Correlation {
 /// The correlations of a texture, raw or smoothed.
 struct Correlations {
     Correlation temporal, samePlace;
-    std::array<Correlation, kLagCount> along, across;
+    std::vector<Correlation> along, across; // by lag
 
+    explicit Correlations(std::size_t lags) : along(lags), across(lags) {}
     void add(const Correlations& other)
     {
         temporal.add(other.temporal);
         samePlace.add(other.samePlace);
-        for (std::size_t lag = 0; lag < kLagCount; ++lag) {
+        for (std::size_t lag = 0; lag < along.size(); ++lag) {
             along[lag].add(other.along[lag]);
             across[lag].add(other.across[lag]);
         }
@@ -75,11 +76,13 @@ struct Correlations {
 
 struct BlockSums {
     Correlations raw, smoothed;
+
+    explicit BlockSums(std::size_t lags) : raw(lags), smoothed(lags) {}
 };
 
 /// A point at which the texture is sampled.
 struct Point {
-    Float4 position, velocity; ///< index space, voxels per step
+    Float4 position, velocity; ///< index space of the texture, voxels per step
     SmoothedTexture::Sample here;
     float turn; ///< selects the perpendicular direction, 0 to 1
 };
@@ -89,8 +92,11 @@ struct Scene {
     const SmoothedTexture* next;
     const VelocityField& field;
     const CoherenceParams& params;
-    std::vector<std::size_t> voxelsBefore; ///< each leaf: voxels of the leaves before it; last: all voxels
-    std::uint64_t key;                     ///< added to a point's number before hashing
+    std::vector<double> lags;
+    std::uint64_t key;                        ///< added to a point's number before hashing
+    Float4 scale = {1, 1, 1, 1};              ///< a voxel of the texture along each axis [voxels of the velocity]
+    Float4 shift{};                           ///< index of the velocity at the texture's index 0
+    std::vector<std::size_t> voxelsBefore{0}; ///< each leaf: voxels of the leaves before it; last: all voxels
 };
 
 /// A number in [0, 1) of 24 random bits: exact in single precision.
@@ -122,9 +128,10 @@ std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
     point.position = positionOf(scene, hash);
     point.turn = unit(mixBits(~hash));
     point.here = scene.texture.sample(point.position);
-    if (!point.here.inside || !scene.field.domain().contains(point.position)) return std::nullopt;
+    if (!point.here.inside) return std::nullopt;
+    if (!scene.field.fieldDomain().velocity->contains(point.position * scene.scale + scene.shift)) return std::nullopt;
     point.velocity = scene.field.sample(point.position, 0, Float4{0, 0, 0, 0});
-    if (!(pathline::length(point.velocity) >= scene.params.leastMotion)) return std::nullopt;
+    if (!(pathline::length(point.velocity * scene.scale) >= scene.params.leastMotion)) return std::nullopt;
     return point;
 }
 
@@ -153,15 +160,16 @@ void addTemporal(const Scene& scene, const std::vector<Point>& points, BlockSums
     }
 }
 
-/// The position one lag further along the streamline, by the midpoint rule; over half a voxel its error is far below a
-/// voxel.
-Float4 downstream(const VelocityField& field, Float4 position)
+/// The position a distance further along the streamline, by the midpoint rule; over half a voxel of the velocity its
+/// error is far below a voxel. @param distance [voxels of the velocity]
+Float4 downstream(const Scene& scene, Float4 position, float distance)
 {
-    constexpr float kStill = 1e-6f;
-    const Float4 slope = field.sample(position, 0, Float4{0, 0, 0, 0});
-    const Float4 middle = position + slope * (0.5f * kLagSpacing / std::max(pathline::length(slope), kStill));
-    const Float4 slope2 = field.sample(middle, 0, slope);
-    return position + slope2 * (kLagSpacing / std::max(pathline::length(slope2), kStill));
+    const auto moved = [&](Float4 slope, float by) {
+        constexpr float kStill = 1e-6f;
+        return position + slope * (by / std::max(pathline::length(slope * scene.scale), kStill));
+    };
+    const Float4 slope = scene.field.sample(position, 0, Float4{0, 0, 0, 0});
+    return moved(scene.field.sample(moved(slope, 0.5f * distance), 0, slope), distance);
 }
 
 /// A unit vector perpendicular to the velocity. @param turn angle about it, 0 to 1 for a full turn
@@ -180,21 +188,23 @@ Float4 perpendicular(Float4 velocity, float turn)
 
 void addSpatial(const Scene& scene, const Point& point, BlockSums& sums)
 {
-    const auto add = [&](std::array<Correlation, kLagCount> Correlations::*direction, int lag, Float4 position) {
+    const auto add = [&](std::vector<Correlation> Correlations::*direction, std::size_t lag, Float4 position) {
         const auto there = scene.texture.sample(position);
         if (!there.inside) return false;
-        (sums.raw.*direction)[std::size_t(lag)].add(point.here.raw, there.raw);
-        (sums.smoothed.*direction)[std::size_t(lag)].add(point.here.smoothed, there.smoothed);
+        (sums.raw.*direction)[lag].add(point.here.raw, there.raw);
+        (sums.smoothed.*direction)[lag].add(point.here.smoothed, there.smoothed);
         return true;
     };
     Float4 position = point.position;
-    for (int lag = 0; lag < kLagCount; ++lag) {
-        position = downstream(scene.field, position);
+    double before = 0;
+    for (std::size_t lag = 0; lag < scene.lags.size(); ++lag) {
+        position = downstream(scene, position, float(scene.lags[lag] - before));
         if (!add(&Correlations::along, lag, position)) break;
+        before = scene.lags[lag];
     }
-    const Float4 step = perpendicular(point.velocity, point.turn) * kLagSpacing;
-    for (int lag = 0; lag < kLagCount; ++lag) {
-        if (!add(&Correlations::across, lag, point.position + step * float(lag + 1))) break;
+    const Float4 direction = perpendicular(point.velocity * scene.scale, point.turn) / scene.scale;
+    for (std::size_t lag = 0; lag < scene.lags.size(); ++lag) {
+        if (!add(&Correlations::across, lag, point.position + direction * float(scene.lags[lag]))) break;
     }
 }
 
@@ -210,32 +220,39 @@ VDBLIC_KERNEL void measureBlock(const Scene& scene, std::size_t block, BlockSums
     if (scene.next) addTemporal(scene, points, sums);
 }
 
-/// The first lag at which an autocorrelation falls under 1/e, interpolated linearly between lags [voxels].
-double lengthOf(const std::array<double, kLagCount>& autocorrelation)
+/// The first lag at which an autocorrelation falls under 1/e, interpolated linearly between lags.
+double lengthOf(const std::vector<double>& autocorrelation, const std::vector<double>& lags)
 {
     constexpr double kThreshold = 1 / std::numbers::e;
-    double before = 1;
-    for (std::size_t lag = 0; lag < kLagCount; ++lag) {
+    double before = 1, lagBefore = 0;
+    for (std::size_t lag = 0; lag < lags.size(); ++lag) {
         const double value = autocorrelation[lag];
         if (std::isnan(value)) return kNone;
-        if (value < kThreshold) return (double(lag) + (before - kThreshold) / (before - value)) * double(kLagSpacing);
+        if (value < kThreshold) return lagBefore + (before - kThreshold) / (before - value) * (lags[lag] - lagBefore);
         before = value;
+        lagBefore = lags[lag];
     }
     return kLongestLag;
 }
 
-CoherenceFigures figuresOf(const Correlations& sums, const Contrast& contrast)
+std::vector<double> valuesByLag(const std::vector<Correlation>& correlations)
+{
+    std::vector<double> values;
+    for (const Correlation& correlation : correlations)
+        values.push_back(correlation.value());
+    return values;
+}
+
+CoherenceFigures figuresOf(const Correlations& sums, const Contrast& contrast, const std::vector<double>& lags)
 {
     CoherenceFigures figures{};
     figures.temporal = sums.temporal.value();
     figures.samePlace = sums.samePlace.value();
     figures.gain = figures.temporal - figures.samePlace;
-    for (std::size_t lag = 0; lag < kLagCount; ++lag) {
-        figures.along[lag] = sums.along[lag].value();
-        figures.across[lag] = sums.across[lag].value();
-    }
-    figures.alongLength = lengthOf(figures.along);
-    figures.acrossLength = lengthOf(figures.across);
+    figures.along = valuesByLag(sums.along);
+    figures.across = valuesByLag(sums.across);
+    figures.alongLength = lengthOf(figures.along, lags);
+    figures.acrossLength = lengthOf(figures.across, lags);
     figures.lengthRatio = figures.alongLength / figures.acrossLength;
     figures.deviation = contrast.deviation;
     figures.saturated = contrast.saturated;
@@ -244,20 +261,39 @@ CoherenceFigures figuresOf(const Correlations& sums, const Contrast& contrast)
 
 } // namespace
 
+std::vector<double> coherenceLags(const std::array<int, 3>& factors)
+{
+    constexpr int kFineLags = 32;
+    constexpr double kSpacing = 0.5;
+    const int finest = std::max({factors[0], factors[1], factors[2]});
+    std::vector<double> lags;
+    for (int lag = 1; lag <= kFineLags; ++lag)
+        lags.push_back(kSpacing * lag / finest);
+    for (int lag = kFineLags / finest + 1; kSpacing * lag <= kLongestLag; ++lag)
+        lags.push_back(kSpacing * lag);
+    return lags;
+}
+
 FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTexture* next, const VelocityField& field,
                                 const CoherenceParams& params, std::int64_t frame)
 {
     params.validate();
     const Domain& domain = texture.domain();
+    const Refinement& refinement = field.fieldDomain().refinement;
     // The factor keeps frame k + 1 from using the points of frame k shifted by one.
-    Scene scene{texture, next, field, params, {0}, mixBits(std::uint64_t(frame) * 0x9e3779b97f4a7c15u + 1)};
+    const std::uint64_t key = mixBits(std::uint64_t(frame) * 0x9e3779b97f4a7c15u + 1);
+    Scene scene{texture, next, field, params, coherenceLags(refinement.factors), key};
+    for (int axis = 0; axis < 3; ++axis) {
+        scene.scale[axis] = refinement.scale(axis);
+        scene.shift[axis] = refinement.shift(axis);
+    }
     scene.voxelsBefore.reserve(domain.leafCount() + 1);
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
         scene.voxelsBefore.push_back(scene.voxelsBefore.back() + domain.mask(leaf).countOn());
 
-    BlockSums all;
+    BlockSums all(scene.lags.size());
     if (domain.voxelCount() > 0) {
-        std::vector<BlockSums> blocks((std::size_t(params.samples) + kBlockPoints - 1) / kBlockPoints);
+        std::vector<BlockSums> blocks((std::size_t(params.samples) + kBlockPoints - 1) / kBlockPoints, all);
         tbb::parallel_for(std::size_t(0), blocks.size(),
                           [&](std::size_t block) { measureBlock(scene, block, blocks[block]); });
         for (const BlockSums& block : blocks) {
@@ -269,8 +305,8 @@ FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTe
     result.frame = frame;
     result.points = all.raw.along[0].count();
     result.temporalPoints = all.raw.temporal.count();
-    result.raw = figuresOf(all.raw, texture.rawContrast());
-    result.smoothed = figuresOf(all.smoothed, texture.smoothedContrast());
+    result.raw = figuresOf(all.raw, texture.rawContrast(), scene.lags);
+    result.smoothed = figuresOf(all.smoothed, texture.smoothedContrast(), scene.lags);
     return result;
 }
 

@@ -20,8 +20,12 @@ class VelocityField;
 /// its line stays inside.
 /// All correlations are Pearson's, of trilinearly interpolated values.
 ///
+/// A texture may be finer than the velocity. Lags, lengths, the least motion and the right angle are those of the
+/// velocity's index space, so that they mean the same for textures of different voxels. The smoothing filter is three
+/// texture voxels wide and the integrator's tolerance is in texture voxels, as in vdblic_advect.
+///
 /// @param next  the successor; null if there is none
-/// @param field velocity over the step
+/// @param field velocity over the step, on the texture's domain and with its refinement
 /// Computed in parallel; the result is bit-identical for any number of threads. @throws ParameterError
 [[nodiscard]] FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTexture* next,
                                               const VelocityField& field, const CoherenceParams& params,

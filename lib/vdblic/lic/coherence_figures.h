@@ -4,13 +4,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace vdblic {
 
-/// The lags of an autocorrelation: kLagSpacing, 2 kLagSpacing, ... of arc length [voxels].
-inline constexpr float kLagSpacing = 0.5f;
-inline constexpr int kLagCount = 32;
-inline constexpr double kLongestLag = double(kLagSpacing) * kLagCount;
+/// The longest lag of an autocorrelation [voxels of the velocity].
+inline constexpr double kLongestLag = 16;
+
+/// The lags of an autocorrelation, ascending [voxels of the velocity].
+///
+/// Up to 16 voxels of the texture they are half a texture voxel apart, so that they resolve the width of streaks. From
+/// there to kLongestLag they are half a voxel of the velocity apart. Every multiple of half a voxel of the velocity is
+/// among them, so textures of one flow can be compared lag by lag.
+/// @param factors of the texture's refinement; the texture voxel is the smallest along any axis
+[[nodiscard]] std::vector<double> coherenceLags(const std::array<int, 3>& factors);
 
 /// What is measured of one texture. A figure that cannot be computed is not-a-number.
 struct CoherenceFigures {
@@ -18,8 +25,8 @@ struct CoherenceFigures {
     double samePlace; ///< correlation of the texture with its successor at the same position
     double gain;      ///< temporal − samePlace
 
-    std::array<double, kLagCount> along, across; ///< autocorrelation by lag along the flow, and perpendicular to it
-    double alongLength;                          ///< first lag where it falls under 1/e [voxels], kLongestLag at most
+    std::vector<double> along, across; ///< autocorrelation by lag along the flow, and perpendicular to it
+    double alongLength; ///< first lag where it falls under 1/e [voxels of the velocity], kLongestLag at most
     double acrossLength;
     double lengthRatio; ///< alongLength / acrossLength
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -18,7 +19,7 @@ Json finiteOrNull(double value)
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json numbers(const std::array<double, kLagCount>& values)
+Json numbers(const std::vector<double>& values)
 {
     Json result = Json::array();
     for (const double value : values)
@@ -65,21 +66,17 @@ Json ofMeans(const MeanFigures& means)
 
 std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params)
 {
-    Json lags = Json::array();
-    for (int lag = 1; lag <= kLagCount; ++lag)
-        lags.push_back(double(kLagSpacing) * lag);
     Json frames = Json::array();
     for (const FrameCoherence& frame : coherence.frames)
         frames.push_back(ofFrame(frame));
-    const Json report = {{"velocity", params.flow.input.pattern},
-                         {"texture", params.texture},
-                         {"parameters",
-                          {{"texture_name", params.textureName},
-                           {"samples", params.coherence.samples},
-                           {"least_motion", params.coherence.leastMotion}}},
-                         {"lags", lags},
-                         {"frames", frames},
-                         {"mean", {{"raw", ofMeans(coherence.raw)}, {"smoothed", ofMeans(coherence.smoothed)}}}};
+    Json report = {{"velocity", params.flow.input.pattern}, {"texture", params.texture}};
+    if (coherence.refine != std::array{1, 1, 1}) report["refine"] = coherence.refine;
+    report["parameters"] = {{"texture_name", params.textureName},
+                            {"samples", params.coherence.samples},
+                            {"least_motion", params.coherence.leastMotion}};
+    report["lags"] = coherence.lags;
+    report["frames"] = frames;
+    report["mean"] = {{"raw", ofMeans(coherence.raw)}, {"smoothed", ofMeans(coherence.smoothed)}};
     // File names need not be valid UTF-8, JSON must be.
     return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

@@ -10,8 +10,8 @@ namespace vdblic {
 /// Where a texture is sampled to measure its coherence.
 struct CoherenceParams {
     int samples = 100'000;    ///< random points a frame, uniform over the texture's voxels; fewer of them count
-    float leastMotion = 0.5f; ///< a point counts where the flow moves at least this far [voxels per step]
-    PathlineParams pathline;
+    float leastMotion = 0.5f; ///< a point counts where the flow moves at least this far [velocity voxels per step]
+    PathlineParams pathline;  ///< in voxels of the texture
 
     void validate() const; ///< @throws ParameterError
 };

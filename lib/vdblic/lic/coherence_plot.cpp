@@ -145,17 +145,17 @@ void drawAxes(Drawing& drawing)
     const double threshold = yOf(1 / std::numbers::e);
     drawing.line({kLeft, threshold}, {kRight, threshold}, kThresholdLine);
     drawing.text({kRight - 4, threshold - 4}, Anchor::kEnd, "1/e");
-    drawing.text({(kLeft + kRight) / 2, kBottom + 40}, Anchor::kMiddle, "lag [voxels]");
+    drawing.text({(kLeft + kRight) / 2, kBottom + 40}, Anchor::kMiddle, "lag [voxels of the velocity]");
     drawing.text({18, (kTop + kBottom) / 2}, Anchor::kMiddle, "autocorrelation", -std::numbers::pi / 2);
 }
 
 /// @param row of the legend, from the top
-void drawCurve(Drawing& drawing, const std::array<double, kLagCount>& values, const Stroke& stroke, int row,
-               const std::string& name)
+void drawCurve(Drawing& drawing, const std::vector<double>& lags, const std::vector<double>& values,
+               const Stroke& stroke, int row, const std::string& name)
 {
     std::vector<Drawing::Point> points = {{xOf(0), yOf(1)}};
-    for (std::size_t lag = 0; lag < values.size() && std::isfinite(values[lag]); ++lag)
-        points.push_back({xOf(double(kLagSpacing) * double(lag + 1)), yOf(values[lag])});
+    for (std::size_t lag = 0; lag < lags.size() && std::isfinite(values[lag]); ++lag)
+        points.push_back({xOf(lags[lag]), yOf(values[lag])});
     drawing.line(points, stroke);
     const double y = kTop + 12 + 24 * row;
     drawing.line({kRight + 14, y}, {kRight + 44, y}, stroke);
@@ -169,10 +169,10 @@ std::string toSvg(const SequenceCoherence& coherence)
     Drawing drawing;
     drawAxes(drawing);
     constexpr std::array<double, 2> kSolid{}, kDashed{6, 4};
-    drawCurve(drawing, coherence.raw.along, {kBlue, 2, kSolid}, 0, "along, raw");
-    drawCurve(drawing, coherence.smoothed.along, {kBlue, 2, kDashed}, 1, "along, smoothed");
-    drawCurve(drawing, coherence.raw.across, {kOrange, 2, kSolid}, 2, "across, raw");
-    drawCurve(drawing, coherence.smoothed.across, {kOrange, 2, kDashed}, 3, "across, smoothed");
+    drawCurve(drawing, coherence.lags, coherence.raw.along, {kBlue, 2, kSolid}, 0, "along, raw");
+    drawCurve(drawing, coherence.lags, coherence.smoothed.along, {kBlue, 2, kDashed}, 1, "along, smoothed");
+    drawCurve(drawing, coherence.lags, coherence.raw.across, {kOrange, 2, kSolid}, 2, "across, raw");
+    drawCurve(drawing, coherence.lags, coherence.smoothed.across, {kOrange, 2, kDashed}, 3, "across, smoothed");
     return drawing.finish();
 }
 

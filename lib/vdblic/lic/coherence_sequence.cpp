@@ -1,6 +1,7 @@
 #include "vdblic/lic/coherence_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/vdb_file.h"
@@ -26,7 +27,8 @@
 namespace vdblic {
 namespace {
 
-MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures FrameCoherence::*version)
+MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures FrameCoherence::*version,
+                   std::size_t lags)
 {
     const auto estimate = [&](const auto& figure) {
         std::vector<double> values;
@@ -37,11 +39,16 @@ MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures F
     MeanFigures means{};
     for (std::size_t i = 0; i < kNamedFigures.size(); ++i)
         means.figures[i] = estimate([i](const CoherenceFigures& figures) { return figures.*kNamedFigures[i].value; });
-    for (std::size_t lag = 0; lag < kLagCount; ++lag) {
-        means.along[lag] = estimate([lag](const CoherenceFigures& figures) { return figures.along[lag]; }).mean;
-        means.across[lag] = estimate([lag](const CoherenceFigures& figures) { return figures.across[lag]; }).mean;
+    for (std::size_t lag = 0; lag < lags; ++lag) {
+        means.along.push_back(estimate([lag](const CoherenceFigures& figures) { return figures.along[lag]; }).mean);
+        means.across.push_back(estimate([lag](const CoherenceFigures& figures) { return figures.across[lag]; }).mean);
     }
     return means;
+}
+
+std::string toString(const Refinement& refinement)
+{
+    return fmt::format("{}", fmt::join(refinement.factors, " x "));
 }
 
 /// A texture read from a file.
@@ -50,6 +57,7 @@ struct LoadedTexture {
     SmoothedTexture texture;
     openvdb::math::Transform::ConstPtr transform;
     std::optional<HitFigures> hits;
+    Refinement refinement{}; // of the velocity's voxels
 };
 
 template<typename GridT>
@@ -68,9 +76,20 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
     return HitFigures{sum / count, zeros / count};
 }
 
+/// Refuse textures whose numbers are not those of the velocity's frames.
+void refuseSubsteps(const VdbFile& texture)
+{
+    const double substeps = numericMetadata(texture.metadata, "substeps").value_or(1);
+    if (substeps == 1) return;
+    throw InputError(fmt::format("{}: the sequence has {} textures for each interval of the velocity, by its metadata "
+                                 "substeps; compute the textures without `substeps` to measure them",
+                                 texture.path.string(), substeps));
+}
+
 LoadedTexture readTexture(const std::filesystem::path& path, const std::string& name)
 {
     const VdbFile file = readVdb(path);
+    refuseSubsteps(file);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
     LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
@@ -108,6 +127,7 @@ class TextureFiles {
         for (const std::int64_t frame : mPattern.framesOnDisk()) {
             std::error_code ignored;
             if (std::filesystem::exists(velocity.path(frame), ignored)) continue;
+            refuseSubsteps(readVdb(path(frame)));
             throw InputError(
                 fmt::format("{}: the velocity of frame {} is missing, its texture is {}; choose frames that "
                             "both have with `frames`",
@@ -124,15 +144,32 @@ class TextureFiles {
     FramePattern mPattern;
 };
 
-/// Read the texture of a velocity's frame, which must have the velocity's transform.
+/// Read the texture of a velocity's frame, which must have the velocity's transform or a refined one.
 LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
 {
     const VelocityFrame& velocity = frame.velocity;
     LoadedTexture loaded = readTexture(files.path(velocity.file.frame), name);
-    if (*loaded.transform == velocity.values->transform()) return loaded;
-    throw InputError(fmt::format("{}: grid {}: its transform is not that of grid {} of {}; give the velocity that the "
-                                 "texture was made from",
-                                 loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
+    const auto refinement = Refinement::between(velocity.values->transform(), *loaded.transform);
+    if (!refinement) {
+        throw InputError(
+            fmt::format("{}: grid {}: its transform is neither that of grid {} of {} nor a refinement of it; "
+                        "give the velocity that the texture was made from",
+                        loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
+    }
+    loaded.refinement = *refinement;
+    return loaded;
+}
+
+/// Read the texture after another one, which must have the same transform.
+LoadedTexture successorOf(const LoadedTexture& before, const LoadedFrame& frame, const TextureFiles& files,
+                          const std::string& name)
+{
+    LoadedTexture loaded = textureOf(frame, files, name);
+    if (loaded.refinement == before.refinement) return loaded;
+    throw InputError(fmt::format("{}: grid {}: {} texture voxels fill a voxel of the velocity, in {} {}; make all "
+                                 "textures with one refinement",
+                                 loaded.path.string(), name, toString(loaded.refinement), before.path.string(),
+                                 toString(before.refinement)));
 }
 
 void checkReplacesNoInput(const std::string& output, const SequenceCoherenceParams& params,
@@ -157,20 +194,30 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     FlowSequence flow(params.flow, noLines, reporter);
 
     SequenceCoherence result;
-    reporter.say(frameHeading());
     std::optional<LoadedFrame> current = flow.next(), next;
     std::optional<LoadedTexture> texture, nextTexture;
-    if (current) texture = textureOf(*current, files, params.textureName);
+    if (current) {
+        texture = textureOf(*current, files, params.textureName);
+        result.refine = texture->refinement.factors;
+        result.lags = coherenceLags(result.refine);
+        if (!texture->refinement.isNone()) {
+            reporter.say(
+                fmt::format("{} texture voxels fill a voxel of the velocity; lags and lengths are in voxels of the "
+                            "velocity",
+                            toString(texture->refinement)));
+        }
+    }
+    reporter.say(frameHeading());
     for (; current; current = std::move(next), texture = std::move(nextTexture)) {
         reporter.checkStop();
         next = flow.next();
         nextTexture.reset();
-        if (next) nextTexture = textureOf(*next, files, params.textureName);
+        if (next) nextTexture = successorOf(*texture, *next, files, params.textureName);
         const LoadedFrame& end = next ? *next : *current;
         const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
         if (result.frames.empty()) flow.describe(*current, interval);
         VelocityField field;
-        field.build(current->flow.fieldDomain(),
+        field.build({texture->texture.sharedDomain(), current->flow.velocityDomain(), texture->refinement},
                     {current->flow.velocities->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},
                     {end.flow.velocities->tree(), end.velocity.toVoxelsPerStep(interval.seconds)});
         FrameCoherence frame = measureCoherence(texture->texture, nextTexture ? &nextTexture->texture : nullptr, field,
@@ -185,8 +232,8 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         result.frames.push_back(std::move(frame));
         reporter.progress(result.frames.size(), flow.total());
     }
-    result.raw = meanOf(result.frames, &FrameCoherence::raw);
-    result.smoothed = meanOf(result.frames, &FrameCoherence::smoothed);
+    result.raw = meanOf(result.frames, &FrameCoherence::raw, result.lags.size());
+    result.smoothed = meanOf(result.frames, &FrameCoherence::smoothed, result.lags.size());
     for (const std::string& line : meanLines(result))
         reporter.say(line);
 

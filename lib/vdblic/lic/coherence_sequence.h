@@ -13,18 +13,22 @@ namespace vdblic {
 /// Means over frames of the figures of one texture, raw or smoothed.
 struct MeanFigures {
     std::array<Estimate, kNamedFigures.size()> figures; ///< in the order of kNamedFigures
-    std::array<double, kLagCount> along, across;
+    std::vector<double> along, across;
 };
 
 struct SequenceCoherence {
+    std::array<int, 3> refine{1, 1, 1}; ///< texture voxels in a voxel of the velocity, along each axis
+    std::vector<double> lags;           ///< of every autocorrelation: coherenceLags()
     std::vector<FrameCoherence> frames;
     MeanFigures raw, smoothed;
 };
 
 /// Measure every frame of a texture sequence, and report each one as soon as its figures are known.
 ///
-/// The successor of a frame is the next one selected; the last frame has no successor and no temporal figures.
-/// @throws ParameterError; InputError if the velocity or the texture of a frame is missing or their transforms differ;
+/// The successor of a frame is the next one selected; the last frame has no successor and no temporal figures. The
+/// texture may be finer than the velocity; their transforms show the refinement.
+/// @throws ParameterError; InputError if the velocity or the texture of a frame is missing, if the texture's transform
+///         is not a refinement of the velocity's, the same in every frame, or if the textures have substeps;
 ///         OutputError
 SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter);
 

@@ -42,6 +42,9 @@ void NoiseParams::validate() const
 {
     if (like.empty() == !size.has_value()) throw ParameterError("give one of `like` FILE and `size` X Y Z");
     if (size) checkBoxSize(*size);
+    if (size && !refinement.isNone())
+        throw ParameterError("`refine` refines the voxels of `like`; give a larger `size`");
+    refinement.validate();
 }
 
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
@@ -60,15 +63,18 @@ void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
         checkNotInput(params.output, reference.path);
         const openvdb::GridBase::Ptr grid = findGrid(reference);
         const std::string name = fmt::format("{}: grid '{}'", reference.path.string(), grid->getName());
+        const Refinement& refinement = params.refinement;
         const std::uint64_t voxels = grid->activeVoxelCount();
         if (voxels == 0) throw InputError(fmt::format("{} has no active voxels", name));
-        if (voxels > std::uint64_t(kMaxBoxVoxels)) {
-            throw InputError(
-                fmt::format("{} has {} active voxels; at most {} are supported", name, voxels, kMaxBoxVoxels));
+        if (voxels > std::uint64_t(kMaxBoxVoxels / refinement.voxels())) {
+            throw InputError(fmt::format("{} has {} active voxels; at most {} are supported", name, voxels,
+                                         kMaxBoxVoxels / refinement.voxels()));
         }
         reporter.say(fmt::format("like {} ({}), {} active voxels", name, grid->valueType(), voxels));
         try {
-            noise = makeNoise(Domain(topologyOf(*grid, name)), grid->transform(), params.seed);
+            openvdb::MaskTree::Ptr topology = topologyOf(*grid, name);
+            if (!refinement.isNone()) topology = refinement.refined(*topology);
+            noise = makeNoise(Domain(topology), *refinement.refined(grid->transform()), params.seed);
         } catch (const InputError& error) {
             throw InputError(fmt::format("{}: {}", name, error.what()));
         }

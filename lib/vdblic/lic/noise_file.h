@@ -2,6 +2,7 @@
 
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/box_domain.h"
+#include "vdblic/field/refinement.h"
 
 #include <openvdb/openvdb.h>
 
@@ -16,6 +17,7 @@ struct NoiseParams {
     std::string output;
     std::string like;            ///< FILE or FILE:GRID whose active voxels and transform to take
     std::optional<BoxSize> size; ///< voxels of a box, with voxels of kDefaultVoxelSize
+    Refinement refinement{};     ///< of the voxels of `like`
     std::uint32_t seed = 1;
     bool skipExisting = false; ///< keep an output that exists
 
@@ -25,7 +27,8 @@ struct NoiseParams {
 
 /// Write the noise of makeNoise() as the one grid of a file.
 ///
-/// If `like` names no grid, the first grid of the file that has active voxels is taken.
+/// If `like` names no grid, the first grid of the file that has active voxels is taken. The voxels and the transform
+/// are those of a texture with that refinement, so this is the noise that such a texture starts from.
 /// @throws ParameterError, InputError if `like` has no such grid, OutputError
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter);
 

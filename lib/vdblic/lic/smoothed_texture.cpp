@@ -72,7 +72,7 @@ SmoothedTexture::SmoothedTexture(const openvdb::FloatTree& texture)
     mRawContrast = contrastOf(*domain, raw);
     mSmoothedContrast = contrastOf(*domain, smooth);
     mBricks.cover(domain);
-    mBricks.fill(std::views::iota(std::size_t(0), domain->leafCount()), [&](std::size_t leaf, Record* records) {
+    mBricks.fill(std::views::iota(std::size_t(0), domain->leafCount()), [&](std::size_t leaf, Values::Record* records) {
         visitBrick(*raw.tree(), domain->origin(leaf), [&](int record, float value, bool active) {
             records[record] = {};
             if (!active) return;

@@ -34,21 +34,23 @@ class SmoothedTexture {
     {
         // Below the domain, bricks repeat its first values; such a position is outside.
         if (domain().findLeaf(floorToInt(position)) < 0) return {0, 0, false};
-        const Bricks::Cell cell = mBricks.locate(position);
-        const Float8 values = Bricks::interpolate(cell);
+        const Values::Cell cell = mBricks.locate(position);
+        const Float4 values = Values::interpolate(cell);
         constexpr float kFull = 1 - 1e-4f; // 1 less rounding
         return {values[kRaw], values[kSmoothed], values[kCoverage] > kFull};
     }
 
     [[nodiscard]] const Domain& domain() const { return mBricks.domain(); }
+    [[nodiscard]] const std::shared_ptr<const Domain>& sharedDomain() const { return mBricks.sharedDomain(); }
     /// Over all voxels. Not-a-number if there are none or if a value is not finite.
     [[nodiscard]] const Contrast& rawContrast() const { return mRawContrast; }
     [[nodiscard]] const Contrast& smoothedContrast() const { return mSmoothedContrast; }
 
   private:
+    using Values = BricksOf<4>;
     enum { kRaw, kSmoothed, kCoverage };
 
-    Bricks mBricks;
+    Values mBricks;
     Contrast mRawContrast, mSmoothedContrast;
 };
 

@@ -1,9 +1,10 @@
-"""Imports a sequence of volumes like the file browser, without a material, and renders frames of it.
+"""Imports a sequence of volumes like the file browser, as a rule without a material, and renders frames of it.
 
     blender -b --factory-startup --python-exit-code 9 -t 1 --python show_sequence.py -- REQUEST.json
 
 The request: `files`, in order; scene `frames` to render; the `window` of the world (x0, x1, z0, z1) that an
-orthographic camera sees along +y; `pixels` a unit of length; `samples` a pixel. Outputs beside it: answer.json,
+orthographic camera sees along +y; `pixels` a unit of length; `samples` a pixel; optionally a `grid`, whose values are
+then the extinction, with a material for it. Outputs beside it: answer.json,
 Blender's description of the volume and of each frame, and alpha.<frame>.npy, the opacity of each pixel by row from z0 up.
 """
 
@@ -28,6 +29,18 @@ bpy.ops.object.volume_import(
     filepath=str(files[0]), directory=str(files[0].parent), files=[{"name": file.name} for file in files])
 volume = bpy.context.object
 data = volume.data
+
+if request["grid"]:
+    material = bpy.data.materials.new("grid")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    values, absorption = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeVolumeAbsorption")
+    values.attribute_name = request["grid"]
+    absorption.inputs["Color"].default_value = (0, 0, 0, 1)
+    links.new(values.outputs["Fac"], absorption.inputs["Density"])
+    links.new(absorption.outputs["Volume"], nodes.new("ShaderNodeOutputMaterial").inputs["Volume"])
+    data.materials.append(material)
 
 lens = bpy.data.cameras.new("camera")
 lens.type, lens.ortho_scale, lens.clip_end = "ORTHO", max(x1 - x0, z1 - z0), 1000

@@ -77,6 +77,30 @@ TEST(Refinement, TheTransformPlacesTextureVoxelsInTheirVelocityVoxel)
     EXPECT_EQ(*Refinement{}.refined(*velocity), *velocity);
 }
 
+TEST(Refinement, IsFoundBetweenTransforms)
+{
+    const auto velocity = Transform::createLinearTransform(0.25);
+    velocity->postRotate(0.3, openvdb::math::Z_AXIS);
+    velocity->preScale(Vec3d(1, -2, 3)); // mirrored
+    velocity->postTranslate(Vec3d(5, -7, 1));
+    for (const Refinement refinement : {Refinement{}, Refinement{{3, 3, 3}}, Refinement{{4, 1, 16}}})
+        EXPECT_EQ(Refinement::between(*velocity, *refinement.refined(*velocity)), refinement);
+
+    const auto is = [&](const auto& change) {
+        const auto texture = Refinement{{2, 2, 2}}.refined(*velocity);
+        change(*texture);
+        return Refinement::between(*velocity, *texture).has_value();
+    };
+    EXPECT_TRUE(is([](Transform&) {}));
+    EXPECT_FALSE(is([](Transform& texture) { texture.preTranslate(Vec3d(0.01, 0, 0)); }));
+    EXPECT_FALSE(is([](Transform& texture) { texture.preTranslate(Vec3d(0.5)); })); // corners on corners
+    EXPECT_FALSE(is([](Transform& texture) { texture.preScale(1.25); }));
+    EXPECT_FALSE(is([](Transform& texture) { texture.preScale(4); })); // coarser
+    EXPECT_FALSE(is([](Transform& texture) { texture.preScale(2.0 / 17); }));
+    EXPECT_FALSE(is([](Transform& texture) { texture.postRotate(0.01, openvdb::math::X_AXIS); }));
+    EXPECT_FALSE(Refinement::between(*Transform::createLinearTransform(1e300), *velocity));
+}
+
 TEST(VelocityField, OfARefinedDomainIsSampledAtTheTexturesPositions)
 {
     // Linear in space: v(p) = (p_y, 2 p_z, 1 − p_x) / 8 at velocity index p, in voxels of the velocity per step.

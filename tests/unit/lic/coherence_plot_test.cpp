@@ -12,12 +12,12 @@ namespace {
 SequenceCoherence fallingCurves()
 {
     SequenceCoherence coherence{};
-    for (std::size_t lag = 0; lag < kLagCount; ++lag) {
-        const double distance = double(kLagSpacing) * double(lag + 1);
-        coherence.raw.along[lag] = std::exp(-distance / 8);
-        coherence.smoothed.along[lag] = std::exp(-distance / 10);
-        coherence.raw.across[lag] = std::exp(-distance / 1.5);
-        coherence.smoothed.across[lag] = std::exp(-distance / 2);
+    coherence.lags = coherenceLags({2, 2, 2});
+    for (const double lag : coherence.lags) {
+        coherence.raw.along.push_back(std::exp(-lag / 8));
+        coherence.smoothed.along.push_back(std::exp(-lag / 10));
+        coherence.raw.across.push_back(std::exp(-lag / 1.5));
+        coherence.smoothed.across.push_back(std::exp(-lag / 2));
     }
     return coherence;
 }
@@ -46,7 +46,7 @@ TEST(CoherencePlot, OfUnknownFiguresStopsThere)
 {
     SequenceCoherence coherence = fallingCurves();
     const std::size_t whole = toSvg(coherence).size();
-    for (std::size_t lag = 4; lag < kLagCount; ++lag)
+    for (std::size_t lag = 4; lag < coherence.lags.size(); ++lag)
         coherence.raw.along[lag] = NAN;
     const std::string svg = toSvg(coherence);
     EXPECT_LT(svg.size(), whole);

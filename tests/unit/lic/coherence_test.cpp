@@ -11,6 +11,8 @@
 #include <openvdb/openvdb.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -54,13 +56,47 @@ float smoothField(const openvdb::Vec3d& at)
     return float(0.5 + 0.06 * sum);
 }
 
-VelocityField uniformFlow(const Vec3f& velocity)
+VelocityField fieldOf(const std::vector<FlowFrame>& frames)
 {
-    const auto frames = test::makeFrames(kTextureBox, 2, [&](const Coord&, int) { return velocity; });
     VelocityField field;
-    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
+    field.build(frames[0].fieldDomain(), {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
                 {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
     return field;
+}
+
+VelocityField uniformFlow(const Vec3f& velocity)
+{
+    return fieldOf(test::makeFrames(kTextureBox, 2, [&](const Coord&, int) { return velocity; }));
+}
+
+/// A velocity on the voxels of a box, for a texture that is finer. @param velocity [voxels of the velocity per step]
+VelocityField uniformFlow(const Vec3f& velocity, const openvdb::CoordBBox& box, const Refinement& refinement)
+{
+    return fieldOf(test::refined(test::makeFrames(box, 2, [&](const Coord&, int) { return velocity; }), refinement));
+}
+
+openvdb::CoordBBox refinedBox(const openvdb::CoordBBox& box, const Refinement& refinement)
+{
+    const auto& [x, y, z] = refinement.factors;
+    const Coord first(box.min()[0] * x, box.min()[1] * y, box.min()[2] * z);
+    return {first, first.offsetBy(box.dim()[0] * x - 1, box.dim()[1] * y - 1, box.dim()[2] * z - 1)};
+}
+
+/// White noise averaged over some voxels along an axis.
+float streaks(const Coord& at, int axis, int length)
+{
+    float sum = 0;
+    for (Coord voxel = at; voxel[axis] < at[axis] + length; ++voxel[axis])
+        sum += whiteNoise(voxel, 5);
+    return sum / float(length);
+}
+
+double valueAt(double lag, const std::vector<double>& values, const std::array<int, 3>& factors)
+{
+    const std::vector<double> lags = coherenceLags(factors);
+    const auto found = std::find(lags.begin(), lags.end(), lag);
+    EXPECT_NE(found, lags.end()) << lag;
+    return values[std::size_t(found - lags.begin())];
 }
 
 TEST(Coherence, OfATextureThatMovesWithTheFlowIsOne)
@@ -98,7 +134,7 @@ TEST(Coherence, OfWhiteNoiseIsZeroAlongAndAcross)
     const auto texture = textureOf([](const Coord& at) { return whiteNoise(at, 1); });
     const FrameCoherence found = measureCoherence(texture, nullptr, uniformFlow(Vec3f(1, 1, 0.5f)), {}, 1);
     // Interpolated values share no voxel if they are more than a cell's diagonal and one voxel apart.
-    for (std::size_t lag = 7; lag < kLagCount; ++lag) {
+    for (std::size_t lag = 7; lag < found.raw.along.size(); ++lag) {
         EXPECT_NEAR(found.raw.along[lag], 0, 0.03) << lag;
         EXPECT_NEAR(found.raw.across[lag], 0, 0.03) << lag;
     }
@@ -114,12 +150,7 @@ TEST(Coherence, OfWhiteNoiseIsZeroAlongAndAcross)
 TEST(Coherence, FindsTheLengthOfStreaks)
 {
     constexpr int kLength = 8;
-    const auto texture = textureOf([](const Coord& at) {
-        float sum = 0;
-        for (int i = 0; i < kLength; ++i)
-            sum += whiteNoise(at.offsetBy(i, 0, 0), 5);
-        return sum / kLength;
-    });
+    const auto texture = textureOf([](const Coord& at) { return streaks(at, 0, kLength); });
     CoherenceParams params;
     params.samples = 300'000;
     const FrameCoherence found = measureCoherence(texture, nullptr, uniformFlow(Vec3f(2, 0, 0)), params, 1);
@@ -133,6 +164,128 @@ TEST(Coherence, FindsTheLengthOfStreaks)
     EXPECT_GT(found.raw.lengthRatio, 3.5);
 }
 
+TEST(CoherenceLags, AreHalfVoxelsOfTheTextureAndThenOfTheVelocity)
+{
+    const std::vector<double> same = coherenceLags({1, 1, 1});
+    ASSERT_EQ(same.size(), 32u);
+    for (std::size_t lag = 0; lag < same.size(); ++lag)
+        EXPECT_EQ(same[lag], 0.5 * double(lag + 1));
+    for (const auto& factors :
+         {std::array{2, 2, 2}, std::array{1, 3, 2}, std::array{7, 1, 1}, std::array{16, 16, 16}}) {
+        const std::vector<double> lags = coherenceLags(factors);
+        EXPECT_LE(lags.size(), 64u);
+        EXPECT_EQ(lags[0], 0.5 / *std::max_element(factors.begin(), factors.end()));
+        EXPECT_EQ(lags.back(), kLongestLag);
+        EXPECT_EQ(std::adjacent_find(lags.begin(), lags.end(), std::greater_equal<>()), lags.end());
+        for (const double lag : same)
+            EXPECT_NE(std::find(lags.begin(), lags.end(), lag), lags.end()) << lag;
+    }
+}
+
+// Of a texture of 40 voxels a streak, 3 in a voxel of the velocity: longer than 16 voxels of the texture.
+TEST(Coherence, OfARefinedTextureIsInVoxelsOfTheVelocity)
+{
+    const Refinement refinement{{3, 3, 3}};
+    constexpr int kLength = 40;
+    const openvdb::CoordBBox box({-4, 2, 1}, {55, 13, 12});
+    const auto texture =
+        textureOf([](const Coord& at) { return streaks(at, 0, kLength); }, refinedBox(box, refinement));
+    const FrameCoherence found =
+        measureCoherence(texture, nullptr, uniformFlow(Vec3f(2, 0, 0), box, refinement), {.samples = 300'000}, 1);
+    const double variance = 1 - 1 / (3.0 * kLength);
+    for (const double lag : {2.0, 5.0, 9.0, 12.0}) {
+        const double expected = (1 - 3 * lag / kLength) / variance;
+        EXPECT_NEAR(valueAt(lag, found.raw.along, refinement.factors), expected, 0.04) << lag;
+    }
+    EXPECT_NEAR(found.raw.alongLength, kLength * (1 - variance / M_E) / 3, 0.35);
+    EXPECT_NEAR(valueAt(kLongestLag, found.raw.along, refinement.factors), 0, 0.06);
+    EXPECT_LT(found.raw.acrossLength, 1.5 / 3);
+    EXPECT_GT(found.raw.acrossLength, 0.5 / 3);
+}
+
+// The same texture and the same motion, once with the velocity on the texture's voxels and once on coarser ones.
+TEST(Coherence, DoesNotDependOnTheVelocitysVoxels)
+{
+    const Refinement refinement{{4, 4, 4}};
+    const openvdb::CoordBBox box({-2, 1, 0}, {17, 12, 9});
+    const auto before = textureOf([](const Coord& at) { return streaks(at, 0, 12); }, refinedBox(box, refinement));
+    const auto after =
+        textureOf([](const Coord& at) { return streaks(at - Coord(3, -2, 1), 0, 12); }, refinedBox(box, refinement));
+    const Vec3f velocity(0.75f, -0.5f, 0.25f);
+    const FrameCoherence coarse = measureCoherence(before, &after, uniformFlow(velocity, box, refinement), kFewer, 7);
+    const FrameCoherence fine = measureCoherence(
+        before, &after, uniformFlow(velocity * 4, refinedBox(box, refinement), Refinement{}), kFewer, 7);
+    EXPECT_EQ(coarse.points, fine.points);
+    EXPECT_EQ(coarse.temporalPoints, fine.temporalPoints);
+    EXPECT_NEAR(coarse.raw.temporal, 1, 1e-4);
+    EXPECT_NEAR(coarse.raw.temporal, fine.raw.temporal, 1e-6);
+    EXPECT_NEAR(coarse.smoothed.samePlace, fine.smoothed.samePlace, 1e-6);
+    for (std::size_t lag = 0; lag < fine.raw.along.size(); ++lag) { // up to 16 voxels of the texture
+        EXPECT_NEAR(coarse.raw.along[lag], fine.raw.along[lag], 1e-4) << lag;
+        EXPECT_NEAR(coarse.smoothed.across[lag], fine.smoothed.across[lag], 1e-4) << lag;
+    }
+    EXPECT_NEAR(coarse.raw.alongLength, fine.raw.alongLength / 4, 1e-4);
+    EXPECT_NEAR(coarse.smoothed.acrossLength, fine.smoothed.acrossLength / 4, 1e-4);
+    // The least motion is in voxels of the velocity: here 0.94 of its own and 3.7 of the texture's.
+    EXPECT_EQ(measureCoherence(before, nullptr, uniformFlow(velocity, box, refinement), {.leastMotion = 1}, 7).points,
+              0u);
+}
+
+TEST(Coherence, OfASmoothFieldIsTheSameForEveryRefinement)
+{
+    const openvdb::CoordBBox box({-3, 5, 2}, {56, 40, 37});
+    const Vec3f velocity(3, -2, 1.5f);
+    const auto measure = [&](const Refinement& refinement) {
+        const auto moved = [&](const Vec3f& by) {
+            const auto value = [&](const Coord& at) {
+                openvdb::Vec3d index;
+                for (int axis = 0; axis < 3; ++axis)
+                    index[axis] = (at[axis] + 0.5) / refinement.factors[std::size_t(axis)] - 0.5;
+                return smoothField(index - by);
+            };
+            return textureOf(value, refinedBox(box, refinement));
+        };
+        const auto before = moved(Vec3f(0)), after = moved(velocity);
+        return measureCoherence(before, &after, uniformFlow(velocity, box, refinement), kFewer, 1);
+    };
+    const FrameCoherence plain = measure({});
+    for (const Refinement& refinement : {Refinement{{2, 2, 2}}, Refinement{{3, 1, 2}}}) {
+        const FrameCoherence found = measure(refinement);
+        EXPECT_GT(found.raw.temporal, 0.985);
+        EXPECT_NEAR(found.raw.samePlace, plain.raw.samePlace, 0.03);
+        for (const double lag : {1.0, 2.0, 4.0, 8.0, 16.0}) {
+            EXPECT_NEAR(valueAt(lag, found.raw.along, refinement.factors), valueAt(lag, plain.raw.along, {1, 1, 1}),
+                        0.06)
+                << lag;
+        }
+        EXPECT_NEAR(found.raw.alongLength, plain.raw.alongLength, 0.1);
+        EXPECT_NEAR(found.raw.acrossLength, plain.raw.acrossLength, 0.1);
+    }
+}
+
+// Streaks of 8 voxels of the velocity along any axis, with other numbers of texture voxels along each.
+TEST(Coherence, OfAnAnisotropicRefinementIsTheSameAlongEveryAxis)
+{
+    const Refinement refinement{{4, 1, 2}};
+    const openvdb::CoordBBox box({-9, 3, 2}, {18, 30, 29});
+    for (int axis = 0; axis < 3; ++axis) {
+        const int length = 8 * refinement.factors[std::size_t(axis)];
+        const auto texture =
+            textureOf([&](const Coord& at) { return streaks(at, axis, length); }, refinedBox(box, refinement));
+        Vec3f velocity(0);
+        velocity[axis] = 2;
+        const FrameCoherence found =
+            measureCoherence(texture, nullptr, uniformFlow(velocity, box, refinement), {.samples = 150'000}, 1);
+        const double variance = 1 - 1 / (3.0 * length);
+        for (const double lag : {2.0, 4.0, 6.0}) {
+            EXPECT_NEAR(valueAt(lag, found.raw.along, refinement.factors), (1 - lag / 8) / variance, 0.06)
+                << axis << ' ' << lag;
+        }
+        EXPECT_NEAR(found.raw.alongLength, 8 * (1 - variance / M_E), 0.3) << axis;
+        EXPECT_LT(found.raw.acrossLength, 1.5) << axis; // of the coarsest texture voxels, at most
+    }
+}
+
 // A texture that is constant on circles about an axis, in a flow that turns about it.
 TEST(Coherence, FollowsTheStreamline)
 {
@@ -140,13 +293,11 @@ TEST(Coherence, FollowsTheStreamline)
     const auto frames = test::makeFrames(kTextureBox, 2, [&](const Coord& at, int) {
         return Vec3f(float(28.5 - at[1]) * 0.2f, float(at[0] - 36.5) * 0.2f, 0);
     });
-    VelocityField field;
-    field.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
-                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    const VelocityField field = fieldOf(frames);
     const auto texture = textureOf([&](const Coord& at) { return float(0.5 + 0.4 * std::sin(radius(at))); });
     const FrameCoherence found = measureCoherence(texture, &texture, field, kFewer, 1);
     EXPECT_GT(found.raw.temporal, 0.99);
-    EXPECT_GT(found.raw.along[kLagCount - 1], 0.98);
+    EXPECT_GT(found.raw.along.back(), 0.98);
     EXPECT_EQ(found.raw.alongLength, kLongestLag);
     EXPECT_LT(found.raw.acrossLength, 4);
 }

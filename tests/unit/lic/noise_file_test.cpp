@@ -45,7 +45,7 @@ void expectNoise(const openvdb::FloatGrid& grid, std::uint32_t seed)
 TEST(NoiseFile, HoldsTheNoiseOfABox)
 {
     const TemporaryFolder folder;
-    const auto noise = writtenNoise({folder / "n.vdb", "", BoxSize{20, 9, 33}, 4000000000});
+    const auto noise = writtenNoise({folder / "n.vdb", "", BoxSize{20, 9, 33}, {}, 4000000000});
     ASSERT_TRUE(noise);
     EXPECT_EQ(noise->activeVoxelCount(), 20u * 9u * 33u);
     EXPECT_EQ(noise->voxelSize(), openvdb::Vec3d(kDefaultVoxelSize));
@@ -70,7 +70,7 @@ TEST(NoiseFile, HasTheTopologyOfAGridOfAnyType)
              {});
     const std::string like = (folder / "like.vdb").string();
     for (const char* type : {"", ":float", ":double", ":vec3s", ":vec3d", ":bool", ":mask"}) {
-        const auto noise = writtenNoise({folder / "n.vdb", like + type, std::nullopt, 3});
+        const auto noise = writtenNoise({folder / "n.vdb", like + type, std::nullopt, {}, 3});
         ASSERT_TRUE(noise) << type;
         EXPECT_EQ(noise->activeVoxelCount(), 60u + 512u) << type;
         EXPECT_EQ(noise->voxelSize(), openvdb::Vec3d(0.25)) << type;
@@ -78,11 +78,31 @@ TEST(NoiseFile, HasTheTopologyOfAGridOfAnyType)
     }
 }
 
+TEST(NoiseFile, HasTheVoxelsOfARefinedTexture)
+{
+    const TemporaryFolder folder;
+    const auto like = openvdb::FloatGrid::create();
+    like->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    like->tree().setValueOn({-1, 5, 0});
+    like->tree().addTile(1, openvdb::Coord(16, 0, 0), 0, true);
+    writeVdb(folder / "like.vdb", {like}, {});
+    const Refinement refinement{{3, 1, 2}};
+    const auto noise = writtenNoise({folder / "n.vdb", (folder / "like.vdb").string(), std::nullopt, refinement, 4});
+    ASSERT_TRUE(noise);
+    EXPECT_EQ(noise->activeVoxelCount(), 6u * (1 + 512));
+    EXPECT_TRUE(noise->tree().isValueOn({-3, 5, 0}) && noise->tree().isValueOn({-1, 5, 1}));
+    EXPECT_TRUE(noise->tree().isValueOn({71, 7, 15}));
+    EXPECT_EQ(noise->transform(), *refinement.refined(like->transform()));
+    expectNoise(*noise, 4);
+}
+
 TEST(NoiseParams, WantExactlyOneSource)
 {
     EXPECT_THROW((NoiseParams{"n.vdb", "", std::nullopt}).validate(), ParameterError);
     EXPECT_THROW((NoiseParams{"n.vdb", "a.vdb", BoxSize{1, 1, 1}}).validate(), ParameterError);
     EXPECT_THROW((NoiseParams{"n.vdb", "", BoxSize{1, 0, 1}}).validate(), ParameterError);
+    EXPECT_THROW((NoiseParams{"n.vdb", "", BoxSize{1, 1, 1}, {{2, 1, 1}}}).validate(), ParameterError);
+    EXPECT_THROW((NoiseParams{"n.vdb", "a.vdb", std::nullopt, {{2, 17, 1}}}).validate(), ParameterError);
     EXPECT_NO_THROW((NoiseParams{"n.vdb", "a.vdb", std::nullopt}).validate());
     EXPECT_NO_THROW((NoiseParams{"n.vdb", "", BoxSize{1, 1, 1}}).validate());
 }

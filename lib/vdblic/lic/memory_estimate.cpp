@@ -1,0 +1,18 @@
+#include "vdblic/lic/memory_estimate.h"
+
+#include "vdblic/lic/advect_params.h"
+#include "vdblic/lic/flow_frame.h"
+
+namespace vdblic {
+
+double advectBytes(const AdvectParams& params, const FlowFrame& first)
+{
+    constexpr double kProcess = 35e6, kVelocity = 70; // bytes, and bytes a voxel
+    double texture = 45;
+    if (params.scatter.substeps > 1) texture += 12;
+    if (first.refinement.interpolation == Interpolation::kCubic) texture += 25;
+    const auto voxels = [](const Domain& domain) { return double(domain.leafCount()) * Domain::kLeafVoxels; };
+    return kProcess + kVelocity * voxels(*first.velocityDomain()) + texture * voxels(*first.domain);
+}
+
+} // namespace vdblic
