@@ -12,12 +12,13 @@ tools=build/release/tools
 out=out/quickstart
 mkdir -p "$out"
 # The stages overlap: the renderer reads each texture as soon as it is finished.
-"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" |
-    "$tools/vdblic_render" - -o "$out/wake.%04d.exr" --size 960 540 >"$out/images.txt"
-"$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" --size 960 540 >>"$out/images.txt"
+look=(--by vorticity --size 960 540)
+"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" --refine 3 --with vorticity,q |
+    "$tools/vdblic_render" - -o "$out/wake.%04d.exr" "${look[@]}" >"$out/images.txt"
+"$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" "${look[@]}" >>"$out/images.txt"
 
 echo
-echo "flow textures: $out/lic.0001.vdb ... (density and magnitude; open them in Blender or Houdini)"
+echo "flow textures: $out/lic.0001.vdb ... (density, magnitude, vorticity, q; open them in Blender or Houdini)"
 echo "images:        $out/wake.0001.exr ... and $out/wake.0001.png ..."
 if command -v ffmpeg >/dev/null 2>&1; then
     ffmpeg -loglevel error -y -framerate 12 -i "$out/wake.%04d.png" -vf format=yuv420p -c:v libx264 -crf 18 "$out/wake.mp4"
