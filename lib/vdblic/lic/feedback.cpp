@@ -16,6 +16,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -101,6 +103,23 @@ class FullBox {
     float mFirst[3] = {0, 0, 0}, mLast[3] = {0, 0, 0};
 };
 
+/// For each leaf: whether the cell of any position from it to the next leaves lies inside the domain.
+std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
+{
+    std::vector<std::uint8_t> result(domain.leafCount());
+    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        const openvdb::Coord origin = domain.origin(leaf);
+        bool whole = true;
+        for (int corner = 0; whole && corner < 8; ++corner) {
+            const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
+            const int there = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0} + step * LeafVoxel::kDim);
+            whole = there >= 0 && domain.mask(std::size_t(there)).isOn();
+        }
+        result[leaf] = whole;
+    });
+    return result;
+}
+
 /// Filters one leaf after another. Immutable; any number of threads may filter.
 struct FeedForward {
     const VelocityLevel& velocities; ///< at the step's end
@@ -110,6 +129,7 @@ struct FeedForward {
     const LocalContrast& contrast;
     const NoiseField& noise;
     const FeedbackParams& params;
+    const std::vector<std::uint8_t>& withoutRim; // leavesWithoutRim()
     std::uint64_t step;
     float substeps;
 
@@ -176,6 +196,11 @@ struct FeedForward {
     [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& before,
                                          unsigned lanes, Int8& value) const
     {
+        for (int z = 0; z < LeafVoxel::kDim; ++z) { // far upstream most fluid was still inside
+            const int leaf = lanes >> z & 1 ? domain.findLeaf(floorToInt(before.lane(z))) : -1;
+            if (leaf >= 0 && withoutRim[std::size_t(leaf)]) lanes &= ~(1u << z);
+        }
+        if (lanes == 0) return;
         const TextureBricks::Samples there = texture.at(window, before, lanes);
         const Int8 slots = window.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
@@ -205,8 +230,10 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
     const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
     TextureBricks bricks(field.fieldDomain().texture, texture, sharp);
     const LocalContrast contrast(domain, sharp);
+    const std::vector<std::uint8_t> withoutRim = leavesWithoutRim(domain);
     const FeedForward filter{
-        field.end(), field.fieldDomain().refinement, domain, bricks, contrast, noise, params, step, float(substeps)};
+        field.end(),    field.fieldDomain().refinement, domain, bricks, contrast, noise, params, withoutRim, step,
+        float(substeps)};
 
     LeafValues<std::int32_t> input = noiseInput(next, noise);
     const Slabs slabs(domain);
