@@ -23,6 +23,7 @@
 #include <system_error>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -76,20 +77,9 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
     return HitFigures{sum / count, zeros / count};
 }
 
-/// Refuse textures whose numbers are not those of the velocity's frames.
-void refuseSubsteps(const VdbFile& texture)
-{
-    const double substeps = numericMetadata(texture.metadata, "substeps").value_or(1);
-    if (substeps == 1) return;
-    throw InputError(fmt::format("{}: the sequence has {} textures for each interval of the velocity, by its metadata "
-                                 "substeps; compute the textures without `substeps` to measure them",
-                                 texture.path.string(), substeps));
-}
-
 LoadedTexture readTexture(const std::filesystem::path& path, const std::string& name)
 {
     const VdbFile file = readVdb(path);
-    refuseSubsteps(file);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
     LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
@@ -101,7 +91,8 @@ LoadedTexture readTexture(const std::filesystem::path& path, const std::string& 
     return loaded;
 }
 
-/// Finds the texture file of a velocity's frame.
+/// Finds the texture file of a velocity's frame. Textures with substeps have numbers of their own, from the sequence's
+/// first frame on.
 class TextureFiles {
   public:
     explicit TextureFiles(const SequenceCoherenceParams& params) : mPattern(params.texture)
@@ -114,6 +105,7 @@ class TextureFiles {
                                              "sequence with a sequence",
                                              file, pattern));
         }
+        readNumbering();
         const std::vector<FrameFile> velocities = selectFrames(params.flow.input);
         for (const FrameFile& file : velocities) {
             std::error_code ignored;
@@ -124,10 +116,11 @@ class TextureFiles {
                             path(file.frame).string(), file.frame, file.path.string()));
         }
         if (!mPattern.hasField() || !params.flow.input.frames.empty()) return;
-        for (const std::int64_t frame : mPattern.framesOnDisk()) {
+        for (const std::int64_t number : mPattern.framesOnDisk()) {
+            if ((number - mFirst) % mSubsteps != 0) continue; // between two frames
+            const std::int64_t frame = mFirst + (number - mFirst) / mSubsteps;
             std::error_code ignored;
             if (std::filesystem::exists(velocity.path(frame), ignored)) continue;
-            refuseSubsteps(readVdb(path(frame)));
             throw InputError(
                 fmt::format("{}: the velocity of frame {} is missing, its texture is {}; choose frames that "
                             "both have with `frames`",
@@ -137,11 +130,28 @@ class TextureFiles {
 
     [[nodiscard]] std::filesystem::path path(std::int64_t frame) const
     {
-        return mPattern.hasField() ? mPattern.path(frame) : std::filesystem::path(mPattern.text());
+        return mPattern.hasField() ? mPattern.path(mFirst + (frame - mFirst) * mSubsteps)
+                                   : std::filesystem::path(mPattern.text());
     }
 
   private:
+    /// Read from some texture how the textures are numbered.
+    void readNumbering()
+    {
+        const std::vector<std::int64_t> numbers =
+            mPattern.hasField() ? mPattern.framesOnDisk() : std::vector<std::int64_t>{};
+        if (numbers.empty()) return;
+        const openvdb::MetaMap metadata = readVdb(mPattern.path(numbers.front())).metadata;
+        const double substeps = numericMetadata(metadata, "substeps").value_or(1);
+        const auto source = numericMetadata(metadata, "source_frame"), number = numericMetadata(metadata, "frame");
+        constexpr double kMost = 64;
+        if (!(substeps > 1 && substeps <= kMost) || !source || !number) return;
+        mSubsteps = std::int64_t(substeps);
+        mFirst = std::llround((double(mSubsteps) * *source - *number) / double(mSubsteps - 1));
+    }
+
     FramePattern mPattern;
+    std::int64_t mSubsteps = 1, mFirst = 0; // textures to a frame; the frame whose texture has the same number
 };
 
 /// Read the texture of a velocity's frame, which must have the velocity's transform or a refined one.

@@ -26,9 +26,10 @@ struct SequenceCoherence {
 /// Measure every frame of a texture sequence, and report each one as soon as its figures are known.
 ///
 /// The successor of a frame is the next one selected; the last frame has no successor and no temporal figures. The
-/// texture may be finer than the velocity; their transforms show the refinement.
+/// texture may be finer than the velocity; their transforms show the refinement. Of textures with substeps, those at
+/// the velocity's frames are measured.
 /// @throws ParameterError; InputError if the velocity or the texture of a frame is missing, if the texture's transform
-///         is not a refinement of the velocity's, the same in every frame, or if the textures have substeps;
+///         is not a refinement of the velocity's, the same in every frame;
 ///         OutputError
 SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter);
 
