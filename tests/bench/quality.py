@@ -17,6 +17,7 @@ METHODS = [("LIC", 4, None), ("UFLIC", 4, None), ("UFLIC", 8, None)] + \
 FILTERS = [("mix", share, sharpen) for sharpen in (0.5, 1, 2) for share in (0.05, 0.1, 0.2)] + \
           [("bits", None, sharpen) for sharpen in (0.5, 1, 2)]
 REFINEMENTS = [1, 2, 3]
+SUBSTEPS = [1, 4, 12]
 HEADER = "| {} | temporal | same place | along [voxels] | across [voxels] | deviation |\n|---|---|---|---|---|---|"
 
 
@@ -54,6 +55,10 @@ def print_tables(tools, title, velocity, frames):
     print(f"\n{title}, by texture voxels along each axis in a velocity voxel; lengths are in velocity voxels:\n\n{HEADER.format('refinement')}")
     for factor in REFINEMENTS:
         print(row(f"`--refine {factor}`", measure(tools, velocity, frames, ["--refine", factor])), flush=True)
+    print(f"\n{title}, by textures for each interval between frames, a frame apart:\n\n{HEADER.format('substeps')}")
+    for substeps in SUBSTEPS:
+        options = ["--refine", 2, "--substeps", substeps]
+        print(row(f"`--refine 2 --substeps {substeps}`", measure(tools, velocity, frames, options)), flush=True)
 
 
 if __name__ == "__main__":

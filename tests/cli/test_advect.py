@@ -158,6 +158,50 @@ class Advect(ToolTest):
         numpy.testing.assert_allclose(here, there, rtol=1e-5)
         self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--scalars", "both")
 
+    def test_substeps(self):
+        def run(name, *arguments, **options):
+            paths = self.outputs("vdblic_advect", *arguments, "-o", f"{name}.%04d.vdb", "--life", 2, **options)
+            return [path.name for path in paths], [vdb.readMetadata(str(path)) for path in paths]
+
+        lines = "".join(f"{str(WAKE) % k}\n" for k in (3, 5))
+        names, metadata = run("a", WAKE, "--frames", "3,5", "--substeps", 4)
+        self.assertEqual(names, [f"a.{k:04}.vdb" for k in (3, 4, 5, 6, 11)])  # 5 is 3 + (5 - 3) 4
+        for key, expected in (("frame", [3, 4, 5, 6, 11]), ("source_frame", [3, 3.5, 4, 4.5, 5]),
+                              ("time", [0.1, 0.125, 0.15, 0.175, 0.2]), ("dt", 5 * [0.025]), ("substeps", 5 * [4])):
+            numpy.testing.assert_allclose([m[key] for m in metadata], expected, rtol=1e-6, err_msg=key)
+        self.assertEqual(run("b", "-", "--substeps", 4, stdin=lines)[0], [name.replace("a", "b", 1) for name in names])
+        for a, b in zip(names, sorted(path.name for path in self.folder.glob("b.*"))):
+            self.assertEqual((self.folder / a).read_bytes(), (self.folder / b).read_bytes())
+        self.assertEqual(run("c", WAKE, "--frames", "7", "--substeps", 64)[0], ["c.0007.vdb"])
+        # Scalars are those of the velocity between the frames.
+        vectors = []
+        for frame in 3, 5:
+            grid = vdb.read(str(WAKE) % frame, "velocity")
+            low, high = grid.evalActiveVoxelBoundingBox()
+            vectors.append(numpy.zeros([*(high[i] - low[i] + 1 for i in range(3)), 3], numpy.float32))
+            grid.copyToArray(vectors[-1], ijk=low)
+        speed = numpy.linalg.norm(0.25 * vectors[0] + 0.75 * vectors[1], axis=3)
+        numpy.testing.assert_allclose(values(self.folder / names[3], "magnitude")[0], speed, rtol=1e-3, atol=1e-3)
+        for bad in 0, 65, "many":
+            self.fails(2, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--substeps", bad)
+        self.fails(2, "vdblic_advect", WAKE, "-o", "x.vdb", "--frames", "1-2", "--substeps", 2)
+
+    def test_substeps_of_frames_that_come_and_go(self):
+        box = numpy.full((12, 12, 12, 3), 0.5, numpy.float32)
+        for frame, origin in ((1, (0, 0, 0)), (2, None), (3, (4, 0, 0)), (4, (30, 0, 0))):
+            grid = vdb.Vec3SGrid()
+            grid.name = "velocity"
+            if origin:
+                grid.copyFromArray(box, ijk=origin, tolerance=(-1, -1, -1))
+            vdb.write(str(self.folder / f"v.{frame:04}.vdb"), grid)
+        paths = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "t.%04d.vdb", "--substeps", 3, "--dt", 1)
+        counts = [vdb.read(str(path), "density").activeVoxelCount() for path in paths]
+        self.assertEqual(counts, 3 * [1728] + 3 * [0] + 4 * [1728])
+        again = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "u.%04d.vdb", "--substeps", 3, "--dt", 1,
+                             "--refine", 2, "--threads", 1)
+        self.assertEqual([vdb.read(str(path), "density").activeVoxelCount() for path in again],
+                         3 * [8 * 1728] + 3 * [0] + 4 * [8 * 1728])
+
     def test_memory_is_told_and_checked_before_the_start(self):
         run = self.run_tool("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "3-3", "--refine", 2)
         self.assertRegex(run.stderr, r"864896 texture voxels: about \d+\.\d MiB of memory")
