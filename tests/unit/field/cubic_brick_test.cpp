@@ -94,7 +94,7 @@ TEST(CubicBrick, HasNoBendsAtTheVelocitysVoxels)
         const auto at = [&](int i) { return double(sampleAt(cubic.field, {i, 3, 5})[0]) / 2; };
         most = std::max(most, std::abs(at(x) - std::sin((x + 0.5) / 2 - 0.5)));
     }
-    EXPECT_LT(most, 0.02); // linear: 0.09
+    EXPECT_LT(most, 0.03); // linear: 0.09
 }
 
 } // namespace
