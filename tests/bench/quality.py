@@ -18,6 +18,7 @@ FILTERS = [("mix", share, sharpen) for sharpen in (0.5, 1, 2) for share in (0.05
           [("bits", None, sharpen) for sharpen in (0.5, 1, 2)]
 REFINEMENTS = [1, 2, 3]
 SUBSTEPS = [1, 4, 12]
+FINISH = ["--finish", 0]  # settings are compared by bare textures
 HEADER = "| {} | temporal | same place | along [voxels] | across [voxels] | deviation |\n|---|---|---|---|---|---|"
 
 
@@ -26,7 +27,7 @@ def measure(tools, velocity, frames, options):
     with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
         textures, figures = f"{folder}/lic.%04d.vdb", pathlib.Path(folder) / "figures.json"
         run = lambda *command: subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        run(tools / "vdblic_advect", velocity, "-o", textures, "--frames", frames, "-q", *map(str, options))
+        run(tools / "vdblic_advect", velocity, "-o", textures, "--frames", frames, "-q", *map(str, FINISH + options))
         run(tools / "vdblic_coherence", velocity, textures, "--frames", frames, "--samples", "50000", "-q",
             "--json", str(figures))
         return json.loads(figures.read_text())["mean"]
@@ -55,6 +56,9 @@ def print_tables(tools, title, velocity, frames):
     print(f"\n{title}, by texture voxels along each axis in a velocity voxel; lengths are in velocity voxels:\n\n{HEADER.format('refinement')}")
     for factor in REFINEMENTS:
         print(row(f"`--refine {factor}`", measure(tools, velocity, frames, ["--refine", factor])), flush=True)
+    print(f"\n{title}, by the finish of the default settings:\n\n{HEADER.format('finish')}")
+    for taps in 0, 1, 2, 3:
+        print(row(f"`--finish {taps}`", measure(tools, velocity, frames, ["--finish", taps])), flush=True)
     print(f"\n{title}, by textures for each interval between frames, a frame apart:\n\n{HEADER.format('substeps')}")
     for substeps in SUBSTEPS:
         options = ["--refine", 2, "--substeps", substeps]

@@ -301,7 +301,7 @@ class Resume(ToolTest):
             "--seed": 2, "--preroll": 3, "--release-window": 0.5, "--sample-spacing": 0.4, "--tolerance": 0.1,
             "--sharpen": 2, "--jitter": "bits", "--noise-share": 0.2, "--texture-name": "smoke", "--refine": 2,
             "--precision": "float", "--compression": "zip", "--scalars": "texture", "--substeps": 2,
-            "--interpolation": "cubic"}
+            "--interpolation": "cubic", "--finish": 1}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--fps", "--kernel"}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))

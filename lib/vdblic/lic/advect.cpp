@@ -179,7 +179,11 @@ class Advection {
         if (part == 0) warnOfOddFlow(frame, interval);
         const std::int64_t number = mOutputs.number(frame.velocity.file.frame, part);
         const double seconds = interval / mParams.scatter.substeps;
-        TextureFile file = makeTextureFile(mParams, frame, step.texture.tree(), *frame.textureTransform(),
+        const LeafValues<float> texture =
+            mParams.steady
+                ? step.texture
+                : finished(frame.flow, frame.velocity.toVoxelsPerStep(interval), step.texture, mParams.finish);
+        TextureFile file = makeTextureFile(mParams, frame, texture.tree(), *frame.textureTransform(),
                                            {number, frame.sourceFrame, mTime + part * seconds, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));

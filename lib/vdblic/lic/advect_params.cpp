@@ -21,6 +21,7 @@ void AdvectParams::validate() const
     FlowSequenceParams{input, velocity, frameSpacing, domain}.validate();
     scatter.validate();
     feedback.validate();
+    finish.validate();
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
     }

@@ -4,6 +4,7 @@
 #include "vdblic/field/velocity_frame.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/lic/feedback_params.h"
+#include "vdblic/lic/finish.h"
 #include "vdblic/lic/lic_kernel.h"
 #include "vdblic/lic/scatter_params.h"
 #include "vdblic/lic/texture_format.h"
@@ -26,6 +27,7 @@ struct AdvectParams {
     DomainParams domain;
     ScatterParams scatter;
     FeedbackParams feedback;
+    FinishParams finish{};
     std::optional<LicKernel> steady; ///< steady LIC of each frame on its own, instead of scatter.method
     std::string noise;               ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;          ///< of the generated noise

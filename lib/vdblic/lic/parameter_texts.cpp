@@ -69,6 +69,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"sharpen", text(sharpen)},
         {"jitter", text(toString(jitter))},
         {"noise_share", text(noiseShare)},
+        {"finish", text(params.finish.taps)},
         {"texture_name", params.textureName},
         {"precision", text(toString(params.format.precision))},
         {"compression", text(toString(params.format.compression))},

@@ -62,6 +62,7 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
         metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
         metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
+        metadata.insertMeta("finish", openvdb::Int32Metadata(params.finish.taps));
         metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
     }
     if (params.noise.empty()) {

@@ -61,6 +61,7 @@ TEST_P(Substeps, EqualTheFramesBetween)
     params.output = (folder / "t.%d.vdb").string();
     params.frameSpacing = 1;
     params.format.precision = GridPrecision::kFloat;
+    params.finish.taps = 0;
     params.scatter.method = GetParam().method;
     params.scatter.lifeSpan = 2;
     params.scatter.substeps = kSubsteps;
