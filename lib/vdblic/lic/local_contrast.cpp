@@ -40,7 +40,7 @@ LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& valu
 LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& origin)
 {
     const LeafWindow window(contrast.mDomain, origin);
-    for (int part = 0; part < kAround * kAround * kAround; ++part) {
+    for (int part = 0; part < kParts; ++part) {
         // Coordinates in voxels from the window's first leaf; part 0 is the last block of that leaf.
         const int x = (part / (kAround * kAround) + 1) * kBlock, y = (part / kAround % kAround + 1) * kBlock,
                   z = (part % kAround + 1) * kBlock;

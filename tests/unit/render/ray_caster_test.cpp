@@ -282,7 +282,7 @@ glm::vec4 referencePixel(const openvdb::FloatGrid& texture, const Look& look, co
         color += transmittance * alpha * (glm::dvec3(entry.red, entry.green, entry.blue) * tint + white);
         transmittance *= 1 - alpha;
     }
-    return glm::vec4(color, 1 - transmittance);
+    return {color, 1 - transmittance};
 }
 
 TEST(RayCaster, AgreesWithItsDefinition)
