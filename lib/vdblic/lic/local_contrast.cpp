@@ -58,7 +58,8 @@ LocalContrast::Row LocalContrast::Leaf::row(int x, int y) const
     std::array<Float4, kAround> along; // the moments at this x and y, of each block along z
     for (int k = 0; k < kAround; ++k) {
         const auto at = [&](int i, int j) {
-            return mMoments[std::size_t(((inX.first + i) * kAround + inY.first + j) * kAround + k)];
+            const int part = ((inX.first + i) * kAround + inY.first + j) * kAround + k;
+            return mMoments[std::size_t(part)];
         };
         const auto mix = [](Float4 a, Float4 b, float t) { return a + (b - a) * t; };
         along[std::size_t(k)] =
@@ -67,7 +68,7 @@ LocalContrast::Row LocalContrast::Leaf::row(int x, int y) const
     Float8 count, sum, squares;
     for (int z = 0; z < LeafVoxel::kDim; ++z) {
         const Enclosing inZ = enclosing(z);
-        const Float4 a = along[std::size_t(inZ.first)], b = along[std::size_t(inZ.first + 1)];
+        const Float4 a = along[std::size_t(inZ.first)], b = along[std::size_t(inZ.first) + 1];
         const Float4 moments = a + (b - a) * inZ.weight;
         count[z] = moments[0];
         sum[z] = moments[1];
