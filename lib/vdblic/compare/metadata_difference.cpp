@@ -93,6 +93,7 @@ std::vector<MetadataDifference> compareMetadata(const openvdb::MetaMap& a, const
     for (auto it = b.beginMeta(); it != b.endMeta(); ++it)
         note(it->first);
     std::vector<MetadataDifference> result;
+    result.reserve(differences.size());
     for (auto& [key, difference] : differences)
         result.push_back(std::move(difference));
     return result;

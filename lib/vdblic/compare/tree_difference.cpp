@@ -16,6 +16,12 @@
 namespace vdblic::compare {
 namespace {
 
+/// Values of equal bits are equal, NaNs too.
+bool equalBits(const void* a, const void* b, std::size_t size)
+{
+    return std::memcmp(a, b, size) == 0;
+}
+
 /// Compares one region after another, with buffers for the values of one.
 template<typename TreeT>
 class RegionMeter {
@@ -55,8 +61,7 @@ class RegionMeter {
         }
         if (mInactive && !kMask) addStored(a, b);
 
-        // Equal bits are equal values, NaNs too.
-        if (onA == onB && std::memcmp(a, b, sizeof(Value) * kBlockValues) == 0) {
+        if (onA == onB && equalBits(a, b, sizeof(Value) * kBlockValues)) {
             for (std::size_t n = 0; n < kBlockValues; ++n)
                 mBlock.magnitude[n] = M::magnitude(a[n]);
             if (!allFinite(mBlock.magnitude)) dropNotFinite();

@@ -26,7 +26,7 @@ VDBLIC_INLINE Double4 larger(Double4 a, Double4 b)
 }
 
 /// A mask of four lanes from bits 4·`half` to 4·`half` + 3 of a row.
-VDBLIC_INLINE Long4 lanesOf(std::uint64_t row, int half)
+VDBLIC_INLINE Long4 lanesOf(std::uint64_t row, std::size_t half)
 {
     const auto bits = std::int64_t(row >> (4 * half));
     return (Long4{bits, bits, bits, bits} & Long4{1, 2, 4, 8}) != 0;
@@ -84,7 +84,7 @@ VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& toleranc
         const std::uint64_t on = rowOf(block.compared, row);
         if (on == 0) continue;
         const std::uint64_t oneSided = rowOf(block.onlyA, row) | rowOf(block.onlyB, row);
-        for (int half = 0; half < 2; ++half) {
+        for (std::size_t half = 0; half < 2; ++half) {
             const Long4 lanes = lanesOf(on, half);
             const Double4 error = keep(load(&block.error[row * 8 + 4 * half]), lanes);
             const Double4 magnitude = keep(load(&block.magnitude[row * 8 + 4 * half]), lanes);
@@ -114,7 +114,7 @@ VDBLIC_KERNEL void sumComponent(const ErrorBlock& block, std::size_t component, 
 {
     Double4 sum[2]{}, squares[2]{}, max[2]{};
     for (std::size_t row = 0; row < kRows; ++row) {
-        for (int half = 0; half < 2; ++half) {
+        for (std::size_t half = 0; half < 2; ++half) {
             const Long4 lanes = lanesOf(rowOf(block.compared, row), half);
             const Double4 error = keep(load(&block.components[component][row * 8 + 4 * half]), lanes);
             sum[half] += error;
@@ -131,7 +131,7 @@ VDBLIC_KERNEL double largestMagnitude(const ErrorBlock& block)
 {
     Double4 peak[2]{};
     for (std::size_t row = 0; row < kRows; ++row) {
-        for (int half = 0; half < 2; ++half) {
+        for (std::size_t half = 0; half < 2; ++half) {
             const Long4 lanes = lanesOf(rowOf(block.compared, row), half);
             peak[half] = larger(keep(load(&block.magnitude[row * 8 + 4 * half]), lanes), peak[half]);
         }

@@ -3,7 +3,7 @@
 // Members that units of this project call and OpenVDB's library does not export. An undefined reference to a member of
 // openvdb::Grid or openvdb::tree::Tree is mended by a line here.
 #ifdef VDBLIC_LIBRARY_HAS_GRIDS
-template openvdb::DoubleGrid::Ptr openvdb::DoubleGrid::create(openvdb::DoubleTree::Ptr);
-template openvdb::Vec3SGrid::Ptr openvdb::Vec3SGrid::create(openvdb::Vec3STree::Ptr);
-template openvdb::Vec3DGrid::Ptr openvdb::Vec3DGrid::create(openvdb::Vec3DTree::Ptr);
+template openvdb::DoubleGrid::Ptr openvdb::Grid<openvdb::DoubleTree>::create(openvdb::DoubleTree::Ptr);
+template openvdb::Vec3SGrid::Ptr openvdb::Grid<openvdb::Vec3STree>::create(openvdb::Vec3STree::Ptr);
+template openvdb::Vec3DGrid::Ptr openvdb::Grid<openvdb::Vec3DTree>::create(openvdb::Vec3DTree::Ptr);
 #endif

@@ -69,7 +69,7 @@ std::uint64_t parseMemory(std::string_view text)
         const std::size_t power = std::min(kUnits.find(unit[0]), kSmall.find(unit[0]));
         number = power == std::string_view::npos || unit.size() > 1 ? 0 : std::ldexp(number, 10 * int(power + 1));
     }
-    constexpr double kMost = double(std::uint64_t(1) << 50);
+    constexpr auto kMost = double(std::uint64_t(1) << 50);
     if (error != std::errc{} || !(number >= 1 && number <= kMost)) {
         throw ParameterError(fmt::format("'{:.60}' is no size of memory; give one such as 800M or 16G", text));
     }

@@ -57,7 +57,7 @@ void cutByWorldBox(openvdb::MaskTree& topology, const std::array<double, 6>& wor
         return [&](const Coord& voxel) {
             const Vec3d at = transform.indexToWorld(voxel);
             for (int axis = 0; axis < 3; ++axis) {
-                if (at[axis] < world[std::size_t(axis)] || at[axis] > world[std::size_t(axis + 3)]) return false;
+                if (at[axis] < world[std::size_t(axis)] || at[axis] > world[std::size_t(axis) + 3]) return false;
             }
             return true;
         };
@@ -148,7 +148,7 @@ FieldDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Tra
         const auto mask = readMask(params.mask, frame, where);
         cutByMask(*texture, *textureTransform, *mask, where);
     }
-    if (refinement.isNone()) return FieldDomain(std::make_shared<Domain>(texture));
+    if (refinement.isNone()) return {std::make_shared<Domain>(texture)};
     if (params.worldBox || !params.mask.empty()) topology = refinement.coarsened(*texture, *topology);
     return {std::make_shared<Domain>(texture), std::make_shared<Domain>(topology), refinement};
 }

@@ -24,7 +24,7 @@ inline constexpr int kLanes = 8;
 
 /// For functions that hold a hot loop: compiled for AVX2 and AVX-512 besides the baseline; the version is chosen when
 /// the program is loaded. All versions give equal bits, because nothing in this project is contracted or reassociated.
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define VDBLIC_KERNEL [[gnu::flatten, gnu::target_clones("avx512f", "avx2", "default")]]
 #else
 #define VDBLIC_KERNEL

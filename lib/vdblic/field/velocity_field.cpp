@@ -60,8 +60,8 @@ void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, cons
         mShift[axis] = mSampled.refinement.shift(axis);
         toTexture(axis, axis) = refinement.factors[std::size_t(axis)];
     }
-    mStart.emplace(start.velocities, toTexture * start.toStep);
-    mEnd.emplace(end.velocities, toTexture * end.toStep);
+    mStart.emplace(VelocityLevel{start.velocities, toTexture * start.toStep});
+    mEnd.emplace(VelocityLevel{end.velocities, toTexture * end.toStep});
     mBricks.cover(mSampled.velocity);
     mLargest = larger(largestVelocity(*mStart), largestVelocity(*mEnd));
     mSeconds = watch.lap();

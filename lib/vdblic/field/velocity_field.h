@@ -27,8 +27,7 @@ namespace vdblic {
 class VelocityField {
   public:
     /// Begin a step; no leaf can be sampled yet.
-    /// @param start, end the frames at the step's two ends, in voxels of the velocity per step; their trees must
-    /// outlive
+    /// @param start, end the frames at the step's two ends, in voxels of the velocity per step; their trees outlive
     ///                   every fill()
     void prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end);
 
@@ -41,8 +40,8 @@ class VelocityField {
     /// prepare() and fill() everything.
     void build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end);
 
-    /// The window in which positions in and around a leaf of the texture's domain are expected. @param origin of the
-    /// leaf
+    /// The window in which positions in and around a leaf of the texture's domain are expected.
+    /// @param origin of the leaf
     [[nodiscard]] LeafWindow window(const openvdb::Coord& origin) const
     {
         return {mBricks.domain(), mSampled.refinement.coarse(origin)};

@@ -95,7 +95,7 @@ std::filesystem::path takeName(const std::filesystem::path& final, const Create&
         if (create(temporaryName(final, number))) break;
         if (errno != EEXIST || number == kMostWriters) fail(final, "cannot be written");
     }
-    const std::filesystem::path taken = temporaryName(final, number);
+    std::filesystem::path taken = temporaryName(final, number);
     while (removeIfDead(temporaryName(final, ++number))) {
     }
     return taken;

@@ -68,7 +68,7 @@ void GuardedBuffer::note(const char* bytes, std::streamsize count)
         std::memcpy(&mUncompressed, bytes, sizeof mUncompressed);
         mUncompressed = mUncompressed < 0 ? std::int64_t(-std::uint64_t(mUncompressed)) : 0;
     } else if (count == 1 && afterMask) {
-        const int stored = *bytes;
+        const int stored = static_cast<unsigned char>(*bytes);
         const bool activeOnly = (openvdb::io::getDataCompression(*mStream) & openvdb::io::COMPRESS_ACTIVE_MASK) != 0;
         if (activeOnly && stored != openvdb::io::NO_MASK_AND_ALL_VALS) mValues = mActive;
         mBeforeSelection = stored == openvdb::io::MASK_AND_NO_INACTIVE_VALS ||

@@ -150,8 +150,8 @@ class GuardedFile {
 
 InputError VdbFile::missing(std::string_view what, std::string_view choice) const
 {
-    return InputError(fmt::format("{}: no {}; the file holds {}{}{}", path.string(), what, contents(),
-                                  choice.empty() ? "" : "; choose with ", choice));
+    return InputError{fmt::format("{}: no {}; the file holds {}{}{}", path.string(), what, contents(),
+                                  choice.empty() ? "" : "; choose with ", choice)};
 }
 
 std::string VdbFile::contents() const

@@ -25,7 +25,7 @@ class HeaderArchive : public openvdb::io::Archive {
         openvdb::MetaMap().readMeta(stream);
         for (int left = readGridCount(stream); left > 0; --left) {
             openvdb::io::GridDescriptor descriptor;
-            const openvdb::GridBase::Ptr grid = descriptor.read(stream);
+            openvdb::GridBase::Ptr grid = descriptor.read(stream);
             if (descriptor.gridName() == name) {
                 descriptor.seekToGrid(stream);
                 readGridCompression(stream);

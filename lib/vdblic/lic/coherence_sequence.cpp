@@ -33,6 +33,7 @@ MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures F
 {
     const auto estimate = [&](const auto& figure) {
         std::vector<double> values;
+        values.reserve(frames.size());
         for (const FrameCoherence& frame : frames)
             values.push_back(figure(frame.*version));
         return estimateMean(values);
@@ -68,7 +69,7 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
     if (!grid) return std::nullopt;
     double count = 0, sum = 0, zeros = 0;
     for (auto value = grid->cbeginValueOn(); value; ++value) {
-        const double voxels = double(value.getVoxelCount());
+        const auto voxels = double(value.getVoxelCount());
         count += voxels;
         sum += voxels * double(*value);
         zeros += *value == 0 ? voxels : 0;
@@ -221,7 +222,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     for (; current; current = std::move(next), texture = std::move(nextTexture)) {
         reporter.checkStop();
         next = flow.next();
-        nextTexture.reset();
+        nextTexture = std::nullopt;
         if (next) nextTexture = successorOf(*texture, *next, files, params.textureName);
         const LoadedFrame& end = next ? *next : *current;
         const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
@@ -239,7 +240,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
                                       "frame spacing",
                                       frame.frame, params.coherence.leastMotion));
         }
-        result.frames.push_back(std::move(frame));
+        result.frames.push_back(frame);
         reporter.progress(result.frames.size(), flow.total());
     }
     result.raw = meanOf(result.frames, &FrameCoherence::raw, result.lags.size());

@@ -158,7 +158,7 @@ struct FeedForward {
                 upstream.sharp = known ? upstream.sharp : here.sharp;
             }
 
-            Int8 value = filtered(around, first, upstream.sharp, input + LeafVoxel::kDim * row);
+            Int8 value = filtered(around, first, upstream.sharp, input + row * std::ptrdiff_t(LeafVoxel::kDim));
             const Vector8 before = centre - displacement;
             if (anyOf(maskOf(lanes) & ~inside.contains(before))) renewEntering(window, centre, before, lanes, value);
             // A history of the texture alone would be smoothed again in each generation: streaks would grow until

@@ -6,11 +6,11 @@
 
 namespace vdblic {
 
-void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, openvdb::MetaMap metadata)
+void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata)
 {
     finish();
     mPath = std::move(path);
-    mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata = std::move(metadata)] {
+    mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata] {
         Stopwatch watch;
         writeVdb(mPath, grids, metadata, mCompression);
         return watch.lap();

@@ -23,7 +23,7 @@ class FrameWriter {
     }
 
     /// Begin to write a file, after the previous one is finished. @throws OutputError of the previous one
-    void write(std::filesystem::path path, openvdb::GridCPtrVec grids, openvdb::MetaMap metadata);
+    void write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata);
 
     /// Wait until the file being written is finished. @throws OutputError
     void finish();

@@ -54,8 +54,8 @@ class LeafVelocities {
         std::array<Float4, kMostCorners> line; // of records, at this x and y
         for (std::size_t k = 0; k < line.size(); ++k) {
             const auto mix = [](Float4 a, Float4 b, float t) { return a * (1 - t) + b * t; };
-            const auto at = [&](int i, int j) {
-                return mRecords[std::size_t(x.first + i)][std::size_t(y.first + j)][k];
+            const auto at = [&](std::size_t i, std::size_t j) {
+                return mRecords[std::size_t(x.first) + i][std::size_t(y.first) + j][k];
             };
             line[k] = mix(mix(at(0, 0), at(0, 1), y.fraction), mix(at(1, 0), at(1, 1), y.fraction), x.fraction);
         }

@@ -40,7 +40,7 @@ LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& valu
 LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& origin)
 {
     const LeafWindow window(contrast.mDomain, origin);
-    for (int part = 0; part < kAround * kAround * kAround; ++part) {
+    for (int part = 0; part < kParts; ++part) {
         // Coordinates in voxels from the window's first leaf; part 0 is the last block of that leaf.
         const int x = (part / (kAround * kAround) + 1) * kBlock, y = (part / kAround % kAround + 1) * kBlock,
                   z = (part % kAround + 1) * kBlock;
@@ -58,7 +58,8 @@ LocalContrast::Row LocalContrast::Leaf::row(int x, int y) const
     std::array<Float4, kAround> along; // the moments at this x and y, of each block along z
     for (int k = 0; k < kAround; ++k) {
         const auto at = [&](int i, int j) {
-            return mMoments[std::size_t(((inX.first + i) * kAround + inY.first + j) * kAround + k)];
+            const int part = ((inX.first + i) * kAround + inY.first + j) * kAround + k;
+            return mMoments[std::size_t(part)];
         };
         const auto mix = [](Float4 a, Float4 b, float t) { return a + (b - a) * t; };
         along[std::size_t(k)] =
@@ -67,7 +68,7 @@ LocalContrast::Row LocalContrast::Leaf::row(int x, int y) const
     Float8 count, sum, squares;
     for (int z = 0; z < LeafVoxel::kDim; ++z) {
         const Enclosing inZ = enclosing(z);
-        const Float4 a = along[std::size_t(inZ.first)], b = along[std::size_t(inZ.first + 1)];
+        const Float4 a = along[std::size_t(inZ.first)], b = along[std::size_t(inZ.first) + 1];
         const Float4 moments = a + (b - a) * inZ.weight;
         count[z] = moments[0];
         sum[z] = moments[1];

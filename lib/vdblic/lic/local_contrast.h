@@ -34,7 +34,8 @@ class LocalContrast {
 
       private:
         static constexpr int kAround = 4; // along each axis: the leaf's blocks, one before and one after
-        std::array<Float4, kAround * kAround * kAround> mMoments;
+        static constexpr int kParts = kAround * kAround * kAround;
+        std::array<Float4, kParts> mMoments;
     };
 
   private:
@@ -42,8 +43,9 @@ class LocalContrast {
     static constexpr int kBlocks = LeafVoxel::kDim / kBlock; // blocks of a leaf along each axis
     static int blockOf(LeafVoxel v) { return (v.x / kBlock * kBlocks + v.y / kBlock) * kBlocks + v.z / kBlock; }
 
+    static constexpr int kBlockCount = kBlocks * kBlocks * kBlocks;
     /// Of each block of a leaf: number of values, their sum, the sum of their squares.
-    using Moments = std::array<Float4, kBlocks * kBlocks * kBlocks>;
+    using Moments = std::array<Float4, kBlockCount>;
 
     const Domain& mDomain;
     std::vector<Moments> mMoments;

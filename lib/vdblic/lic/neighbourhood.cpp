@@ -53,7 +53,8 @@ VDBLIC_INLINE void sum(const Cube& cube, float centre, float* sums)
     for (int x = 0; x < kLeafDim; ++x) {
         for (int y = 0; y < kLeafDim; ++y) {
             const Float8 total = planes[x][y] + planes[x + 1][y] * centre + planes[x + 2][y];
-            __builtin_memcpy(sums + (x * kLeafDim + y) * kLeafDim, &total, sizeof total);
+            const int row = x * kLeafDim + y;
+            __builtin_memcpy(sums + row * std::ptrdiff_t(kLeafDim), &total, sizeof total);
         }
     }
 }
@@ -64,7 +65,8 @@ VDBLIC_KERNEL void sumLeaf(const Domain& domain, const LeafValues<float>& values
     alignas(32) Cube cube;
     const auto valueRow = [&](int leaf, int number) {
         Float8 row{};
-        if (leaf >= 0) __builtin_memcpy(&row, values[std::size_t(leaf)] + number * kLeafDim, sizeof row);
+        if (leaf >= 0)
+            __builtin_memcpy(&row, values[std::size_t(leaf)] + number * std::ptrdiff_t(kLeafDim), sizeof row);
         return row;
     };
     gather(window, valueRow, cube);

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace vdblic {
@@ -14,7 +15,7 @@ namespace {
 
 std::int32_t noiseOf(float value)
 {
-    return std::int32_t(std::clamp(value, 0.0f, 1.0f) * float(kNoiseMax) + 0.5f);
+    return std::int32_t(std::lround(std::clamp(value, 0.0f, 1.0f) * float(kNoiseMax)));
 }
 
 } // namespace

@@ -22,12 +22,12 @@ struct Segment {
 
 /// Particles to advance together, and the paths they took.
 struct PathBatch {
-    unsigned lanes = 0;            ///< bits of the lanes that hold a particle
     Vector8 position{};            ///< index space; updated
     Vector8 slope{};               ///< velocity there at the step's start; updated to the velocity at its end
-    unsigned arrived = 0;          ///< bits of the lanes whose path lasts to the end of the time step
     std::vector<Segment> segments; ///< in order of time, for every lane
     std::size_t steps = 0;         ///< integration steps tried since the batch was created
+    unsigned lanes = 0;            ///< bits of the lanes that hold a particle
+    unsigned arrived = 0;          ///< bits of the lanes whose path lasts to the end of the time step
 };
 
 namespace pathline {

@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <cstddef>
-#include <ranges>
+#include <memory>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -72,7 +74,9 @@ SmoothedTexture::SmoothedTexture(const openvdb::FloatTree& texture)
     mRawContrast = contrastOf(*domain, raw);
     mSmoothedContrast = contrastOf(*domain, smooth);
     mBricks.cover(domain);
-    mBricks.fill(std::views::iota(std::size_t(0), domain->leafCount()), [&](std::size_t leaf, Values::Record* records) {
+    std::vector<std::size_t> all(domain->leafCount());
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    mBricks.fill(all, [&](std::size_t leaf, Values::Record* records) {
         visitBrick(*raw.tree(), domain->origin(leaf), [&](int record, float value, bool active) {
             records[record] = {};
             if (!active) return;

@@ -26,6 +26,7 @@ template<typename Items, typename Text>
 std::string listText(const Items& items, const Text& itemText)
 {
     std::vector<std::string> parts;
+    parts.reserve(items.size());
     for (const auto& item : items)
         parts.push_back(itemText(item));
     return fmt::format("{}", fmt::join(parts, ", "));

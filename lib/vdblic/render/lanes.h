@@ -58,6 +58,16 @@ VDBLIC_INLINE unsigned laneBits(Int8 x)
 #endif
 }
 
+/// The lanes of a vector in another order. @param order number of the lane that each lane receives
+VDBLIC_INLINE Int8 permuted(Int8 x, Int8 order)
+{
+#ifdef __clang__
+    return __builtin_shufflevector(x, order);
+#else
+    return __builtin_shuffle(x, order);
+#endif
+}
+
 /// For each set of lanes, a permutation that moves them to the front in rising order.
 struct Packing {
     Int8 order[256]{};

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 
 namespace vdblic {
 namespace {
@@ -129,7 +130,7 @@ void writeLines(const GradientRecord* gradients, LineRecord* lines)
 void TextureVolume::addLines()
 {
     const std::size_t leaves = domain().leafCount();
-    mLines.reset(new LineRecord[leaves * kPaddedSize]);
+    mLines = std::make_unique_for_overwrite<LineRecord[]>(leaves * kPaddedSize);
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
         writeLines(mGradients.get() + leaf * kPaddedSize, mLines.get() + leaf * kPaddedSize);
     });

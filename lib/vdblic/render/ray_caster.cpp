@@ -50,7 +50,7 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
 {
     params.validate();
     const glm::ivec2 size = camera.size();
-    Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
+    Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());
     const SampleShader shader(volume, look, camera, params);
     const RaySetup setup(volume, visible, camera, params, shader, ray);
@@ -58,9 +58,9 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     constexpr int kTile = RaySetup::kTile;
     const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
     tbb::parallel_for(0, tilesX * tilesY, [&](int tile) {
-        std::array<RayTask, kTile * kTile> tasks;
+        std::array<RayTask, RaySetup::kRays> tasks;
         const int count = setup.rays(tile % tilesX * kTile, tile / tilesX * kTile, tasks.data());
-        std::array<RaySum, kTile * kTile> sums{};
+        std::array<RaySum, RaySetup::kRays> sums{};
         kernel.trace(tasks.data(), count, sums.data());
         for (std::size_t i = 0; i < std::size_t(count); ++i) {
             const RaySum& sum = sums[i];

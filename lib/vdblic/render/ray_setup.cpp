@@ -48,7 +48,7 @@ VDBLIC_INLINE Double4 length(const Double4* v)
 VDBLIC_INLINE Double4 notZero(Double4 x)
 {
     constexpr double kTiny = 1e-12;
-    return (x > kTiny) | (x < -kTiny) ? x : Double4{} + kTiny;
+    return ((x > kTiny) | (x < -kTiny)) ? x : Double4{} + kTiny;
 }
 
 /// Four columns of numbers into rows.
@@ -116,9 +116,9 @@ RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, co
 VDBLIC_KERNEL
 int RaySetup::rays(int x, int y, RayTask* tasks) const
 {
-    Float4 outward[kTile * kTile]; // of the faces where rays enter, see SampleShader::lightFaces()
+    Float4 outward[kRays]; // of the faces where rays enter, see SampleShader::lightFaces()
     int count = 0;
-    for (int i = 0; i < kTile * kTile / kSquare; ++i) {
+    for (int i = 0; i < kRays / kSquare; ++i) {
         const int left = x + 2 * everySecondBit(i), top = y + 2 * everySecondBit(i >> 1);
         const Double4 pixelX = double(left) + Double4{0.5, 1.5, 0.5, 1.5};
         const Double4 pixelY = double(top) + Double4{0.5, 0.5, 1.5, 1.5};
@@ -135,7 +135,7 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
             const Double4 low = (mLow[axis] - origin[axis]) * inverse[axis];
             const Double4 high = (mHigh[axis] - origin[axis]) * inverse[axis];
             const Double4 first = low < high ? low : high, last = low < high ? high : low;
-            face = first > enter ? 2 * axis - (low > high) : face;
+            face = first > enter ? Long4(std::int64_t(2) * axis - (low > high)) : face;
             enter = first > enter ? first : enter;
             leave = last < leave ? last : leave;
         }
@@ -145,7 +145,7 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
             const Long4 in = slope > 0, later = in & (crossing > enter);
             face = later ? Long4{} + (6 + std::int64_t(cut)) : face;
             enter = later ? crossing : enter;
-            leave = ~in & (crossing < leave) ? crossing : leave;
+            leave = (~in & (crossing < leave)) ? crossing : leave;
         }
         const Long4 hit = (enter < leave) & (pixelX < mSize.x) & (pixelY < mSize.y);
 

@@ -25,7 +25,8 @@ struct RayCastParams;
 /// Turns pixels into rays to trace: the span of each ray inside the volume's bounds and all cuts. Thread-safe.
 class RaySetup {
   public:
-    static constexpr int kTile = 16; ///< pixels a side
+    static constexpr int kTile = 16;            ///< pixels a side
+    static constexpr int kRays = kTile * kTile; ///< of a tile
 
     /// @param ray index among each pixel's rays
     RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
@@ -34,7 +35,7 @@ class RaySetup {
     /// The rays through the centres of a tile's pixels that meet the volume, in an order that keeps neighbours
     /// together.
     /// @param x, y  top left pixel of the tile; pixels outside the picture are left out
-    /// @param tasks receives up to kTile² rays
+    /// @param tasks receives up to kRays rays
     /// @return number of rays
     int rays(int x, int y, RayTask* tasks) const;
 

@@ -5,8 +5,8 @@
 namespace vdblic {
 
 /// A ray to trace. Positions are in index space relative to VisibleLeaves::origin(); distances along the ray are in
-/// steps from the entry.
-struct alignas(32) RayTask {
+/// steps from the entry. The size is a power of two, so that indexing needs no multiplication.
+struct alignas(128) RayTask {
     Float4 entry, direction; ///< the direction has length 1; fourth lanes 0
     Float4 inverse;          ///< of the direction's components, huge for those near 0
     Float8 shading;          ///< what shading needs, indexed by RayNumber

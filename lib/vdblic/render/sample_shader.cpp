@@ -158,13 +158,15 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     Float8 normal[3] = {}, surface = {};
     if (surfaces || mLayers) {
         const Cells cells(queue);
-        sampleGradients(mVolume.gradients(), cells.record, cells.fraction, normal);
-        const Float8 length = squareRoots(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-        const Float8 along = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
+        Float8 gradient[3];
+        sampleGradients(mVolume.gradients(), cells.record, cells.fraction, gradient);
+        const Float8 length =
+            squareRoots(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
+        const Float8 along = gradient[0] * view[0] + gradient[1] * view[1] + gradient[2] * view[2];
         const Float8 unit = 1 / (length + 1e-20f);
         const Float8 scale = along > 0 ? -unit : unit;
         for (int axis = 0; axis < 3; ++axis)
-            normal[axis] *= scale;
+            normal[axis] = gradient[axis] * scale;
         const Float8 steepness = length * (1 / (mLook.texture.high - mLook.texture.low));
         surface = steepness / (steepness + mLook.shading.leastGradient);
     }

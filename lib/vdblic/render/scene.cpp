@@ -25,7 +25,7 @@ namespace {
 double memoryOf(const RenderParams& params, const TextureVolume& volume)
 {
     constexpr double kGridLeaf =
-        2 * sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + 2 * LeafVoxel::kCount * sizeof(float);
+        2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
     const double record =
         double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
     return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record) + params.imageBytes();

@@ -98,7 +98,7 @@ class ShadeQueue {
     {
         Int8 values;
         std::memcpy(&values, vector, sizeof values);
-        const Int8 packed = __builtin_shuffle(values, order);
+        const Int8 packed = permuted(values, order);
         std::memcpy(target, &packed, sizeof packed);
     }
 

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 
 namespace vdblic {
@@ -59,8 +60,8 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     }
     mRanges.resize(leaves);
     mShown.resize(leaves);
-    mValues.reset(new ValueRecord[leaves * kPaddedSize]);
-    mGradients.reset(new GradientRecord[leaves * kPaddedSize]);
+    mValues = std::make_unique_for_overwrite<ValueRecord[]>(leaves * kPaddedSize);
+    mGradients = std::make_unique_for_overwrite<GradientRecord[]>(leaves * kPaddedSize);
 
     // Gradients are covectors. The factor makes them independent of the unit of length.
     const glm::dmat3 linear(mIndexToWorld);

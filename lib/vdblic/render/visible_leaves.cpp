@@ -39,7 +39,7 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std:
         }
         const unsigned base =
             unsigned(leaf * kPaddedSize) - recordOffset(unsigned(voxel[0]), unsigned(voxel[1]), unsigned(voxel[2]));
-        mLeaves[std::size_t(block + LeafBlock::leafIndex(voxel[0], voxel[1], voxel[2]))] =
+        mLeaves[std::size_t(block) + std::size_t(LeafBlock::leafIndex(voxel[0], voxel[1], voxel[2]))] =
             base | (volume.shown(leaf).isOn() ? 0 : kPartly);
     }
 }

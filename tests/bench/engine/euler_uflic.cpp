@@ -38,7 +38,7 @@ void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fi
         }
         duration = std::max(duration, kLeast);
         const float length = duration * pathline::length(velocity);
-        const auto weight = std::uint64_t(std::max(1, int(length * kLengthUnits + 0.5f)));
+        const auto weight = std::uint64_t(std::max(1, int(std::floor(length * kLengthUnits + 0.5f))));
         mBuckets[(k + s) % mLifeSpan][std::size_t(leaf)][Domain::offset(voxel)] +=
             std::int64_t(weight * Hits::pack(value, 1));
         ++mStats.steps;

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace vdblic::bench {
@@ -15,7 +16,7 @@ namespace vdblic::bench {
 /// process after the other into a ring of buckets. On one thread.
 class EulerUflic {
   public:
-    EulerUflic(int lifeSpan, const NoiseField& noise) : mLifeSpan(std::size_t(lifeSpan)), mNoise(noise) {}
+    EulerUflic(int lifeSpan, NoiseField noise) : mLifeSpan(std::size_t(lifeSpan)), mNoise(std::move(noise)) {}
 
     /// @param fields the velocity over each step, as many as the life span beyond k
     LeafValues<float> scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields);

@@ -39,7 +39,7 @@ Seeds voxelsOf(const Domain& domain)
 /// The velocities of frame k in voxels per step.
 openvdb::Vec3SGrid::Ptr inVoxelsPerStep(const Flow& flow, std::size_t k)
 {
-    const auto grid = flow.frames[k].velocities->deepCopy();
+    auto grid = flow.frames[k].velocities->deepCopy();
     for (auto value = grid->beginValueOn(); value; ++value)
         value.setValue(*value * float(flow.toStep[k](0, 0)));
     return grid;

@@ -20,6 +20,7 @@ double peakOf(const std::vector<std::string>& command)
     std::vector<std::string> words = command;
     words[0] = (tools / command[0]).string();
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words)
         arguments.push_back(word.data());
     arguments.push_back(nullptr);

@@ -19,7 +19,7 @@ VDBLIC_KERNEL void trace(const VelocityField& field, const LeafWindow& window, c
 
 } // namespace
 
-ScapAuflic::ScapAuflic(int lifeSpan, float releaseWindow, const NoiseField& noise) : mNoise(noise)
+ScapAuflic::ScapAuflic(int lifeSpan, float releaseWindow, NoiseField noise) : mNoise(std::move(noise))
 {
     mParams.lifeSpan = lifeSpan;
     mParams.releaseWindow = releaseWindow;

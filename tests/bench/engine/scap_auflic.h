@@ -16,7 +16,7 @@ namespace vdblic::bench {
 /// order requires. On one thread.
 class ScapAuflic {
   public:
-    ScapAuflic(int lifeSpan, float releaseWindow, const NoiseField& noise);
+    ScapAuflic(int lifeSpan, float releaseWindow, NoiseField noise);
 
     /// @param fields the velocity over each step, as many as the life span beyond k, all on one domain
     LeafValues<float> scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields);

@@ -254,8 +254,9 @@ TEST(CompareGrids, InactiveValuesAreComparedWhenAsked)
 TEST(CompareGrids, ThresholdsActAsIdiffs)
 {
     std::vector<std::pair<Coord, float>> voxels;
+    voxels.reserve(100);
     for (int i = 0; i < 100; ++i)
-        voxels.push_back({Coord(i, 0, 0), 1.f});
+        voxels.emplace_back(Coord(i, 0, 0), 1.f);
     const auto a = gridOf(voxels);
     for (int i = 0; i < 5; ++i)
         voxels[std::size_t(i)].second = 1.5f; // 5 % are off by 0.5, a third of the larger

@@ -30,7 +30,7 @@ std::vector<Particle> cloud()
 {
     std::vector<Particle> particles;
     for (int i = 0; i < 2000; ++i) {
-        const float t = float(i);
+        const auto t = float(i);
         particles.push_back(
             {Vec3f(10 * std::sin(t), 10 * std::cos(1.7f * t), 0.01f * t), i, 0.5f * t, i % 2 == 0 ? "even" : "odd"});
     }

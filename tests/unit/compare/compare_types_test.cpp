@@ -39,15 +39,15 @@ struct Example<openvdb::BoolGrid> {
 };
 template<>
 struct Example<openvdb::Vec3SGrid> {
-    static openvdb::Vec3f value(int n) { return openvdb::Vec3f(float(n), 1.f, 2.f); }
+    static openvdb::Vec3f value(int n) { return {float(n), 1.f, 2.f}; }
 };
 template<>
 struct Example<openvdb::Vec3DGrid> {
-    static openvdb::Vec3d value(int n) { return openvdb::Vec3d(n, 1., 2.); }
+    static openvdb::Vec3d value(int n) { return {double(n), 1., 2.}; }
 };
 template<>
 struct Example<openvdb::Vec3IGrid> {
-    static openvdb::Vec3i value(int n) { return openvdb::Vec3i(n, 1, 2); }
+    static openvdb::Vec3i value(int n) { return {n, 1, 2}; }
 };
 
 template<typename GridT>

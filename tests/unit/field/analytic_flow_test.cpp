@@ -22,8 +22,8 @@ std::vector<Vec3d> positionsIn(const Vec3d& extent)
 {
     std::vector<Vec3d> positions;
     for (int i = 0; i < 9 * 9 * 9; ++i) {
-        const Vec3d unit((i / 81 + 0.43) / 9 - 0.5, (i / 9 % 9 + 0.51) / 9 - 0.5, (i % 9 + 0.57) / 9 - 0.5);
-        positions.push_back(unit * extent);
+        const int x = i / 81, y = i / 9 % 9, z = i % 9;
+        positions.push_back(Vec3d((x + 0.43) / 9 - 0.5, (y + 0.51) / 9 - 0.5, (z + 0.57) / 9 - 0.5) * extent);
     }
     return positions;
 }

@@ -22,7 +22,7 @@ const std::vector<std::string> kBoth = {"vorticity", "q"};
 /// Voxels of 0.5 x 2 x 0.25, rotated, moved and mirrored.
 openvdb::math::Transform::Ptr skewed()
 {
-    Mat4d matrix = openvdb::math::scale<Mat4d>(Vec3d(0.5, 2, -0.25));
+    auto matrix = openvdb::math::scale<Mat4d>(Vec3d(0.5, 2, -0.25));
     matrix.postRotate(openvdb::math::X_AXIS, 0.7);
     matrix.postRotate(openvdb::math::Z_AXIS, -1.1);
     matrix.postTranslate(Vec3d(3, -7, 11));

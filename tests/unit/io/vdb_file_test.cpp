@@ -125,7 +125,7 @@ TEST(VdbFile, RefusesMissingAndDamagedFiles)
 
 /// A file whose last node states a size of its values that is larger than the buffer for them.
 template<typename Grid>
-void expectNoOverflow(bool half, std::uint32_t compression, std::int64_t bytes)
+void expectNoOverflow(bool half, std::uint32_t compression, int bytes)
 {
     SCOPED_TRACE(fmt::format("{} half {} compression {}", Grid::gridType(), half, compression));
     const TemporaryFolder folder;

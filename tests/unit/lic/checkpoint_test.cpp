@@ -71,9 +71,9 @@ TEST(Checkpoint, NamesTheParameterThatDiffers)
     const auto path = folder / "c.vdb";
     writeCheckpoint(path, kCheckpoint, {{"life_span", "4"}, {"mask", ""}});
     expectPart(refusal<ParameterError>(path, {{"life_span", "8"}, {"mask", ""}}),
-                   "the run that was interrupted had `life_span` 4, this one has `life_span` 8");
+               "the run that was interrupted had `life_span` 4, this one has `life_span` 8");
     expectPart(refusal<ParameterError>(path, {{"life_span", "4"}, {"mask", "m.vdb"}}),
-                   "had no `mask`, this one has `mask` m.vdb");
+               "had no `mask`, this one has `mask` m.vdb");
 }
 
 TEST(Checkpoint, OtherFilesAreRefused)

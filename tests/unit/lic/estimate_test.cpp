@@ -16,6 +16,7 @@ TEST(EstimateMean, HasStudentsInterval)
     EXPECT_DOUBLE_EQ(three.mean, 2);
     EXPECT_NEAR(three.halfWidth, 4.30265272975 / std::sqrt(3), 1e-10);
     std::vector<double> many;
+    many.reserve(21);
     for (int i = 0; i < 21; ++i)
         many.push_back(i % 2 ? 1 : -1);
     const Estimate estimate = estimateMean(many);

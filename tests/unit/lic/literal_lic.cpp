@@ -280,6 +280,7 @@ class LiteralHistory {
             }
         }
         std::vector<Mote> live;
+        live.reserve(byVoxel.size());
         for (const auto& [voxel, mote] : byVoxel)
             live.push_back(mote);
         std::sort(live.begin(), live.end(), goesFirst);
@@ -372,9 +373,9 @@ std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& fra
 {
     LiteralLic literal(frames, steps, scatter);
     std::vector<LeafValues<float>> textures;
-    for (int k = 0; k < steps; ++k) {
+    textures.reserve(std::size_t(steps));
+    for (int k = 0; k < steps; ++k)
         textures.push_back(literal.scatteringProcess(std::size_t(k), *frames[std::size_t(k) + 1].domain));
-    }
     return textures;
 }
 

@@ -39,7 +39,7 @@ class RefinedTexture : public testing::TestWithParam<Refinement> {};
 TEST_P(RefinedTexture, EqualsThatOfTheVelocityGivenAtItsVoxels)
 {
     const Refinement& refinement = GetParam();
-    const auto [nx, ny, nz] = refinement.factors;
+    const int nx = refinement.factors[0], ny = refinement.factors[1], nz = refinement.factors[2];
     const auto along = [](double y, int frame) { return 0.25 + y / 32 + 0.25 * frame; }; // voxels of the velocity
     const openvdb::CoordBBox box({-4, -3, -1}, {29, 28, 2});
     constexpr int kShearSteps = 3;

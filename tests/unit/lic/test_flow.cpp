@@ -44,7 +44,7 @@ std::vector<FlowFrame> unsteadyFlowWithHole(int frames)
     const openvdb::CoordBBox box({-5, 3, -9}, {16, 21, 8});
     return makeFrames(box, frames, [](const openvdb::Coord& at, int frame) -> std::optional<openvdb::Vec3f> {
         const float x = float(at[0]) - 5, y = float(at[1]) - 12, z = float(at[2]);
-        const float t = float(frame);
+        const auto t = float(frame);
         const float holeX = x + 3 - 0.5f * t;
         if (holeX * holeX + y * y < 9 && std::abs(z) < 5) return std::nullopt;
         const float turn = 0.2f + 0.05f * std::sin(0.7f * t);
@@ -58,6 +58,7 @@ std::vector<LeafValues<float>> streamedTextures(const std::vector<FlowFrame>& fr
 {
     FlowTexture pipeline(scatter, FeedbackParams{}, NoiseField(7));
     std::vector<LeafValues<float>> textures;
+    textures.reserve(std::size_t(steps));
     for (int k = 0; k < steps; ++k)
         textures.push_back(pipeline.advance(stepFrom(frames, std::size_t(k))).texture);
     return textures;

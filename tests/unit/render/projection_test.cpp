@@ -13,7 +13,7 @@ using openvdb::Vec3d;
 /// Transforms with every part that is allowed: scale per axis, rotation, translation, mirrored axes.
 std::vector<Mat4d> transforms()
 {
-    Mat4d turned = openvdb::math::scale<Mat4d>(Vec3d(0.3, 1.1, 0.7));
+    auto turned = openvdb::math::scale<Mat4d>(Vec3d(0.3, 1.1, 0.7));
     turned.postRotate(openvdb::math::X_AXIS, 0.4);
     turned.postRotate(openvdb::math::Z_AXIS, 2.2);
     turned.postTranslate(Vec3d(-40, 7, 3));

@@ -41,7 +41,7 @@ class RenderSequence : public testing::Test {
 
     std::filesystem::path write(int frame, const openvdb::GridCPtrVec& grids)
     {
-        const auto path = mFolder / fmt::format("lic.{:04}.vdb", frame);
+        auto path = mFolder / fmt::format("lic.{:04}.vdb", frame);
         writeVdb(path, grids, {});
         return path;
     }
@@ -124,7 +124,7 @@ TEST_F(RenderSequence, TheCameraSeesAllFrames)
     const auto lit = [&](const std::vector<png_byte>& bytes, int x) {
         for (int y = 0; y < 30; ++y) {
             for (int channel = 0; channel < 3; ++channel) {
-                if (bytes[std::size_t((y * 40 + x) * 3 + channel)] > 0) return true;
+                if (bytes[(std::size_t(y) * 40 + std::size_t(x)) * 3 + std::size_t(channel)] > 0) return true;
             }
         }
         return false;

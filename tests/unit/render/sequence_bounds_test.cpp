@@ -39,7 +39,7 @@ void expectCorner(const Corners& corners, std::size_t i, const Vec3d& expected)
 
 TEST_F(Bounds, AreOfAllFramesAlongASharedTransformsAxes)
 {
-    openvdb::Mat4d matrix = openvdb::math::scale<openvdb::Mat4d>(Vec3d(0.5, 2, -1));
+    auto matrix = openvdb::math::scale<openvdb::Mat4d>(Vec3d(0.5, 2, -1));
     matrix.postRotate(openvdb::math::Z_AXIS, 0.5);
     write(1, {}, matrix);
     write(2, {Coord(0), Coord(3, 4, 5)}, matrix);

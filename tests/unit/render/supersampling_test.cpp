@@ -51,6 +51,7 @@ TEST(Supersampling, ShiftsOfAPixelsRaysAreSpreadEvenly)
 {
     for (const int count : {2, 3, 5, 8, 13, 50}) {
         std::vector<float> shifts;
+        shifts.reserve(std::size_t(count));
         for (int ray = 0; ray < count; ++ray)
             shifts.push_back(sampleShift(17, 5, ray));
         std::sort(shifts.begin(), shifts.end());
