@@ -47,7 +47,7 @@ class Coherence(ToolTest):
         return "vel.%04d.vdb", "lic.%04d.vdb"
 
     def test_wake(self):
-        self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "5-8")
+        self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "5-8", "--finish", 0)
         arguments = [WAKE, "lic.%04d.vdb", "--frames", "5-8"]
         done = self.run_tool("vdblic_coherence", *arguments, "--json", "figures.json", "-o", "plot.svg")
         self.assertEqual((done.returncode, done.stdout), (0, "figures.json\nplot.svg\n"), done.stderr)
@@ -124,7 +124,8 @@ class Coherence(ToolTest):
     def test_lengths_are_in_voxels_of_the_velocity(self):
         lengths = {}
         for refine in 1, 2, 3:
-            self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "6-8", "--refine", refine)
+            self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "6-8", "--refine", refine,
+                         "--finish", 0)
             report = self.report(WAKE, "lic.%04d.vdb", "--frames", "6-8", "--samples", 30000, "-o", f"{refine}.svg")
             lags = report["lags"]
             self.assertEqual((lags[0], lags[-1]), (0.5 / refine, 16))

@@ -32,6 +32,7 @@ LEGAL = {
     "--preroll": {"0"},
     "--checkpoint-every": {"0"},
     "--sharpen": {"0"},
+    "--finish": {"0"},
     "--noise-share": {"0"},
     "--bbox": {"0", "-1"},
     "--bbox-world": set(NUMBERS) - {"nan", "1.5.2", "0x", ""},  # any distance

@@ -14,11 +14,11 @@ Float4 tapWeight(float velocity, float coverage)
 
 /// The sum of four values, `stride` apart, times the taps' weights.
 template<typename Taps>
-VDBLIC_INLINE Float4 weighted(const Taps& taps, const Float4* values, int stride)
+VDBLIC_INLINE Float4 weighted(const Taps& taps, const Float4* values, std::size_t stride)
 {
     Float4 sum{};
-    for (int tap = 0; tap < 4; ++tap)
-        sum += values[tap * stride] * taps.weights[std::size_t(tap)];
+    for (std::size_t tap = 0; tap < 4; ++tap)
+        sum += values[tap * stride] * taps.weights[tap];
     return sum;
 }
 
@@ -39,35 +39,36 @@ CubicBrick::CubicBrick(const Refinement& refinement, const openvdb::Coord& origi
         }
         mSize[std::size_t(axis)] = taps.back().first + kTaps;
     }
-    mBlock.resize(std::size_t(mSize[0] * mSize[1] * mSize[2]));
-    mLines.resize(std::size_t(mSize[0] * mSize[1] * Bricks::kDim));
-    mPlanes.resize(std::size_t(mSize[0] * Bricks::kDim * Bricks::kDim));
+    const auto sizeX = std::size_t(mSize[0]), sizeY = std::size_t(mSize[1]), sizeZ = std::size_t(mSize[2]);
+    mBlock.resize(sizeX * sizeY * sizeZ);
+    mLines.resize(sizeX * sizeY * Bricks::kDim);
+    mPlanes.resize(sizeX * Bricks::kDim * Bricks::kDim);
 }
 
 void CubicBrick::fill(const VelocityLevel& level, Record* records, int lane)
 {
     gather(level);
-    constexpr int kDim = Bricks::kDim;
-    for (int line = 0; line < mSize[0] * mSize[1]; ++line) {
-        for (int z = 0; z < kDim; ++z) {
-            const Taps& taps = mTaps[2][std::size_t(z)];
-            mLines[std::size_t(line * kDim + z)] =
-                weighted(taps, &mBlock[std::size_t(line * mSize[2] + taps.first)], 1);
+    constexpr std::size_t kDim = Bricks::kDim;
+    const auto sizeX = std::size_t(mSize[0]), sizeY = std::size_t(mSize[1]), sizeZ = std::size_t(mSize[2]);
+    for (std::size_t line = 0; line < sizeX * sizeY; ++line) {
+        for (std::size_t z = 0; z < kDim; ++z) {
+            const Taps& taps = mTaps[2][z];
+            mLines[line * kDim + z] = weighted(taps, &mBlock[line * sizeZ + std::size_t(taps.first)], 1);
         }
     }
-    for (int x = 0; x < mSize[0]; ++x) {
-        for (int y = 0; y < kDim; ++y) {
-            const Taps& taps = mTaps[1][std::size_t(y)];
-            for (int z = 0; z < kDim; ++z) {
-                mPlanes[std::size_t((x * kDim + y) * kDim + z)] =
-                    weighted(taps, &mLines[std::size_t((x * mSize[1] + taps.first) * kDim + z)], kDim);
+    for (std::size_t x = 0; x < sizeX; ++x) {
+        for (std::size_t y = 0; y < kDim; ++y) {
+            const Taps& taps = mTaps[1][y];
+            for (std::size_t z = 0; z < kDim; ++z) {
+                mPlanes[(x * kDim + y) * kDim + z] =
+                    weighted(taps, &mLines[(x * sizeY + std::size_t(taps.first)) * kDim + z], kDim);
             }
         }
     }
-    for (int x = 0; x < kDim; ++x) {
-        const Taps& taps = mTaps[0][std::size_t(x)];
-        for (int yz = 0; yz < kDim * kDim; ++yz) {
-            Float4 record = weighted(taps, &mPlanes[std::size_t(taps.first * kDim * kDim + yz)], kDim * kDim);
+    for (std::size_t x = 0; x < kDim; ++x) {
+        const Taps& taps = mTaps[0][x];
+        for (std::size_t yz = 0; yz < kDim * kDim; ++yz) {
+            Float4 record = weighted(taps, &mPlanes[std::size_t(taps.first) * kDim * kDim + yz], kDim * kDim);
             const float coverage = record[3];
             record *= coverage;
             record[3] = coverage;

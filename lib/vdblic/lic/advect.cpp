@@ -187,8 +187,7 @@ class Advection {
                                            {number, frame.sourceFrame, mTime + part * seconds, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
-        mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids),
-                      std::move(file.metadata));
+        mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids), file.metadata);
     }
 
     /// Warn of what is likely wrong with a frame, though its texture can be computed.

@@ -238,6 +238,7 @@ double lengthOf(const std::vector<double>& autocorrelation, const std::vector<do
 std::vector<double> valuesByLag(const std::vector<Correlation>& correlations)
 {
     std::vector<double> values;
+    values.reserve(correlations.size());
     for (const Correlation& correlation : correlations)
         values.push_back(correlation.value());
     return values;
@@ -264,13 +265,13 @@ CoherenceFigures figuresOf(const Correlations& sums, const Contrast& contrast, c
 std::vector<double> coherenceLags(const std::array<int, 3>& factors)
 {
     constexpr int kFineLags = 32;
-    constexpr double kSpacing = 0.5;
+    constexpr double kCoarse = 0.5;
     const int finest = std::max({factors[0], factors[1], factors[2]});
     std::vector<double> lags;
     for (int lag = 1; lag <= kFineLags; ++lag)
-        lags.push_back(kSpacing * lag / finest);
-    for (int lag = kFineLags / finest + 1; kSpacing * lag <= kLongestLag; ++lag)
-        lags.push_back(kSpacing * lag);
+        lags.push_back(kCoarse * lag / finest);
+    for (int lag = kFineLags / finest + 1; kCoarse * lag <= kLongestLag; ++lag)
+        lags.push_back(kCoarse * lag);
     return lags;
 }
 

@@ -9,7 +9,7 @@ namespace vdblic {
 
 /// How a texture is finished for display. The feedback between steps uses the texture as it was before.
 struct FinishParams {
-    int taps = 2;      ///< samples to each side along the flow, a voxel apart; 0 leaves the texture as it is
+    int taps = 2;         ///< samples to each side along the flow, a voxel apart; 0 leaves the texture as it is
     float sharpen = 0.5f; ///< strength of the high-pass filter after that
 
     void validate() const; ///< @throws ParameterError

@@ -123,8 +123,8 @@ TEST(ReleaseTurn, ComesOnceAFrameAtAnEvenlySpreadSubstep)
                     const bool turn = isReleaseTurn({8 * x, 8 * y, 8 * z}, std::uint64_t(step), kSubsteps);
                     turns += turn;
                     tiles[std::size_t(step)] += turn;
-                    EXPECT_EQ(turn,
-                              isReleaseTurn({8 * x, 8 * y, 8 * z}, std::uint64_t(step) + 5 * kSubsteps, kSubsteps));
+                    EXPECT_EQ(turn, isReleaseTurn({8 * x, 8 * y, 8 * z},
+                                                  std::uint64_t(step) + std::uint64_t(5) * kSubsteps, kSubsteps));
                     EXPECT_TRUE(isReleaseTurn({8 * x, 8 * y, 8 * z}, std::uint64_t(step), 1));
                 }
                 EXPECT_EQ(turns, 1);
