@@ -44,7 +44,7 @@ struct MeanAlong {
             Float8 sum{}, weights{};
             for (int tap = -taps; tap <= taps; ++tap) {
                 const TextureBricks::Samples there = texture.at(window, centre + direction * float(tap), lanes);
-                const float weight = float(taps + 1 - std::abs(tap));
+                const auto weight = float(taps + 1 - std::abs(tap));
                 const Int8 inside = there.coverage > 0;
                 sum += inside ? there.texture * weight : Float8{};
                 weights += inside ? broadcast8(weight) : Float8{};
