@@ -7,8 +7,8 @@ namespace vdblic {
 
 double advectBytes(const AdvectParams& params, const FlowFrame& first)
 {
-    constexpr double kProcess = 35e6, kVelocity = 70; // bytes, and bytes a voxel
-    double texture = 45;
+    constexpr double kProcess = 45e6, kVelocity = 70; // bytes, and bytes a voxel
+    double texture = 70;
     if (params.scatter.substeps > 1) texture += 12;
     if (first.refinement.interpolation == Interpolation::kCubic) texture += 25;
     const auto voxels = [](const Domain& domain) { return double(domain.leafCount()) * Domain::kLeafVoxels; };
