@@ -8,7 +8,7 @@ struct AdvectParams;
 struct FlowFrame;
 
 /// The memory that a run takes at its peak [bytes], by its first frame. Fitted to measured runs: within a quarter of
-/// them them for domains of full leaves (docs/performance.md).
+/// them for domains of full leaves (docs/performance.md).
 [[nodiscard]] double advectBytes(const AdvectParams& params, const FlowFrame& first);
 
 } // namespace vdblic
