@@ -289,6 +289,18 @@ class Resume(ToolTest):
             self.assertIn(f"lic.{done:04}.vdb was finished, but it is not there", self.refused(3, self.flow(), *options))
             self.clear()
 
+    def test_an_input_that_now_ends_inside_an_interval(self):
+        """Textures after the last frame are done; without the next frame the run cannot go on from them."""
+        done, after = 0, 6
+        while done % 4 == 0:  # until it stops between two frames
+            self.clear()
+            self.interrupted(self.flow(), "--substeps", 4, after=after)
+            done, after = self.outputs_there(), after + 1
+        last = done // 4 + 1
+        message = self.refused(3, self.flow(), "--substeps", 4, frames=f"1-{last}")
+        self.assertIn(f"has textures after frame {last} done, the input ends with that frame now", message)
+        self.finish(self.whole(self.flow(), "--substeps", 4), self.flow(), "--substeps", 4)
+
     def test_changed_parameters(self):
         noise = self.shared / "n.vdb"
         self.tool("vdblic_noise", "--like", str(self.flow()) % 1, "-o", noise)

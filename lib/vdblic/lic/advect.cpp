@@ -57,6 +57,7 @@ class Advection {
         std::optional<LoadedFrame> next = nextFrame();
         FrameInterval interval{};
         if (before) {
+            if (!next) mCheckpoint.checkEnds(*before, current->velocity.file);
             interval = goOn(*before, *current, std::move(finished));
             before.reset(); // frees the memory of its state
         } else {

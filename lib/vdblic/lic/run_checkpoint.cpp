@@ -68,6 +68,15 @@ void RunCheckpoint::addFinished(const FrameFile& file, int parts, std::vector<st
     }
 }
 
+void RunCheckpoint::checkEnds(const Checkpoint& before, const FrameFile& last) const
+{
+    if (mParams.substep(before.position.steps) == 0) return;
+    refuseCheckpoint(
+        mOutputs.checkpoint(),
+        fmt::format("has textures after frame {} done, the input ends with that frame now: give all frames",
+                    last.frame));
+}
+
 void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture,
                             FlowSequence& flow, std::vector<std::filesystem::path>& finished) const
 {

@@ -38,6 +38,9 @@ class RunCheckpoint {
     /// @throws InputError if one of them, input or output, is missing or differs
     [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& before, FlowSequence& flow);
 
+    /// Check that the sequence may end with a frame. @throws InputError if textures after that frame are finished
+    void checkEnds(const Checkpoint& before, const FrameFile& last) const;
+
     /// Put the state of the interrupted run into a new one.
     /// @param frame    that the next step starts from or after
     /// @param finished outputs of passOver(); receives those of the frame's substeps that were finished
