@@ -94,7 +94,7 @@ int main(int argc, char** argv)
     tool.option("--jitter", jitter, "How noise is mixed in between steps: mix or bits.");
     tool.option("--noise-share", params.feedback.noiseShare, "Share of the noise with --jitter mix, 0 to 1.");
     tool.option("--finish", params.finish.taps,
-                "Voxels to each side along the flow that the written texture is a mean of, 0 to 8; 0 for none.");
+                "Voxels to each side along the flow that the written texture is a mean of, 0 to 4; 0 for none.");
     tool.option("--texture-name", params.textureName, "Name of the texture grid.");
     tool.option("--scalars", scalars, "Voxels of magnitude and the other float grids: velocity or texture.");
     tool.option("--precision", precision, "Numbers of texture and scalars in the files: half or float.");

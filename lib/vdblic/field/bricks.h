@@ -20,6 +20,10 @@ namespace bricks {
 template<int kNumbers>
 struct Numbers;
 template<>
+struct Numbers<2> {
+    using Vector = Float2;
+};
+template<>
 struct Numbers<4> {
     using Vector = Float4;
 };
@@ -33,7 +37,7 @@ struct Numbers<8> {
 /// Fast sampling of a domain's values. For each leaf a brick of 9³ records: its 8³ voxels and the next voxel in each
 /// positive direction, so that a cell's eight corners always lie in one brick.
 ///
-/// A record is four or eight numbers, loaded and interpolated together. Records are premultiplied by their voxel's
+/// A record is two, four or eight numbers, loaded and interpolated together. Records are premultiplied by their voxel's
 /// coverage (1 if it has a value, 0 if not), and the coverage is one of the numbers: interpolated values over
 /// interpolated coverage are the mean over the corners that have values. At the rim of a domain this continues the
 /// values of the last voxels, as clamping does.

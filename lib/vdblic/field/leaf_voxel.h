@@ -51,6 +51,12 @@ struct LeafVoxel {
     }
 };
 
+/// The centres of a row's eight voxels. @param x, y, z of the first
+[[nodiscard]] VDBLIC_INLINE Vector8 rowCentres(int x, int y, int z)
+{
+    return {broadcast8(float(x)), broadcast8(float(y)), Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(z)};
+}
+
 /// A cube of 16³ leaves, as OpenVDB's lower internal nodes.
 struct LeafBlock {
     static constexpr int kLog2Dim = 4; ///< in leaves

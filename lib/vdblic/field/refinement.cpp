@@ -64,6 +64,14 @@ void Refinement::validate() const
     }
 }
 
+openvdb::Mat3d Refinement::toTexture() const
+{
+    openvdb::Mat3d result = openvdb::Mat3d::identity();
+    for (int axis = 0; axis < 3; ++axis)
+        result(axis, axis) = factors[std::size_t(axis)];
+    return result;
+}
+
 Coord Refinement::coarse(const Coord& voxel) const
 {
     return {floorDivide(voxel[0], factors[0]), floorDivide(voxel[1], factors[1]), floorDivide(voxel[2], factors[2])};

@@ -34,6 +34,9 @@ struct Refinement {
     [[nodiscard]] float scale(int axis) const { return 1 / float(factors[std::size_t(axis)]); }
     [[nodiscard]] float shift(int axis) const { return 0.5f * scale(axis) - 0.5f; }
 
+    /// Velocity's voxels → texture's voxels, for vectors.
+    [[nodiscard]] openvdb::Mat3d toTexture() const;
+
     /// The voxel of the velocity that a texture voxel lies in.
     [[nodiscard]] openvdb::Coord coarse(const openvdb::Coord& voxel) const;
 

@@ -7,6 +7,7 @@ namespace vdblic {
 /// Short vectors of the compiler's vector extension: arithmetic and comparison act per lane, on any processor. Vectors
 /// of 32 bytes are aligned to 32: the baseline would not ask for it, but kernels for AVX do. The compiler would take
 /// wider vectors apart into scalars.
+using Float2 = float __attribute__((vector_size(8), aligned(8)));
 using Float4 = float __attribute__((vector_size(16)));
 using Float8 = float __attribute__((vector_size(32), aligned(32)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));

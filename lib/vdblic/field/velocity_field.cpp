@@ -54,12 +54,11 @@ void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, cons
     mDomain = std::move(domain);
     const Refinement& refinement = mDomain.refinement;
     mSampled = refinement.interpolation == Interpolation::kCubic ? FieldDomain(mDomain.texture) : mDomain;
-    openvdb::Mat3d toTexture = openvdb::Mat3d::identity();
     for (int axis = 0; axis < 3; ++axis) {
         mScale[axis] = mSampled.refinement.scale(axis);
         mShift[axis] = mSampled.refinement.shift(axis);
-        toTexture(axis, axis) = refinement.factors[std::size_t(axis)];
     }
+    const openvdb::Mat3d toTexture = refinement.toTexture();
     mStart.emplace(VelocityLevel{start.velocities, toTexture * start.toStep});
     mEnd.emplace(VelocityLevel{end.velocities, toTexture * end.toStep});
     mBricks.cover(mSampled.velocity);

@@ -82,7 +82,8 @@ class VelocityField {
         return select(coverage > 0, velocity, outside);
     }
 
-    /// The frame at the step's end, in texture voxels per step.
+    /// The frames at the step's start and end, in texture voxels per step.
+    [[nodiscard]] const VelocityLevel& start() const { return *mStart; }
     [[nodiscard]] const VelocityLevel& end() const { return *mEnd; }
 
     /// An upper bound of the velocity's magnitude anywhere, along each axis [voxels per step].

@@ -19,7 +19,7 @@ LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>&
             const std::int64_t word = accumulator[leaf][i];
             if (word < 0) continue;
             const std::uint64_t sum = Hits::sum(std::uint64_t(word)), count = Hits::count(std::uint64_t(word));
-            const float value = count > 0 ? float(double(sum) / double(count)) : float(Input::value(input[leaf][i]));
+            const float value = count > 0 ? float(double(sum) / double(count)) : float(input[leaf][i]);
             texture[leaf][i] = value / float(kNoiseMax);
         }
     });
@@ -37,7 +37,7 @@ RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accum
             if (word < 0) continue;
             const std::uint64_t sum = Hits::sum(std::uint64_t(word)), count = Hits::count(std::uint64_t(word));
             const float older = before ? before->weight[leaf][i] * kept : 0, weight = older + float(count);
-            float mean = before ? before->mean[leaf][i] : float(Input::value(input[leaf][i])) / float(kNoiseMax);
+            float mean = before ? before->mean[leaf][i] : float(input[leaf][i]) / float(kNoiseMax);
             if (count > 0) {
                 const float hit = float(double(sum) / double(count)) / float(kNoiseMax);
                 mean += (hit - mean) * (float(count) / weight);
@@ -59,8 +59,7 @@ RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, co
         for (auto voxel = to.mask(leaf).beginOn(); voxel; ++voxel) {
             const auto i = voxel.pos();
             const bool isOld = there >= 0 && from.isActive(there, i);
-            result.mean[leaf][i] =
-                isOld ? mean.mean[std::size_t(there)][i] : float(Input::value(input[leaf][i])) / float(kNoiseMax);
+            result.mean[leaf][i] = isOld ? mean.mean[std::size_t(there)][i] : float(input[leaf][i]) / float(kNoiseMax);
             if (isOld) result.weight[leaf][i] = mean.weight[std::size_t(there)][i];
         }
     });

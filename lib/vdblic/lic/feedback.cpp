@@ -23,7 +23,12 @@ namespace vdblic {
 namespace {
 
 constexpr float kFullScale = float(kNoiseMax);
-constexpr float kMaxGain = 16; // keeps regions without contrast from being blown up
+// The noise of entering fluid is alike along streaks about as long as those inside the domain. A mean along such a
+// streak keeps its deviation; of the noise inside, which changes from voxel to voxel, about this share remains.
+constexpr int kFramesOfEntering = 2;
+constexpr float kShareOfEntering = 0.4f;
+constexpr float kUniformDeviation = 0.2887f; // of uniform noise
+constexpr float kMaxGain = 16;               // keeps regions without contrast from being blown up
 
 VDBLIC_INLINE Float8 clampToUnit(Float8 value)
 {
@@ -125,7 +130,7 @@ struct FeedForward {
     const VelocityLevel& velocities; ///< at the step's end
     const Refinement& refinement;
     const Domain& domain;
-    const TextureBricks& texture;
+    const TextureBricks& sharp;
     const LocalContrast& contrast;
     const NoiseField& noise;
     const FeedbackParams& params;
@@ -146,53 +151,45 @@ struct FeedForward {
             if (lanes == 0) continue;
             const Vector8 displacement = displacements.row(row) * substeps; // in a frame
             const LeafVoxel first = LeafVoxel::ofRow(row);
-            Vector8 centre;
-            centre.x = broadcast8(float(origin[0] + first.x));
-            centre.y = broadcast8(float(origin[1] + first.y));
-            centre.z = Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(origin[2]);
-            TextureBricks::Samples upstream = texture.at(window, centre - displacement * 0.5f, lanes);
-            if (anyOf(maskOf(lanes) & !(upstream.coverage > 0))) {
-                const TextureBricks::Samples here = texture.at(window, centre, lanes);
-                const Int8 known = upstream.coverage > 0;
-                upstream.texture = known ? upstream.texture : here.texture;
-                upstream.sharp = known ? upstream.sharp : here.sharp;
-            }
-
-            Int8 value = filtered(around, first, upstream.sharp, input + row * std::ptrdiff_t(LeafVoxel::kDim));
+            const Vector8 centre = rowCentres(origin[0] + first.x, origin[1] + first.y, origin[2]);
+            const TextureBricks::Samples upstream = sharp.at(window, centre - displacement * 0.5f, lanes);
+            const Int8 known = upstream.coverage > 0;
+            const Float8 carried = anyOf(maskOf(lanes) & ~known)
+                                       ? (known ? upstream.value : sharp.at(window, centre, lanes).value)
+                                       : upstream.value;
+            std::int32_t* const values = input + row * std::ptrdiff_t(LeafVoxel::kDim);
+            Int8 value = filtered(around, first, carried, values);
             const Vector8 before = centre - displacement;
             if (anyOf(maskOf(lanes) & ~inside.contains(before))) renewEntering(window, centre, before, lanes, value);
-            // A history of the texture alone would be smoothed again in each generation: streaks would grow until
-            // nothing seemed to move.
-            const Int8 history = (toFixed(upstream.texture) * 3 + value) >> 2;
             for (int z = 0; z < LeafVoxel::kDim; ++z) {
-                if (lanes >> z & 1)
-                    input[LeafVoxel::kDim * row + z] = Input::pack(std::uint32_t(value[z]), std::uint32_t(history[z]));
+                if (lanes >> z & 1) values[z] = value[z];
             }
         }
     }
 
-    /// Restore contrast and add noise. @param first voxel of the row  @param input its original noise
-    [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, LeafVoxel first, Float8 sharp,
+    /// Restore contrast and add noise. @param carried sharpened texture @param first voxel of the row  @param input its
+    /// original noise
+    [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, LeafVoxel first, Float8 carried,
                                               const std::int32_t* input) const
     {
         Float8 original;
         for (int z = 0; z < LeafVoxel::kDim; ++z)
-            original[z] = float(Input::value(input[z])) / kFullScale;
+            original[z] = float(input[z]) / kFullScale;
         if (params.jitter == Jitter::kBits) {
             Float8 jittered;
             for (int z = 0; z < LeafVoxel::kDim; ++z)
-                jittered[z] = jitterBits(sharp[z], original[z]);
+                jittered[z] = jitterBits(carried[z], original[z]);
             return toFixed(jittered);
         }
         const LocalContrast::Row local = around.row(first.x, first.y);
         const Float8 least = broadcast8(params.deviation / kMaxGain);
         const Float8 gain = params.deviation / (local.deviation > least ? local.deviation : least);
-        const Float8 restored = clampToUnit(0.5f + gain * (sharp - local.mean));
+        const Float8 restored = clampToUnit(0.5f + gain * (carried - local.mean));
         return toFixed(restored + params.noiseShare * (original - restored));
     }
 
-    /// Give voxels whose fluid came into the domain during the step new noise.
-    /// @param before positions at the step's start of the fluid that is in the voxels' centres now
+    /// Give voxels whose fluid came into the domain during the frame the noise that it brings.
+    /// @param before positions a frame ago of the fluid that is in the voxels' centres now
     [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& before,
                                          unsigned lanes, Int8& value) const
     {
@@ -201,7 +198,7 @@ struct FeedForward {
             if (leaf >= 0 && withoutRim[std::size_t(leaf)]) lanes &= ~(1u << z);
         }
         if (lanes == 0) return;
-        const TextureBricks::Samples there = texture.at(window, before, lanes);
+        const TextureBricks::Samples there = sharp.at(window, before, lanes);
         const Int8 slots = window.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (!(lanes >> z & 1)) continue;
@@ -210,8 +207,38 @@ struct FeedForward {
                                                                     : window.leaves[std::size_t(slots[z])] >= 0;
             const float stayed = inBrick ? there.coverage[z] : coverageAt(domain, before.lane(z));
             const openvdb::Coord at(int(centre.x[z]), int(centre.y[z]), int(centre.z[z]));
-            if (stayed < 1 && noise.fromOutside(at, step, stayed)) value[z] = noise.entering(at, step);
+            if (stayed < 1 && noise.fromOutside(at, step, stayed)) {
+                const Entry entry = entryBetween(before.lane(z), centre.lane(z));
+                const double time = double(step + 1) / double(substeps) - entry.age;
+                const float gain = kShareOfEntering * params.deviation / kUniformDeviation;
+                const float brought = 0.5f + gain * noise.entering(entry.voxel, time, kFramesOfEntering);
+                value[z] = int(std::clamp(brought, 0.0f, 1.0f) * kFullScale + 0.5f);
+            }
         }
+    }
+
+    /// Where and when fluid entered the domain.
+    struct Entry {
+        openvdb::Coord voxel;
+        float age; ///< part of a frame since then
+    };
+    /// @param from position a frame ago  @param to position now, inside the domain
+    [[nodiscard]] Entry entryBetween(Float4 from, Float4 to) const
+    {
+        float inside = 0, outside = 1; // parts of a frame ago
+        if (domain.contains(from)) {
+            inside = 1;
+        } else {
+            const Float4 path = from - to;
+            const float length = std::sqrt(path[0] * path[0] + path[1] * path[1] + path[2] * path[2]);
+            constexpr float kResolution = 1.0f / 16; // voxels
+            while ((outside - inside) * length > kResolution && outside - inside > 1e-6f) {
+                const float middle = 0.5f * (inside + outside);
+                (domain.contains(to + path * middle) ? inside : outside) = middle;
+            }
+        }
+        const Int4 voxel = voxelOf(to + (from - to) * inside);
+        return {{voxel[0], voxel[1], voxel[2]}, inside};
     }
 };
 
@@ -228,7 +255,7 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
 {
     const Domain& domain = field.domain();
     const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
-    TextureBricks bricks(field.fieldDomain().texture, texture, sharp);
+    TextureBricks bricks(field.fieldDomain().texture, sharp);
     const LocalContrast contrast(domain, sharp);
     const std::vector<std::uint8_t> withoutRim = leavesWithoutRim(domain);
     const FeedForward filter{

@@ -15,10 +15,11 @@ enum class Jitter {
 
 /// The noise-jittered high-pass filter between a texture and the next step's input.
 struct FeedbackParams {
+    int taps = 2;      ///< AUFLIC: samples to each side of the mean along the flow that is taken first
     float sharpen = 1; ///< strength s of c + s (c − mean of the 26 neighbours)
     Jitter jitter = Jitter::kMix;
     float noiseShare = 0.1f; ///< kMix: share of the original noise, 0 to 1
-    float deviation = 0.22f; ///< kMix: standard deviation that local contrast is restored to; uniform noise has 0.289
+    float deviation = 0.25f; ///< kMix: standard deviation that local contrast is restored to; uniform noise has 0.289
 
     void validate() const; ///< @throws ParameterError
 };

@@ -4,6 +4,7 @@
 #include "vdblic/field/vector.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lic/noise.h"
 
 #include <fmt/format.h>
 #include <openvdb/points/PointAttribute.h>
@@ -25,8 +26,7 @@ using openvdb::points::AttributeWriteHandle;
 using openvdb::points::PointDataGrid;
 using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
 
-constexpr const char *kNoise = "noise", *kTexture = "texture", *kMean = "mean", *kWeight = "weight",
-                     *kParticles = "particles";
+constexpr const char *kNoise = "noise", *kMean = "mean", *kWeight = "weight", *kParticles = "particles";
 constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kGenerations = "generations";
 constexpr float kScale = 65536; // exact in a float, and leaves its low bytes empty for the compressor
 
@@ -184,28 +184,24 @@ void readLeaf(const PointLeaf& leaf, std::size_t tile, std::size_t generationCou
 
 } // namespace
 
-openvdb::GridPtrVec inputGrids(const Domain& domain, const LeafValues<std::int32_t>& input)
+openvdb::GridBase::Ptr inputGrid(const Domain& domain, const LeafValues<std::int32_t>& input)
 {
-    const LeafValues<float> noise(domain, 0.0f), texture(domain, 0.0f);
+    const LeafValues<float> noise(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
-            const std::int32_t word = input[leaf][voxel.pos()];
-            noise[leaf][voxel.pos()] = float(Input::value(word)) / kScale;
-            texture[leaf][voxel.pos()] = float(Input::history(word)) / kScale;
-        }
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
+            noise[leaf][voxel.pos()] = float(input[leaf][voxel.pos()]) / kScale;
     });
-    return {namedGrid(noise, kNoise), namedGrid(texture, kTexture)};
+    return namedGrid(noise, kNoise);
 }
 
 LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file)
 {
-    const auto noise = leafBuffers(domain, file, kNoise), texture = leafBuffers(domain, file, kTexture);
-    const auto fixed = [](float value) { return std::uint32_t(std::clamp(value * kScale, 0.0f, 65535.0f)); };
+    const auto noise = leafBuffers(domain, file, kNoise);
     LeafValues<std::int32_t> input(domain, 0);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const auto at = voxel.pos();
-            input[leaf][at] = Input::pack(fixed(noise[leaf][at]), fixed(texture[leaf][at]));
+            input[leaf][at] = std::int32_t(std::clamp(noise[leaf][at] * kScale, 0.0f, float(kNoiseMax)));
         }
     });
     return input;

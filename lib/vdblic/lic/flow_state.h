@@ -17,18 +17,17 @@ struct VdbFile;
 /// \file
 /// The state between two steps as grids that other programs can open; a round trip preserves every bit.
 ///
-/// `noise`: the noise-jittered texture that seeds take their values from; `texture`: the value that a pathline through
-/// a voxel is taken to carry already. Both float, multiples of 1/65536 in [0, 1). With substeps also `mean` and
-/// `weight`, the RunningMean. `particles`: points with the attributes `slope` (velocity there, voxels per step), `id`
-/// (step of release << 40 | rank of the release voxel) and `generations` (Generation words, by release frame modulo the
-/// life span; for UFLIC a single one). A point's position is stored relative to the centre of its voxel, so no bit of
-/// it is lost.
+/// `noise`: the noise-jittered texture that seeds take their values from, float, multiples of 1/65536 in [0, 1). With
+/// substeps also `mean` and `weight`, the RunningMean. `particles`: points with the attributes `slope` (velocity there,
+/// voxels per step), `id` (step of release << 40 | rank of the release voxel) and `generations` (Generation words, by
+/// release frame modulo the life span; for UFLIC a single one). A point's position is stored relative to the centre of
+/// its voxel, so no bit of it is lost.
 
-/// The grids `noise` and `texture`. @param input Input words of a step
-[[nodiscard]] openvdb::GridPtrVec inputGrids(const Domain& domain, const LeafValues<std::int32_t>& input);
+/// The grid `noise`. @param input of a step, fixed-point (kNoiseMax)
+[[nodiscard]] openvdb::GridBase::Ptr inputGrid(const Domain& domain, const LeafValues<std::int32_t>& input);
 
-/// The inverse of inputGrids().
-/// @throws InputError, without the file's name, if a grid is missing or its voxels are not exactly the domain's
+/// The inverse of inputGrid().
+/// @throws InputError, without the file's name, if the grid is missing or its voxels are not exactly the domain's
 [[nodiscard]] LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file);
 
 /// The grids `mean` and `weight` of a running mean; they share its values.

@@ -3,6 +3,7 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/convolve.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/flow_state.h"
@@ -44,7 +45,7 @@ class FlowTexture::Pipeline {
     [[nodiscard]] openvdb::GridPtrVec save() const
     {
         if (mSteady) return {};
-        openvdb::GridPtrVec grids = inputGrids(*mDomain, *mInput);
+        openvdb::GridPtrVec grids{inputGrid(*mDomain, *mInput)};
         if (mMean) {
             const openvdb::GridPtrVec mean = meanGrids(*mMean);
             grids.insert(grids.end(), mean.begin(), mean.end());
@@ -97,6 +98,10 @@ class FlowTexture::Pipeline {
             } else {
                 mMean = convolve(domain, accumulator, *mInput, mMean ? &*mMean : nullptr, mParams.substeps);
                 result.texture = mMean->mean;
+            }
+            if (mParams.method == ScatterMethod::kAuflic) {
+                result.texture =
+                    meanAlongFlow(domain, step.start.refinement, mField.start(), result.texture, mFeedback.taps);
             }
             result.times.convolve = watch.lap();
         }

@@ -47,15 +47,4 @@ struct Generation {
     }
 };
 
-/// A step's input at a voxel, in one word: the value that the voxel's seed takes up, and the value that a pathline
-/// through the voxel is taken to carry already. Both 0 to 65535.
-struct Input {
-    [[nodiscard]] static constexpr std::int32_t pack(std::uint32_t value, std::uint32_t history)
-    {
-        return std::int32_t(history << 16 | value);
-    }
-    [[nodiscard]] static constexpr std::uint32_t value(std::int32_t word) { return std::uint32_t(word) & 65535; }
-    [[nodiscard]] static constexpr std::uint32_t history(std::int32_t word) { return std::uint32_t(word) >> 16; }
-};
-
 } // namespace vdblic

@@ -1,7 +1,6 @@
 #include "vdblic/lic/noise_field.h"
 
 #include "vdblic/field/leaf_voxel.h"
-#include "vdblic/lic/hits.h"
 #include "vdblic/lic/noise.h"
 
 #include <tbb/parallel_for.h>
@@ -43,9 +42,17 @@ std::int32_t NoiseField::ofStep(const openvdb::Coord& voxel, std::uint64_t numbe
     return noiseValue(voxel[0], voxel[1], voxel[2], seed);
 }
 
-std::int32_t NoiseField::entering(const openvdb::Coord& voxel, std::uint64_t step) const
+float NoiseField::entering(const openvdb::Coord& voxel, double time, int span) const
 {
-    return ofStep(voxel, 2 * step);
+    const double first = time - 0.5 * span, frame = std::floor(first);
+    const auto part = float(first - frame); // of the first frame that lies before the span
+    float sum = 0, squares = 0;
+    for (int i = 0; i <= span; ++i) {
+        const float weight = i == 0 ? 1 - part : i == span ? part : 1;
+        sum += weight * (float(ofStep(voxel, 2 * std::uint64_t(std::int64_t(frame) + i))) / float(kNoiseMax) - 0.5f);
+        squares += weight * weight;
+    }
+    return sum / std::sqrt(squares);
 }
 
 bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const
@@ -56,12 +63,8 @@ bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, fl
 LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise)
 {
     LeafValues<std::int32_t> input(domain, 0);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        std::int32_t* words = input[leaf];
-        noise.fill(domain.origin(leaf), words);
-        for (int i = 0; i < LeafVoxel::kCount; ++i)
-            words[i] = Input::pack(std::uint32_t(words[i]), std::uint32_t(words[i]));
-    });
+    tbb::parallel_for(std::size_t(0), domain.leafCount(),
+                      [&](std::size_t leaf) { noise.fill(domain.origin(leaf), input[leaf]); });
     return input;
 }
 

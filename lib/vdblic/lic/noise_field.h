@@ -23,8 +23,11 @@ class NoiseField {
     /// Fill the 512 values of a leaf, x slowest. @param origin of the leaf
     void fill(const openvdb::Coord& origin, std::int32_t* values) const;
 
-    /// The value that fluid brings which enters the domain in a voxel: noise that is new in every step.
-    [[nodiscard]] std::int32_t entering(const openvdb::Coord& voxel, std::uint64_t step) const;
+    /// The noise that fluid brings which entered the domain through a voxel: white noise of the frames, averaged over
+    /// `span` frames around the time of entry, as the noise farther upstream would be along pathlines.
+    /// @param time of entry, in frames  @param span at least 1
+    /// @return of mean 0, scaled to the standard deviation of uniform noise in [0, 1]
+    [[nodiscard]] float entering(const openvdb::Coord& voxel, double time, int span) const;
     /// Whether a voxel takes the value of entering fluid in a step: at random, as often as its fluid comes from
     /// outside.
     /// @param stayed the part of the voxel's fluid, 0 to 1, that was inside a step ago
@@ -37,7 +40,7 @@ class NoiseField {
     openvdb::FloatGrid::ConstPtr mGrid;
 };
 
-/// Input words of the first step on a domain: the noise, as value and as history. Made in parallel.
+/// The input of the first step on a domain: the noise, fixed-point (kNoiseMax). Made in parallel.
 [[nodiscard]] LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise);
 
 } // namespace vdblic

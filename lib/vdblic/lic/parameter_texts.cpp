@@ -37,7 +37,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
 {
     const auto text = [](const auto& value) { return fmt::format("{}", value); };
     const auto& [method, life, substeps, window, history, pathline] = params.scatter;
-    const auto& [sharpen, jitter, noiseShare, deviation] = params.feedback;
+    const auto& [taps, sharpen, jitter, noiseShare, deviation] = params.feedback;
     const auto& [velocity, unit, scale, nonFinite, carry] = params.velocity;
     const auto& [mask, box, worldBox, refinement] = params.domain;
     const std::string noise =
@@ -75,6 +75,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"compression", text(toString(params.format.compression))},
         {"scalars", text(toString(params.format.scalars))},
         {"history", text(history)},
+        {"mean_along_flow", text(taps)},
         {"deviation", text(deviation)},
     };
 }

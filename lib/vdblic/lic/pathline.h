@@ -36,6 +36,28 @@ namespace pathline {
 inline constexpr float kMaxStride = 8;
 inline constexpr float kMinDuration = 1.0f / 4096;
 
+/// Offsets across a path that are added to the positions of its samples in turn: the corners of a tetrahedron, without
+/// their parts along the path. A path that runs near the border of two rows of voxels then leaves values in both, as
+/// its distance to them asks for; without the offsets it changes rows abruptly.
+struct Offsets {
+    static constexpr int kCount = 4;
+    Vector8 of[kCount];
+
+    /// @param chord from the path's start to its end, of the given length
+    VDBLIC_INLINE Offsets(const Vector8& chord, Float8 length)
+    {
+        constexpr float kOffset = 0.2f; // voxels
+        constexpr float corners[kCount][3] = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
+        const Vector8 direction = chord * (1 / (length > 1e-6f ? length : broadcast8(1)));
+        for (int i = 0; i < kCount; ++i) {
+            const Float8 along =
+                direction.x * corners[i][0] + direction.y * corners[i][1] + direction.z * corners[i][2];
+            of[i] = {kOffset * (corners[i][0] - direction.x * along), kOffset * (corners[i][1] - direction.y * along),
+                     kOffset * (corners[i][2] - direction.z * along)};
+        }
+    }
+};
+
 VDBLIC_INLINE float length(Float4 v)
 {
     return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -187,6 +209,7 @@ VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, con
         const Float8 pieceLength = arc / __builtin_convertvector(count, Float8);
         const Float8 square0 = speed0 * speed0, gain = (speed1 - speed0) * 2.0f;
 
+        const pathline::Offsets offsets(chord, chordLength);
         int most = 0;
         for (int i = 0; i < kLanes; ++i)
             most = std::max(most, count[i]);
@@ -195,9 +218,10 @@ VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, con
         for (int j = 0; j < most; ++j) {
             const Float8 s = pieceLength * (float(j) + 0.5f);
             const Float8 u = s * 2.0f / (squareRoots(square0 + gain * s) + speed0);
-            const Int8 x = floorToInt(((u * c3.x + c2.x) * u + m0.x) * u + c0.x);
-            const Int8 y = floorToInt(((u * c3.y + c2.y) * u + m0.y) * u + c0.y);
-            const Int8 z = floorToInt(((u * c3.z + c2.z) * u + m0.z) * u + c0.z);
+            const Vector8& offset = offsets.of[j % pathline::Offsets::kCount];
+            const Int8 x = floorToInt(((u * c3.x + c2.x) * u + m0.x) * u + (c0.x + offset.x));
+            const Int8 y = floorToInt(((u * c3.y + c2.y) * u + m0.y) * u + (c0.y + offset.y));
+            const Int8 z = floorToInt(((u * c3.z + c2.z) * u + m0.z) * u + (c0.z + offset.z));
             const Int8 valid = count > j;
             const Int8 slots = window.slots(x, y, z);
             Int8 code = WindowVoxel::encode(slots, x, y, z);

@@ -30,7 +30,7 @@ class Scatter {
     /// Carry every particle over one time step, releasing seeds as the method does.
     ///
     /// @param field       velocity over the step, as prepare() leaves it; filled slab by slab meanwhile
-    /// @param input       Input words of the step's start, on the field's domain
+    /// @param input       fixed-point (kNoiseMax) at the step's start, on the field's domain
     /// @param accumulator of makeAccumulator(), on the field's domain; receives Hits
     /// @param next        domain of the step to come; particles outside it end
     /// @param slopeScale  duration of this step over that of the step before, in which slopes were measured

@@ -79,7 +79,7 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
     const auto takeUp = [&](unsigned offset) {
         if (!mOpen.isOn(offset) || Generation::count(taken) == Generation::kMaxCount) return;
         mOpen.setOff(offset);
-        const std::uint32_t value = Input::value(mInput[offset]);
+        const auto value = std::uint32_t(mInput[offset]);
         taken = Generation::add(taken, value);
         alive += Hits::pack(value, 1);
     };
@@ -290,9 +290,10 @@ VDBLIC_INLINE void TileScatter::releaseNew()
             // A particle earlier in the batch may have closed the voxel.
             if (!mOpen.isOn(offset)) continue;
             mParticle.id = ids[std::size_t(lane)];
-            mParticle.alive = mAuflic ? 0 : Hits::pack(Input::value(mInput[offset]), 1);
+            const auto value = std::uint32_t(mInput[offset]);
+            mParticle.alive = mAuflic ? 0 : Hits::pack(value, 1);
             if (mHistory) {
-                const std::uint32_t before = Generation::add(0, Input::history(mInput[offset]));
+                const std::uint32_t before = Generation::add(0, value);
                 std::fill(mGenerations.begin(), mGenerations.end(), before);
                 mGenerations[clockOf(mParticle).current] = 0;
                 mParticle.alive = (mGenerationCount - 1) * Generation::hits(before);

@@ -2,13 +2,22 @@
 
 #include "vdblic/field/domain.h"
 
+#include <limits>
+
 namespace vdblic {
+
+/// Values outside are moved to the nearer end.
+struct ValueRange {
+    float least = -std::numeric_limits<float>::infinity(), most = std::numeric_limits<float>::infinity();
+};
 
 /// High-pass filter: c + strength · (c − mean of those of the 26 neighbours that the domain has), for every voxel; c
 /// itself without neighbours.
 ///
 /// @param texture 0 wherever the domain has no voxel
+/// @param range   of the results
 /// Computed in parallel; the result does not depend on the number of threads. Shen & Kao 1998, section 3.3.
-[[nodiscard]] LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength);
+[[nodiscard]] LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength,
+                                          const ValueRange& range = {});
 
 } // namespace vdblic

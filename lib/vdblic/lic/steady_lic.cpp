@@ -34,8 +34,7 @@ struct Convolution {
     {
         const Domain& domain = field.domain();
         batch.lanes = lanes;
-        batch.position = {broadcast8(float(row[0])), broadcast8(float(row[1])),
-                          Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(row[2])};
+        batch.position = rowCentres(row[0], row[1], row[2]);
         batch.slope = field.sample(fieldWindow, batch.position, Float8{}, Vector8{}, lanes);
         advancePaths(field, fieldWindow, pathline, batch);
         samplePaths(batch, domain, window, pathline.sampleSpacing, 0, samples);
@@ -61,7 +60,7 @@ struct Convolution {
                 const WindowVoxel sample = samples.rows[run.firstRow + std::size_t(i)].voxel(lane);
                 const PathSamples::Voxel voxel = samples.find(sample, window);
                 if (voxel.leaf < 0 || !domain.isActive(voxel.leaf, voxel.offset)) return;
-                values.push_back(std::int32_t(Input::value(noise[std::size_t(voxel.leaf)][voxel.offset])));
+                values.push_back(noise[std::size_t(voxel.leaf)][voxel.offset]);
             }
         }
     }

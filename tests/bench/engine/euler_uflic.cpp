@@ -63,7 +63,7 @@ LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, const std::vector
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             scatterSeed(k, fields, Float4{float(at[0]), float(at[1]), float(at[2]), 0},
-                        Input::value(mInput[leaf][voxel.pos()]));
+                        std::uint32_t(mInput[leaf][voxel.pos()]));
             ++mStats.released;
         }
     }

@@ -66,7 +66,7 @@ bool ScapAuflic::releaseAlong(std::size_t k, const std::vector<VelocityField>& f
     const auto releaseIn = [&](std::uint32_t voxel, std::size_t from) {
         if (voxel >> 9 != leaf || !mOpen.isOn(voxel & 511)) return;
         mOpen.setOff(voxel & 511);
-        seeds.push_back({from, Input::value(mInput[leaf][voxel & 511])});
+        seeds.push_back({from, std::uint32_t(mInput[leaf][voxel & 511])});
     };
     const Path::Step& now = path.steps.front();
     releaseIn(now.start, 0);

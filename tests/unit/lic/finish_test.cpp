@@ -2,6 +2,7 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/lic/along_flow.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -102,8 +103,8 @@ TEST(Finished, DoesNotDependOnThreads)
 
 TEST(Finished, RefusesTapsBeyondTheNextLeaf)
 {
-    EXPECT_NO_THROW((FinishParams{8, 1}.validate()));
-    EXPECT_THROW((FinishParams{9, 1}.validate()), ParameterError);
+    EXPECT_NO_THROW((FinishParams{kMostTaps, 1}.validate()));
+    EXPECT_THROW((FinishParams{kMostTaps + 1, 1}.validate()), ParameterError);
     EXPECT_THROW((FinishParams{-1, 1}.validate()), ParameterError);
 }
 

@@ -1,5 +1,6 @@
 #include "vdblic/lic/flow_texture.h"
 
+#include "lic/correlation.h"
 #include "lic/test_flow.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/lic/hits.h"
@@ -20,30 +21,7 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::Vec3f;
-
-/// Pearson correlation.
-class Correlation {
-  public:
-    void add(double a, double b)
-    {
-        ++mCount;
-        mA += a;
-        mB += b;
-        mAA += a * a;
-        mBB += b * b;
-        mAB += a * b;
-    }
-    [[nodiscard]] double value() const
-    {
-        const double ab = mAB / mCount - mA / mCount * mB / mCount;
-        return ab / std::sqrt((mAA / mCount - mA / mCount * mA / mCount) * (mBB / mCount - mB / mCount * mB / mCount));
-    }
-    [[nodiscard]] double mean() const { return mA / mCount; }
-    [[nodiscard]] double deviation() const { return std::sqrt(mAA / mCount - mA / mCount * mA / mCount); }
-
-  private:
-    double mCount = 0, mA = 0, mB = 0, mAA = 0, mBB = 0, mAB = 0;
-};
+using test::Correlation;
 
 const openvdb::CoordBBox kFlowBox({0, 0, 0}, {47, 39, 39});
 
@@ -112,7 +90,7 @@ TEST_P(FlowTextures, OfAFlowAtRestStayTheNoiseTheyWere)
     LeafValues<float> noise(*frames[0].domain, 0.0f);
     const LeafValues<std::int32_t> input = noiseInput(*frames[0].domain, NoiseField(7));
     for (auto value = input.tree()->cbeginValueOn(); value; ++value) {
-        noise.tree()->setValue(value.getCoord(), float(Input::value(*value)) / 65535.0f);
+        noise.tree()->setValue(value.getCoord(), float(*value) / 65535.0f);
     }
     EXPECT_GT(shifted(textures.back(), noise, {0, 0, 0}).value(), 0.9);
     EXPECT_NEAR(shifted(textures.back(), noise, {0, 0, 0}).mean(), 0.5, 0.02);

@@ -2,6 +2,7 @@
 
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/noise_field.h"
@@ -40,6 +41,12 @@ struct Path {
 
     [[nodiscard]] std::size_t nextStep() const { return firstStep + samples.size(); }
 };
+
+/// What AUFLIC makes of the mean of its hits.
+LeafValues<float> alongFlow(const VelocityField& field, const LeafValues<float>& texture)
+{
+    return meanAlongFlow(field.domain(), field.fieldDomain().refinement, field.start(), texture, FeedbackParams{}.taps);
+}
 
 Coord voxelAt(Float4 position)
 {
@@ -126,6 +133,7 @@ class LiteralLic {
             }
         }
         bucket = {};
+        if (mParams.method == ScatterMethod::kAuflic) texture = alongFlow(mFields[k], texture);
         mInput = feedForward(mFields[k], texture, next, mNoise, FeedbackParams{}, k);
         return texture;
     }
@@ -142,7 +150,7 @@ class LiteralLic {
         }
     }
 
-    std::uint32_t inputAt(const Coord& voxel) const { return Input::value(mInput.tree()->getValue(voxel)); }
+    std::uint32_t inputAt(const Coord& voxel) const { return std::uint32_t(mInput.tree()->getValue(voxel)); }
 
     bool inDomain(std::size_t step, const Coord& voxel) const
     {
@@ -290,7 +298,7 @@ class LiteralHistory {
             scatter(k, field, mote);
         for (Mote& mote : scan) {
             const Coord voxel = voxelAt(mote.position);
-            const std::uint32_t before = Input::history(mInput.tree()->getValue(voxel));
+            const auto before = std::uint32_t(mInput.tree()->getValue(voxel));
             for (std::size_t age = 1; age < std::size_t(mParams.lifeSpan); ++age)
                 mote.values[std::int64_t(k) - std::int64_t(age)] = {before};
             scatter(k, field, mote);
@@ -299,10 +307,11 @@ class LiteralHistory {
         LeafValues<float> texture(field.domain(), 0.0f);
         for (auto value = texture.tree()->beginValueOn(); value; ++value) {
             const auto hits = mHits.find(value.getCoord());
-            value.setValue((hits == mHits.end() ? float(Input::value(mInput.tree()->getValue(value.getCoord())))
+            value.setValue((hits == mHits.end() ? float(mInput.tree()->getValue(value.getCoord()))
                                                 : float(double(hits->second.first) / double(hits->second.second))) /
                            65535.0f);
         }
+        texture = alongFlow(field, texture);
         mInput = feedForward(field, texture, next, mNoise, FeedbackParams{}, k);
         return texture;
     }
@@ -324,7 +333,7 @@ class LiteralHistory {
         if (!mOpen.contains(start)) return;
         const auto takeUp = [&](const Coord& voxel) {
             if (tileOf(voxel) == tileOf(start) && mOpen.erase(voxel) > 0)
-                mote.values[std::int64_t(k)].push_back(Input::value(mInput.tree()->getValue(voxel)));
+                mote.values[std::int64_t(k)].push_back(std::uint32_t(mInput.tree()->getValue(voxel)));
         };
         takeUp(start);
         const Trace path = trace(field, mParams, mote.position, mote.slope);

@@ -58,12 +58,14 @@ TEST_P(RefinedTexture, EqualsThatOfTheVelocityGivenAtItsVoxels)
         const auto textures = test::streamedTextures(test::refined(coarse, refinement), kShearSteps, scatter);
         const auto expected = test::streamedTextures(fine, kShearSteps, scatter);
         for (std::size_t k = 0; k < textures.size(); ++k) {
-            const int margin = ny + 10 * int(k); // voxels; a step carries less than 10
+            // A step carries less than 10 voxels. Paths that leave at the far end see velocities that are continued
+            // from the rim of either grid.
+            const int margin = ny + 10 * int(k), farMargin = 10 * int(k + 1);
             std::size_t compared = 0, different = 0;
             for (auto value = expected[k].tree()->cbeginValueOn(); value; ++value) {
                 const Coord at = value.getCoord();
                 if (at[1] < fineBox.min()[1] + margin || at[1] > fineBox.max()[1] - margin ||
-                    at[0] > fineBox.max()[0] - margin)
+                    at[0] > fineBox.max()[0] - farMargin)
                     continue;
                 ++compared;
                 different += *value != textures[k].tree()->getValue(at);

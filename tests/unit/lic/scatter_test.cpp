@@ -206,7 +206,7 @@ TEST(Scatter, AtRestEachVoxelIsHitByItsOwnSeedsOnly)
         for (auto value = step.accumulator.tree()->cbeginValueOn(); value; ++value) {
             const auto word = std::uint64_t(*value);
             ASSERT_EQ(Hits::count(word), expected);
-            ASSERT_EQ(Hits::sum(word), expected * Input::value(step.input.tree()->getValue(value.getCoord())));
+            ASSERT_EQ(Hits::sum(word), expected * std::uint64_t(step.input.tree()->getValue(value.getCoord())));
         }
     }
 }
