@@ -70,7 +70,6 @@ int main(int argc, char** argv)
 
     tool.option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.");
     const vdblic::cli::LookOptions look(tool, params);
-    tool.option("--by", params.driver, "Float grid that drives the transfer function.");
     app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
     std::vector<std::string> layers;
     app.add_option("--aov", layers,
@@ -82,7 +81,7 @@ int main(int argc, char** argv)
     tool.option("--compression", params.exr.compression,
                 fmt::format("Of .exr: {}.", fmt::join(vdblic::exrCompressions(), ", ")));
     app.add_option("--histogram", params.histogram,
-                   "Histograms of texture and magnitude with the transfer function over them, .png or .json.");
+                   "Histograms of texture and scalars with the transfer function over them, .png or .json.");
     tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         look.apply();

@@ -101,7 +101,7 @@ def vtk_window(path, header):
     import vtkmodules.vtkRenderingVolumeOpenGL2
 
     texture, magnitude = dense(path, "density"), dense(path, "magnitude")
-    low, high = header("magnitudeRange")
+    low, high = header("colorRange")
     points = numpy.array(header("opacity")).reshape(-1, 2).T
     extinction = -numpy.log1p(-numpy.interp((magnitude - low) / (high - low), *points))
     opacity = -numpy.expm1(-extinction * share(texture, header))

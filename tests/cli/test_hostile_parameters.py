@@ -47,6 +47,7 @@ LEGAL = {
     "--hard-fail": {"0", "1e308", "99999999999999999999"},
     "--warn": {"0", "1e308", "99999999999999999999"},
     "--range": {"99999999999999999999"},
+    "--opacity-range": {"99999999999999999999"},
     "--background-alpha": {"0"},
     "--orbit": {"0"},
     "--limb-darkening": {"0"},
@@ -61,7 +62,7 @@ LEGAL = {
     "--clip-plane": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
-         "--ignore-metadata", "--camera", "--transfer", "--roi", "--by"}
+         "--ignore-metadata", "--camera", "--transfer", "--roi", "--by", "--color-by", "--opacity-by"}
 
 
 def options(help_text):

@@ -150,6 +150,41 @@ class Render(ToolTest):
             self.renders("lic.0003.vdb", "-o", "a.png", "--size", 40, 30, *options)
             self.assertNotEqual((self.folder / "a.png").read_bytes(), images["flow"], options)
 
+    def test_two_scalars(self):
+        random = numpy.random.default_rng(7)
+        shape = (20, 16, 12)
+        grids = [grid(name, random.random(shape)) for name in ("density", "magnitude", "vorticity")]
+        vdb.write(str(self.folder / "two.vdb"), grids=grids)
+        base = ("two.vdb", "--size", 40, 30, "--precision", "float", "--aov", "magnitude")
+        pictures = {}
+        for name, options in {"one": [], "by": ["--by", "vorticity"], "color": ["--color-by", "vorticity"],
+                              "opacity": ["--opacity-by", "vorticity"],
+                              "both": ["--color-by", "vorticity", "--opacity-by", "vorticity"],
+                              "vortex": ["--look", "vortex"], "range": ["--opacity-range", 0.5, 2]}.items():
+            self.renders(*base, "-o", f"{name}.exr", *options)
+            pictures[name] = self.pixels(f"{name}.exr", "R")
+        self.assertTrue((pictures["by"] == pictures["both"]).all())
+        self.assertTrue((pictures["vortex"] == pictures["opacity"]).all())
+        for name in ("by", "color", "opacity", "range"):
+            self.assertFalse((pictures[name] == pictures["one"]).all(), name)
+        header = self.header("vortex.exr")
+        self.assertIn('colorBy (type string): "magnitude"', header)
+        self.assertIn('opacityBy (type string): "vorticity"', header)  # there is no q
+        self.renders("two.vdb", "--look", "vortex", "--histogram", "h.json")
+        histogram = json.loads(self.contents("h.json"))
+        self.assertEqual((histogram["color"]["grid"], histogram["opacity"]["grid"]), ("magnitude", "vorticity"))
+        self.assertEqual(sum(histogram["opacity"]["counts"]) + histogram["opacity"]["above"], 20 * 16 * 12)
+
+    def test_a_missing_scalar(self):
+        good = ("lic.%04d.vdb", "-o", "a.%04d.png", "--size", 20, 20)
+        message = self.refuses(3, *good, "--look", "vortex")
+        self.assertIn("no float grid 'q' or 'vorticity'", message)
+        self.assertIn("vdblic_advect --with q", message)
+        self.assertIn("--with vorticity", self.refuses(3, *good, "--by", "vorticity"))
+        message = self.refuses(3, *good, "--color-by", "smoke", "--opacity-by", "density")
+        self.assertIn("--color-by", message)
+        self.assertNotIn("--with", message)
+
     def test_options_of_numbers_do_not_swallow_the_input(self):
         for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],
                         ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1], ["--stretch", 1, 2, 1],
@@ -263,7 +298,7 @@ class Render(ToolTest):
         histogram = json.loads(self.contents("h.json"))
         self.assertEqual(histogram["voxels"], 2 * 20 * 16 * 12)
         values = numpy.concatenate([self.values(f"lic.{k:04}.vdb", "magnitude") for k in (3, 4)])
-        magnitude = histogram["magnitude"]
+        magnitude = histogram["color"]
         counts = numpy.histogram(values, 256, (magnitude["low"], magnitude["high"]))[0]
         self.assertLess(numpy.abs(counts - magnitude["counts"]).sum(), 8)  # tolerance for values on the bins' edges
         self.assertEqual(self.renders("lic.0003.vdb", "-o", "a.png", "--size", 20, 20, "--histogram", "h.png"),

@@ -35,20 +35,33 @@ LookOptions::LookOptions(Tool& tool, RenderParams& params) : mApp(tool.app()), m
 
     tool.option("--look", mLook,
                 fmt::format("Look that all of the following start from: {}.", fmt::join(lookPresetNames(), ", ")));
+    option<std::string>("--by", "Float grid whose values choose colour and opacity; magnitude by default.",
+                        [&](const auto& name) {
+                            params.colorBy = name;
+                            params.opacityBy.clear();
+                        });
+    option<std::string>("--color-by", "Float grid whose values choose the colour.",
+                        [&](const auto& name) { params.colorBy = name; });
+    option<std::string>("--opacity-by", "Float grid whose values choose the opacity.",
+                        [&](const auto& name) { params.opacityBy = {name}; });
     option<std::string>("--transfer", "JSON file of a transfer function (docs/render.md).",
                         [&](const auto& file) { readTransferFile(file, transfer); });
-    option<std::string>("--colormap", fmt::format("Colours of magnitude: {}.", fmt::join(colorMapNames(), ", ")),
+    option<std::string>("--colormap", fmt::format("Colours over the range: {}.", fmt::join(colorMapNames(), ", ")),
                         [&](const auto& name) {
                             transfer.colorMap = name;
                             transfer.colors.clear();
                         });
     option<std::string>("--opacity",
-                        "Opacity of one voxel over the range of magnitudes, e.g. 0:0,0.4:0.05,1:0.8. By default it "
-                        "rises with magnitude, scaled so that one sees into the volume.",
+                        "Opacity of one voxel over the range, e.g. 0:0,0.4:0.05,1:0.8. By default it rises with the "
+                        "values, scaled so that one sees into the volume.",
                         [&](const auto& text) { transfer.opacity = parseOpacity(text); })
         ->type_name("POSITION:OPACITY,...");
-    option<Numbers<2>>("--range", "Magnitudes at positions 0 and 1 [world/s]; percentiles of the frames by default.",
+    option<Numbers<2>>("--range", "Values at positions 0 and 1 of the range; percentiles of the frames by default.",
                        [&](const auto& range) { transfer.range = range; })
+        ->type_name("LO HI");
+    option<Numbers<2>>("--opacity-range",
+                       "The same of the grid that chooses the opacity; --range if it is the one that colours.",
+                       [&](const auto& range) { transfer.opacityRange = range; })
         ->type_name("LO HI");
     number("--modulate", look.textureStrength, "How strongly the texture shows in opacity, 0 to 1.");
     number("--limb-darkening", look.limbDarkening,
@@ -103,6 +116,7 @@ void LookOptions::apply() const
     const LookPreset preset = lookPreset(mLook);
     mParams.look = preset.look;
     mParams.background = {preset.background, 0};
+    mParams.opacityBy = preset.opacityBy;
     for (const auto& change : mChanges)
         change();
 }

@@ -14,7 +14,6 @@ struct Spelling {
 constexpr Spelling kSpellings[] = {
     {"box", "--bbox"},
     {"derived", "--with"},
-    {"driver", "--by"},
     {"frame_spacing", "--dt or --fps"},
     {"life_span", "--life"},
     {"non_finite", "--nonfinite"},

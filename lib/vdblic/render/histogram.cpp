@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -24,6 +25,21 @@ nlohmann::json toJson(const Histogram& histogram)
             {"below", histogram.below},
             {"above", histogram.above},
             {"counts", histogram.counts}};
+}
+
+/// Bounds around a range of the look.
+Histogram around(const std::array<double, 2>& range)
+{
+    const auto [low, high] = range;
+    const double beyond = kBeyond * (high - low);
+    return {.low = low >= 0 ? std::max(low - beyond, 0.0) : low - beyond, .high = high + beyond};
+}
+
+nlohmann::json toJson(const Histogram& histogram, const std::string& name)
+{
+    nlohmann::json json = toJson(histogram);
+    json["grid"] = name;
+    return json;
 }
 
 } // namespace
@@ -53,24 +69,23 @@ std::uint64_t Histogram::total() const
 }
 
 TextureHistograms::TextureHistograms(const Look& look)
+    : color(around(look.transfer.range())), opacity(around(look.transfer.opacityRange()))
 {
-    const auto [low, high] = look.transfer.range();
-    const double beyond = kBeyond * (high - low);
-    driver.low = low >= 0 ? std::max(low - beyond, 0.0) : low - beyond;
-    driver.high = high + beyond;
 }
 
-void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::FloatGrid& drivers)
+void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::FloatGrid& colors,
+                            const openvdb::FloatGrid& opacities)
 {
-    const auto speeds = drivers.getConstAccessor();
+    const auto colorValues = colors.getConstAccessor(), opacityValues = opacities.getConstAccessor();
     for (auto value = textures.cbeginValueOn(); value; ++value) {
         openvdb::CoordBBox box;
         value.getBoundingBox(box); // of a voxel or a tile
         for (auto voxel = box.begin(); voxel; ++voxel) {
-            const float speed = speeds.getValue(*voxel);
-            if (!std::isfinite(*value) || !std::isfinite(speed)) continue;
+            const float colored = colorValues.getValue(*voxel), opaque = opacityValues.getValue(*voxel);
+            if (!std::isfinite(*value) || !std::isfinite(colored) || !std::isfinite(opaque)) continue;
             texture.add(double(*value));
-            driver.add(double(speed));
+            color.add(double(colored));
+            opacity.add(double(opaque));
         }
     }
 }
@@ -78,10 +93,11 @@ void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::F
 void TextureHistograms::add(const TextureHistograms& other)
 {
     texture.add(other.texture);
-    driver.add(other.driver);
+    color.add(other.color);
+    opacity.add(other.opacity);
 }
 
-std::string histogramJson(const TextureHistograms& histograms, const Look& look)
+std::string histogramJson(const TextureHistograms& histograms, const Look& look, const ScalarNames& names)
 {
     const TransferFunction& transfer = look.transfer;
     nlohmann::json points = nlohmann::json::array();
@@ -90,8 +106,13 @@ std::string histogramJson(const TextureHistograms& histograms, const Look& look)
     const nlohmann::json json = {
         {"voxels", histograms.texture.total()},
         {"texture", toJson(histograms.texture)},
-        {"magnitude", toJson(histograms.driver)},
-        {"transferFunction", {{"range", transfer.range()}, {"colorMap", transfer.colorMapName()}, {"opacity", points}}},
+        {"color", toJson(histograms.color, names.color)},
+        {"opacity", toJson(histograms.opacity, names.opacity)},
+        {"transferFunction",
+         {{"range", transfer.range()},
+          {"opacityRange", transfer.opacityRange()},
+          {"colorMap", transfer.colorMapName()},
+          {"opacity", points}}},
     };
     return json.dump(1) + "\n";
 }
@@ -102,10 +123,12 @@ void checkHistogramPath(const std::filesystem::path& path)
     throw ParameterError(fmt::format("histogram '{}' must end in .json or .png", path.string()));
 }
 
-void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look)
+void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look,
+                     const ScalarNames& names)
 {
     checkHistogramPath(path);
-    writeTextFile(path, path.extension() == ".json" ? histogramJson(histograms, look) : histogramPng(histograms, look));
+    writeTextFile(path, path.extension() == ".json" ? histogramJson(histograms, look, names)
+                                                    : histogramPng(histograms, look, names));
 }
 
 } // namespace vdblic

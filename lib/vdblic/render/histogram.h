@@ -26,29 +26,36 @@ struct Histogram {
     [[nodiscard]] std::uint64_t total() const; ///< values outside the bounds included
 };
 
-/// The histograms of texture and driver, for the design of transfer functions (Liu & Moorhead 2004, Figure 4).
+/// The histograms of texture and scalars, for the design of transfer functions (Liu & Moorhead 2004, Figure 4).
 struct TextureHistograms {
-    Histogram texture; ///< from 0 to 1
-    Histogram driver;  ///< the look's range and a quarter of it on each side, but not beyond 0
+    Histogram texture;        ///< from 0 to 1
+    Histogram color, opacity; ///< of the scalars: the look's ranges and a quarter on each side, but not beyond 0
 
     /// Empty histograms with the bounds for a look.
     explicit TextureHistograms(const Look& look);
-    /// Count every active voxel of a texture and its driver; voxels with a number that is not finite are left out.
-    void add(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver);
+    /// Count every active voxel of a texture and its scalars; voxels with a number that is not finite are left out.
+    void add(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& color, const openvdb::FloatGrid& opacity);
     void add(const TextureHistograms& other);
 };
 
-/// Histograms, and the look's colours and opacities at the driver histogram's bins, as JSON.
-[[nodiscard]] std::string histogramJson(const TextureHistograms& histograms, const Look& look);
+/// Names of the grids of a histogram.
+struct ScalarNames {
+    std::string color, opacity; ///< equal if one scalar does both
+};
 
-/// The histograms as a picture in PNG, the transfer function drawn over that of the driver. Equal input gives equal
+/// Histograms, and the look's curves, as JSON.
+[[nodiscard]] std::string histogramJson(const TextureHistograms& histograms, const Look& look,
+                                        const ScalarNames& names);
+
+/// The histograms as a picture in PNG, the transfer function drawn over those of the scalars. Equal input gives equal
 /// bytes.
-[[nodiscard]] std::string histogramPng(const TextureHistograms& histograms, const Look& look);
+[[nodiscard]] std::string histogramPng(const TextureHistograms& histograms, const Look& look, const ScalarNames& names);
 
 /// @throws ParameterError unless the file ends in .json or .png
 void checkHistogramPath(const std::filesystem::path& path);
 
 /// Write JSON or PNG, by the file's extension. @throws ParameterError, OutputError
-void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look);
+void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look,
+                     const ScalarNames& names);
 
 } // namespace vdblic

@@ -16,7 +16,7 @@
 namespace vdblic {
 namespace {
 
-constexpr int kWidth = 1240, kHeight = 460;
+constexpr int kPanel = 512, kPitch = 590, kHeight = 460; // width and distance of panels
 constexpr const char* kFont = "@cairo:"; // built into Cairo: the same pixels on every machine, no font files
 constexpr double kFontSize = 19;
 constexpr glm::dvec3 kPaper(1), kAxes(0.15), kBars(0.55), kCurve(0.05);
@@ -67,7 +67,7 @@ void drawBars(cairo_t* cairo, const Panel& panel, const Histogram& histogram, co
     }
 }
 
-void drawFrame(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const char* title)
+void drawFrame(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const std::string& title)
 {
     constexpr int kTicks = 4;
     setColor(cairo, kAxes);
@@ -137,10 +137,11 @@ std::string toPng(cairo_surface_t* surface)
 
 } // namespace
 
-std::string histogramPng(const TextureHistograms& histograms, const Look& look)
+std::string histogramPng(const TextureHistograms& histograms, const Look& look, const ScalarNames& names)
 {
+    const bool one = names.color == names.opacity;
     const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
-        cairo_image_surface_create(CAIRO_FORMAT_RGB24, kWidth, kHeight), cairo_surface_destroy);
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, 60 + kPitch * (one ? 2 : 3), kHeight), cairo_surface_destroy);
     const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> owner(cairo_create(surface.get()), cairo_destroy);
     cairo_t* cairo = owner.get();
     setColor(cairo, kPaper);
@@ -150,18 +151,27 @@ std::string histogramPng(const TextureHistograms& histograms, const Look& look)
     cairo_select_font_face(cairo, kFont, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo, kFontSize);
 
-    const Panel left{{40, 60}, {552, 380}}, right{{630, 60}, {1142, 380}};
-    drawBars(cairo, left, histograms.texture, [](std::size_t) { return kBars; });
-    drawFrame(cairo, left, histograms.texture, "texture");
+    const auto panel = [](int i) {
+        const double left = 40 + kPitch * i;
+        return Panel{{left, 60}, {left + kPanel, 380}};
+    };
+    const auto plain = [](std::size_t) { return kBars; };
+    drawBars(cairo, panel(0), histograms.texture, plain);
+    drawFrame(cairo, panel(0), histograms.texture, "texture");
 
-    const Histogram& driver = histograms.driver;
+    const Histogram& colors = histograms.color;
     const auto [low, high] = look.transfer.range();
-    drawBars(cairo, right, driver, [&, low = low, high = high](std::size_t bin) {
-        const double value = driver.low + (driver.high - driver.low) * (double(bin) + 0.5) / Histogram::kBins;
+    drawBars(cairo, panel(1), colors, [&, low = low, high = high](std::size_t bin) {
+        const double value = colors.low + (colors.high - colors.low) * (double(bin) + 0.5) / Histogram::kBins;
         return look.transfer.displayColor((value - low) / (high - low));
     });
-    drawOpacity(cairo, right, driver, look.transfer);
-    drawFrame(cairo, right, driver, "magnitude");
+    const Panel opaque = panel(one ? 1 : 2);
+    if (!one) {
+        drawBars(cairo, opaque, histograms.opacity, plain);
+        drawFrame(cairo, opaque, histograms.opacity, names.opacity);
+    }
+    drawOpacity(cairo, opaque, histograms.opacity, look.transfer);
+    drawFrame(cairo, panel(1), colors, names.color);
     return toPng(surface.get());
 }
 

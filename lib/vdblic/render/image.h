@@ -14,7 +14,7 @@ namespace vdblic {
 struct PixelLayers {
     float depth = std::numeric_limits<float>::infinity(); ///< along the view axis [world]; infinite where alpha is 0
     glm::vec3 normal{0};                                  ///< world space, towards the eye, of length 1 or 0
-    float driver = 0, texture = 0;                        ///< values of the grids
+    float driver = 0, texture = 0;                        ///< values of the grids; driver: the scalar that colours
     float samples = 0;                                    ///< number of samples along the ray
 };
 

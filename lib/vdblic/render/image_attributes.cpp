@@ -55,13 +55,17 @@ void add(Attributes& attributes, const CameraMotion& motion)
 
 void add(Attributes& attributes, const TransferFunction& transfer)
 {
-    const auto& [colorMap, colors, opacity, range] = transfer.params();
+    const auto& [colorMap, colors, opacity, range, opacityRange, unit, opacityUnit] = transfer.params();
     const auto colorText = [](const ColorPoint& point) {
         return fmt::format("{}:{}", point.position, vectorText(point.color));
     };
     attributes.emplace_back("colorMap", colors.empty() ? colorMap : listText(colors, colorText));
     attributes.emplace_back("opacity", opacityText(opacity));
-    attributes.emplace_back("magnitudeRange", glm::vec2((*range)[0], (*range)[1]));
+    const auto [low, high] = transfer.opacityRange();
+    attributes.emplace_back("colorRange", glm::vec2((*range)[0], (*range)[1]));
+    attributes.emplace_back("opacityRange", glm::vec2(low, high));
+    if (!unit.empty()) attributes.emplace_back("unit", unit);
+    if (!opacityUnit.empty()) attributes.emplace_back("opacityUnit", opacityUnit);
 }
 
 void add(Attributes& attributes, const TextureModulation& texture)
@@ -110,14 +114,15 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToCamera = camera.worldToCamera();
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
-    const auto& [input, skipExisting, output, histogram, texture, driver, region, stretch, size, scale, samples,
+    const auto& [input, skipExisting, output, histogram, texture, colorBy, opacityBy, region, stretch, size, scale, samples,
                  cameraParams, motion, lookParams, rays, background, exr] = params;
     const auto& [transfer, modulation, shading, halo, depthCue, fading] = look;
     Attributes& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)},
                   {"source", file.path.filename().string()},
                   {"textureGrid", texture},
-                  {"by", driver},
+                  {"colorBy", colorBy},
+                  {"opacityBy", opacityBy.empty() ? colorBy : opacityBy.front()},
                   {"region", region},
                   {"stretch", glm::vec3(stretch)},
                   {"scale", float(scale)},

@@ -26,12 +26,19 @@ float percentile(std::vector<float>& values, double share)
     return *found;
 }
 
-std::array<double, 2> driverRange(std::vector<float> drivers)
+std::array<double, 2> rangeOf(std::vector<float> drivers)
 {
     const double low = percentile(drivers, 0.02), high = percentile(drivers, 0.99);
     // A driver of one value is at the top of the range, or at its bottom if it is 0.
     if (!(low < high)) return {0, high > 0 ? high : 1};
     return {low, high};
+}
+
+/// A scalar of both signs, such as q, makes opaque from 0 on.
+std::array<double, 2> opacityRangeOf(const std::vector<float>& drivers)
+{
+    const auto [low, high] = rangeOf(drivers);
+    return {low < 0 && high > 0 ? 0 : low, high};
 }
 
 TextureModulation stretch(std::vector<float> textures, const LookParams& params)
@@ -85,10 +92,13 @@ Look chooseLook(const LookParams& params, const TextureVolume::Samples& samples,
     params.validate();
     if (samples.texture.empty()) throw InputError("no active voxel holds a finite number");
     TransferParams transfer = params.transfer;
-    if (!transfer.range) transfer.range = driverRange(samples.driver);
+    const bool one = samples.color.empty();
+    if (!transfer.range) transfer.range = rangeOf(one ? samples.driver : samples.color);
+    if (!one && !transfer.opacityRange) transfer.opacityRange = opacityRangeOf(samples.driver);
     const TextureModulation texture = stretch(samples.texture, params);
     if (transfer.opacity.empty()) {
-        transfer.opacity = chooseOpacity(samples, params.opticalDepth / thickness, *transfer.range, texture);
+        transfer.opacity = chooseOpacity(samples, params.opticalDepth / thickness,
+                                         transfer.opacityRange.value_or(*transfer.range), texture);
     }
     return {.transfer = TransferFunction(transfer),
             .texture = texture,

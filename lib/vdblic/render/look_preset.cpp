@@ -9,14 +9,15 @@ namespace vdblic {
 
 std::vector<std::string> lookPresetNames()
 {
-    return {"flow", "ink", "smoke", "xray"};
+    return {"flow", "vortex", "ink", "smoke", "xray"};
 }
 
 LookPreset lookPreset(std::string_view name)
 {
     LookPreset preset{{}, {0.04, 0.05, 0.07}};
     LookParams& look = preset.look;
-    if (name == "flow") {
+    if (name == "flow" || name == "vortex") {
+        if (name == "vortex") preset.opacityBy = {"q", "vorticity"};
         look.halo = 0.3;
         look.depthCue = 0.25;
         look.shading.ambient = 0.55f;

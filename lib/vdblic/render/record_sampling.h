@@ -89,6 +89,20 @@ VDBLIC_INLINE void sampleGradients(const GradientRecord* gradients, Unsigned8 re
     result[2] = xz[1];
 }
 
+/// Trilinear interpolation of single numbers in eight cells.
+VDBLIC_INLINE Float8 sampleNumbers(const float* numbers, Unsigned8 record, const Float8* fraction)
+{
+    constexpr unsigned kY = kPaddedDim, kX = kPaddedDim * kPaddedDim;
+    const auto corner = [&](unsigned at) {
+        Float8 result;
+        for (int lane = 0; lane < kLanes; ++lane)
+            result[lane] = numbers[record[lane] + at];
+        return result;
+    };
+    const auto edge = [&](unsigned at) { return mix(corner(at), corner(at + 1), fraction[2]); };
+    return mix(mix(edge(0), edge(kY), fraction[1]), mix(edge(kX), edge(kX + kY), fraction[1]), fraction[0]);
+}
+
 /// Trilinear interpolation of the line projectors in one cell. @param x, y, z position in the cell, 0 to 1
 VDBLIC_INLINE Float8 sampleLine(const LineRecord* corner, float x, float y, float z)
 {

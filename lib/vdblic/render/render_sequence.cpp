@@ -43,7 +43,7 @@ struct FrameTask {
 struct RenderedFrame {
     FrameFile file;
     const Scene* scene = nullptr;
-    bool hasDriver = true;
+    bool hasColor = true;
     std::size_t unusableVoxels = 0;
     std::optional<TextureHistograms> histograms;
     std::exception_ptr error;
@@ -66,7 +66,7 @@ class SequenceRenderer {
     {
         if (mParams.input.pattern != "-") {
             if (std::optional<SequenceScene> found = sceneOfSequence(mParams)) {
-                mScene = std::move(found->scene);
+                setScene(std::move(found->scene));
                 mOnlyFrame = std::move(found->onlyFrame);
             }
         }
@@ -78,7 +78,7 @@ class SequenceRenderer {
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
         if (mParams.histogram.empty()) return;
         if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
-        writeHistograms(mParams.histogram, *mHistograms, mScene->look);
+        writeHistograms(mParams.histogram, *mHistograms, mScene->look, {mParams.colorBy, mScene->opacityBy});
         mReporter.finished(mParams.histogram);
     }
 
@@ -110,6 +110,13 @@ class SequenceRenderer {
         if (mError) std::rethrow_exception(mError);
     }
 
+    /// No frame is being rendered yet.
+    void setScene(Scene scene)
+    {
+        if (!mParams.opacityBy.empty()) mParams.opacityBy = {scene.opacityBy};
+        mScene = std::move(scene);
+    }
+
     /// Take the next frame; false at the end and after an error.
     bool take(FrameTask& task)
     {
@@ -125,7 +132,7 @@ class SequenceRenderer {
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
                 if (!task.loaded->volume.empty())
-                    mScene = chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), {});
+                    setScene(chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), {}));
             }
             if (mScene) task.scene = &*mScene;
         } catch (...) {
@@ -156,11 +163,11 @@ class SequenceRenderer {
     {
         const auto frame =
             task.loaded ? task.loaded : std::make_shared<const LoadedTexture>(loadFrame(mParams, task.file));
-        result.hasDriver = frame->hasDriver;
+        result.hasColor = frame->hasColor;
         result.unusableVoxels = frame->volume.unusableVoxels();
         if (!mParams.histogram.empty() && task.scene) {
             result.histograms.emplace(task.scene->look);
-            result.histograms->add(*frame->texture, *frame->driver);
+            result.histograms->add(*frame->texture, *frame->color, *frame->opacity);
         }
         if (!mOutput) return;
         const glm::ivec2 size = mParams.scaledSize();
@@ -181,10 +188,10 @@ class SequenceRenderer {
         if (frame.error) std::rethrow_exception(frame.error);
         const std::string path = frame.file.path.string();
         if (frame.scene && !mDescribed) describe(*frame.scene, frame.file.frame);
-        if (!frame.hasDriver && !mSaidNoDriver) {
-            mReporter.say(
-                fmt::format("{}: no float grid 'magnitude'; the texture chooses colour and opacity instead", path));
-            mSaidNoDriver = true;
+        if (!frame.hasColor && !mSaidNoColor) {
+            mReporter.say(fmt::format("{}: no float grid '{}'; the texture chooses {} instead", path, mParams.colorBy,
+                                      mParams.opacityBy.empty() ? "colour and opacity" : "the colour"));
+            mSaidNoColor = true;
         }
         if (frame.unusableVoxels > 0) {
             mReporter.warn(
@@ -205,14 +212,16 @@ class SequenceRenderer {
         const Camera camera = scene.cameras.at(frame);
         mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, toString(camera.projection()),
                                      vectorText(camera.eye()), vectorText(camera.target()), vectorText(camera.up())));
-        mReporter.detail(fmt::format("magnitude {} to {}, opacity {}, texture {} to {}", look.transfer.range()[0],
-                                     look.transfer.range()[1], opacityText(look.transfer.opacity()), look.texture.low,
-                                     look.texture.high));
+        const TransferFunction& transfer = look.transfer;
+        mReporter.detail(fmt::format("{} {} to {}, opacity by {} {} to {}: {}, texture {} to {}", mParams.colorBy,
+                                     transfer.range()[0], transfer.range()[1], scene.opacityBy,
+                                     transfer.opacityRange()[0], transfer.opacityRange()[1],
+                                     opacityText(transfer.opacity()), look.texture.low, look.texture.high));
         mReporter.detail(fmt::format("{} frames at once, about {:.0f} MB each", framesInFlight(scene.frameBytes),
                                      scene.frameBytes / 1e6));
     }
 
-    const RenderParams& mParams;
+    RenderParams mParams;
     RayCastParams mRays;
     Reporter& mReporter;
     std::size_t mTotal = 0, mTaken = 0, mDone = 0;
@@ -223,7 +232,7 @@ class SequenceRenderer {
     std::optional<TextureHistograms> mHistograms;
     std::atomic<bool> mStopped = false; // take no further frame
     std::exception_ptr mError;
-    bool mDescribed = false, mSaidNoDriver = false;
+    bool mDescribed = false, mSaidNoColor = false;
 };
 
 } // namespace

@@ -132,6 +132,7 @@ VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8
     const Cells cells(queue);
     Float8 values[2];
     sampleValues(mVolume.values(), cells.record, cells.fraction, values);
+    if (mVolume.colors()) values[1] = sampleNumbers(mVolume.colors(), cells.record, cells.fraction);
     const Float8 numbers[] = {depth * weight, values[1] * weight, values[0] * weight, Float8{}};
     Float4 rows[kLanes];
     transposeBack(normals, rows);
@@ -182,10 +183,16 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     const Float8 face = ray[kFaceLit] >= 0 ? clamped(1 - distance * mStep) : Float8{};
     light = {mix(light.lit, ray[kFaceLit], face), mix(light.white, ray[kFaceWhite], face)};
 
-    // The driver chooses the colour, the texture darkens it.
+    // A scalar chooses the colour, the texture darkens it.
+    Int8 entry;
+    std::memcpy(&entry, samples.entry + first, sizeof entry);
+    if (mVolume.colors()) {
+        const Cells cells(queue);
+        entry = mLook.transfer.colorEntries(sampleNumbers(mVolume.colors(), cells.record, cells.fraction));
+    }
     Float4 rows[kLanes];
     for (int i = 0; i < kLanes; ++i)
-        rows[i] = asFloat4(mLook.transfer.table()[samples.entry[first + i]]);
+        rows[i] = asFloat4(mLook.transfer.table()[entry[i]]);
     Float8 color[4];
     transpose(rows, color);
     const Float8 tint = mLook.texture.brightness(load8(samples.stretched + first)) * light.lit;

@@ -1,6 +1,7 @@
 #include "vdblic/render/scene.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
 #include "vdblic/io/vdb_file.h"
@@ -9,12 +10,14 @@
 #include "vdblic/render/sequence_bounds.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,8 +30,33 @@ double memoryOf(const RenderParams& params, const TextureVolume& volume)
     constexpr double kGridLeaf =
         2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
     const double record =
-        double(sizeof(ValueRecord) + sizeof(GradientRecord)) + (volume.lines() ? sizeof(LineRecord) : 0);
+        double(sizeof(ValueRecord) + sizeof(GradientRecord) + (volume.lines() ? sizeof(LineRecord) : 0) +
+               (volume.colors() ? sizeof(float) : 0));
     return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record) + params.imageBytes();
+}
+
+/// A scalar grid that a file lacks, and what makes it.
+InputError missingScalar(const VdbFile& file, const std::vector<std::string>& names, std::string choice)
+{
+    const auto made =
+        std::find_first_of(names.begin(), names.end(), std::begin(kDerivedNames), std::end(kDerivedNames));
+    if (made != names.end()) choice += fmt::format(", or make it with vdblic_advect --with {}", *made);
+    return file.missing(fmt::format("float grid '{}'", fmt::join(names, "' or '")), choice);
+}
+
+/// The first of a file's float grids with one of these names.
+openvdb::FloatGrid::Ptr findScalar(const VdbFile& file, const std::vector<std::string>& names)
+{
+    for (const std::string& name : names) {
+        if (auto grid = file.find<openvdb::FloatGrid>(name)) return grid;
+    }
+    return nullptr;
+}
+
+openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
+{
+    const bool together = grid->transform() == texture.transform() || !grid->transform().isLinear();
+    return together ? grid : resampled(*grid, texture);
 }
 
 } // namespace
@@ -37,12 +65,23 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
 {
     const VdbFile file = readVdb(frame.path);
     const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
-    const bool hasDriver = params.driver != RenderParams{}.driver || file.find<openvdb::FloatGrid>(params.driver);
-    const auto stored = hasDriver ? file.get<openvdb::FloatGrid>(params.driver, "`driver`") : texture;
+    const std::vector<std::string>& opacityBy = params.opacityBy;
+    const auto storedColor = findScalar(file, {params.colorBy});
+    if (!storedColor && params.colorBy != RenderParams{}.colorBy)
+        throw missingScalar(file, {params.colorBy}, opacityBy.empty() ? "`by`" : "`color_by`");
+    const auto storedOpacity = opacityBy.empty() ? storedColor : findScalar(file, opacityBy);
+    if (!storedOpacity && !opacityBy.empty()) throw missingScalar(file, opacityBy, "`opacity_by`");
     try {
-        const bool together = stored->transform() == texture->transform() || !stored->transform().isLinear();
-        const auto driver = together ? stored : resampled(*stored, *texture);
-        LoadedTexture loaded{frame, texture, driver, hasDriver, TextureVolume(*texture, *driver, params.stretch)};
+        const auto color = storedColor ? onTexture(storedColor, *texture) : texture;
+        const auto opacity = storedOpacity && storedOpacity != storedColor ? onTexture(storedOpacity, *texture) : color;
+        LoadedTexture loaded{frame,
+                             texture,
+                             color,
+                             opacity,
+                             bool(storedColor),
+                             storedOpacity ? storedOpacity->getName() : params.colorBy,
+                             TextureVolume(*texture, *opacity, params.stretch)};
+        if (opacity != color || params.look.transfer.opacityRange) loaded.volume.addColors(*texture, *color);
         if (!params.region.empty()) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
             loaded.volume.cut(
@@ -65,13 +104,14 @@ Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> fra
         const TextureVolume::Samples more = frame.volume.samples();
         samples.texture.insert(samples.texture.end(), more.texture.begin(), more.texture.end());
         samples.driver.insert(samples.driver.end(), more.driver.begin(), more.driver.end());
+        samples.color.insert(samples.color.end(), more.color.begin(), more.color.end());
         voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
         bytes = std::max(bytes, memoryOf(params, frame.volume));
     }
     try {
         Look look = chooseLook(params.look, samples, std::cbrt(voxels));
         look.background = glm::vec3(linearFromDisplay(params.background.color));
-        return {std::move(look), cameras, bytes};
+        return {std::move(look), frames.front().opacityBy, cameras, bytes};
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", frames.front().file.path.string(), error.what()));
     }
@@ -98,11 +138,13 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     constexpr std::size_t kLookFrames = 4;
     std::vector<LoadedTexture> frames;
     frames.push_back(loadFrame(params, bounds->firstFilled));
+    RenderParams rest = params;
+    if (!params.opacityBy.empty()) rest.opacityBy = {frames.front().opacityBy};
     for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
         const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
         if (file.frame == bounds->firstFilled.frame) continue;
         try {
-            frames.push_back(loadFrame(params, file));
+            frames.push_back(loadFrame(rest, file));
         } catch (const InputError&) {
             continue;
         }

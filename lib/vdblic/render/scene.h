@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace vdblic {
 
@@ -18,8 +19,9 @@ struct RenderParams;
 /// A frame that was read.
 struct LoadedTexture {
     FrameFile file;
-    openvdb::FloatGrid::Ptr texture, driver; ///< the same grid if the file has no driver
-    bool hasDriver;
+    openvdb::FloatGrid::Ptr texture, color, opacity; ///< what colours and what makes opaque: two grids or one
+    bool hasColor;                                   ///< if not, the texture colours
+    std::string opacityBy;                           ///< name of the grid that makes opaque
     TextureVolume volume;
 };
 
@@ -29,6 +31,7 @@ struct LoadedTexture {
 /// What stays the same for the whole animation.
 struct Scene {
     Look look;
+    std::string opacityBy; ///< name of the grid that makes opaque, in every frame
     CameraPath cameras;
     double frameBytes; ///< estimate of the memory that a frame takes
 };

@@ -145,6 +145,14 @@ void TextureBlock::writeValues(ValueRecord* records) const
     }
 }
 
+void TextureBlock::writeDrivers(float* drivers) const
+{
+    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
+        for (int y = -1; y <= LeafVoxel::kDim; ++y)
+            std::copy_n(mDriver + index(x, y, -1), kPaddedDim, drivers + paddedIndex(x, y, -1));
+    }
+}
+
 void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientRecord* records) const
 {
     constexpr int kStrides[] = {kDim * kDim, kDim, 1};

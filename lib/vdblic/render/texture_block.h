@@ -25,6 +25,7 @@ class TextureBlock {
 
     [[nodiscard]] LeafRange range() const;
     void writeValues(ValueRecord* records) const;
+    void writeDrivers(float* drivers) const;
     /// @param gradientToWorld from texture per voxel in index space
     void writeGradients(const glm::mat3& gradientToWorld, GradientRecord* records) const;
     /// Remove inactive voxels from the leaf's mask. @return number of voxels removed

@@ -39,6 +39,13 @@ glm::dmat4 affine(const openvdb::math::Transform& transform, const std::string& 
     return result;
 }
 
+void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar)
+{
+    if (texture.transform() == scalar.transform()) return;
+    throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
+                                 texture.getName(), scalar.getName()));
+}
+
 } // namespace
 
 TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
@@ -46,10 +53,7 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) * affine(texture.transform(), texture.getName())),
       mWorldToIndex(glm::inverse(mIndexToWorld))
 {
-    if (texture.transform() != driver.transform()) {
-        throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
-                                     texture.getName(), driver.getName()));
-    }
+    checkTransforms(texture, driver);
     mDomain = std::make_shared<const Domain>(
         std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()));
     const std::size_t leaves = domain().leafCount();
@@ -92,6 +96,21 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     }
 }
 
+void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors)
+{
+    checkTransforms(texture, colors);
+    const std::size_t leaves = domain().leafCount();
+    mColors = std::make_unique_for_overwrite<float[]>(leaves * kPaddedSize);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
+        const auto block = std::make_unique<TextureBlock>();
+        for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
+            block->copy(texture.tree(), colors.tree(), domain().origin(leaf));
+            block->extend();
+            block->writeDrivers(mColors.get() + leaf * kPaddedSize);
+        }
+    });
+}
+
 void TextureVolume::cut(const Domain& kept)
 {
     tbb::parallel_for(std::size_t(0), mShown.size(), [&](std::size_t leaf) {
@@ -125,9 +144,10 @@ TextureVolume::Samples TextureVolume::samples() const
         for (auto i = mShown[leaf].beginOn(); i; ++i) {
             if (voxel++ % stride != 0) continue;
             const LeafVoxel at = LeafVoxel::at(i.pos());
-            const ValueRecord& value = mValues[leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z))];
-            result.texture.push_back(value.texture);
-            result.driver.push_back(value.driver);
+            const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
+            result.texture.push_back(mValues[record].texture);
+            result.driver.push_back(mValues[record].driver);
+            if (mColors) result.color.push_back(mColors[record]);
         }
     }
     return result;

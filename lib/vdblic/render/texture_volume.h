@@ -19,17 +19,17 @@ struct LeafRange {
     float lowDriver, highDriver, highTexture;
 };
 
-/// A texture and its driver (TransferParams), prepared for ray casting.
+/// A texture and the scalars that drive its colour and opacity (TransferParams), prepared for ray casting.
 ///
 /// Each leaf has padded records of values and of gradients (texture_records.h). Inactive voxels next to active ones
 /// hold the mean of their nearest active neighbours, which continues the values past the rim. Gradients are central
 /// differences, one-sided at the rim, 0 in inactive voxels, in world space [texture per mean voxel size]: their
-/// directions are normals. Any number of threads may read; cut() and addLines() must not run beside readers.
+/// directions are normals. Any number of threads may read; cut() and add…() must not run beside readers.
 class TextureVolume {
   public:
     using Mask = Domain::Mask;
 
-    /// @param driver may be the texture itself
+    /// @param driver the scalar that makes opaque and, unless there is addColors(), colours; may be the texture itself
     /// @param stretch factors along the axes from the grids' world space to the volume's
     /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ
     TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
@@ -48,11 +48,18 @@ class TextureVolume {
     [[nodiscard]] const Mask& shown(std::size_t leaf) const { return mShown[leaf]; }
     [[nodiscard]] const LeafRange& leafRange(std::size_t leaf) const { return mRanges[leaf]; }
 
+    /// The scalar that colours, by records as values(); null unless addColors() was called.
+    [[nodiscard]] const float* colors() const { return mColors.get(); }
+
     /// Show only voxels that lie in another domain of the same index space too.
     void cut(const Domain& kept);
 
     /// Compute lines(), for ShadingModel::kLine.
     void addLines();
+
+    /// Let another scalar colour. Where it is not a finite number its neighbours decide.
+    /// @throws InputError naming the grid if its transform differs from the texture's
+    void addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors);
 
     /// Bounds of the active voxels, faces included, in index space.
     [[nodiscard]] const glm::dvec3& low() const { return mLow; }
@@ -68,7 +75,7 @@ class TextureVolume {
 
     /// Values of every n-th voxel shown, a few hundred thousand at most.
     struct Samples {
-        std::vector<float> texture, driver;
+        std::vector<float> texture, driver, color; ///< color is empty if the driver colours
     };
     [[nodiscard]] Samples samples() const;
 
@@ -77,6 +84,7 @@ class TextureVolume {
     std::unique_ptr<ValueRecord[]> mValues;
     std::unique_ptr<GradientRecord[]> mGradients;
     std::unique_ptr<LineRecord[]> mLines;
+    std::unique_ptr<float[]> mColors;
     std::vector<Mask> mShown;
     std::vector<LeafRange> mRanges;
     glm::dvec3 mLow{0}, mHigh{0};

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <fstream>
 #include <string>
@@ -31,14 +32,30 @@ std::vector<std::vector<double>> rows(const Json& value, const std::string& key,
     return result;
 }
 
+std::array<double, 2> parseRange(const Json& value, const std::string& key)
+{
+    const std::vector<double> range = rows(Json::array({value}), key, 2).front();
+    return {range[0], range[1]};
+}
+
+std::string parseText(const Json& value, const std::string& key)
+{
+    if (!value.is_string()) throw ParameterError(fmt::format("'{}' must be text", key));
+    return value.get<std::string>();
+}
+
 void readKey(const std::string& key, const Json& value, TransferParams& params)
 {
     if (key == "range") {
-        const std::vector<double> range = rows(Json::array({value}), key, 2).front();
-        params.range = {range[0], range[1]};
+        params.range = parseRange(value, key);
+    } else if (key == "opacity_range") {
+        params.opacityRange = parseRange(value, key);
+    } else if (key == "unit") {
+        params.unit = parseText(value, key);
+    } else if (key == "opacity_unit") {
+        params.opacityUnit = parseText(value, key);
     } else if (key == "colormap") {
-        if (!value.is_string()) throw ParameterError("'colormap' must be a name");
-        params.colorMap = value.get<std::string>();
+        params.colorMap = parseText(value, key);
         params.colors.clear();
     } else if (key == "colors") {
         params.colors.clear();
@@ -49,7 +66,7 @@ void readKey(const std::string& key, const Json& value, TransferParams& params)
         for (const auto& row : rows(value, key, 2))
             params.opacity.push_back({row[0], row[1]});
     } else {
-        throw ParameterError(fmt::format("'{}' is none of range, colormap, colors, opacity", key));
+        throw ParameterError(fmt::format("'{}' is none of range, unit, colormap, colors, opacity, opacity_range, opacity_unit", key));
     }
 }
 

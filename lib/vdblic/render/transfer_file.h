@@ -8,10 +8,13 @@ namespace vdblic {
 
 /// Read a transfer function from a JSON file: an object with any of
 ///
-///     "range":    [LOW, HIGH]                               values of the driver at positions 0 and 1
-///     "colormap": "viridis"                                 a named colour map, or instead
-///     "colors":   [[POSITION, RED, GREEN, BLUE], ...]       display (sRGB) values, 0 to 1
-///     "opacity":  [[POSITION, OPACITY], ...]                of one voxel
+///     "range":         [LOW, HIGH]                           values at positions 0 and 1 of the scalar that colours
+///     "unit":          "m/s"                                 of that scalar
+///     "colormap":      "viridis"                             a named colour map, or instead
+///     "colors":        [[POSITION, RED, GREEN, BLUE], ...]   display (sRGB) values, 0 to 1
+///     "opacity":       [[POSITION, OPACITY], ...]            of one voxel
+///     "opacity_range": [LOW, HIGH]                           as range, of the scalar that makes opaque
+///     "opacity_unit":  "1/s²"                                of that scalar
 ///
 /// by rising position from 0 to 1. Keys that are left out keep their values in `params`.
 /// @throws InputError naming the file and the error

@@ -23,17 +23,20 @@ double interpolate(const std::vector<OpacityPoint>& points, double position)
     return before->opacity + (after->opacity - before->opacity) * fraction;
 }
 
-} // namespace
-
-TransferFunction::TransferFunction(const TransferParams& params)
-    : mParams(params), mTable(kEntries), mExtinctions(kEntries), mVisibleBefore(kEntries + 1)
+const TransferParams& checked(const TransferParams& params)
 {
     params.validate();
     if (params.opacity.empty()) throw ParameterError("a transfer function needs at least one opacity point");
     if (!params.range) throw ParameterError("a transfer function needs a range");
-    const auto& [low, high] = *params.range;
-    mLow = float(low);
-    mScale = float((kEntries - 1) / (high - low));
+    return params;
+}
+
+} // namespace
+
+TransferFunction::TransferFunction(const TransferParams& params)
+    : mParams(checked(params)), mOpacityScale(opacityRange()), mColorScale(range()), mTable(kEntries),
+      mExtinctions(kEntries), mVisibleBefore(kEntries + 1)
+{
     const std::vector<ColorPoint> colors = params.colors.empty() ? colorMapPoints(params.colorMap) : params.colors;
     for (int i = 0; i < kEntries; ++i) {
         const double position = double(i) / (kEntries - 1);

@@ -11,7 +11,8 @@
 
 namespace vdblic {
 
-/// Colour and opacity over the driver, tabulated for the ray caster. Immutable; any number of threads may read.
+/// Colour over one scalar and opacity over the same or another one, tabulated for the ray caster. Immutable; any number
+/// of threads may read.
 ///
 /// Opacity is stored as extinction: the optical depth of one voxel, −ln(1 − opacity). Optical depths add along a ray,
 /// so a step of length s [voxels] has opacity 1 − exp(−extinction·s) = 1 − (1 − opacity)^s.
@@ -24,7 +25,7 @@ class TransferFunction {
     };
 
     /// Curves are constant before their first point and after their last one.
-    /// @param params with opacity and range set
+    /// @param params with opacity and range set; without an opacity range, range is that of both
     /// @throws ParameterError
     explicit TransferFunction(const TransferParams& params);
 
@@ -36,25 +37,42 @@ class TransferFunction {
     [[nodiscard]] std::string colorMapName() const { return mParams.colors.empty() ? mParams.colorMap : "points"; }
     [[nodiscard]] const std::vector<OpacityPoint>& opacity() const { return mParams.opacity; }
     [[nodiscard]] const std::array<double, 2>& range() const { return *mParams.range; }
+    [[nodiscard]] const std::array<double, 2>& opacityRange() const
+    {
+        return mParams.opacityRange ? *mParams.opacityRange : range();
+    }
 
     /// Display (sRGB) values. @param position 0 to 1; clamped
     [[nodiscard]] glm::dvec3 displayColor(double position) const;
 
-    /// Table indices of eight values of the driver, clamped to the table; the last for NaN.
-    [[nodiscard]] VDBLIC_INLINE Int8 entries(Float8 driver) const
-    {
-        const Float8 index = (driver - mLow) * mScale;
-        const Float8 last = broadcast8(float(kEntries - 1));
-        const Float8 bounded = index < last ? index : last;
-        return __builtin_convertvector(bounded > 0 ? bounded + 0.5f : Float8{}, Int8);
-    }
+    /// Table indices of eight values of the scalar that makes opaque, clamped to the table; the last for NaN.
+    [[nodiscard]] VDBLIC_INLINE Int8 entries(Float8 driver) const { return mOpacityScale.entries(driver); }
+    /// The same for the scalar that colours.
+    [[nodiscard]] VDBLIC_INLINE Int8 colorEntries(Float8 value) const { return mColorScale.entries(value); }
 
-    /// Whether any value of the driver between two bounds has an opacity above 0.
+    /// Whether any value between two bounds of the scalar that makes opaque has an opacity above 0.
     [[nodiscard]] bool contributes(float low, float high) const;
 
   private:
+    /// From values to entries of the table.
+    struct Scale {
+        float low, perEntry;
+
+        explicit Scale(const std::array<double, 2>& range)
+            : low(float(range[0])), perEntry(float((kEntries - 1) / (range[1] - range[0])))
+        {
+        }
+        [[nodiscard]] VDBLIC_INLINE Int8 entries(Float8 value) const
+        {
+            const Float8 index = (value - low) * perEntry;
+            const Float8 last = broadcast8(float(kEntries - 1));
+            const Float8 bounded = index < last ? index : last;
+            return __builtin_convertvector(bounded > 0 ? bounded + 0.5f : Float8{}, Int8);
+        }
+    };
+
     TransferParams mParams;
-    float mLow, mScale;
+    Scale mOpacityScale, mColorScale;
     std::vector<Entry> mTable;
     std::vector<float> mExtinctions;
     std::vector<int> mVisibleBefore; // [i]: number of entries before i with an opacity above 0

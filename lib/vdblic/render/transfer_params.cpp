@@ -23,6 +23,15 @@ double parseNumber(std::string_view text, std::string_view all)
     return value;
 }
 
+void checkRange(const std::array<double, 2>& range)
+{
+    const auto& [low, high] = range;
+    constexpr double kMost = 1e30; // scalars are kept in single precision
+    if (!(std::abs(low) <= kMost) || !(std::abs(high) <= kMost) || !(low < high)) {
+        throw ParameterError(fmt::format("range {} to {} must be two rising numbers of at most {}", low, high, kMost));
+    }
+}
+
 void checkOpacity(const std::vector<OpacityPoint>& points)
 {
     double previous = 0;
@@ -85,12 +94,8 @@ void TransferParams::validate() const
         }
         previous = position;
     }
-    if (!range) return;
-    const auto& [low, high] = *range;
-    constexpr double kMost = 1e30; // the driver is kept in single precision
-    if (!(std::abs(low) <= kMost) || !(std::abs(high) <= kMost) || !(low < high)) {
-        throw ParameterError(fmt::format("range {} to {} must be two rising numbers of at most {}", low, high, kMost));
-    }
+    if (range) checkRange(*range);
+    if (opacityRange) checkRange(*opacityRange);
 }
 
 } // namespace vdblic

@@ -21,14 +21,17 @@ struct OpacityPoint {
 /// The text that parseOpacity() reads back.
 [[nodiscard]] std::string opacityText(const std::vector<OpacityPoint>& points);
 
-/// How the driver, the scalar that a grid beside the texture holds, becomes colour and opacity.
+/// How scalars that grids beside the texture hold become colour and opacity. One scalar may do both.
 struct TransferParams {
     std::string colorMap = "turbo";
     std::vector<ColorPoint> colors{}; ///< by rising position, in place of the colour map
     /// Opacity of one voxel of full texture, by rising position; empty: chosen from the frames.
     std::vector<OpacityPoint> opacity{};
-    /// Values of the driver at positions 0 and 1 [unit of its grid]; unset: percentiles of the frames.
+    /// Values at positions 0 and 1 of the scalar that colours [unit of its grid]; unset: percentiles of the frames.
     std::optional<std::array<double, 2>> range{};
+    /// The same for the scalar that makes opaque; unset: `range` if one scalar does both, else percentiles.
+    std::optional<std::array<double, 2>> opacityRange{};
+    std::string unit{}, opacityUnit{}; ///< of the two scalars, as pictures show them
 
     /// @throws ParameterError
     void validate() const;

@@ -14,6 +14,8 @@ namespace {
 
 using openvdb::Coord;
 
+const ScalarNames kNames{"magnitude", "magnitude"};
+
 TEST(Histogram, CountsWhatIsInEachBin)
 {
     Histogram histogram{.low = 1, .high = 3};
@@ -39,43 +41,60 @@ TEST(Histogram, OfAVolumeHoldsEveryActiveVoxelThatIsANumber)
     texture->fill(openvdb::CoordBBox(Coord(64), Coord(71)), 0.5f, true); // a tile
     driver->fill(openvdb::CoordBBox(Coord(64), Coord(71)), 0.25f, true);
     TextureHistograms histograms(fullLook()); // driver from 0 to 1
-    histograms.add(*texture, *driver);
+    histograms.add(*texture, *driver, *driver);
     EXPECT_EQ(histograms.texture.total(), 1000u - 2 + 512);
     EXPECT_EQ(histograms.texture.counts[0], 50u);
     EXPECT_EQ(histograms.texture.counts[Histogram::kBins / 2], 50u + 512);
-    EXPECT_EQ(histograms.driver.low, 0);
-    EXPECT_EQ(histograms.driver.high, 1.25);
+    EXPECT_EQ(histograms.color.low, 0);
+    EXPECT_EQ(histograms.color.high, 1.25);
 
     TextureHistograms sum(fullLook());
     sum.add(histograms);
     sum.add(histograms);
-    EXPECT_EQ(sum.driver.total(), 2 * histograms.driver.total());
+    EXPECT_EQ(sum.color.total(), 2 * histograms.color.total());
 }
 
 TEST(Histogram, JsonHoldsCountsAndTransferFunction)
 {
     TextureHistograms histograms(fullLook());
     const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
-    histograms.add(*grid, *grid);
-    const auto json = nlohmann::json::parse(histogramJson(histograms, fullLook()));
+    histograms.add(*grid, *grid, *grid);
+    const auto json = nlohmann::json::parse(histogramJson(histograms, fullLook(), kNames));
     EXPECT_EQ(json["voxels"], 729);
     EXPECT_EQ(json["texture"]["counts"].size(), Histogram::kBins);
     std::uint64_t sum = 0;
-    for (const auto& count : json["magnitude"]["counts"])
+    for (const auto& count : json["color"]["counts"])
         sum += count.get<std::uint64_t>();
     EXPECT_EQ(sum, 729u);
+    EXPECT_EQ(json["opacity"]["grid"], "magnitude");
     EXPECT_EQ(json["transferFunction"]["opacity"][2][0], 0.6);
+}
+
+TEST(Histogram, TwoScalarsHavePanelsOfTheirOwn)
+{
+    const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
+    const auto other = boxGrid("q", boxOf(9, 9, 9), [](const Coord& c) { return 10 * scattered(c) - 5; });
+    const Look look{TransferFunction({.opacity = {{0, 0.5}}, .range = {{0, 1}}, .opacityRange = {{-4, 4}}}), {}, {}};
+    TextureHistograms histograms(look);
+    histograms.add(*grid, *grid, *other);
+    EXPECT_EQ(histograms.color.high, 1.25);
+    EXPECT_EQ(histograms.opacity.low, -6);
+    EXPECT_EQ(histograms.opacity.total(), 729u);
+    const std::string two = histogramPng(histograms, look, {"magnitude", "q"});
+    const std::string one = histogramPng(histograms, look, kNames);
+    const auto width = [](const std::string& png) { return int((unsigned char)png[18]) * 256 + (unsigned char)png[19]; };
+    EXPECT_GT(width(two), width(one) + 500);
 }
 
 TEST(Histogram, EqualCountsGiveEqualPictures)
 {
     TextureHistograms histograms(fullLook());
     const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
-    histograms.add(*grid, *grid);
-    const std::string once = histogramPng(histograms, fullLook());
-    EXPECT_EQ(histogramPng(histograms, fullLook()), once);
+    histograms.add(*grid, *grid, *grid);
+    const std::string once = histogramPng(histograms, fullLook(), kNames);
+    EXPECT_EQ(histogramPng(histograms, fullLook(), kNames), once);
     histograms.texture.add(0.5);
-    EXPECT_NE(histogramPng(histograms, fullLook()), once);
+    EXPECT_NE(histogramPng(histograms, fullLook(), kNames), once);
 }
 
 TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
@@ -83,8 +102,8 @@ TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
     // All textures are at one value, so one bar stands in an empty plot.
     TextureHistograms histograms(fullLook());
     const auto grid = boxGrid("density", boxOf(9, 9, 9), [](const Coord&) { return 0.25f; });
-    histograms.add(*grid, *grid);
-    const std::string bytes = histogramPng(histograms, fullLook());
+    histograms.add(*grid, *grid, *grid);
+    const std::string bytes = histogramPng(histograms, fullLook(), kNames);
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
     ASSERT_TRUE(png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) << png.message;

@@ -38,12 +38,18 @@ TEST(TransferFile, SetsWhatItHoldsAndKeepsTheRest)
     const TransferFunction transfer(params);
     EXPECT_EQ(transfer.displayColor(0.25), glm::dvec3(0.75, 0, 0.25));
     EXPECT_EQ(transfer.colorMapName(), "points");
+    readTransferFile(write(R"({"opacity_range": [-2, 8], "unit": "m/s", "opacity_unit": "1/s"})"), params);
+    EXPECT_EQ(params.opacityRange, (std::array{-2.0, 8.0}));
+    EXPECT_EQ(params.unit + params.opacityUnit, "m/s1/s");
+    EXPECT_EQ(TransferFunction(params).range(), (std::array{1.0, 4.5}));
+    EXPECT_THROW(readTransferFile(write(R"({"opacity_range": [2, 1]})"), params), InputError);
+    params.opacityRange.reset();
     readTransferFile(write(R"({"colormap": "viridis", "opacity": [[0, 0], [0.5, 0.25]]})"), params);
     EXPECT_EQ(params.colorMap, "viridis");
     EXPECT_TRUE(params.colors.empty());
     EXPECT_EQ(opacityText(params.opacity), "0:0,0.5:0.25");
     for (const char* bad :
-         {"", "[]", R"({"range": 3})", R"({"range": [2, 1]})", R"({"opacity": [[0, 2]]})", R"({"colour": 1})",
+         {"", "[]", R"({"range": 3})", R"({"range": [2, 1]})", R"({"opacity": [[0, 2]]})", R"({"colour": 1})", R"({"unit": 1})",
           R"({"colors": [[0, 1, 1]]})", R"({"colors": [[0, 1, 1, 7]]})", R"({"colormap": 5})", R"({"opacity": []})",
           R"({"colormap": "gray", "colors": [[0, 0, 0, 0]]})"}) {
         try {
