@@ -66,7 +66,7 @@ class Render(ToolTest):
         header = self.header("image.0004.exr")
         for line in ("R, 16-bit floating-point", "A, 16-bit floating-point", "compression (type compression): zip",
                      "dataWindow (type box2i): (0 0) - (63 47)", 'creator (type string): "VDBLIC',
-                     "frame (type int): 4", 'colorMap (type string): "turbo"', "worldToCamera (type m44f)",
+                     "frame (type int): 4", 'colorMap (type string): "ember"', "worldToCamera (type m44f)",
                      "worldToNDC (type m44f)", 'source (type string): "lic.0004.vdb"',
                      'projection (type string): "perspective"', "chromaticities (type chromaticities)"):
             self.assertIn(line, header)

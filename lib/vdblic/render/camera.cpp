@@ -11,8 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
-#include <vector>
 
 namespace vdblic {
 namespace {
@@ -93,7 +93,8 @@ void CameraParams::validate() const
     }
 }
 
-Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size, std::span<const glm::dvec3> also)
+Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size,
+               std::span<const glm::dvec3> subject)
     : mSize(size), mProjection(params.projection), mUp(params.up.value_or(glm::dvec3(0, 0, 1))),
       mFieldOfView(params.fieldOfView)
 {
@@ -101,8 +102,7 @@ Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2&
     const bool perspective = mProjection == Projection::kPerspective;
     mHalfExtent.y = perspective ? std::tan(glm::radians(mFieldOfView) / 2) : params.viewHeight.value_or(2) / 2;
     mHalfExtent.x = mHalfExtent.y * double(size.x) / double(size.y);
-    std::vector<glm::dvec3> points(box.begin(), box.end());
-    points.insert(points.end(), also.begin(), also.end());
+    const std::span<const glm::dvec3> points = subject.empty() ? std::span<const glm::dvec3>(box) : subject;
 
     mTarget = params.target.value_or(middleOf(box));
     checkDistance("target", mTarget, box);
@@ -120,7 +120,7 @@ Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2&
         mUp = {0, 1, 0};
     }
     const glm::dmat3 axes = viewAxes(forward, mUp);
-    const bool tight = !params.eye && !params.target && also.empty();
+    const bool tight = !params.eye && !params.target;
     const Framing framing = tight ? frameTightly(mProjection, axes, points, mHalfExtent)
                                   : frameAround(mTarget, mProjection, axes, points, mHalfExtent);
     if (!params.eye) mEye = framing.eye;

@@ -62,10 +62,10 @@ class Camera {
   public:
     /// @param box  around all that is visible
     /// @param size width and height [pixels]
-    /// @param also further points that must be seen when the distance is chosen
+    /// @param subject points that the picture is filled with where position or extent are chosen; empty: the corners
     /// @throws ParameterError if eye and target coincide, the view is along a given up, or the eye is too far away
     Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size,
-           std::span<const glm::dvec3> also = {});
+           std::span<const glm::dvec3> subject = {});
 
     [[nodiscard]] const glm::ivec2& size() const { return mSize; }
     [[nodiscard]] Projection projection() const { return mProjection; }

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -25,14 +26,25 @@ glm::dmat3 rotation(const glm::dvec3& axis, double angle)
     return {glm::rotate(glm::dmat4(1), angle, axis)};
 }
 
-/// The corners of the box in all views of a camera that orbits it, relative to the first one.
-std::vector<glm::dvec3> turned(const Corners& box, const glm::dvec3& middle, const glm::dvec3& axis)
+/// The middle of the bounds of points.
+glm::dvec3 middleOfBounds(const std::vector<glm::dvec3>& points)
+{
+    glm::dvec3 low = points.front(), high = low;
+    for (const glm::dvec3& point : points) {
+        low = glm::min(low, point);
+        high = glm::max(high, point);
+    }
+    return (low + high) / 2.0;
+}
+
+/// The points in all views of a camera that orbits them, relative to the first one.
+std::vector<glm::dvec3> turned(const std::vector<glm::dvec3>& subject, const glm::dvec3& middle, const glm::dvec3& axis)
 {
     std::vector<glm::dvec3> points;
     for (std::size_t i = 0; i < kOrbitViews; ++i) {
         const glm::dmat3 turn = rotation(axis, 2 * std::numbers::pi * double(i) / kOrbitViews);
-        for (const glm::dvec3& corner : box)
-            points.push_back(middle + turn * (corner - middle));
+        for (const glm::dvec3& point : subject)
+            points.push_back(middle + turn * (point - middle));
     }
     return points;
 }
@@ -98,7 +110,7 @@ void CameraMotion::validate() const
 }
 
 CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box,
-                       const glm::ivec2& size, const FrameSpan& span)
+                       const glm::ivec2& size, const FrameSpan& span, std::vector<glm::dvec3> subject)
     : mParams(params), mKeyed(!motion.keys.empty()), mBox(box), mSize(size), mSpan(span), mOrbit(motion.orbit)
 {
     motion.validate();
@@ -107,12 +119,12 @@ CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, c
 
     // Unset members are chosen for the first frame and stay.
     CameraParams first = mKeys.applied(params, double(span.first));
-    std::vector<glm::dvec3> points;
     if (mOrbit != 0) {
-        if (!first.target) first.target = middleOf(box);
-        points = turned(box, *first.target, first.up.value_or(glm::dvec3(0, 0, 1)));
+        if (subject.empty()) subject.assign(box.begin(), box.end());
+        if (!first.target) first.target = middleOfBounds(subject);
+        subject = turned(subject, *first.target, first.up.value_or(glm::dvec3(0, 0, 1)));
     }
-    const Camera chosen(first, box, size, points);
+    const Camera chosen(first, box, size, subject);
     mParams.eye = chosen.eye();
     mParams.target = chosen.target();
     mParams.up = chosen.up();

@@ -63,10 +63,11 @@ struct FrameSpan {
 /// seen from everywhere. Immutable.
 class CameraPath {
   public:
-    /// @param box around all that is visible in the whole sequence
+    /// @param box     around all that is visible in the whole sequence
+    /// @param subject points that fill the picture; empty: the box's corners
     /// @throws ParameterError; InputError if the key frames cannot be read
     CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box, const glm::ivec2& size,
-               const FrameSpan& span);
+               const FrameSpan& span, std::vector<glm::dvec3> subject = {});
 
     /// @throws ParameterError naming the frame if key frames leave the camera nowhere to look
     [[nodiscard]] Camera at(std::int64_t frame) const;

@@ -26,14 +26,15 @@ constexpr unsigned kCoolwarm[] = {0x3b4cc0, 0x6282ea, 0x8db0fe, 0xb8d0f9, 0xdddd
 constexpr unsigned kGray[] = {0x000000, 0xffffff};
 constexpr unsigned kInk[] = {0x7d8aa5, 0x44546f, 0x1c2a44, 0x0b1226};
 constexpr unsigned kIce[] = {0x16324f, 0x2f6f9f, 0x6fb3d9, 0xc4e6f5, 0xffffff};
+constexpr unsigned kEmber[] = {0x3f3fa0, 0x7d46a8, 0xb94f96, 0xe4646f, 0xf68a4e, 0xfcb945, 0xfbe77a, 0xfffbe0};
 constexpr unsigned kFire[] = {0x2a0a0a, 0x8c1c0c, 0xe2581a, 0xfcb53b, 0xfff6d5};
 
 struct NamedMap {
     const char* name;
     Stops stops;
 };
-constexpr NamedMap kMaps[] = {{"viridis", kViridis}, {"turbo", kTurbo}, {"coolwarm", kCoolwarm}, {"gray", kGray},
-                              {"ink", kInk},         {"ice", kIce},     {"fire", kFire}};
+constexpr NamedMap kMaps[] = {{"ember", kEmber},       {"viridis", kViridis}, {"turbo", kTurbo}, {"fire", kFire},
+                              {"coolwarm", kCoolwarm}, {"gray", kGray},       {"ink", kInk},     {"ice", kIce}};
 
 glm::dvec3 stopColor(unsigned stop)
 {

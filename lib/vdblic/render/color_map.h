@@ -11,7 +11,8 @@ namespace vdblic {
 /// The names colorMap() knows.
 [[nodiscard]] std::vector<std::string> colorMapNames();
 
-/// A colour of a named map: `viridis`, `turbo`, `coolwarm` (Moreland 2009), `gray`, `ink`, `ice` or `fire`.
+/// A colour of a named map: `ember`, `viridis`, `turbo`, `fire`, `coolwarm` (Moreland 2009), `gray`, `ink` or `ice`.
+/// Lightness rises evenly along `ember` and `viridis`, for eyes that do not tell red from green too.
 ///
 /// @param position 0 to 1; clamped
 /// @return display (sRGB) values, 0 to 1; piecewise linear between the map's stops, which are evenly spaced

@@ -40,7 +40,8 @@ struct Background {
 /// What an .exr file can hold besides colour and alpha.
 enum class ImageLayer { kDepth, kNormal, kDriver, kTexture, kSamples };
 
-/// `depth`, `normal`, `magnitude` (the scalar that colours), `texture`, `samples`, or `all`. @throws ParameterError on other names
+/// `depth`, `normal`, `magnitude` (the scalar that colours), `texture`, `samples`, or `all`. @throws ParameterError on
+/// other names
 [[nodiscard]] std::vector<ImageLayer> parseImageLayers(const std::vector<std::string>& names);
 
 /// Format of .exr files.

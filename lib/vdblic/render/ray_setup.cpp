@@ -1,5 +1,6 @@
 #include "vdblic/render/ray_setup.h"
 
+#include "vdblic/render/blue_noise.h"
 #include "vdblic/render/clipping.h"
 #include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/sample_shader.h"
@@ -74,8 +75,8 @@ Float4 toFloat4(const glm::dvec3& v)
 
 float sampleShift(int x, int y, int ray)
 {
-    // Inverse powers of the plastic number and the radical inverse, as fractions of 2³².
-    std::uint32_t fraction = std::uint32_t(x) * 3242174889u + std::uint32_t(y) * 2447445414u;
+    // Ranks and the radical inverse, as fractions of 2³².
+    std::uint32_t fraction = std::uint32_t(blueNoise().rank(x, y)) * (0x80000000u / (BlueNoise::kCount / 2));
     for (int bit = 31; ray != 0; ray >>= 1, --bit)
         fraction += std::uint32_t(ray & 1) << bit;
     return float(int(fraction >> 8)) * 0x1p-24f;

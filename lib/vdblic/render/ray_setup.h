@@ -17,8 +17,8 @@ class VisibleLeaves;
 struct RayCastParams;
 
 /// The share of a step by which the steps of a pixel's ray are shifted along it, so that shells of samples leave no
-/// rings: a low-discrepancy sequence over the picture (Roberts' R2). The shifts of a pixel's further rays are spread
-/// evenly between (van der Corput's sequence).
+/// rings: blue noise over the picture (blue_noise.h), which shows no pattern on opaque surfaces. The shifts of a
+/// pixel's further rays are spread evenly between (van der Corput's sequence).
 /// @param ray index among the pixel's rays
 [[nodiscard]] float sampleShift(int x, int y, int ray = 0);
 

@@ -18,14 +18,14 @@ namespace vdblic {
 /// How a sequence of textures becomes a sequence of images.
 struct RenderParams {
     SequenceParams input;
-    bool skipExisting = false;        ///< leave existing outputs as they are
-    std::string output;               ///< one file or a pattern, .exr or .png; frame numbers are the input's
-    std::string histogram;            ///< file for the histograms, .json or .png; empty: none
-    std::string texture = "density";  ///< grid that holds the texture
+    bool skipExisting = false;         ///< leave existing outputs as they are
+    std::string output;                ///< one file or a pattern, .exr or .png; frame numbers are the input's
+    std::string histogram;             ///< file for the histograms, .json or .png; empty: none
+    std::string texture = "density";   ///< grid that holds the texture
     std::string colorBy = "magnitude"; ///< grid whose values colour
     /// Grid whose values make opaque: the first of these that the sequence has; empty: the one that colours.
     std::vector<std::string> opacityBy{};
-    std::string region;               ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
+    std::string region; ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
     /// Factors on the axes of world space for all that is shown, such as 1 1 20 for weather. Camera and lights are in
     /// the stretched space, cuts and region in the grids' own.
     glm::dvec3 stretch{1};

@@ -132,7 +132,7 @@ class SequenceRenderer {
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
                 if (!task.loaded->volume.empty())
-                    setScene(chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), {}));
+                    setScene(chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), true, {}));
             }
             if (mScene) task.scene = &*mScene;
         } catch (...) {

@@ -8,6 +8,7 @@
 #include "vdblic/render/color_map.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/sequence_bounds.h"
+#include "vdblic/render/visible_extent.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,9 +30,8 @@ double memoryOf(const RenderParams& params, const TextureVolume& volume)
 {
     constexpr double kGridLeaf =
         2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
-    const double record =
-        double(sizeof(ValueRecord) + sizeof(GradientRecord) + (volume.lines() ? sizeof(LineRecord) : 0) +
-               (volume.colors() ? sizeof(float) : 0));
+    const double record = double(sizeof(ValueRecord) + sizeof(GradientRecord) +
+                                 (volume.lines() ? sizeof(LineRecord) : 0) + (volume.colors() ? sizeof(float) : 0));
     return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record) + params.imageBytes();
 }
 
@@ -94,10 +94,9 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
     }
 }
 
-Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box,
+Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box, bool steady,
                   const FrameSpan& span)
 {
-    const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span);
     TextureVolume::Samples samples;
     double voxels = 0, bytes = 0;
     for (const LoadedTexture& frame : frames) {
@@ -111,6 +110,13 @@ Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> fra
     try {
         Look look = chooseLook(params.look, samples, std::cbrt(voxels));
         look.background = glm::vec3(linearFromDisplay(params.background.color));
+        std::vector<glm::dvec3> subject;
+        for (const LoadedTexture& frame : frames) {
+            if (!steady) break;
+            const auto more = visibleExtent(frame.volume, look, params.rays.clip.stretched(params.stretch));
+            subject.insert(subject.end(), more.begin(), more.end());
+        }
+        const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span, std::move(subject));
         return {std::move(look), frames.front().opacityBy, cameras, bytes};
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", frames.front().file.path.string(), error.what()));
@@ -151,7 +157,7 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     }
     std::erase_if(frames, [](const LoadedTexture& frame) { return frame.volume.empty(); });
     if (frames.empty()) return std::nullopt;
-    SequenceScene result{chooseScene(params, frames, bounds->box, span), nullptr};
+    SequenceScene result{chooseScene(params, frames, bounds->box, bounds->steady, span), nullptr};
     if (files.size() == 1) result.onlyFrame = std::make_shared<const LoadedTexture>(std::move(frames.front()));
     return result;
 }

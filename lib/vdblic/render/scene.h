@@ -38,8 +38,10 @@ struct Scene {
 
 /// @param frames at least one, none empty
 /// @param box    around all frames, as far as is known
+/// @param steady whether every frame has these bounds: then what is visible of the frames fills the picture, else the
+/// box
 [[nodiscard]] Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box,
-                                const FrameSpan& span);
+                                bool steady, const FrameSpan& span);
 
 /// A scene, and the frame that was read to make it if the sequence has no other.
 struct SequenceScene {

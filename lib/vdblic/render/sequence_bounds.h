@@ -13,6 +13,7 @@ namespace vdblic {
 struct SequenceBounds {
     Corners box; ///< around all frames' voxels, in world space; along the grid's axes if all share a transform
     FrameFile firstFilled; ///< the first frame that has any
+    bool steady = true;    ///< every frame has the same bounds
 };
 
 /// Find the bounds of a grid over a sequence from the headers of its files. Files without the grid and unreadable files

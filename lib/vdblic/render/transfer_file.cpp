@@ -66,7 +66,8 @@ void readKey(const std::string& key, const Json& value, TransferParams& params)
         for (const auto& row : rows(value, key, 2))
             params.opacity.push_back({row[0], row[1]});
     } else {
-        throw ParameterError(fmt::format("'{}' is none of range, unit, colormap, colors, opacity, opacity_range, opacity_unit", key));
+        throw ParameterError(
+            fmt::format("'{}' is none of range, unit, colormap, colors, opacity, opacity_range, opacity_unit", key));
     }
 }
 

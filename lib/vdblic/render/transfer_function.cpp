@@ -54,13 +54,23 @@ glm::dvec3 TransferFunction::displayColor(double position) const
                    std::clamp(position, 0.0, 1.0));
 }
 
-bool TransferFunction::contributes(float low, float high) const
+std::array<int, 2> TransferFunction::entriesBetween(float low, float high) const
 {
     // Interpolation may round past its corners' values, hence one more entry at each end.
     const Int8 ends = entries(Float8{low, high});
-    const int first = std::max(ends[0] - 1, 0);
-    const int last = std::min(ends[1] + 1, kEntries - 1);
+    return {std::max(ends[0] - 1, 0), std::min(ends[1] + 1, kEntries - 1)};
+}
+
+bool TransferFunction::contributes(float low, float high) const
+{
+    const auto [first, last] = entriesBetween(low, high);
     return mVisibleBefore[last + 1] > mVisibleBefore[first];
+}
+
+float TransferFunction::mostExtinction(float low, float high) const
+{
+    const auto [first, last] = entriesBetween(low, high);
+    return *std::max_element(mExtinctions.begin() + first, mExtinctions.begin() + last + 1);
 }
 
 } // namespace vdblic

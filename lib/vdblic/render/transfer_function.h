@@ -52,8 +52,13 @@ class TransferFunction {
 
     /// Whether any value between two bounds of the scalar that makes opaque has an opacity above 0.
     [[nodiscard]] bool contributes(float low, float high) const;
+    /// The largest extinction between the same bounds.
+    [[nodiscard]] float mostExtinction(float low, float high) const;
 
   private:
+    /// First and last entry that values between two bounds can have.
+    [[nodiscard]] std::array<int, 2> entriesBetween(float low, float high) const;
+
     /// From values to entries of the table.
     struct Scale {
         float low, perEntry;

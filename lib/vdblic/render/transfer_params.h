@@ -23,7 +23,7 @@ struct OpacityPoint {
 
 /// How scalars that grids beside the texture hold become colour and opacity. One scalar may do both.
 struct TransferParams {
-    std::string colorMap = "turbo";
+    std::string colorMap = "ember";
     std::vector<ColorPoint> colors{}; ///< by rising position, in place of the colour map
     /// Opacity of one voxel of full texture, by rising position; empty: chosen from the frames.
     std::vector<OpacityPoint> opacity{};

@@ -82,7 +82,9 @@ TEST(Histogram, TwoScalarsHavePanelsOfTheirOwn)
     EXPECT_EQ(histograms.opacity.total(), 729u);
     const std::string two = histogramPng(histograms, look, {"magnitude", "q"});
     const std::string one = histogramPng(histograms, look, kNames);
-    const auto width = [](const std::string& png) { return int((unsigned char)png[18]) * 256 + (unsigned char)png[19]; };
+    const auto width = [](const std::string& png) {
+        return int((unsigned char)png[18]) * 256 + (unsigned char)png[19];
+    };
     EXPECT_GT(width(two), width(one) + 500);
 }
 

@@ -49,9 +49,9 @@ TEST(TransferFile, SetsWhatItHoldsAndKeepsTheRest)
     EXPECT_TRUE(params.colors.empty());
     EXPECT_EQ(opacityText(params.opacity), "0:0,0.5:0.25");
     for (const char* bad :
-         {"", "[]", R"({"range": 3})", R"({"range": [2, 1]})", R"({"opacity": [[0, 2]]})", R"({"colour": 1})", R"({"unit": 1})",
-          R"({"colors": [[0, 1, 1]]})", R"({"colors": [[0, 1, 1, 7]]})", R"({"colormap": 5})", R"({"opacity": []})",
-          R"({"colormap": "gray", "colors": [[0, 0, 0, 0]]})"}) {
+         {"", "[]", R"({"range": 3})", R"({"range": [2, 1]})", R"({"opacity": [[0, 2]]})", R"({"colour": 1})",
+          R"({"unit": 1})", R"({"colors": [[0, 1, 1]]})", R"({"colors": [[0, 1, 1, 7]]})", R"({"colormap": 5})",
+          R"({"opacity": []})", R"({"colormap": "gray", "colors": [[0, 0, 0, 0]]})"}) {
         try {
             readTransferFile(write(bad), params);
             ADD_FAILURE() << bad;

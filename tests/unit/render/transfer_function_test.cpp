@@ -3,10 +3,14 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/render/color_map.h"
 
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 namespace vdblic {
 namespace {
@@ -109,6 +113,33 @@ TEST(TransferFunction, RefusesARangeThatDoesNotRise)
         EXPECT_THROW((TransferParams{.range = range}.validate()), ParameterError) << range[0] << " " << range[1];
     }
     EXPECT_THROW((TransferParams{.colorMap = "rainbow"}.validate()), ParameterError);
+}
+
+/// CIE lightness, 0 to 100.
+double lightness(const glm::dvec3& linear)
+{
+    return 116 * std::cbrt(glm::dot(linear, glm::dvec3(0.2126, 0.7152, 0.0722))) - 16;
+}
+
+TEST(ColorMaps, DefaultGetsBrighterForEveryEye)
+{
+    // The identity, and eyes without green and without red cones (Machado, Oliveira & Fernandes 2009), by rows.
+    const glm::dmat3 eyes[] = {
+        glm::dmat3(1),
+        glm::dmat3(0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.011820, 0.042940, 0.968881),
+        glm::dmat3(0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998)};
+    const auto leastRise = [&](std::string_view name, const glm::dmat3& eye) {
+        double least = 100;
+        for (int i = 0; i < 16; ++i) {
+            const auto light = [&](int at) { return lightness(linearFromDisplay(colorMap(name, at / 16.0)) * eye); };
+            least = std::min(least, light(i + 1) - light(i));
+        }
+        return least;
+    };
+    for (const glm::dmat3& eye : eyes)
+        EXPECT_GT(leastRise(TransferParams{}.colorMap, eye), 2);
+    EXPECT_GT(lightness(linearFromDisplay(colorMap(TransferParams{}.colorMap, 0))), 25); // not lost on a dark ground
+    EXPECT_LT(leastRise("turbo", eyes[0]), -5);                                          // what the test is for
 }
 
 } // namespace

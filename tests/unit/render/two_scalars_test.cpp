@@ -13,19 +13,19 @@ using openvdb::Coord;
 
 openvdb::FloatGrid::Ptr ramp(const std::string& name, float low, float perX, float perY)
 {
-    return boxGrid(name, boxOf(32, 24, 24), [=](const Coord& c) { return low + perX * float(c.x()) + perY * float(c.y()); });
+    return boxGrid(name, boxOf(32, 24, 24),
+                   [=](const Coord& c) { return low + perX * float(c.x()) + perY * float(c.y()); });
 }
 
 TEST(TwoScalars, OneColoursAndTheOtherMakesOpaque)
 {
     // Along x the opacity rises; along y the colour does. The reference pixel is the sum over the steps of its ray.
-    const auto texture = ramp("density", 1, 0, 0), opaque = ramp("q", -3, 0.25f, 0), colors = ramp("speed", 40, 0, 0.5f);
+    const auto texture = ramp("density", 1, 0, 0), opaque = ramp("q", -3, 0.25f, 0),
+               colors = ramp("speed", 40, 0, 0.5f);
     TextureVolume volume(*texture, *opaque);
     volume.addColors(*texture, *colors);
-    const TransferFunction transfer({.colorMap = "gray",
-                                     .opacity = {{0, 0}, {1, 0.2}},
-                                     .range = {{40, 50}},
-                                     .opacityRange = {{0, 4}}});
+    const TransferFunction transfer(
+        {.colorMap = "gray", .opacity = {{0, 0}, {1, 0.2}}, .range = {{40, 50}}, .opacityRange = {{0, 4}}});
     const Look look{transfer, {0, 1, 0, 0}, {.model = ShadingModel::kNone}};
     const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e5, 0.008, {20, 20});
     const Image image = castRays(volume, look, camera, {.step = 0.1, .leastTransmittance = 0, .layers = true});

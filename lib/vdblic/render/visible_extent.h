@@ -1,0 +1,19 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace vdblic {
+
+class TextureVolume;
+struct ClipParams;
+struct Look;
+
+/// Points around what a look shows of a volume, in world space: corners of leaves, a few hundred of the outermost.
+/// Leaves that are almost transparent, hidden or cut away do not count.
+/// @return nothing if all of the volume is invisible
+[[nodiscard]] std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& look,
+                                                    const ClipParams& clip);
+
+} // namespace vdblic
