@@ -23,6 +23,7 @@ libtbb-dev              header  tbb/parallel_for.h
 libopenexr-dev          header  OpenEXR/ImfOutputFile.h
 libpng-dev              header  png.h
 libcairo2-dev           header  cairo/cairo.h
+libassimp-dev           header  assimp/Importer.hpp
 fonts-dejavu-core       file    /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 libboost-math-dev       header  boost/math/distributions/students_t.hpp
 libglm-dev              header  glm/glm.hpp

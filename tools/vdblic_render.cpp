@@ -71,6 +71,10 @@ int main(int argc, char** argv)
     tool.option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.");
     const vdblic::cli::LookOptions look(tool, params);
     app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
+    app.add_option(
+        "--solid", params.solid.source,
+        "Opaque body: FILE or FILE:GRID, a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one "
+        "file or a sequence; or domain, what the texture leaves out of its box.");
     std::vector<std::string> layers;
     app.add_option("--aov", layers,
                    "Further channels of .exr: depth, normal, magnitude, texture, samples, or all; NAME,NAME.")

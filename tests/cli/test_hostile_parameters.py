@@ -52,6 +52,8 @@ LEGAL = {
     "--orbit": {"0"},
     "--limb-darkening": {"0"},
     "--depth-cue": {"0"},
+    "--shadows": {"0"},
+    "--solid-color": {"0"},
     "--ambient": {"0", "99999999999999999999"},
     "--diffuse": {"0", "99999999999999999999"},
     "--specular": {"0", "99999999999999999999"},
@@ -62,7 +64,7 @@ LEGAL = {
     "--clip-plane": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
-         "--ignore-metadata", "--camera", "--transfer", "--roi", "--by", "--color-by", "--opacity-by"}
+         "--ignore-metadata", "--camera", "--transfer", "--roi", "--solid", "--by", "--color-by", "--opacity-by"}
 
 
 def options(help_text):

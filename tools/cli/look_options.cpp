@@ -86,6 +86,7 @@ LookOptions::LookOptions(Tool& tool, RenderParams& params) : mApp(tool.app()), m
         ->allow_extra_args(false)
         ->type_name("X Y Z");
     number("--halo", look.halo, "Strength of the gaps that streaks cut into what is behind them; 0: none.");
+    number("--shadows", look.shadows, "How dark it is where the volume lets no light through, 0 to 1.");
     number("--depth-cue", look.depthCue, "How far the most distant samples fade into the background, 0 to 1.");
 
     option<std::vector<Numbers<6>>>(
@@ -102,6 +103,9 @@ LookOptions::LookOptions(Tool& tool, RenderParams& params) : mApp(tool.app()), m
                            clip.box = {vector(box), vector(box, 3)};
                        })
         ->type_name("X Y Z X Y Z");
+    option<Numbers<3>>("--solid-color", "Colour of the solid as displayed, 0 to 1.", [&](const auto& color) {
+        mParams.solid.color = vector(color);
+    })->type_name("R G B");
     option<Numbers<3>>("--background", "Background as displayed, 0 to 1; the look's by default.",
                        [&](const auto& color) {
                            mParams.background = {vector(color), 1};

@@ -114,9 +114,9 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToCamera = camera.worldToCamera();
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
-    const auto& [input, skipExisting, output, histogram, texture, colorBy, opacityBy, region, stretch, size, scale,
-                 samples, cameraParams, motion, lookParams, rays, background, exr] = params;
-    const auto& [transfer, modulation, shading, halo, depthCue, fading] = look;
+    const auto& [input, skipExisting, output, histogram, texture, colorBy, opacityBy, region, solid, stretch, size,
+                 scale, samples, cameraParams, motion, lookParams, rays, background, exr] = params;
+    const auto& [transfer, modulation, shading, halo, depthCue, shadows, fading] = look;
     Attributes& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)},
                   {"source", file.path.filename().string()},
@@ -129,6 +129,9 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
                   {"samples", samples},
                   {"halo", halo.strength},
                   {"depthCue", depthCue},
+                  {"shadows", shadows},
+                  {"solid", solid.source},
+                  {"solidColor", glm::vec3(solid.color)},
                   {"opticalDepth", float(lookParams.opticalDepth)},
                   {"backgroundColor", glm::vec3(background.color)},
                   {"backgroundAlpha", float(background.alpha)}};

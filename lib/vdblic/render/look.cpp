@@ -104,7 +104,8 @@ Look chooseLook(const LookParams& params, const TextureVolume::Samples& samples,
             .texture = texture,
             .shading = params.shading,
             .halo = {float(params.halo)},
-            .depthCue = float(params.depthCue)};
+            .depthCue = float(params.depthCue),
+            .shadows = float(params.shadows)};
 }
 
 Look chooseLook(const LookParams& params, const TextureVolume& volume)

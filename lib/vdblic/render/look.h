@@ -61,6 +61,7 @@ struct Look {
     Shading shading;
     Halo halo;
     float depthCue = 0;
+    float shadows = 0;       ///< see LightGrid
     glm::vec3 background{0}; ///< linear light; what halos and distance fade to
 
     /// Whether any sample of a leaf can have an opacity above 0.

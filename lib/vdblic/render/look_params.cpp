@@ -20,6 +20,7 @@ void LookParams::validate() const
     share("texture strength", textureStrength);
     share("limb darkening", limbDarkening);
     share("depth cue", depthCue);
+    share("strength of shadows", shadows);
     if (!(opticalDepth > 0) || !std::isfinite(opticalDepth)) {
         throw ParameterError(fmt::format("optical depth {} must be a number above 0", opticalDepth));
     }

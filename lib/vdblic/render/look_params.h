@@ -15,6 +15,8 @@ struct LookParams {
     double halo = 0;         ///< strength of halos, at least 0
     double depthCue = 0;     ///< share of the background in the colour of the farthest sample, 0 to 1
 
+    double shadows = 0; ///< share of the light that full shadow takes away, 0 to 1
+
     /// @throws ParameterError
     void validate() const;
 };

@@ -6,6 +6,7 @@
 #include "vdblic/render/ray_kernel.h"
 #include "vdblic/render/ray_setup.h"
 #include "vdblic/render/sample_shader.h"
+#include "vdblic/render/solid_caster.h"
 #include "vdblic/render/visible_leaves.h"
 
 #include <glm/geometric.hpp>
@@ -15,7 +16,9 @@
 #include <tbb/parallel_for.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
@@ -43,17 +46,37 @@ PixelLayers layersOf(const RaySum& sum, const RayTask& task)
     return layers;
 }
 
+/// Blend a solid into an image of what is in front of it.
+void addBehind(const SolidPicture& solid, Image& image)
+{
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        if (!std::isfinite(solid.depths[i])) continue;
+        glm::vec4& pixel = image.pixels[i];
+        const float alpha = pixel.a, rest = 1 - alpha;
+        pixel += glm::vec4(solid.colors[i], 1) * rest;
+        pixel.a = 1;
+        if (image.layers.empty()) continue;
+        PixelLayers& layers = image.layers[i];
+        layers.depth = (alpha > 0 ? alpha * layers.depth : 0) + rest * solid.depths[i];
+        const glm::vec3 normal = alpha * layers.normal + rest * solid.normals[i];
+        if (const float length = glm::length(normal); length > 0) layers.normal = normal / length;
+    }
+}
+
 } // namespace
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-               const VisibleLeaves& visible, int ray)
+               const VisibleLeaves& visible, int ray, const Scenery& scenery)
 {
     params.validate();
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());
-    const SampleShader shader(volume, look, camera, params);
-    const RaySetup setup(volume, visible, camera, params, shader, ray);
+    std::optional<SolidPicture> solid;
+    if (scenery.solid) solid = castSolid(*scenery.solid, scenery.solidColor, volume, look, camera, scenery.light);
+    const glm::vec3 origin(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
+    const SampleShader shader(volume, look, camera, params, origin, scenery.light);
+    const RaySetup setup(volume, visible, camera, params, shader, ray, solid ? solid->depths.data() : nullptr);
     const RayKernel kernel(volume, look, params, visible, shader);
     constexpr int kTile = RaySetup::kTile;
     const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
@@ -72,6 +95,7 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
             if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);
         }
     });
+    if (solid) addBehind(*solid, image);
     return image;
 }
 

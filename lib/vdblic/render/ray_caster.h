@@ -2,13 +2,24 @@
 
 #include "vdblic/render/image.h"
 
+#include <glm/vec3.hpp>
+
 namespace vdblic {
 
 class Camera;
+class LightGrid;
 class TextureVolume;
 class VisibleLeaves;
 struct Look;
 struct RayCastParams;
+struct Solid;
+
+/// What is in a picture besides the volume.
+struct Scenery {
+    const Solid* solid = nullptr;
+    glm::vec3 solidColor{0}; ///< linear light
+    const LightGrid* light = nullptr;
+};
 
 /// Cast a ray through each pixel's centre, front to back, with early termination.
 ///
@@ -20,9 +31,11 @@ struct RayCastParams;
 /// on the number of threads. Thread-safe.
 /// @param visible leaves that are sampled; the others are skipped
 /// @param ray     index among the pixel's rays, for sampleShift() (ray_setup.h)
+/// @param scenery what else is in the picture: rays end at the solid, which is seen through what they have left
 /// @throws ParameterError
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
-                             const RayCastParams& params, const VisibleLeaves& visible, int ray = 0);
+                             const RayCastParams& params, const VisibleLeaves& visible, int ray = 0,
+                             const Scenery& scenery = {});
 /// The same with the leaves that the look makes visible; an empty volume gives an empty picture.
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& params);

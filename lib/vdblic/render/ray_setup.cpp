@@ -83,8 +83,8 @@ float sampleShift(int x, int y, int ray)
 }
 
 RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
-                   const RayCastParams& params, const SampleShader& shader, int ray)
-    : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mWorld(camera.rays())
+                   const RayCastParams& params, const SampleShader& shader, int ray, const float* ends)
+    : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mEnds(ends), mWorld(camera.rays())
 {
     const glm::dvec3 zero(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
     mLow = volume.low() - zero;
@@ -147,6 +147,13 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
             face = later ? Long4{} + (6 + std::int64_t(cut)) : face;
             enter = later ? crossing : enter;
             leave = (~in & (crossing < leave)) ? crossing : leave;
+        }
+        if (mEnds) {
+            for (int lane = 0; lane < kSquare; ++lane) {
+                const int column = std::min(left + lane % 2, mSize.x - 1), row = std::min(top + lane / 2, mSize.y - 1);
+                const double end = double(mEnds[std::size_t(row) * std::size_t(mSize.x) + std::size_t(column)]);
+                leave[lane] = std::min(leave[lane], end * voxelsPerDepth[lane]);
+            }
         }
         const Long4 hit = (enter < leave) & (pixelX < mSize.x) & (pixelY < mSize.y);
 

@@ -28,9 +28,10 @@ class RaySetup {
     static constexpr int kTile = 16;            ///< pixels a side
     static constexpr int kRays = kTile * kTile; ///< of a tile
 
-    /// @param ray index among each pixel's rays
+    /// @param ray  index among each pixel's rays
+    /// @param ends depths at which the pixels' rays end, as SolidPicture has them; or null
     RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
-             const RayCastParams& params, const SampleShader& shader, int ray);
+             const RayCastParams& params, const SampleShader& shader, int ray, const float* ends);
 
     /// The rays through the centres of a tile's pixels that meet the volume, in an order that keeps neighbours
     /// together.
@@ -49,6 +50,7 @@ class RaySetup {
     glm::ivec2 mSize;
     double mStep;
     int mRay;
+    const float* mEnds;
     PictureRays mWorld, mIndex; // in world space, and in index space relative to VisibleLeaves::origin()
     glm::dvec3 mLow, mHigh;     // the volume's bounds, as mIndex
     std::vector<Cut> mCuts;

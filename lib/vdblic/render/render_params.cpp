@@ -31,6 +31,7 @@ void RenderParams::validate() const
     camera.validate();
     motion.validate();
     look.validate();
+    solid.validate();
     rays.validate();
     background.validate();
     exr.validate();

@@ -6,6 +6,7 @@
 #include "vdblic/render/image_file.h"
 #include "vdblic/render/look_params.h"
 #include "vdblic/render/ray_cast_params.h"
+#include "vdblic/render/solid_params.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -26,6 +27,7 @@ struct RenderParams {
     /// Grid whose values make opaque: the first of these that the sequence has; empty: the one that colours.
     std::vector<std::string> opacityBy{};
     std::string region; ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
+    SolidParams solid;
     /// Factors on the axes of world space for all that is shown, such as 1 1 20 for weather. Camera and lights are in
     /// the stretched space, cuts and region in the grids' own.
     glm::dvec3 stretch{1};

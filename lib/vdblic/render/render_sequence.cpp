@@ -3,10 +3,13 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/grid_reference.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
 #include "vdblic/render/image_attributes.h"
+#include "vdblic/render/light_grid.h"
 #include "vdblic/render/scene.h"
+#include "vdblic/render/solid.h"
 #include "vdblic/render/supersampling.h"
 #include "vdblic/render/vector_text.h"
 
@@ -23,6 +26,7 @@
 #include <exception>
 #include <istream>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -175,12 +179,34 @@ class SequenceRenderer {
         ImageHeader header;
         if (task.scene) {
             const Camera camera = task.scene->cameras.at(task.file.frame);
-            image = castSamples(frame->volume, task.scene->look, camera, mRays, mParams.samples);
+            const Look& look = task.scene->look;
+            const auto solid = solidOf(*frame);
+            std::optional<LightGrid> light;
+            if (look.shadows > 0)
+                light.emplace(frame->volume, look, keyLight(look, camera), double(look.shadows), solid.get());
+            image = castSamples(frame->volume, look, camera, mRays, mParams.samples,
+                                {.solid = solid.get(),
+                                 .solidColor = glm::vec3(linearFromDisplay(mParams.solid.color)),
+                                 .light = light ? &*light : nullptr});
             header = imageHeader(mParams, task.scene->look, camera, task.file);
         } else if (mParams.rays.layers) {
             image.layers.resize(image.pixels.size());
         }
         writeImage(mOutput->path(task.file.frame), image, header, mParams.background, mParams.exr);
+    }
+
+    /// The frame's solid; null if there is none. One that is the same in all frames is made once.
+    std::shared_ptr<const Solid> solidOf(const LoadedTexture& frame) const
+    {
+        const std::string& source = mParams.solid.source;
+        if (source.empty()) return nullptr;
+        const auto make = [&] {
+            return std::make_shared<const Solid>(
+                makeSolid(mParams.solid, *frame.texture, mParams.stretch, frame.file.frame));
+        };
+        if (source == "domain" || FramePattern(parseGridReference(source).path.string()).hasField()) return make();
+        std::call_once(mSolidMade, [&] { mSolid = make(); });
+        return mSolid;
     }
 
     void report(const RenderedFrame& frame)
@@ -232,6 +258,8 @@ class SequenceRenderer {
     std::optional<TextureHistograms> mHistograms;
     std::atomic<bool> mStopped = false; // take no further frame
     std::exception_ptr mError;
+    mutable std::once_flag mSolidMade;
+    mutable std::shared_ptr<const Solid> mSolid;
     bool mDescribed = false, mSaidNoColor = false;
 };
 

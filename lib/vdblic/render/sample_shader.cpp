@@ -2,6 +2,7 @@
 
 #include "vdblic/render/camera.h"
 #include "vdblic/render/lanes.h"
+#include "vdblic/render/light_grid.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/record_sampling.h"
@@ -13,7 +14,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 namespace vdblic {
 namespace {
@@ -46,19 +46,12 @@ VDBLIC_INLINE const Float4& asFloat4(const TransferFunction::Entry& entry)
 } // namespace
 
 SampleShader::SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera,
-                           const RayCastParams& params)
-    : mVolume(volume), mLook(look), mStep(float(params.step)), mLayers(params.layers)
+                           const RayCastParams& params, const glm::vec3& origin, const LightGrid* light)
+    : mVolume(volume), mLook(look), mStep(float(params.step)), mLayers(params.layers), mCue(volume, look, camera),
+      mOrigin(origin), mLightGrid(light)
 {
-    double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
-    for (const glm::dvec3& corner : volume.corners()) {
-        const double depth = (camera.worldToCamera() * glm::dvec4(corner, 1)).z;
-        nearest = std::min(nearest, std::max(depth, 0.0));
-        farthest = std::max(farthest, depth);
-    }
-    mNearest = float(nearest);
-    mCuePerDepth = farthest > nearest ? float(double(look.depthCue) / (farthest - nearest)) : 0;
-    for (const DirectionalLight& light : look.shading.lights)
-        mLights.emplace_back(glm::vec3(glm::normalize(light.direction)), float(light.intensity));
+    for (const DirectionalLight& distant : look.shading.lights)
+        mLights.emplace_back(glm::vec3(glm::normalize(distant.direction)), float(distant.intensity));
 }
 
 /// Schlick's approximation of cosine^shininess (Graphics Gems IV, 1994).
@@ -143,6 +136,19 @@ VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8
         sums[samples.task[first + i]].numbers += rows[i];
 }
 
+/// The shares of the key light that reach the first eight samples of a queue.
+void SampleShader::findShadows(const ShadeQueue& queue, const RayTask* tasks, Float8& result) const
+{
+    Float8 position[3];
+    for (int i = 0; i < kLanes; ++i) {
+        const RayTask& task = tasks[queue.columns().task[queue.begin() + i]];
+        const float distance = queue.columns().distance[queue.begin() + i] * mStep;
+        for (int axis = 0; axis < 3; ++axis)
+            position[axis][i] = task.entry[axis] + task.direction[axis] * distance + mOrigin[axis];
+    }
+    mLightGrid->at(position, result);
+}
+
 VDBLIC_KERNEL
 void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const
 {
@@ -183,6 +189,12 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     const Float8 face = ray[kFaceLit] >= 0 ? clamped(1 - distance * mStep) : Float8{};
     light = {mix(light.lit, ray[kFaceLit], face), mix(light.white, ray[kFaceWhite], face)};
 
+    if (mLightGrid) {
+        Float8 arriving;
+        findShadows(queue, tasks, arriving);
+        light = {light.lit * arriving, light.white * arriving};
+    }
+
     // A scalar chooses the colour, the texture darkens it.
     Int8 entry;
     std::memcpy(&entry, samples.entry + first, sizeof entry);
@@ -197,7 +209,7 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     transpose(rows, color);
     const Float8 tint = mLook.texture.brightness(load8(samples.stretched + first)) * light.lit;
     const Float8 depth = ray[kEntryDepth] + ray[kDepthPerStep] * distance;
-    const Float8 far = clamped((depth - mNearest) * mCuePerDepth);
+    const Float8 far = mCue.share(depth);
     const Float8 weight = load8(samples.weight + first);
     for (int channel = 0; channel < 3; ++channel) {
         const Float8 seen = color[channel] * tint + light.white;

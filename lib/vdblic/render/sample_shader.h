@@ -1,9 +1,11 @@
 #pragma once
 
 #include "vdblic/field/vector.h"
+#include "vdblic/render/depth_cue.h"
 #include "vdblic/render/ray_sum.h"
 #include "vdblic/render/ray_task.h"
 
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include <vector>
@@ -11,6 +13,7 @@
 namespace vdblic {
 
 class Camera;
+class LightGrid;
 class ShadeQueue;
 class TextureVolume;
 struct Look;
@@ -19,7 +22,9 @@ struct RayCastParams;
 /// Light and colour of samples, eight at a time. Thread-safe.
 class SampleShader {
   public:
-    SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params);
+    /// @param origin of the rays' index space  @param light shadows, or null
+    SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
+                 const glm::vec3& origin = glm::vec3(0), const LightGrid* light = nullptr);
 
     /// Shade the first eight samples of a queue and add them to their rays' sums, in order.
     void shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const;
@@ -35,6 +40,7 @@ class SampleShader {
     };
     Light lightSurface(const Float8* normal, const Float8* view) const;
     Light lightLine(const ShadeQueue& queue, const Float8* view) const;
+    void findShadows(const ShadeQueue& queue, const RayTask* tasks, Float8& result) const;
     Float8 highlight(Float8 cosine) const;
     void addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
 
@@ -42,7 +48,9 @@ class SampleShader {
     const Look& mLook;
     float mStep;
     bool mLayers;
-    float mNearest, mCuePerDepth;
+    DepthCue mCue;
+    glm::vec3 mOrigin;
+    const LightGrid* mLightGrid;
     std::vector<glm::vec4> mLights; // direction of length 1, intensity
 };
 

@@ -112,7 +112,7 @@ Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> fra
         look.background = glm::vec3(linearFromDisplay(params.background.color));
         std::vector<glm::dvec3> subject;
         for (const LoadedTexture& frame : frames) {
-            if (!steady) break;
+            if (!steady || !params.solid.source.empty()) break;
             const auto more = visibleExtent(frame.volume, look, params.rays.clip.stretched(params.stretch));
             subject.insert(subject.end(), more.begin(), more.end());
         }

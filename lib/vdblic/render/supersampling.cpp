@@ -44,16 +44,16 @@ void divideLayers(PixelLayers& sum, float alpha)
 } // namespace
 
 Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-                  int samples)
+                  int samples, const Scenery& scenery)
 {
     const VisibleLeaves visible(volume, look);
-    if (samples == 1) return castRays(volume, look, camera, params, visible);
+    if (samples == 1) return castRays(volume, look, camera, params, visible, 0, scenery);
     constexpr glm::dvec2 kStep(0.7548776662466927, 0.5698402909980532); // inverse powers of the plastic number
     Image sum{camera.size(), std::vector<glm::vec4>(std::size_t(camera.size().x) * camera.size().y, glm::vec4(0))};
     if (params.layers) sum.layers.assign(sum.pixels.size(), {.depth = 0});
     for (int sample = 0; sample < samples; ++sample) {
         const glm::dvec2 offset = glm::fract(0.5 + double(sample) * kStep) - 0.5;
-        const Image image = castRays(volume, look, camera.shifted(offset), params, visible, sample);
+        const Image image = castRays(volume, look, camera.shifted(offset), params, visible, sample, scenery);
         for (std::size_t i = 0; i < sum.pixels.size(); ++i) {
             sum.pixels[i] += image.pixels[i];
             if (params.layers) addLayers(sum.layers[i], image.layers[i], image.pixels[i].a);

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <string>
+
+namespace vdblic {
+
+/// An opaque body in the picture.
+struct SolidParams {
+    /// Empty: none. `domain`: what the texture's voxels leave out of the box around them. Else FILE or FILE:GRID, one
+    /// file or a sequence with the input's frame numbers: a closed mesh (.obj, .stl, .ply), or the level set, fog
+    /// volume or mask of a .vdb.
+    std::string source;
+    glm::dvec3 color{0.62, 0.64, 0.67}; ///< display (sRGB) values
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+} // namespace vdblic
