@@ -86,9 +86,18 @@ int main(int argc, char** argv)
                 fmt::format("Of .exr: {}.", fmt::join(vdblic::exrCompressions(), ", ")));
     app.add_option("--histogram", params.histogram,
                    "Histograms of texture and scalars with the transfer function over them, .png or .json.");
+    std::string annotations;
+    app.add_option(
+           "--annotate", annotations,
+           "Explanations over the picture: box, axes, colorbar, time, title=TEXT; NAME,NAME. In .exr channels of "
+           "their own, annotation.R and so on.")
+        ->type_name("NAME");
+    app.add_option("--film", params.film, "Film of all frames, .mp4, made by ffmpeg; -o may be left out.");
+    tool.option("--fps", params.framesPerSecond, "Frames of the film a second.");
     tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         look.apply();
+        if (!annotations.empty()) params.annotations = vdblic::parseAnnotations(annotations);
         params.camera.projection = vdblic::parseProjection(projection);
         params.exr.layers = vdblic::parseImageLayers(layers);
         params.rays.layers = !params.exr.layers.empty();

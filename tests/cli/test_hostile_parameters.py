@@ -64,7 +64,7 @@ LEGAL = {
     "--clip-plane": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
-         "--ignore-metadata", "--camera", "--transfer", "--roi", "--solid", "--by", "--color-by", "--opacity-by"}
+         "--ignore-metadata", "--camera", "--transfer", "--roi", "--film", "--solid", "--by", "--color-by", "--opacity-by"}
 
 
 def options(help_text):

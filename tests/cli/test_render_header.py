@@ -15,7 +15,7 @@ from support import ToolTest
 
 # Options of input, output and execution, which do not affect the picture.
 NOT_OF_THE_PICTURE = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--frames",
-                      "--clamp-frames", "--skip-existing", "--output", "--histogram"}
+                      "--clamp-frames", "--skip-existing", "--output", "--histogram", "--film", "--fps"}
 ORTHOGRAPHIC = ["--projection", "orthographic"]
 # For each option: the options that it needs, and a value other than its default.
 VALUES = {
@@ -55,6 +55,13 @@ VALUES = {
     "--background": ([], 1, 1, 1),
     "--background-alpha": ([], 0.5),
     "--by": ([], "density"),
+    "--color-by": ([], "density"),
+    "--opacity-by": ([], "density"),
+    "--opacity-range": ([], 0, 2),
+    "--solid": ([], "domain"),
+    "--solid-color": (["--solid", "domain"], 1, 0, 0),
+    "--shadows": ([], 0.5),
+    "--annotate": ([], "box"),
     "--roi": ([], "lic.0001.vdb:magnitude"),
     "--aov": ([], "depth"),
     "--precision": ([], "float"),

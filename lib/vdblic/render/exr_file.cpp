@@ -140,6 +140,15 @@ std::string encode(const Image& image, Imf::Header& exr, const Background& backg
     }
     for (const ImageLayer layer : params.layers)
         channels.add(layer, image.layers.at(0));
+    std::vector<Pixel> annotations(image.annotations.size());
+    for (std::size_t i = 0; i < annotations.size(); ++i) {
+        const glm::vec4& pixel = image.annotations[i];
+        annotations[i] = {pixel.r, pixel.g, pixel.b, pixel.a};
+    }
+    for (std::size_t i = 0; i < 4 && !annotations.empty(); ++i) {
+        channels.add(fmt::format("annotation.{}", kColors[i]).c_str(), sizeof(Value) == 2 ? Imf::HALF : Imf::FLOAT,
+                     &annotations[0][i], sizeof(Pixel));
+    }
 
     MemoryStream stream;
     {

@@ -1,7 +1,7 @@
 #include "vdblic/core/errors.h"
+#include "vdblic/render/cairo_drawing.h"
 #include "vdblic/render/histogram.h"
 
-#include <cairo/cairo.h>
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 namespace vdblic {
@@ -29,65 +28,46 @@ struct Panel {
     [[nodiscard]] double y(double share) const { return high.y + (low.y - high.y) * share; }
 };
 
-void setColor(cairo_t* cairo, const glm::dvec3& color)
-{
-    cairo_set_source_rgb(cairo, color.r, color.g, color.b);
-}
-
-void drawLine(cairo_t* cairo, const glm::dvec2& from, const glm::dvec2& to)
-{
-    cairo_move_to(cairo, from.x, from.y);
-    cairo_line_to(cairo, to.x, to.y);
-    cairo_stroke(cairo);
-}
-
-/// @param point  on the baseline
-/// @param anchor what of the text is at the point: 0 its begin, ½ its middle, 1 its end
-void drawText(cairo_t* cairo, const glm::dvec2& point, double anchor, const std::string& text)
-{
-    cairo_text_extents_t extents;
-    cairo_text_extents(cairo, text.c_str(), &extents);
-    cairo_move_to(cairo, point.x - anchor * extents.x_advance, point.y);
-    cairo_show_text(cairo, text.c_str());
-}
-
 /// @param color of the bar of a bin
 template<typename Color>
-void drawBars(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const Color& color)
+void drawBars(const CairoCanvas& canvas, const Panel& panel, const Histogram& histogram, const Color& color)
 {
     // Square roots, so that a few crowded bins do not flatten all others.
+    cairo_t* cairo = canvas.context();
     const double most = std::sqrt(double(*std::max_element(histogram.counts.begin(), histogram.counts.end())));
     for (std::size_t i = 0; most > 0 && i < Histogram::kBins; ++i) {
         const double share = std::sqrt(double(histogram.counts[i])) / most,
                      left = panel.x(double(i) / Histogram::kBins);
-        setColor(cairo, color(i));
+        canvas.setColor(color(i));
         cairo_rectangle(cairo, left, panel.y(share), panel.x(double(i + 1) / Histogram::kBins) - left,
                         panel.high.y - panel.y(share));
         cairo_fill(cairo);
     }
 }
 
-void drawFrame(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const std::string& title)
+void drawFrame(const CairoCanvas& canvas, const Panel& panel, const Histogram& histogram, const std::string& title)
 {
     constexpr int kTicks = 4;
-    setColor(cairo, kAxes);
-    cairo_set_line_width(cairo, 1);
+    canvas.setColor(kAxes);
+    cairo_set_line_width(canvas.context(), 1);
     for (int i = 0; i <= kTicks; ++i) {
         const double share = double(i) / kTicks, value = histogram.low + (histogram.high - histogram.low) * share;
-        drawLine(cairo, {panel.x(share), panel.high.y}, {panel.x(share), panel.high.y + 6});
-        drawText(cairo, {panel.x(share), panel.high.y + 26}, 0.5, fmt::format("{:.3g}", value));
+        canvas.drawLine({panel.x(share), panel.high.y}, {panel.x(share), panel.high.y + 6});
+        canvas.drawText({panel.x(share), panel.high.y + 26}, 0.5, fmt::format("{:.3g}", value));
     }
-    drawLine(cairo, {panel.low.x, panel.high.y}, panel.high);
-    drawText(cairo, {panel.x(0.5), panel.low.y - 16}, 0.5, title);
+    canvas.drawLine({panel.low.x, panel.high.y}, panel.high);
+    canvas.drawText({panel.x(0.5), panel.low.y - 16}, 0.5, title);
     const double outside =
         double(histogram.below + histogram.above) / double(std::max(histogram.total(), std::uint64_t(1)));
-    drawText(cairo, {panel.x(0.5), panel.high.y + 52}, 0.5,
-             fmt::format("square root of voxels ({:.2g}% outside)", outside * 100));
+    canvas.drawText({panel.x(0.5), panel.high.y + 52}, 0.5,
+                    fmt::format("square root of voxels ({:.2g}% outside)", outside * 100));
 }
 
 /// The opacity over the driver, and at the right edge its scale, which ends at the curve's largest value.
-void drawOpacity(cairo_t* cairo, const Panel& panel, const Histogram& histogram, const TransferFunction& transfer)
+void drawOpacity(const CairoCanvas& canvas, const Panel& panel, const Histogram& histogram,
+                 const TransferFunction& transfer)
 {
+    cairo_t* cairo = canvas.context();
     const auto opacity = [&](double driver) {
         const auto entry = transfer.entries(broadcast8(float(driver)))[0];
         return -std::expm1(-double(transfer.table()[entry].extinction));
@@ -97,16 +77,15 @@ void drawOpacity(cairo_t* cairo, const Panel& panel, const Histogram& histogram,
         most = std::max(most, point.opacity);
     if (!(most > 0)) most = 1;
     constexpr int kTicks = 4;
-    setColor(cairo, kCurve);
+    canvas.setColor(kCurve);
     cairo_set_line_width(cairo, 1);
     for (int i = 0; i <= kTicks; ++i) {
         const double share = double(i) / kTicks;
-        drawLine(cairo, {panel.high.x, panel.y(share)}, {panel.high.x + 4, panel.y(share)});
-        drawText(cairo, {panel.high.x + 8, panel.y(share) + 6}, 0, fmt::format("{:.2g}", most * share));
+        canvas.drawLine({panel.high.x, panel.y(share)}, {panel.high.x + 4, panel.y(share)});
+        canvas.drawText({panel.high.x + 8, panel.y(share) + 6}, 0, fmt::format("{:.2g}", most * share));
     }
-    drawText(cairo, {panel.high.x + 8, panel.low.y - 16}, 0.5, "opacity");
+    canvas.drawText({panel.high.x + 8, panel.low.y - 16}, 0.5, "opacity");
 
-    cairo_new_path(cairo); // text leaves a current point
     const int pixels = int(panel.high.x - panel.low.x);
     for (int i = 0; i <= pixels; ++i) {
         const double share = double(i) / pixels;
@@ -115,10 +94,10 @@ void drawOpacity(cairo_t* cairo, const Panel& panel, const Histogram& histogram,
     }
     // A light edge separates the curve from bars of its own colour.
     cairo_set_line_width(cairo, 5);
-    setColor(cairo, kPaper);
+    canvas.setColor(kPaper);
     cairo_stroke_preserve(cairo);
     cairo_set_line_width(cairo, 2);
-    setColor(cairo, kCurve);
+    canvas.setColor(kCurve);
     cairo_stroke(cairo);
 }
 
@@ -140,14 +119,10 @@ std::string toPng(cairo_surface_t* surface)
 std::string histogramPng(const TextureHistograms& histograms, const Look& look, const ScalarNames& names)
 {
     const bool one = names.color == names.opacity;
-    const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
-        cairo_image_surface_create(CAIRO_FORMAT_RGB24, 60 + kPitch * (one ? 2 : 3), kHeight), cairo_surface_destroy);
-    const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> owner(cairo_create(surface.get()), cairo_destroy);
-    cairo_t* cairo = owner.get();
-    setColor(cairo, kPaper);
+    const CairoCanvas canvas(CAIRO_FORMAT_RGB24, {60 + kPitch * (one ? 2 : 3), kHeight});
+    cairo_t* cairo = canvas.context();
+    canvas.setColor(kPaper);
     cairo_paint(cairo);
-    cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
-    cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
     cairo_select_font_face(cairo, kFont, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo, kFontSize);
 
@@ -156,23 +131,23 @@ std::string histogramPng(const TextureHistograms& histograms, const Look& look, 
         return Panel{{left, 60}, {left + kPanel, 380}};
     };
     const auto plain = [](std::size_t) { return kBars; };
-    drawBars(cairo, panel(0), histograms.texture, plain);
-    drawFrame(cairo, panel(0), histograms.texture, "texture");
+    drawBars(canvas, panel(0), histograms.texture, plain);
+    drawFrame(canvas, panel(0), histograms.texture, "texture");
 
     const Histogram& colors = histograms.color;
     const auto [low, high] = look.transfer.range();
-    drawBars(cairo, panel(1), colors, [&, low = low, high = high](std::size_t bin) {
+    drawBars(canvas, panel(1), colors, [&, low = low, high = high](std::size_t bin) {
         const double value = colors.low + (colors.high - colors.low) * (double(bin) + 0.5) / Histogram::kBins;
         return look.transfer.displayColor((value - low) / (high - low));
     });
     const Panel opaque = panel(one ? 1 : 2);
     if (!one) {
-        drawBars(cairo, opaque, histograms.opacity, plain);
-        drawFrame(cairo, opaque, histograms.opacity, names.opacity);
+        drawBars(canvas, opaque, histograms.opacity, plain);
+        drawFrame(canvas, opaque, histograms.opacity, names.opacity);
     }
-    drawOpacity(cairo, opaque, histograms.opacity, look.transfer);
-    drawFrame(cairo, panel(1), colors, names.color);
-    return toPng(surface.get());
+    drawOpacity(canvas, opaque, histograms.opacity, look.transfer);
+    drawFrame(canvas, panel(1), colors, names.color);
+    return toPng(canvas.surface());
 }
 
 } // namespace vdblic

@@ -57,10 +57,14 @@ struct ExrParams {
 /// OpenEXR's compressions, in its own spelling: none, rle, zips, zip, piz ...
 [[nodiscard]] std::vector<std::string> exrCompressions();
 
-/// The bytes of an .exr file: RGBA premultiplied, linear Rec. 709, over the background with its alpha, then layers.
+/// The bytes of an .exr file: RGBA premultiplied, linear Rec. 709, over the background with its alpha, then layers and
+/// the annotations' channels annotation.R, .G, .B and .A.
 [[nodiscard]] std::string encodeExr(const Image& image, const ImageHeader& header, const Background& background,
                                     const ExrParams& params = {});
-/// The bytes of a .png file: 8-bit sRGB, over the background's colour, opaque.
+/// The picture as displayed: 8-bit sRGB, annotations over it and the background's colour behind it; red, green and blue
+/// of each pixel, rows from the top.
+[[nodiscard]] std::string displayBytes(const Image& image, const Background& background);
+/// The bytes of a .png file that shows displayBytes().
 [[nodiscard]] std::string encodePng(const Image& image, const Background& background);
 
 /// Write an image atomically, in the format of its extension.

@@ -17,7 +17,10 @@ LookPreset lookPreset(std::string_view name)
     LookPreset preset{{}, {0.04, 0.05, 0.07}};
     LookParams& look = preset.look;
     if (name == "flow" || name == "vortex") {
-        if (name == "vortex") preset.opacityBy = {"q", "vorticity"};
+        if (name == "vortex") {
+            preset.opacityBy = {"q", "vorticity"};
+            look.shadows = 0.6;
+        }
         look.halo = 0.3;
         look.depthCue = 0.25;
         look.shading.ambient = 0.55f;

@@ -9,15 +9,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <string>
-#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// @param bytes red, green and blue of each pixel, rows from the top
-std::string encodeRgb(const glm::ivec2& imageSize, const std::vector<std::uint8_t>& bytes)
+/// @param bytes as displayBytes() returns them
+std::string encodeRgb(const glm::ivec2& imageSize, const std::string& bytes)
 {
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
@@ -36,19 +35,25 @@ std::string encodeRgb(const glm::ivec2& imageSize, const std::vector<std::uint8_
 
 } // namespace
 
-std::string encodePng(const Image& image, const Background& background)
+std::string displayBytes(const Image& image, const Background& background)
 {
     const glm::vec4 back(linearFromDisplay(background.color), 1);
-    std::vector<std::uint8_t> bytes;
+    std::string bytes;
     bytes.reserve(image.pixels.size() * 3);
-    for (const glm::vec4& front : image.pixels) {
-        const glm::vec4 pixel = front + back * (1 - front.a);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        glm::vec4 pixel = image.pixels[i] + back * (1 - image.pixels[i].a);
+        if (!image.annotations.empty()) pixel = image.annotations[i] + pixel * (1 - image.annotations[i].a);
         for (int channel = 0; channel < 3; ++channel) {
             const double value = displayFromLinear(std::clamp(double(pixel[channel]), 0.0, 1.0));
-            bytes.push_back(std::uint8_t(std::lround(value * 255)));
+            bytes.push_back(char(std::lround(value * 255)));
         }
     }
-    return encodeRgb(image.size, bytes);
+    return bytes;
+}
+
+std::string encodePng(const Image& image, const Background& background)
+{
+    return encodeRgb(image.size, displayBytes(image, background));
 }
 
 } // namespace vdblic

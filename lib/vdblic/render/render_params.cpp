@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace vdblic {
 namespace {
@@ -20,7 +21,15 @@ constexpr double kMostStretch = 1e6;
 
 void RenderParams::validate() const
 {
-    if (output.empty() && histogram.empty()) throw ParameterError("there is nothing to make: give an output");
+    if (output.empty() && film.empty() && histogram.empty())
+        throw ParameterError("there is nothing to make: give an output");
+    if (!film.empty() && std::filesystem::path(film).extension() != ".mp4")
+        throw ParameterError(fmt::format("film '{}' must end in .mp4", film));
+    if (!film.empty() && skipExisting)
+        throw ParameterError("a film needs the pictures of all frames; existing ones cannot be skipped");
+    if (!(framesPerSecond >= 0.01 && framesPerSecond <= 1000)) {
+        throw ParameterError(fmt::format("{} frames per second must be between 0.01 and 1000", framesPerSecond));
+    }
     if (!output.empty()) {
         const bool exrOutput = imageFormat(output) == ImageFormat::kExr;
         if (!exr.layers.empty() && !exrOutput) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/io/sequence.h"
+#include "vdblic/render/annotation_params.h"
 #include "vdblic/render/camera.h"
 #include "vdblic/render/camera_path.h"
 #include "vdblic/render/image_file.h"
@@ -19,8 +20,11 @@ namespace vdblic {
 /// How a sequence of textures becomes a sequence of images.
 struct RenderParams {
     SequenceParams input;
-    bool skipExisting = false;         ///< leave existing outputs as they are
-    std::string output;                ///< one file or a pattern, .exr or .png; frame numbers are the input's
+    bool skipExisting = false;   ///< leave existing outputs as they are
+    std::string output;          ///< one file or a pattern, .exr or .png; frame numbers are the input's
+    std::string film;            ///< .mp4 file of all frames; empty: none
+    double framesPerSecond = 24; ///< of the film
+    AnnotationParams annotations;
     std::string histogram;             ///< file for the histograms, .json or .png; empty: none
     std::string texture = "density";   ///< grid that holds the texture
     std::string colorBy = "magnitude"; ///< grid whose values colour

@@ -4,6 +4,8 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/render/annotations.h"
+#include "vdblic/render/film_writer.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
 #include "vdblic/render/image_attributes.h"
@@ -50,6 +52,7 @@ struct RenderedFrame {
     bool hasColor = true;
     std::size_t unusableVoxels = 0;
     std::optional<TextureHistograms> histograms;
+    std::string film; ///< the picture as displayed
     std::exception_ptr error;
 };
 
@@ -60,10 +63,15 @@ class SequenceRenderer {
         : mParams(params), mRays(params.rays), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
     {
         mRays.clip = params.rays.clip.stretched(params.stretch);
-        if (params.output.empty()) return;
-        mOutput.emplace(params.output);
-        if (mTotal > 0) checkOutputPattern(*mOutput, mTotal);
-        if (!mParams.histogram.empty()) checkNoFrame(mParams.histogram, *mOutput);
+        const std::string& film = params.film;
+        if (!film.empty() && !params.histogram.empty()) checkDistinct(film, params.histogram);
+        if (!params.output.empty()) {
+            mOutput.emplace(params.output);
+            if (mTotal > 0) checkOutputPattern(*mOutput, mTotal);
+            if (!mParams.histogram.empty()) checkNoFrame(mParams.histogram, *mOutput);
+            if (!film.empty()) checkNoFrame(film, *mOutput);
+        }
+        if (!film.empty()) mFilm.emplace(film, params.scaledSize(), params.framesPerSecond);
     }
 
     void run()
@@ -80,6 +88,10 @@ class SequenceRenderer {
         runPipeline(framesInFlight(mScene ? mScene->frameBytes : 1), /*untilScene=*/false);
         mReporter.checkStop(); // a request to stop ends standard input
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
+        if (mFilm) {
+            mFilm->finish();
+            mReporter.finished(mParams.film);
+        }
         if (mParams.histogram.empty()) return;
         if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
         writeHistograms(mParams.histogram, *mHistograms, mScene->look, {mParams.colorBy, mScene->opacityBy});
@@ -130,6 +142,7 @@ class SequenceRenderer {
             const std::optional<FrameFile> file = mSource();
             if (!file) return false;
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
+            if (mFilm) checkNotInput(mParams.film, file->path);
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // standard input named a second path
             task.file = *file;
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
@@ -173,7 +186,7 @@ class SequenceRenderer {
             result.histograms.emplace(task.scene->look);
             result.histograms->add(*frame->texture, *frame->color, *frame->opacity);
         }
-        if (!mOutput) return;
+        if (!mOutput && !mFilm) return;
         const glm::ivec2 size = mParams.scaledSize();
         Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
         ImageHeader header;
@@ -188,11 +201,17 @@ class SequenceRenderer {
                                 {.solid = solid.get(),
                                  .solidColor = glm::vec3(linearFromDisplay(mParams.solid.color)),
                                  .light = light ? &*light : nullptr});
-            header = imageHeader(mParams, task.scene->look, camera, task.file);
+            if (mParams.annotations.any()) {
+                const AnnotationContent content{task.scene->box,       mParams.stretch, mParams.colorBy,
+                                                task.scene->opacityBy, task.file.frame, frame->time};
+                annotate(image, mParams.annotations, content, look, camera, mParams.background.color);
+            }
+            header = imageHeader(mParams, look, camera, task.file);
         } else if (mParams.rays.layers) {
             image.layers.resize(image.pixels.size());
         }
-        writeImage(mOutput->path(task.file.frame), image, header, mParams.background, mParams.exr);
+        if (mFilm) result.film = displayBytes(image, mParams.background);
+        if (mOutput) writeImage(mOutput->path(task.file.frame), image, header, mParams.background, mParams.exr);
     }
 
     /// The frame's solid; null if there is none. One that is the same in all frames is made once.
@@ -227,6 +246,7 @@ class SequenceRenderer {
             if (!mHistograms) mHistograms.emplace(frame.scene->look);
             mHistograms->add(*frame.histograms);
         }
+        if (mFilm) mFilm->add(frame.film);
         if (mOutput) mReporter.finished(mOutput->path(frame.file.frame));
         mReporter.progress(++mDone, mTotal);
     }
@@ -253,6 +273,7 @@ class SequenceRenderer {
     std::size_t mTotal = 0, mTaken = 0, mDone = 0;
     FrameSource mSource;
     std::optional<FramePattern> mOutput;
+    std::optional<FilmWriter> mFilm;
     std::optional<Scene> mScene;
     std::shared_ptr<const LoadedTexture> mOnlyFrame; // of the sequence, if it was read to make the scene
     std::optional<TextureHistograms> mHistograms;
@@ -268,7 +289,7 @@ class SequenceRenderer {
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter)
 {
     params.validate();
-    if (!params.output.empty()) {
+    if (!params.output.empty() || !params.film.empty()) {
         const glm::ivec2 size = params.scaledSize();
         checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
                     "make it smaller with `size` or `scale`");

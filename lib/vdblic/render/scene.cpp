@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
@@ -53,10 +54,36 @@ openvdb::FloatGrid::Ptr findScalar(const VdbFile& file, const std::vector<std::s
     return nullptr;
 }
 
+std::optional<double> timeOf(const VdbFile& file)
+{
+    if (const auto single = file.metadata.getMetadata<openvdb::FloatMetadata>("time")) return double(single->value());
+    if (const auto whole = file.metadata.getMetadata<openvdb::DoubleMetadata>("time")) return whole->value();
+    return std::nullopt;
+}
+
 openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
 {
     const bool together = grid->transform() == texture.transform() || !grid->transform().isLinear();
     return together ? grid : resampled(*grid, texture);
+}
+
+/// What fills the picture: all that is visible of the frames, or the box around it if that is in the picture.
+std::vector<glm::dvec3> subjectOf(const RenderParams& params, const Look& look, std::span<const LoadedTexture> frames,
+                                  const Corners& box, bool steady)
+{
+    std::vector<glm::dvec3> subject;
+    if (params.annotations.box || params.annotations.axes || !params.solid.source.empty() || !steady) {
+        // Numbers beside the axes need some room.
+        const double room = params.annotations.axes ? 1.16 : 1;
+        for (const glm::dvec3& corner : box)
+            subject.push_back(glm::mix(middleOf(box), corner, room));
+        return subject;
+    }
+    for (const LoadedTexture& frame : frames) {
+        const auto more = visibleExtent(frame.volume, look, params.rays.clip.stretched(params.stretch));
+        subject.insert(subject.end(), more.begin(), more.end());
+    }
+    return subject;
 }
 
 } // namespace
@@ -80,7 +107,8 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
                              opacity,
                              bool(storedColor),
                              storedOpacity ? storedOpacity->getName() : params.colorBy,
-                             TextureVolume(*texture, *opacity, params.stretch)};
+                             TextureVolume(*texture, *opacity, params.stretch),
+                             timeOf(file)};
         if (opacity != color || params.look.transfer.opacityRange) loaded.volume.addColors(*texture, *color);
         if (!params.region.empty()) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
@@ -110,14 +138,9 @@ Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> fra
     try {
         Look look = chooseLook(params.look, samples, std::cbrt(voxels));
         look.background = glm::vec3(linearFromDisplay(params.background.color));
-        std::vector<glm::dvec3> subject;
-        for (const LoadedTexture& frame : frames) {
-            if (!steady || !params.solid.source.empty()) break;
-            const auto more = visibleExtent(frame.volume, look, params.rays.clip.stretched(params.stretch));
-            subject.insert(subject.end(), more.begin(), more.end());
-        }
+        std::vector<glm::dvec3> subject = subjectOf(params, look, frames, box, steady);
         const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span, std::move(subject));
-        return {std::move(look), frames.front().opacityBy, cameras, bytes};
+        return {std::move(look), frames.front().opacityBy, cameras, box, bytes};
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", frames.front().file.path.string(), error.what()));
     }

@@ -23,6 +23,7 @@ struct LoadedTexture {
     bool hasColor;                                   ///< if not, the texture colours
     std::string opacityBy;                           ///< name of the grid that makes opaque
     TextureVolume volume;
+    std::optional<double> time; ///< of the file's metadata [s]
 };
 
 /// @throws InputError naming the file
@@ -33,6 +34,7 @@ struct Scene {
     Look look;
     std::string opacityBy; ///< name of the grid that makes opaque, in every frame
     CameraPath cameras;
+    Corners box;       ///< around all frames, as far as is known
     double frameBytes; ///< estimate of the memory that a frame takes
 };
 

@@ -16,6 +16,8 @@
 #include <openvdb/tools/TopologyToLevelSet.h>
 #include <openvdb/tools/ValueTransformer.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -108,6 +110,24 @@ openvdb::FloatGrid::Ptr asLevelSet(const openvdb::GridBase& grid, const std::str
     return result;
 }
 
+/// Refuse a mesh that is far too large for the texture's voxels. @param mesh in index space
+void checkExtent(const TriangleMesh& mesh, const std::filesystem::path& path)
+{
+    constexpr float kFarthest = 1 << 24; // single precision still tells voxels apart
+    double voxels = 0;
+    for (const openvdb::Vec3I& corners : mesh.triangles) {
+        const openvdb::Vec3s a = mesh.points[corners[0]], b = mesh.points[corners[1]], c = mesh.points[corners[2]];
+        voxels += double((b - a).cross(c - a).length()) * kBand;
+    }
+    const bool near = std::all_of(mesh.points.begin(), mesh.points.end(),
+                                  [&](const openvdb::Vec3s& point) { return point.length() <= kFarthest; });
+    if (!near || !(voxels < 1e15)) {
+        throw InputError(fmt::format("{}: is too large for the texture's voxels; bring it into the unit of the texture",
+                                     path.string()));
+    }
+    checkVoxels(std::uint64_t(voxels), path.string());
+}
+
 Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
                 std::int64_t frame)
 {
@@ -117,6 +137,7 @@ Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, co
         TriangleMesh mesh = readMesh(path);
         for (openvdb::Vec3s& point : mesh.points)
             point = openvdb::Vec3s(texture.transform().worldToIndex(openvdb::Vec3d(point)));
+        checkExtent(mesh, path);
         const openvdb::math::Transform identity;
         return {openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(identity, mesh.points, mesh.triangles, float(kBand)),
                 toIndex(texture.transform(), stretch, path.string())};

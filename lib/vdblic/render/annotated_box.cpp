@@ -1,0 +1,162 @@
+#include "vdblic/render/annotated_box.h"
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace vdblic {
+namespace {
+
+/// An edge of a box and the sides of its two faces.
+struct BoxEdge {
+    int axis;             // that the edge runs along
+    std::size_t from, to; // corners
+    bool facing[2];       // whether its faces are seen from outside
+};
+
+/// A corner in the picture [pixels]; nothing behind the eye.
+std::optional<glm::dvec2> seen(const glm::dvec3& point, const Camera& camera)
+{
+    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(point, 1);
+    if (!(ndc.w > 0)) return std::nullopt;
+    return glm::dvec2(ndc) / ndc.w * glm::dvec2(camera.size());
+}
+
+/// Whether the eye is in front of a face of the box. @param side 0 or 1 along the axis
+bool isFacing(const Corners& box, std::size_t axis, std::size_t side, const Camera& camera)
+{
+    const auto edge = [&](std::size_t a) { return box[std::size_t(1) << a] - box[0]; };
+    glm::dvec3 outward = glm::cross(edge((axis + 1) % 3), edge((axis + 2) % 3));
+    if ((glm::dot(outward, edge(axis)) > 0) != (side == 1)) outward = -outward;
+    const bool perspective = camera.projection() == Projection::kPerspective;
+    const glm::dvec3 towardsEye = perspective ? camera.eye() - box[side << axis] : camera.eye() - camera.target();
+    return glm::dot(outward, towardsEye) > 0;
+}
+
+std::vector<BoxEdge> edgesOf(const Corners& box, const Camera& camera)
+{
+    std::vector<BoxEdge> edges;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t b = (axis + 1) % 3, c = (axis + 2) % 3;
+        for (std::size_t side = 0; side < 4; ++side) {
+            const std::size_t from = (side & 1) << b | (side >> 1) << c;
+            edges.push_back({int(axis),
+                             from,
+                             from | std::size_t(1) << axis,
+                             {isFacing(box, b, side & 1, camera), isFacing(box, c, side >> 1, camera)}});
+        }
+    }
+    return edges;
+}
+
+/// The axis of a box that is most upright in space.
+int uprightAxis(const Corners& box, const glm::dvec3& up)
+{
+    int best = 0;
+    double most = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double share = std::abs(glm::dot(glm::normalize(box[std::size_t(1) << axis] - box[0]), up));
+        if (share <= most) continue;
+        most = share;
+        best = axis;
+    }
+    return best;
+}
+
+/// Of the edges along an axis that are on the outline, the lowest in the picture, or the leftmost of upright ones.
+std::optional<BoxEdge> edgeForTicks(const std::vector<BoxEdge>& edges, int axis, const Corners& box,
+                                    const Camera& camera)
+{
+    std::optional<BoxEdge> best;
+    double bestPlace = 0;
+    for (const BoxEdge& edge : edges) {
+        if (edge.axis != axis || edge.facing[0] == edge.facing[1]) continue;
+        const auto from = seen(box[edge.from], camera), to = seen(box[edge.to], camera);
+        if (!from || !to) continue;
+        const double place = axis == uprightAxis(box, camera.up()) ? from->x + to->x : -(from->y + to->y);
+        if (best && place >= bestPlace) continue;
+        best = edge;
+        bestPlace = place;
+    }
+    return best;
+}
+
+/// The world's axis that an edge runs along; −1: none.
+int worldAxis(const glm::dvec3& along)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (std::abs(along[axis]) > 0.999999 * glm::length(along)) return axis;
+    }
+    return -1;
+}
+
+} // namespace
+
+std::vector<double> roundNumbers(double low, double high, int wanted, double& step)
+{
+    const double rough = (high - low) / wanted, power = std::pow(10, std::floor(std::log10(rough)));
+    step = power * (rough / power > 7 ? 10 : rough / power > 3 ? 5 : rough / power > 1.4 ? 2 : 1);
+    std::vector<double> numbers;
+    for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i)
+        numbers.push_back(i * step);
+    return numbers;
+}
+
+std::string tickText(double value, double step)
+{
+    const double shown = std::abs(value) < step * 1e-6 ? 0 : value;
+    if (std::max(std::abs(value), step) >= 1e5 || step < 1e-4) return fmt::format("{:.3g}", shown);
+    return fmt::format("{:.{}f}", shown, std::max(0, -int(std::floor(std::log10(step) + 1e-9))));
+}
+
+void drawBox(const CairoCanvas& canvas, const Corners& box, const Camera& camera, bool far)
+{
+    for (const BoxEdge& edge : edgesOf(box, camera)) {
+        if ((!edge.facing[0] && !edge.facing[1]) != far) continue;
+        const auto from = seen(box[edge.from], camera), to = seen(box[edge.to], camera);
+        if (from && to) canvas.drawLine(*from, *to);
+    }
+}
+
+void drawAxes(const CairoCanvas& canvas, const Corners& box, const glm::dvec3& stretch, const Camera& camera,
+              double textSize)
+{
+    constexpr int kTicks = 5;
+    const auto middle = seen(middleOf(box), camera);
+    if (!middle) return;
+    const std::vector<BoxEdge> edges = edgesOf(box, camera);
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::optional<BoxEdge> edge = edgeForTicks(edges, axis, box, camera);
+        if (!edge) continue;
+        const glm::dvec3 from = box[edge->from], along = box[edge->to] - from;
+        const int world = worldAxis(along);
+        // Ticks stand on the edge, away from the box.
+        const glm::dvec2 begin = *seen(from, camera), end = *seen(from + along, camera);
+        glm::dvec2 outward(begin.y - end.y, end.x - begin.x);
+        if (!(glm::length(outward) > 0)) continue;
+        outward = glm::normalize(outward);
+        if (glm::dot((begin + end) / 2.0 - *middle, outward) < 0) outward = -outward;
+        const auto label = [&](const glm::dvec3& point, double distance, const std::string& text) {
+            const auto at = seen(point, camera);
+            if (!at) return;
+            const glm::dvec2 place = *at + outward * distance * textSize + glm::dvec2(0, 0.35 * textSize);
+            canvas.drawText(place, 0.5 - 0.5 * outward.x, text);
+        };
+        // Positions along the edge are the world's coordinates, or distances if the box is turned.
+        const double low = world < 0 ? 0 : from[world] / stretch[world];
+        const double high = world < 0 ? glm::length(along / stretch) : (from[world] + along[world]) / stretch[world];
+        double step = 0;
+        for (const double value : roundNumbers(std::min(low, high), std::max(low, high), kTicks, step)) {
+            const glm::dvec3 point = from + along * ((value - low) / (high - low));
+            if (const auto at = seen(point, camera)) canvas.drawLine(*at, *at + outward * 0.4 * textSize);
+            label(point, 0.8, tickText(value, step));
+        }
+        if (world >= 0) label(from + along * 0.5, 2.4 + 2 * std::abs(outward.x), std::string(1, "xyz"[world]));
+    }
+}
+
+} // namespace vdblic

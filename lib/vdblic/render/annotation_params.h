@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace vdblic {
+
+/// What is drawn over a picture to explain it.
+struct AnnotationParams {
+    bool box = false;      ///< outline of the domain, its far edges behind the volume
+    bool axes = false;     ///< ticks in world units along three edges of the domain
+    bool colorBar = false; ///< scales of what colours and of what makes opaque
+    bool time = false;     ///< frame and time
+    std::string title{};
+
+    [[nodiscard]] bool any() const { return box || axes || colorBar || time || !title.empty(); }
+};
+
+/// Parse `box,axes,colorbar,time,title=TEXT`; the title is the rest of the text. @throws ParameterError
+[[nodiscard]] AnnotationParams parseAnnotations(std::string_view text);
+/// The text that parseAnnotations() reads back.
+[[nodiscard]] std::string annotationText(const AnnotationParams& params);
+
+} // namespace vdblic

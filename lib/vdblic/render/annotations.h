@@ -1,0 +1,33 @@
+#pragma once
+
+#include "vdblic/render/annotation_params.h"
+#include "vdblic/render/camera.h"
+#include "vdblic/render/image.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace vdblic {
+
+struct Look;
+
+/// What annotations tell of a picture.
+struct AnnotationContent {
+    Corners box;         ///< of the domain, in the picture's world
+    glm::dvec3 stretch;  ///< of that world
+    std::string colorBy; ///< names of the grids
+    std::string opacityBy;
+    std::int64_t frame;
+    std::optional<double> time; ///< [s]
+};
+
+/// Draw annotations as a layer of their own, Image::annotations, and leave the other layers as they are. The size of
+/// text and lines follows the picture's height.
+/// @param background display (sRGB) values; annotations are light on a dark one and dark on a light one
+void annotate(Image& image, const AnnotationParams& params, const AnnotationContent& content, const Look& look,
+              const Camera& camera, const glm::dvec3& background);
+
+} // namespace vdblic

@@ -1,0 +1,126 @@
+"""vdblic_render on the command line: solids, shadows, annotations and films."""
+
+import os
+import subprocess
+import unittest
+
+import pyopenvdb as vdb
+
+from support import ToolTest
+
+CUBE = "".join(f"v {x} {y} {z}\n" for x in (0.4, 0.8) for y in (0.4, 0.8) for z in (0.4, 0.8)) + \
+    "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+
+
+def box(name, low, high, value=1.0, grid=None):
+    grid = grid or vdb.FloatGrid()
+    grid.name = name
+    grid.transform = vdb.createLinearTransform(voxelSize=0.1)
+    grid.fill(low, high, value, True)
+    return grid
+
+
+class RenderScene(ToolTest):
+    def setUp(self):
+        super().setUp()
+        for frame in (1, 2, 3):
+            grids = []
+            for name in "density", "magnitude":
+                grid = box(name, (0, 0, 0), (11, 11, 11))
+                for x in range(12):
+                    grid.fill((x, 0, 0), (x, 11, 11), (x + frame) / 15, True)
+                grid.fill((4, 4, 4), (7, 7, 7), 0, False)
+                grid.prune()
+                grids.append(grid)
+            vdb.write(str(self.folder / f"lic.{frame:04}.vdb"), grids=grids, metadata={"time": frame / 24})
+        (self.folder / "cube.obj").write_text(CUBE)
+        vdb.write(str(self.folder / "mask.vdb"), grids=[box("mask", (4, 4, 4), (7, 7, 7))])
+
+    def renders(self, *arguments, **options):
+        return [path.name for path in self.outputs("vdblic_render", *arguments, **options)]
+
+    def refuses(self, status, *arguments, **options):
+        before = self.files()
+        message = self.fails(status, "vdblic_render", *arguments, **options)
+        self.assertEqual(self.files(), before, arguments)
+        return message
+
+    def alpha(self, name):
+        done = subprocess.run(["oiiotool", name, "--ch", "A", "--printstats"], cwd=self.folder, text=True,
+                              capture_output=True, check=True)
+        return float(next(line for line in done.stdout.splitlines() if "Stats Avg" in line).split()[2])
+
+    thin = ("lic.%04d.vdb", "--frames", 1, "--size", 60, 40, "--opacity", "0:0.001")
+
+    def test_solids(self):
+        self.renders(*self.thin, "-o", "none.%04d.exr")
+        for k, source in enumerate(["domain", "mask.vdb", "mask.vdb:mask", "cube.obj"]):
+            self.renders(*self.thin, "-o", f"{k}.%04d.exr", "--solid", source)
+            self.assertGreater(self.alpha(f"{k}.0001.exr"), self.alpha("none.0001.exr") + 0.02, source)
+        vdb.write(str(self.folder / "body.0001.vdb"), grids=[box("body", (4, 4, 4), (7, 7, 7))])
+        self.renders(*self.thin, "-o", "s.%04d.exr", "--solid", "body.%04d.vdb")
+        message = self.refuses(3, "lic.%04d.vdb", "--frames", 2, "-o", "t.%04d.exr", "--solid", "body.%04d.vdb")
+        self.assertIn("body.0002.vdb", message)
+
+    def test_bad_solids(self):
+        (self.folder / "broken.stl").write_bytes(b"solid x\n facet")
+        (self.folder / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        (self.folder / "vast.obj").write_text(CUBE.replace("0.8", "1e30"))
+        (self.folder / "big.obj").write_text(CUBE.replace("0.8", "1e5"))
+        (self.folder / "point.ply").write_text("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                               "property float y\nproperty float z\nend_header\n0 0 0\n")
+        vdb.write(str(self.folder / "vector.vdb"), grids=[vdb.Vec3SGrid()])
+        for bad in ("none.vdb", "none.obj", "broken.stl", "open.obj", "vast.obj", "big.obj", "point.ply", "vector.vdb",
+                    "mask.vdb:other"):
+            message = self.refuses(3, *self.thin, "-o", "a.%04d.exr", "--solid", bad)
+            self.assertIn(bad.split(":")[0], message)
+        self.refuses(2, *self.thin, "-o", "a.%04d.exr", "--solid", "domain", "--solid-color", 0, 0, 2)
+        self.refuses(2, *self.thin, "-o", "a.%04d.exr", "--shadows", 1.5)
+
+    def test_annotations_leave_the_picture_as_it_is(self):
+        self.renders(*self.thin, "-o", "a.%04d.exr", "--eye", 4, -5, 3)
+        self.renders(*self.thin, "-o", "b.%04d.exr", "--eye", 4, -5, 3, "--annotate", "box,axes,colorbar,time,title=T")
+        channels = subprocess.run(["exrheader", "b.0001.exr"], cwd=self.folder, text=True, capture_output=True).stdout
+        self.assertIn("annotation.A", channels)
+        self.assertIn('annotations (type string): "box,axes,colorbar,time,title=T"', channels)
+        for name in "a", "b":
+            subprocess.run(["oiiotool", f"{name}.0001.exr", "--ch", "R,G,B,A", "-o", f"{name}.exr"], cwd=self.folder,
+                           check=True)
+        subprocess.run(["idiff", "-fail", "0", "-warn", "0", "a.exr", "b.exr"], cwd=self.folder, check=True)
+        self.assertIn("colorbar", self.refuses(2, *self.thin, "-o", "a.%04d.png", "--annotate", "box,legend"))
+
+    def test_threads(self):
+        for threads in (1, 5):
+            self.renders("lic.%04d.vdb", "-o", f"t{threads}.%04d.png", "--size", 90, 70, "--threads", threads, "--solid",
+                         "domain", "--shadows", 0.7, "--annotate", "box,axes,colorbar,time", "--film", f"t{threads}.mp4")
+        for name in ("0001.png", "0003.png", "mp4"):
+            self.assertEqual(self.contents(f"t1.{name}"), self.contents(f"t5.{name}"))
+
+    def probe(self, name):
+        done = subprocess.run(["ffprobe", "-loglevel", "error", "-count_frames", "-show_entries",
+                               "stream=width,height,r_frame_rate,nb_read_frames", "-of", "csv=p=0", name],
+                              cwd=self.folder, text=True, capture_output=True, check=True)
+        return done.stdout.strip()
+
+    def test_film(self):
+        self.assertEqual(self.renders("lic.%04d.vdb", "--film", "f.mp4", "--size", 65, 40, "--fps", 12, "--orbit", 0.2),
+                         ["f.mp4"])
+        self.assertEqual(self.probe("f.mp4"), "66,40,12/1,3")
+        self.assertEqual(self.renders("lic.%04d.vdb", "-o", "i.%04d.png", "--film", "g.mp4", "--size", 64, 40),
+                         ["i.0001.png", "i.0002.png", "i.0003.png", "g.mp4"])
+        self.assertEqual(self.probe("g.mp4"), "64,40,24/1,3")
+
+    def test_bad_films(self):
+        good = ("lic.%04d.vdb", "--size", 64, 40)
+        for bad in (["--film", "f.avi"], ["--film", "f.mp4", "--fps", 0], ["--film", "f.mp4", "-o", "i.%04d.png",
+                    "--skip-existing"], ["--film", "h.png", "--histogram", "h.png"]):
+            self.refuses(2, *good, *bad)
+        self.refuses(4, *good, "--film", "missing/f.mp4")
+        self.assertIn("ffmpeg", self.refuses(4, *good, "--film", "f.mp4", env={**os.environ, "PATH": "/nonexistent"}))
+        # A frame that cannot be read: the film would lack it.
+        (self.folder / "lic.0003.vdb").write_bytes(b"broken")
+        self.refuses(3, *good, "--film", "f.mp4")
+
+
+if __name__ == "__main__":
+    unittest.main()
