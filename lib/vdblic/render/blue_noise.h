@@ -9,7 +9,7 @@ namespace vdblic {
 /// A square of blue noise that tiles the plane: every rank from 0 to kCount − 1 once, rows from the top. Pixels near
 /// each other have ranks far apart, and no direction is preferred, so that it shows as fine grain and never as a hatch.
 struct BlueNoise {
-    static constexpr int kDim = 64, kCount = kDim * kDim;
+    static constexpr int kDim = 32, kCount = kDim * kDim;
 
     std::array<std::uint16_t, std::size_t(kCount)> ranks;
 
