@@ -128,7 +128,7 @@ void annotate(Image& image, const AnnotationParams& params, const AnnotationCont
     if (params.colorBar) drawColorBars(front, content, look.transfer, size, textSize, ink);
     const double margin = 1.2 * textSize;
     if (params.time) {
-        const std::string time = content.time ? fmt::format(", {:.6g} s", *content.time) : "";
+        const std::string time = content.time ? fmt::format(", {:.4g} s", *content.time) : "";
         front.drawText({margin, size.y - margin}, 0, fmt::format("frame {}{}", content.frame, time));
     }
     if (!params.title.empty()) {

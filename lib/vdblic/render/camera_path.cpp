@@ -37,12 +37,13 @@ glm::dvec3 middleOfBounds(const std::vector<glm::dvec3>& points)
     return (low + high) / 2.0;
 }
 
-/// The points in all views of a camera that orbits them, relative to the first one.
-std::vector<glm::dvec3> turned(const std::vector<glm::dvec3>& subject, const glm::dvec3& middle, const glm::dvec3& axis)
+/// The points in all views of a camera that orbits them, relative to the first one. @param turns at most one either way
+std::vector<glm::dvec3> turned(const std::vector<glm::dvec3>& subject, const glm::dvec3& middle, const glm::dvec3& axis,
+                               double turns)
 {
     std::vector<glm::dvec3> points;
     for (std::size_t i = 0; i < kOrbitViews; ++i) {
-        const glm::dmat3 turn = rotation(axis, 2 * std::numbers::pi * double(i) / kOrbitViews);
+        const glm::dmat3 turn = rotation(axis, -2 * std::numbers::pi * turns * double(i) / (kOrbitViews - 1));
         for (const glm::dvec3& point : subject)
             points.push_back(middle + turn * (point - middle));
     }
@@ -122,7 +123,7 @@ CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, c
     if (mOrbit != 0) {
         if (subject.empty()) subject.assign(box.begin(), box.end());
         if (!first.target) first.target = middleOfBounds(subject);
-        subject = turned(subject, *first.target, first.up.value_or(glm::dvec3(0, 0, 1)));
+        subject = turned(subject, *first.target, first.up.value_or(glm::dvec3(0, 0, 1)), std::clamp(mOrbit, -1.0, 1.0));
     }
     const Camera chosen(first, box, size, subject);
     mParams.eye = chosen.eye();

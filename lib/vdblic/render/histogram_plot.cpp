@@ -18,7 +18,7 @@ namespace {
 constexpr int kPanel = 512, kPitch = 590, kHeight = 460; // width and distance of panels
 constexpr const char* kFont = "@cairo:"; // built into Cairo: the same pixels on every machine, no font files
 constexpr double kFontSize = 19;
-constexpr glm::dvec3 kPaper(1), kAxes(0.15), kBars(0.55), kCurve(0.05);
+constexpr glm::dvec3 kPaper(0.84), kAxes(0.15), kBars(0.55), kCurve(0.05);
 
 /// A plot's frame in the picture [pixels].
 struct Panel {

@@ -75,7 +75,11 @@ glm::ivec2 RenderParams::scaledSize() const
 double RenderParams::imageBytes() const
 {
     // The sum over the samples, one sample, the file's pixels, and the file.
-    const double perPixel = sizeof(glm::vec4) * 4 + (rays.layers ? 2 * sizeof(PixelLayers) : 0);
+    const double layerBytes = rays.layers ? 2 * sizeof(PixelLayers) : 0;
+    const double solidBytes = solid.source.empty() ? 0 : sizeof(float) + 2 * sizeof(glm::vec3);
+    // Two drawings of 32 bits, and both in linear light.
+    const double annotationBytes = annotations.any() ? 2 * (sizeof(float) + sizeof(glm::vec4)) : 0;
+    const double perPixel = sizeof(glm::vec4) * 4 + layerBytes + solidBytes + annotationBytes + (film.empty() ? 0 : 3);
     return double(scaledSize().x) * scaledSize().y * perPixel;
 }
 

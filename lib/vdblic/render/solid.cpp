@@ -61,7 +61,7 @@ openvdb::FloatGrid::Ptr complementOf(const openvdb::FloatGrid& texture)
     const auto rest = std::make_shared<openvdb::MaskTree>();
     if (!box.empty()) {
         checkVoxels(box.volume());
-        rest->denseFill(box, true, true);
+        rest->fill(box, true, true);
         rest->topologyDifference(openvdb::MaskTree(texture.tree(), false, true, openvdb::TopologyCopy()));
     }
     return levelSetOf(rest);

@@ -58,6 +58,18 @@ TEST(CameraPath, AnOrbitSeesTheWholeBoxFromEverywhereAtOneDistance)
 {
     for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
         const CameraPath path({.projection = projection}, {.orbit = 1}, kBox, kSize, {1, 37});
+        // A part of a turn is seen from no farther away.
+        for (const double turns : {0.1, -0.3}) {
+            const CameraPath part({.projection = projection}, {.orbit = turns}, kBox, kSize, {1, 37});
+            EXPECT_LE(glm::distance(part.at(1).eye(), middleOf(kBox)),
+                      1.001 * glm::distance(path.at(1).eye(), middleOf(kBox)));
+            for (int frame = 1; frame <= 37; ++frame) {
+                for (const glm::dvec3& corner : kBox) {
+                    const glm::dvec2 point = project(part.at(frame), corner);
+                    EXPECT_LT(std::max(std::abs(point.x - 0.5), std::abs(point.y - 0.5)), 0.5);
+                }
+            }
+        }
         double most = 0;
         for (int frame = 1; frame <= 37; ++frame) {
             const Camera camera = path.at(frame);
