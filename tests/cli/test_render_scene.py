@@ -1,12 +1,13 @@
 """vdblic_render on the command line: solids, shadows, annotations and films."""
 
 import os
+import signal
 import subprocess
 import unittest
 
 import pyopenvdb as vdb
 
-from support import ToolTest
+from support import BIN, ToolTest
 
 CUBE = "".join(f"v {x} {y} {z}\n" for x in (0.4, 0.8) for y in (0.4, 0.8) for z in (0.4, 0.8)) + \
     "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
@@ -109,6 +110,27 @@ class RenderScene(ToolTest):
         self.assertEqual(self.renders("lic.%04d.vdb", "-o", "i.%04d.png", "--film", "g.mp4", "--size", 64, 40),
                          ["i.0001.png", "i.0002.png", "i.0003.png", "g.mp4"])
         self.assertEqual(self.probe("g.mp4"), "64,40,24/1,3")
+
+    def test_an_interrupted_film_leaves_nothing(self):
+        before = self.files()
+        tool = subprocess.Popen([BIN / "vdblic_render", "-", "-o", "i.%04d.png", "--film", "f.mp4", "--size", "64", "40"],
+                                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                cwd=self.folder)
+        tool.stdin.write("lic.0001.vdb\n")
+        tool.stdin.flush()
+        self.assertEqual(tool.stdout.readline(), "i.0001.png\n")
+        tool.send_signal(signal.SIGINT)
+        self.assertEqual(tool.wait(60), -signal.SIGINT)
+        tool.stdin.close()
+        tool.stdout.close()
+        self.assertEqual(sorted(set(self.files()) - set(before)), ["i.0001.png"])
+
+    def test_a_full_box_leaves_out_nothing(self):
+        vdb.write(str(self.folder / "full.vdb"), grids=[box("density", (0, 0, 0), (9, 9, 9))])
+        for name, options in ("a", []), ("b", ["--solid", "domain"]):
+            self.renders("full.vdb", "-o", f"{name}.exr", "--size", 40, 30, "--eye", 3, -4, 2, *options)
+            subprocess.run(["oiiotool", f"{name}.exr", "--ch", "R,G,B,A", "-o", f"{name}.exr"], cwd=self.folder, check=True)
+        subprocess.run(["idiff", "-fail", "0", "-warn", "0", "a.exr", "b.exr"], cwd=self.folder, check=True)
 
     def test_bad_films(self):
         good = ("lic.%04d.vdb", "--size", 64, 40)

@@ -72,6 +72,7 @@ std::vector<glm::dvec3> subjectOf(const RenderParams& params, const Look& look, 
                                   const Corners& box, bool steady)
 {
     std::vector<glm::dvec3> subject;
+    if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject; // nothing to choose
     if (params.annotations.box || params.annotations.axes || !params.solid.source.empty() || !steady) {
         // Numbers beside the axes need some room.
         const double room = params.annotations.axes ? 1.16 : 1;

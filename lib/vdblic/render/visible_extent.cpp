@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kLeastExtinction = 0.02;     // extinction per voxel that counts as visible
 constexpr double kLeastExtinctionShare = 0.1; // or this share of the volume's largest
-constexpr int kDirections = 256;              // in which the outermost points are kept
+constexpr int kDirections = 128;              // in which the outermost points are kept
 
 /// Directions spread evenly over the sphere: Fibonacci's lattice.
 glm::dvec3 evenDirection(int i)

@@ -10,7 +10,7 @@ class TextureVolume;
 struct ClipParams;
 struct Look;
 
-/// Points around what a look shows of a volume, in world space: corners of leaves, a few hundred of the outermost.
+/// Points around what a look shows of a volume, in world space: corners of leaves, a hundred of the outermost.
 /// Leaves that are almost transparent, hidden or cut away do not count.
 /// @return nothing if all of the volume is invisible
 [[nodiscard]] std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& look,
