@@ -104,6 +104,10 @@ int main(int argc, char** argv)
     tool.app().add_flag("--resume", params.resume,
                         "Go on where an interrupted run was, by the checkpoint it left beside the outputs; from the\n"
                         "beginning if there is none. The result is the same as without an interruption.");
+    tool.app().add_flag("--restart", params.restart,
+                        "Start from the beginning though an earlier run left a checkpoint, which is removed.");
+    tool.app().add_flag("--keep-checkpoint", params.keepCheckpoint,
+                        "Leave a checkpoint when all is done: --resume with more frames then goes on after the last.");
     tool.option("--checkpoint-every", params.checkpointEvery,
                 "Frames between checkpoints, 0 for none; by default one about every half minute.");
 

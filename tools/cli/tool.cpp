@@ -12,6 +12,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +20,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <new>
 #include <optional>
 #include <sys/resource.h>
@@ -151,6 +153,19 @@ void Tool::verify(Reporter& reporter) const
     reporter.say(fmt::format("{} files are in order, {} of them by their checksums", files, withChecksums));
 }
 
+/// Print what was asked for instead of a job. @return the exit status
+int Tool::tell(const CLI::Success& asked) const
+{
+    errno = 0;
+    mApp.exit(asked);
+    std::cout.flush();
+    if (std::cout && std::fflush(stdout) == 0) return status(ExitStatus::kDone);
+    if (errno == EPIPE) dieBy(SIGPIPE);
+    fmt::print(stderr, "{}: error: standard output: cannot be written: {}\n", mApp.get_name(),
+               std::generic_category().message(errno));
+    return status(ExitStatus::kCannotWrite);
+}
+
 int Tool::run(int argc, char** argv, const std::function<void(Reporter&)>& job)
 {
     return run(argc, argv, std::function<ExitStatus(Reporter&)>([&](Reporter& reporter) {
@@ -173,7 +188,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         }
         mApp.parse(argc, argv);
     } catch (const CLI::Success& asked) { // --help, --version
-        return mApp.exit(asked);
+        return tell(asked);
     } catch (const CLI::ParseError& error) {
         fmt::print(stderr, "{}: {}\n{} --help lists the options.\n", mApp.get_name(), error.what(), mApp.get_name());
         return status(ExitStatus::kUsage);
@@ -189,7 +204,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         if (mVerify) verify(console);
         return status(job(console));
     } catch (const ClosedPipe&) {
-        dieBy(SIGPIPE);
+        dieBy(stopSignal() != 0 ? stopSignal() : SIGPIPE);
     } catch (const Stopped&) {
         console.say("stopped");
         dieBy(stopSignal());

@@ -174,11 +174,18 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
     std::optional<FramePattern> output;
     if (!params.output.empty()) {
         output.emplace(params.output);
-        checkOutputPattern(*output, frames.size());
+        std::vector<std::int64_t> numbers;
+        for (const FrameDifference& frame : frames)
+            numbers.push_back(frame.frame);
+        checkOutputs(*output, numbers);
         for (const FrameDifference& frame : frames)
             checkNoInput(output->path(frame.frame), frames);
     }
-    if (!params.json.empty()) checkNoInput(params.json, frames);
+    if (!params.json.empty()) {
+        checkNoInput(params.json, frames);
+        if (output) checkNoFrame(params.json, *output);
+        checkReport(params.json);
+    }
 
     SequenceDifference result{params.a, params.b, {}, false};
     for (FrameDifference frame : frames) {
@@ -204,8 +211,7 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
         }
     }
     if (!params.json.empty()) {
-        writeTextFile(params.json, toJson(result, params.compare));
-        reporter.finished(params.json);
+        if (writeReport(params.json, toJson(result, params.compare))) reporter.finished(params.json);
     }
     return result;
 }

@@ -69,6 +69,7 @@ void synthSequence(const SynthParams& params, Reporter& reporter)
     const auto transform = openvdb::math::Transform::createLinearTransform(params.voxelSize);
     const FramePattern pattern(params.output);
     const std::vector<std::int64_t> frames = parseFrameList(params.frames);
+    checkOutputs(pattern, frames);
     std::size_t done = 0;
     for (const std::int64_t frame : frames) {
         reporter.checkStop();

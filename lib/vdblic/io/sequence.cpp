@@ -182,6 +182,14 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     return files;
 }
 
+std::vector<std::int64_t> selectedFrames(const SequenceParams& params)
+{
+    std::vector<std::int64_t> frames;
+    for (const FrameFile& file : selectFrames(params))
+        frames.push_back(file.frame);
+    return frames;
+}
+
 std::int64_t frameSpacing(const SequenceParams& params)
 {
     const FramePattern pattern(params.pattern);
@@ -246,6 +254,14 @@ void checkOutputPattern(const FramePattern& pattern, std::size_t frames)
                                          "name.%04d.vdb",
                                          pattern.text()));
     }
+}
+
+void checkOutputs(const FramePattern& pattern, const std::vector<std::int64_t>& frames)
+{
+    checkOutputPattern(pattern, frames.size());
+    for (const std::int64_t frame : frames)
+        checkReplaceable(pattern.path(frame));
+    if (!frames.empty()) checkOutput(pattern.path(frames.front()));
 }
 
 } // namespace vdblic

@@ -66,6 +66,9 @@ struct SequenceParams {
 /// @throws InputError naming the missing frame, ParameterError on a frame list for a single file
 [[nodiscard]] std::vector<FrameFile> selectFrames(const SequenceParams& params);
 
+/// The numbers of the frames that a sequence selects. @throws as selectFrames()
+[[nodiscard]] std::vector<std::int64_t> selectedFrames(const SequenceParams& params);
+
 /// The least difference of neighbouring frame numbers on disk; 1 for fewer than two frames.
 [[nodiscard]] std::int64_t frameSpacing(const SequenceParams& params);
 
@@ -83,5 +86,7 @@ void checkNoFrame(const std::filesystem::path& output, const FramePattern& frame
 
 /// Check that a pattern can name `frames` different outputs. @throws ParameterError
 void checkOutputPattern(const FramePattern& pattern, std::size_t frames);
+/// Check that the outputs of these frames have different names and can be written. @throws ParameterError, OutputError
+void checkOutputs(const FramePattern& pattern, const std::vector<std::int64_t>& frames);
 
 } // namespace vdblic

@@ -69,7 +69,8 @@ class Advection {
         Stopwatch watch;
         while (mTexture.steps() < mParams.prerollSteps()) {
             advance(*current, *current, interval.seconds);
-            saveIfDue(*current);
+            stepDone(*current);
+            saveIfDue();
         }
         while (next) {
             interval = mFlow.intervalAfter(*current, &*next);
@@ -78,10 +79,12 @@ class Advection {
             mOutputs.checkInputs(current->velocity.file);
             next = nextFrame();
         }
-        // After the last frame the flow is taken to stay as it is.
-        write(*current, advance(*current, *current, interval.seconds), 0, interval.seconds);
         mWriter.finish();
-        mCheckpoint.remove();
+        if (mParams.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mTexture);
+        // After the last frame the flow is taken to stay as it is.
+        write(*current, advance(*current, *current, interval.seconds), {mTime, interval.seconds});
+        mWriter.finish();
+        if (!mParams.keepCheckpoint) mCheckpoint.remove();
         report(watch.lap());
     }
 
@@ -89,7 +92,7 @@ class Advection {
     void abandon() noexcept
     {
         try {
-            mWriter.finish();
+            mWriter.finishWriting();
             if (!mCheckpoint.isUnsaved() || mWriter.done() != mParams.texturesDone(mTexture.steps())) return;
             mCheckpoint.write(mTexture);
             mReporter.say(
@@ -102,7 +105,7 @@ class Advection {
     /// Start from the first frame. @return the interval after it
     FrameInterval begin(const LoadedFrame& first, const std::optional<LoadedFrame>& next)
     {
-        mCheckpoint.discard();
+        mCheckpoint.remove();
         mTime = first.velocity.time.value_or(0);
         return mFlow.intervalAfter(first, next ? &*next : nullptr);
     }
@@ -146,9 +149,13 @@ class Advection {
         int part = mParams.substep(mTexture.steps());
         for (LoadedFrame start = at(part); part < parts; ++part) {
             LoadedFrame end = at(part + 1);
-            write(start, advance(start, end, seconds), part, seconds);
+            const FlowTextureStep step = advance(start, end, seconds);
+            const StepTime time{mTime + part * seconds / parts, seconds, part};
             if (part + 1 == parts) mTime += seconds;
-            saveIfDue(end);
+            // Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
+            stepDone(end);
+            write(start, step, time);
+            saveIfDue();
             start = std::move(end);
         }
     }
@@ -166,17 +173,28 @@ class Advection {
     }
 
     /// @param frame that the next step starts from
-    void saveIfDue(const LoadedFrame& frame)
+    void stepDone(const LoadedFrame& frame)
     {
         mCheckpoint.stepDone({mTexture.steps(), mInterval, mTime, mFlow.spacing()}, frame);
+    }
+
+    void saveIfDue()
+    {
         if (!mCheckpoint.isDue()) return;
         mWriter.finish(); // a checkpoint covers only outputs that are on disk
         mCheckpoint.write(mTexture);
     }
 
-    /// @param part number of the substep after the frame @param interval seconds between frames
-    void write(const LoadedFrame& frame, const FlowTextureStep& step, int part, double interval)
+    /// When a step begins.
+    struct StepTime {
+        double seconds;  // of its texture
+        double interval; // seconds between the frames that the step is a part of
+        int part = 0;    // number of the substep after the frame
+    };
+
+    void write(const LoadedFrame& frame, const FlowTextureStep& step, const StepTime& time)
     {
+        const auto [textureTime, interval, part] = time;
         if (part == 0) warnOfOddFlow(frame, interval);
         const std::int64_t number = mOutputs.number(frame.velocity.file.frame, part);
         const double seconds = interval / mParams.scatter.substeps;
@@ -185,7 +203,7 @@ class Advection {
                 ? step.texture
                 : finished(frame.flow, frame.velocity.toVoxelsPerStep(interval), step.texture, mParams.finish);
         TextureFile file = makeTextureFile(mParams, frame, texture.tree(), *frame.textureTransform(),
-                                           {number, frame.sourceFrame, mTime + part * seconds, seconds});
+                                           {number, frame.sourceFrame, textureTime, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
         mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids), file.metadata);
@@ -217,7 +235,7 @@ class Advection {
             mReport.frames[i].write = mWriter.seconds()[i];
         for (const std::string& line : runLines(mReport))
             mReporter.detail(line);
-        if (!mParams.json.empty()) writeTextFile(mParams.json, toJson(mReport));
+        if (!mParams.json.empty()) (void)writeReport(mParams.json, toJson(mReport));
     }
 
     const AdvectParams& mParams;

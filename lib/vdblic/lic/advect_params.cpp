@@ -29,6 +29,10 @@ void AdvectParams::validate() const
         throw ParameterError(
             fmt::format("a checkpoint every {} frames cannot be; 0 to {}", *checkpointEvery, kMaxFrames));
     }
+    if (resume && restart) throw ParameterError("`resume` and `restart` exclude each other");
+    if (keepCheckpoint && checkpointEvery == 0) {
+        throw ParameterError("`keep_checkpoint` needs checkpoints; leave out `checkpoint_every` 0");
+    }
     checkDerivedNames(derived);
     const auto isOutput = [&](const std::string& name) {
         return name == "magnitude" || std::find(derived.begin(), derived.end(), name) != derived.end();

@@ -37,7 +37,9 @@ struct AdvectParams {
     std::vector<std::string> derived{}; ///< further grids computed from the velocity: of kDerivedNames
     TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
-    bool resume = false;                  ///< go on from the checkpoint that an interrupted run left, if there is one
+    bool resume = false;                  ///< go on from the checkpoint that an earlier run left, if there is one
+    bool restart = false;                 ///< remove that checkpoint and start from the beginning
+    bool keepCheckpoint = false;          ///< leave a checkpoint when all is done, so that further frames can follow
     std::optional<int> checkpointEvery{}; ///< frames between checkpoints, 0 for none; nothing: CheckpointSchedule's
 
     void validate() const; ///< @throws ParameterError

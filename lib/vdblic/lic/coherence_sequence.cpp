@@ -183,10 +183,10 @@ LoadedTexture successorOf(const LoadedTexture& before, const LoadedFrame& frame,
                                  toString(before.refinement)));
 }
 
-void checkReplacesNoInput(const std::string& output, const SequenceCoherenceParams& params,
-                          const TextureFiles& textures)
+void checkFurtherOutput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
 {
     if (output.empty()) return;
+    checkReport(output);
     for (const FrameFile& velocity : selectFrames(params.flow.input)) {
         checkNotInput(output, velocity.path);
         checkNotInput(output, textures.path(velocity.frame));
@@ -199,8 +199,9 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
 {
     params.validate();
     const TextureFiles files(params);
-    checkReplacesNoInput(params.json, params, files);
-    checkReplacesNoInput(params.plot, params, files);
+    checkFurtherOutput(params.json, params, files);
+    checkFurtherOutput(params.plot, params, files);
+    if (!params.json.empty() && !params.plot.empty()) checkDistinct(params.json, params.plot);
     std::istringstream noLines;
     FlowSequence flow(params.flow, noLines, reporter);
 
@@ -249,12 +250,10 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         reporter.say(line);
 
     if (!params.json.empty()) {
-        writeTextFile(params.json, toJson(result, params));
-        reporter.finished(params.json);
+        if (writeReport(params.json, toJson(result, params))) reporter.finished(params.json);
     }
     if (!params.plot.empty()) {
-        writeTextFile(params.plot, toSvg(result));
-        reporter.finished(params.plot);
+        if (writeReport(params.plot, toSvg(result))) reporter.finished(params.plot);
     }
     return result;
 }

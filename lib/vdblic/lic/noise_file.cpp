@@ -54,6 +54,7 @@ void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
         reporter.finished(params.output);
         return;
     }
+    checkOutput(params.output);
     openvdb::FloatGrid::Ptr noise;
     if (params.size) {
         const auto transform = openvdb::math::Transform::createLinearTransform(kDefaultVoxelSize);

@@ -27,8 +27,15 @@ RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Re
 
 std::optional<Checkpoint> RunCheckpoint::find()
 {
+    const bool isThere = isFinished(mOutputs.checkpoint());
+    if (isThere && !mParams.resume && !mParams.restart) {
+        throw ParameterError(
+            fmt::format("{}: an earlier run left this checkpoint; go on from it with `resume`, or remove "
+                        "it and start from the beginning with `restart`",
+                        mOutputs.checkpoint().string()));
+    }
     if (!mParams.resume) return std::nullopt;
-    if (!isFinished(mOutputs.checkpoint())) {
+    if (!isThere) {
         mReporter.say(fmt::format("no {}: starting from the beginning", mOutputs.checkpoint().string()));
         return std::nullopt;
     }
@@ -132,19 +139,12 @@ void RunCheckpoint::write(const FlowTexture& texture)
     mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
 }
 
-bool RunCheckpoint::remove() const
+void RunCheckpoint::remove() const
 {
     std::error_code error;
-    const bool removed = std::filesystem::remove(mOutputs.checkpoint(), error);
-    if (!error) return removed;
+    std::filesystem::remove(mOutputs.checkpoint(), error);
+    if (!error) return;
     throw OutputError(fmt::format("{}: cannot be removed: {}", mOutputs.checkpoint().string(), error.message()));
-}
-
-void RunCheckpoint::discard() const
-{
-    if (!remove()) return;
-    mReporter.warn(
-        fmt::format("{}: removed; with `resume` the run would have gone on from it", mOutputs.checkpoint().string()));
 }
 
 } // namespace vdblic

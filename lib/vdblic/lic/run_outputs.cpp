@@ -31,13 +31,21 @@ std::int64_t RunOutputs::number(std::int64_t frame, int part) const
     return number;
 }
 
-void RunOutputs::check(std::size_t textures) const
+void RunOutputs::check(std::size_t textures)
 {
     if (textures > 0) checkOutputPattern(mTextures, textures);
+    checkOutput(mCheckpoint);
+    if (mParams.input.pattern != "-") {
+        for (const std::int64_t frame : selectedFrames(mParams.input)) {
+            startAt(frame);
+            for (int part = 0; part < mParams.scatter.substeps; ++part)
+                checkReplaceable(texture(frame, part));
+        }
+    }
     if (mParams.json.empty()) return;
     checkNoFrame(mParams.json, mTextures);
     checkDistinct(mParams.json, mCheckpoint);
-    AtomicFile{mParams.json}; // found out now, not after hours
+    checkReport(mParams.json); // found out now, not after hours
 }
 
 void RunOutputs::checkInputs(const FrameFile& velocity) const
@@ -53,6 +61,7 @@ void RunOutputs::checkInputs(const FrameFile& velocity) const
         for (const std::string& reference : references) {
             if (!reference.empty()) inputs.push_back(FramePattern(reference).path(output));
         }
+        checkReplaceable(texture(velocity.frame, part));
         for (const std::filesystem::path& input : inputs) {
             checkNotInput(texture(velocity.frame, part), input);
             checkNotInput(mCheckpoint, input);

@@ -102,10 +102,11 @@ void checkHistogramPath(const std::filesystem::path& path)
     throw ParameterError(fmt::format("histogram '{}' must end in .json or .png", path.string()));
 }
 
-void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look)
+bool writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look)
 {
     checkHistogramPath(path);
-    writeTextFile(path, path.extension() == ".json" ? histogramJson(histograms, look) : histogramPng(histograms, look));
+    return writeReport(path,
+                       path.extension() == ".json" ? histogramJson(histograms, look) : histogramPng(histograms, look));
 }
 
 } // namespace vdblic

@@ -56,9 +56,10 @@ class SequenceRenderer {
         : mParams(params), mRays(params.rays), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
     {
         mRays.clip = params.rays.clip.stretched(params.stretch);
+        if (!params.histogram.empty()) checkReport(params.histogram);
         if (params.output.empty()) return;
         mOutput.emplace(params.output);
-        if (mTotal > 0) checkOutputPattern(*mOutput, mTotal);
+        if (mTotal > 0) checkOutputs(*mOutput, selectedFrames(params.input));
         if (!mParams.histogram.empty()) checkNoFrame(mParams.histogram, *mOutput);
     }
 
@@ -78,8 +79,7 @@ class SequenceRenderer {
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
         if (mParams.histogram.empty()) return;
         if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
-        writeHistograms(mParams.histogram, *mHistograms, mScene->look);
-        mReporter.finished(mParams.histogram);
+        if (writeHistograms(mParams.histogram, *mHistograms, mScene->look)) mReporter.finished(mParams.histogram);
     }
 
   private:
@@ -119,6 +119,7 @@ class SequenceRenderer {
             const std::optional<FrameFile> file = mSource();
             if (!file) return false;
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
+            if (mOutput && mParams.input.pattern == "-") checkOutput(mOutput->path(file->frame));
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // standard input named a second path
             task.file = *file;
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
