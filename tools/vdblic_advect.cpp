@@ -85,6 +85,9 @@ int main(int argc, char** argv)
     tool.option("--seed", params.seed, "Seed of the generated noise.");
     tool.option("--preroll", params.preroll,
                 "Frames that the first one stands still for before it is written; the life span by default.");
+    tool.option("--lead-in", params.leadIn,
+                "Frames on disk before those of --frames that are computed but not written, in place of the preroll; by "
+                "default up to twice the life span, 0 with lic.");
     tool.option("--release-window", params.scatter.releaseWindow,
                 "auflic: part of a step in which a pathline takes up seeds, above 0, at most 1.");
     tool.option("--sample-spacing", params.scatter.pathline.sampleSpacing,

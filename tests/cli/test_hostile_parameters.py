@@ -31,6 +31,7 @@ LEGAL = {
     "--velocity-scale": {"-1"},
     "--preroll": {"0"},
     "--checkpoint-every": {"0"},
+    "--lead-in": {"0"},
     "--sharpen": {"0"},
     "--finish": {"0"},
     "--noise-share": {"0"},

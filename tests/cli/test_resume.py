@@ -315,7 +315,7 @@ class Resume(ToolTest):
             "--precision": "float", "--compression": "zip", "--scalars": "texture", "--substeps": 2,
             "--interpolation": "cubic", "--finish": 1}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
-                "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--fps", "--kernel"}
+                "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--kernel"}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
         self.assertEqual(listed, set(changes) | free)
 
@@ -410,7 +410,6 @@ class Resume(ToolTest):
         self.interrupted(self.flow(), frames="1-20")
         self.assertIn("the input has only 3 now", self.refused(3, self.flow(), frames="1-3"))
         self.assertIn("then frame 2, now frame 3", self.refused(3, self.flow(), frames="1-20x2"))
-        self.assertIn("then frame 1, now frame 2", self.refused(3, self.flow(), frames="2-20"))
         # Further frames at the end do not affect finished ones.
         self.finish(self.whole(self.flow(), frames="1-24"), self.flow(), frames="1-24")
 
@@ -444,6 +443,29 @@ class Resume(ToolTest):
             self.assertRegex(messages, r"checkpoint.lic.vdb: (8|24) frames are done")
             self.finish(whole, self.flow(), *options)
             self.clear()
+
+    def test_a_part_of_a_sequence(self):
+        """Stopped in its lead-in and after it; beside the run of another part."""
+        self.interrupted(self.flow(), frames="1-20")
+        first = self.files()
+        for options in ("--lead-in", 3), (), ("--substeps", 3):
+            whole = self.whole(self.flow(), *options, frames="21-30")
+            for stop_in_the_lead_in in True, False:
+                arguments = (self.flow(), *options, "--checkpoint-every", 1)
+                if stop_in_the_lead_in:
+                    self.kill_when(lambda _: "checkpoint.0021.lic.vdb" in self.files(), *arguments, frames="21-30")
+                else:
+                    self.interrupted(*arguments, after=3, frames="21-30")
+                self.assertIn("checkpoint.0021.lic.vdb", self.files())
+                changed = ("--lead-in", 2, *options[2:]) if options[:1] == ("--lead-in",) else (*options, "--lead-in", 2)
+                self.assertIn("--lead-in 2", self.refused(2, self.flow(), *changed, "-q", frames="21-30"))
+                messages = self.start(self.flow(), *options, "--resume", frames="21-30").communicate(timeout=60)[1]
+                self.assertIn("frames are done", messages)
+                self.assertEqual(set(self.files()) - set(first), {path.name for path in whole.iterdir()})
+                for path in whole.iterdir():
+                    self.assertEqual(self.contents(path.name), path.read_bytes())
+                    (self.folder / path.name).unlink()
+        self.finish(self.whole(self.flow(), frames="1-20"), self.flow(), frames="1-20")
 
     # Pipes
 

@@ -31,6 +31,7 @@ namespace vdblic::cli {
 namespace {
 
 constexpr int kMaxThreads = 1024;
+constexpr std::int64_t kMostNumber = 1'000'000'000'000; // of a frame
 constexpr std::uint64_t kLeastMemory = std::uint64_t(128) << 20;
 
 int status(ExitStatus value)
@@ -96,6 +97,9 @@ void Tool::inputSequence(const std::string& name, SequenceParams& target, const 
                     "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.");
     mApp.add_flag("--clamp-frames", target.clampFrames,
                   "Leave out frames of --frames that lie beyond the files on disk.");
+    mApp.add_option("--renumber", target.renumber,
+                    "Number paths on standard input from this number on as they come, whatever their names.")
+        ->check(CLI::Range(-kMostNumber, kMostNumber));
 }
 
 void Tool::output(std::string& target, const std::string& help)

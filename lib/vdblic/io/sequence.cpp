@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/path_list.h"
 
 #include <fmt/format.h>
 
@@ -190,6 +191,23 @@ std::vector<std::int64_t> selectedFrames(const SequenceParams& params)
     return frames;
 }
 
+FramesAround framesAround(const SequenceParams& params)
+{
+    if (params.frames.empty() || params.pattern == "-") return {};
+    const std::vector<std::int64_t> selected = selectedFrames(params);
+    const std::vector<std::int64_t> found = FramePattern(params.pattern).framesOnDisk();
+    const auto isThere = [&](std::int64_t frame) { return std::binary_search(found.begin(), found.end(), frame); };
+    const std::size_t count = selected.size();
+    const std::int64_t spacing = leastSpacing(found);
+    const std::int64_t first = count > 1 ? selected[1] - selected[0] : spacing;
+    const std::int64_t last = count > 1 ? selected[count - 1] - selected[count - 2] : spacing;
+    FramesAround around;
+    for (std::int64_t frame = selected.front() - first; isThere(frame); frame -= first)
+        around.before.insert(around.before.begin(), frame);
+    if (isThere(selected.back() + last)) around.after = selected.back() + last;
+    return around;
+}
+
 std::int64_t frameSpacing(const SequenceParams& params)
 {
     const FramePattern pattern(params.pattern);
@@ -201,24 +219,27 @@ FrameSource openSequence(const SequenceParams& params, std::istream& lines, std:
     if (params.pattern == "-") {
         if (!params.frames.empty()) throw ParameterError("`frames` cannot select from paths on standard input");
         count = 0;
-        return [&lines, next = std::int64_t{1},
+        return [paths = PathList(lines), next = params.renumber,
                 taken = std::map<std::int64_t, std::string>{}]() mutable -> std::optional<FrameFile> {
-            std::string line;
-            while (std::getline(lines, line)) {
-                if (line.empty()) continue;
-                if (!isFile(line)) throw InputError(fmt::format("{}: no such file (named on standard input)", line));
-                const std::int64_t frame = frameOfName(line).value_or(next);
-                next = frame + 1;
-                // Outputs are named by frame: the second would overwrite the first.
-                if (const auto [before, isNew] = taken.emplace(frame, line); !isNew) {
-                    throw InputError(fmt::format("{}: frame {} comes twice on standard input; the first was {}", line,
-                                                 frame, before->second));
-                }
-                return FrameFile{frame, line};
+            const std::optional<std::string> path = paths.next();
+            if (!path) return std::nullopt;
+            if (!isFile(*path)) throw InputError(fmt::format("{:.300}: no such file (named on standard input)", *path));
+            const std::optional<std::int64_t> frame = next ? (*next)++ : frameOfName(*path);
+            if (!frame) {
+                throw InputError(fmt::format("{}: the name does not end in a frame number; `renumber` START numbers the "
+                                             "paths as they come",
+                                             *path));
             }
-            return std::nullopt;
+            // Outputs are named by frame: the second would overwrite the first.
+            if (const auto [before, isNew] = taken.emplace(*frame, *path); !isNew) {
+                throw InputError(fmt::format("{}: frame {} comes twice on standard input; the first was {}; `renumber` "
+                                             "START numbers the paths as they come",
+                                             *path, *frame, before->second));
+            }
+            return FrameFile{*frame, *path};
         };
     }
+    if (params.renumber) throw ParameterError("`renumber` is for paths on standard input; a pattern has the numbers");
     auto files = std::make_shared<std::vector<FrameFile>>(selectFrames(params));
     count = files->size();
     return [files, next = std::size_t{0}]() mutable -> std::optional<FrameFile> {
@@ -237,6 +258,10 @@ std::optional<std::int64_t> frameOfName(const std::filesystem::path& path)
     // A minus is a sign only after a separator: sim-12 is frame 12, sim.-12 is frame −12.
     const bool negative =
         begin > 0 && stem[begin - 1] == '-' && (begin == 1 || stem[begin - 2] == '.' || stem[begin - 2] == '_');
+    static const std::regex dateOrTime(R"((\d-\d\d?-|\d:)\d\d?$)");
+    if (std::regex_search(stem.substr(stem.size() - std::min<std::size_t>(stem.size(), 8)), dateOrTime)) {
+        return std::nullopt;
+    }
     const std::int64_t frame = std::stoll(stem.substr(begin));
     return negative ? -frame : frame;
 }

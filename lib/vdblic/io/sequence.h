@@ -59,6 +59,7 @@ struct SequenceParams {
     std::string pattern;      ///< one file, a pattern, or `-` for paths on standard input
     std::string frames;       ///< a frame list; empty for every frame found
     bool clampFrames = false; ///< leave out listed frames before the first or after the last on disk
+    std::optional<std::int64_t> renumber{}; ///< number paths on standard input from here, whatever their names
 };
 
 /// The files a sequence selects; all of them exist.
@@ -69,16 +70,26 @@ struct SequenceParams {
 /// The numbers of the frames that a sequence selects. @throws as selectFrames()
 [[nodiscard]] std::vector<std::int64_t> selectedFrames(const SequenceParams& params);
 
+/// The frames on disk around those that a sequence selects from a pattern, at the spacing of the selected ones.
+struct FramesAround {
+    std::vector<std::int64_t> before; ///< without a gap, up to the first selected frame
+    std::optional<std::int64_t> after;
+};
+/// @throws as selectFrames()
+[[nodiscard]] FramesAround framesAround(const SequenceParams& params);
+
 /// The least difference of neighbouring frame numbers on disk; 1 for fewer than two frames.
 [[nodiscard]] std::int64_t frameSpacing(const SequenceParams& params);
 
-/// The files of selectFrames() one by one. For the pattern `-`, paths are read from `lines`, one a line, on demand.
+/// The files of selectFrames() one by one. For the pattern `-`, the paths of a PathList are read from `lines` on demand.
 /// @param lines must outlive the result
 /// @param count receives the number of frames; 0 if it is unknown
-/// @throws InputError, the result too: if a file is missing or a frame number appears twice; ParameterError
+/// @throws InputError, the result too: if a file is missing, or its name has no frame number or that of another;
+/// ParameterError
 [[nodiscard]] FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count);
 
-/// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one.
+/// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one. The end of a date or of a time
+/// (`2005-08-28_00:00:00`) is none.
 [[nodiscard]] std::optional<std::int64_t> frameOfName(const std::filesystem::path& path);
 
 /// Check that a further output of a run does not have the name of a frame. @throws ParameterError

@@ -7,6 +7,7 @@
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/frame_between.h"
 #include "vdblic/lic/frame_writer.h"
+#include "vdblic/lic/lead_in.h"
 #include "vdblic/lic/memory_estimate.h"
 #include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/noise_file.h"
@@ -17,6 +18,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -36,7 +38,8 @@ class Advection {
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
           mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter),
-          mWriter(reporter, params.textures(mFlow.total()), params.format.compression)
+          mWriter(reporter, params.textures(mFlow.total() - std::min(mFlow.total(), std::size_t(params.leadInFrames()))),
+                  params.format.compression)
     {
         mOutputs.check(mWriter.total());
     }
@@ -49,8 +52,7 @@ class Advection {
         std::optional<LoadedFrame> current = nextFrame();
         mReporter.checkStop(); // a stop may be what ended standard input
         if (!current) {
-            mReporter.warn("no frames on standard input; nothing was computed");
-            return;
+            throw InputError("no frame to compute: standard input named none");
         }
         mOutputs.startAt(current->velocity.file.frame);
         mOutputs.checkInputs(current->velocity.file);
@@ -81,8 +83,7 @@ class Advection {
         }
         mWriter.finish();
         if (mParams.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mTexture);
-        // After the last frame the flow is taken to stay as it is.
-        write(*current, advance(*current, *current, interval.seconds), {mTime, interval.seconds});
+        writeLast(*current, interval);
         mWriter.finish();
         if (!mParams.keepCheckpoint) mCheckpoint.remove();
         report(watch.lap());
@@ -106,8 +107,13 @@ class Advection {
     FrameInterval begin(const LoadedFrame& first, const std::optional<LoadedFrame>& next)
     {
         mCheckpoint.remove();
-        mTime = first.velocity.time.value_or(0);
-        return mFlow.intervalAfter(first, next ? &*next : nullptr);
+        const std::optional<LoadedFrame>& end = next ? next : mAfter;
+        const FrameInterval interval = mFlow.intervalAfter(first, end ? &*end : nullptr);
+        // Added up, as by a run over all frames.
+        for (int i = 0; i < mParams.framesBefore; ++i)
+            mTime += interval.seconds;
+        mTime = first.velocity.time.value_or(mTime);
+        return interval;
     }
 
     /// Go on where an interrupted run was. @param frame that the next step starts from @param finished outputs of that
@@ -135,7 +141,11 @@ class Advection {
     std::optional<LoadedFrame> nextFrame()
     {
         std::optional<LoadedFrame> frame = mFlow.next();
-        if (frame) mCheckpoint.noteInput(frame->velocity.file.path, frame->stamp);
+        if (frame) {
+            mCheckpoint.noteInput(frame->velocity.file.path, frame->stamp);
+        } else {
+            mAfter = mFlow.after();
+        }
         return frame;
     }
 
@@ -149,15 +159,28 @@ class Advection {
         int part = mParams.substep(mTexture.steps());
         for (LoadedFrame start = at(part); part < parts; ++part) {
             LoadedFrame end = at(part + 1);
+            const bool isWritten = mTexture.steps() >= mParams.warmUpSteps();
             const FlowTextureStep step = advance(start, end, seconds);
             const StepTime time{mTime + part * seconds / parts, seconds, part};
             if (part + 1 == parts) mTime += seconds;
             // Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
             stepDone(end);
-            write(start, step, time);
+            if (isWritten) write(start, step, time);
             saveIfDue();
             start = std::move(end);
         }
+    }
+
+    /// The texture of the last frame. Without a frame after it the flow is taken to stay as it is.
+    void writeLast(LoadedFrame& frame, FrameInterval interval)
+    {
+        LoadedFrame end = frame;
+        if (mAfter) {
+            const int parts = mParams.scatter.substeps;
+            interval = mFlow.intervalAfter(frame, &*mAfter);
+            end = parts == 1 ? std::move(*mAfter) : frameBetween(frame, *mAfter, 1.0 / parts);
+        }
+        write(frame, advance(frame, end, interval.seconds), {mTime, interval.seconds});
     }
 
     /// @param interval seconds between the frames that the step is a part of
@@ -246,6 +269,7 @@ class Advection {
     FlowSequence mFlow;
     FrameWriter mWriter;
     RunReport mReport;
+    std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
     double mTime = 0;     // of the frame that the next step starts from or after
     double mInterval = 0; // between the frames of the last step
     bool mWarnedOfDisplacement = false;
@@ -256,7 +280,8 @@ class Advection {
 void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter)
 {
     params.validate();
-    Advection advection(params, lines, reporter);
+    const AdvectParams whole = withLeadIn(params, reporter);
+    Advection advection(whole, lines, reporter);
     try {
         advection.run();
     } catch (...) {

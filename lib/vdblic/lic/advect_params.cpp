@@ -12,7 +12,7 @@
 namespace vdblic {
 namespace {
 
-constexpr int kMaxPreroll = 10000;
+constexpr int kMaxPreroll = 10000; // and of a lead-in
 
 } // namespace
 
@@ -24,6 +24,9 @@ void AdvectParams::validate() const
     finish.validate();
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
+    }
+    if (leadIn && (*leadIn < 0 || *leadIn > kMaxPreroll)) {
+        throw ParameterError(fmt::format("a lead-in of {} frames must lie between 0 and {}", *leadIn, kMaxPreroll));
     }
     if (checkpointEvery && (*checkpointEvery < 0 || std::size_t(*checkpointEvery) > kMaxFrames)) {
         throw ParameterError(
@@ -63,14 +66,30 @@ std::uint64_t AdvectParams::prerollSteps() const
     return std::uint64_t(prerollFrames()) * std::uint64_t(scatter.substeps);
 }
 
+int AdvectParams::leadInFrames() const
+{
+    constexpr int kLifeSpans = 2; // measured: docs/quality.md
+    return leadIn.value_or(steady ? 0 : kLifeSpans * scatter.lifeSpan);
+}
+
+std::uint64_t AdvectParams::warmUpSteps() const
+{
+    return prerollSteps() + std::uint64_t(leadIn.value_or(0)) * std::uint64_t(scatter.substeps);
+}
+
+std::uint64_t AdvectParams::framesDone(std::uint64_t steps) const
+{
+    return (std::max(steps, prerollSteps()) - prerollSteps()) / std::uint64_t(scatter.substeps);
+}
+
 std::uint64_t AdvectParams::texturesDone(std::uint64_t steps) const
 {
-    return std::max(steps, prerollSteps()) - prerollSteps();
+    return std::max(steps, warmUpSteps()) - warmUpSteps();
 }
 
 int AdvectParams::substep(std::uint64_t steps) const
 {
-    return int(texturesDone(steps) % std::uint64_t(scatter.substeps));
+    return int((std::max(steps, prerollSteps()) - prerollSteps()) % std::uint64_t(scatter.substeps));
 }
 
 std::size_t AdvectParams::textures(std::size_t frames) const

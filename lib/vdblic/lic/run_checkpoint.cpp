@@ -47,7 +47,7 @@ std::optional<Checkpoint> RunCheckpoint::find()
 std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& before, FlowSequence& flow)
 {
     const int substeps = mParams.scatter.substeps;
-    const std::uint64_t frames = mParams.texturesDone(before.position.steps) / std::uint64_t(substeps);
+    const std::uint64_t frames = mParams.framesDone(before.position.steps);
     std::vector<std::filesystem::path> outputs;
     for (std::uint64_t i = 0; i < frames; ++i) {
         const std::optional<FrameFile> file = flow.skip();
@@ -57,6 +57,7 @@ std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& bef
                              fmt::format("has {} frames done, the input has only {} now: give all of them", frames, i));
         }
         noteInput(file->path, flow.stampOf(*file));
+        if (i < std::uint64_t(mParams.leadInFrames())) continue;
         mOutputs.startAt(file->frame);
         addFinished(*file, substeps, outputs);
     }
@@ -89,7 +90,8 @@ void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, 
 {
     const RunPosition& position = before.position;
     flow.setSpacing(position.frameSpacing);
-    addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
+    if (mParams.framesDone(position.steps) >= std::uint64_t(mParams.leadInFrames()))
+        addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
     try {
         texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain, before.state);
     } catch (const InputError& error) {
@@ -122,8 +124,8 @@ void RunCheckpoint::write(const FlowTexture& texture)
     const auto start = CheckpointSchedule::Clock::now();
     Checkpoint checkpoint{position, mInputs, {}};
     // A step depends on the frames at both ends of its interval and on none after them.
-    const std::size_t last = std::max<std::size_t>(mParams.texturesDone(position.steps), 1) - 1;
-    checkpoint.inputs.resize(std::min(last / std::size_t(mParams.scatter.substeps) + 2, mInputs.size()));
+    const std::size_t lastStep = std::max(position.steps, std::uint64_t(1)) - 1;
+    checkpoint.inputs.resize(std::min<std::size_t>(mParams.framesDone(lastStep) + 2, mInputs.size()));
     try {
         checkpoint.state.grids = texture.save();
         for (const auto& grid : checkpoint.state.grids)

@@ -7,13 +7,27 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace vdblic {
 
+namespace {
+
+/// Runs over parts of a sequence have checkpoints of their own, so that they can share a folder.
+std::string checkpointName(const AdvectParams& params)
+{
+    if (params.leadIn.value_or(0) == 0 && params.framesBefore == 0) return "checkpoint";
+    const std::int64_t first = selectedFrames(params.input).at(std::size_t(params.leadIn.value_or(0)));
+    return fmt::format("checkpoint.{:04}", first);
+}
+
+} // namespace
+
 RunOutputs::RunOutputs(const AdvectParams& params)
-    : mParams(params), mTextures(params.output), mCheckpoint(mTextures.companion("checkpoint"))
+    : mParams(params), mTextures(params.output), mCheckpoint(mTextures.companion(checkpointName(params)))
 {
 }
 
@@ -36,10 +50,11 @@ void RunOutputs::check(std::size_t textures)
     if (textures > 0) checkOutputPattern(mTextures, textures);
     checkOutput(mCheckpoint);
     if (mParams.input.pattern != "-") {
-        for (const std::int64_t frame : selectedFrames(mParams.input)) {
-            startAt(frame);
+        const std::vector<std::int64_t> frames = selectedFrames(mParams.input);
+        for (auto frame = frames.begin() + mParams.leadIn.value_or(0); frame != frames.end(); ++frame) {
+            startAt(*frame);
             for (int part = 0; part < mParams.scatter.substeps; ++part)
-                checkReplaceable(texture(frame, part));
+                checkReplaceable(texture(*frame, part));
         }
     }
     if (mParams.json.empty()) return;

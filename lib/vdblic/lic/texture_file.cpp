@@ -64,6 +64,7 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
         metadata.insertMeta("finish", openvdb::Int32Metadata(params.finish.taps));
         metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
+        if (params.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(params.leadInFrames()));
     }
     if (params.noise.empty()) {
         metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));
