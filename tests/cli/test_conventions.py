@@ -201,7 +201,8 @@ class Conventions(ToolTest):
         metadata = vdb.readMetadata(str(path))
         self.assertEqual((metadata["lead_in"], metadata["preroll"]), (2, 0))
         _, messages = self.advect("v", "--frames", "6", "--lead-in", "2")
-        self.assertIn("frames 4 to 5 are computed first and not written; --lead-in 0", messages)
+        self.assertIn("frames 4 to 5 are computed first and not written; with --lead-in 5 the textures would be those of a "
+                      "run over all frames", messages)
         for options, expected in ((("--lead-in", 0), (0, 4)), (("--lead-in", 2, "--preroll", 3), (2, 3))):
             metadata = vdb.readMetadata(str(self.advect("v", "--frames", "6", *options)[0][0]))
             self.assertEqual((metadata["lead_in"], metadata["preroll"]), expected)

@@ -2,10 +2,12 @@
 
 #include "cli/console.h"
 #include "cli/crash_guard.h"
+#include "cli/mistyped_option.h"
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/version.h"
+#include "vdblic/io/pattern_advice.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
@@ -157,6 +159,23 @@ void Tool::verify(Reporter& reporter) const
     reporter.say(fmt::format("{} files are in order, {} of them by their checksums", files, withChecksums));
 }
 
+/// What to say if the shell expanded a pattern into the names of files; empty if it did not.
+std::string Tool::expandedPattern() const
+{
+    const std::vector<std::string> files = mApp.remaining();
+    std::error_code ignored;
+    const bool all = std::all_of(files.begin(), files.end(),
+                                 [&](const std::string& file) { return std::filesystem::exists(file, ignored); });
+    if (files.empty() || !all) return {};
+    const std::filesystem::path last(files.back());
+    const std::string stem = last.stem().string(), prefix = stem.substr(0, stem.find_last_not_of("0123456789") + 1);
+    const std::string meant = likelyPattern(last.parent_path(), prefix, last.extension().string());
+    return fmt::format(
+        "{} more files are named than the tool takes, as by a pattern that the shell expanded; write the "
+        "pattern as {} or in quotes",
+        files.size(), meant.empty() ? "name.%04d.vdb" : meant);
+}
+
 /// Print what was asked for instead of a job. @return the exit status
 int Tool::tell(const CLI::Success& asked) const
 {
@@ -190,11 +209,14 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         for (int i = 1; i < argc; ++i) {
             if (*argv[i] == '\0') throw CLI::ValidationError("an argument is empty; leave it out or give it a value");
         }
+        checkOptions(mApp, argc, argv);
         mApp.parse(argc, argv);
     } catch (const CLI::Success& asked) { // --help, --version
         return tell(asked);
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "{}: {}\n{} --help lists the options.\n", mApp.get_name(), error.what(), mApp.get_name());
+        const std::string expanded = expandedPattern();
+        fmt::print(stderr, "{}: {}\n{} --help lists the options.\n", mApp.get_name(),
+                   expanded.empty() ? error.what() : expanded, mApp.get_name());
         return status(ExitStatus::kUsage);
     }
 

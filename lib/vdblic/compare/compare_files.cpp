@@ -154,6 +154,7 @@ void checkNoInput(const std::filesystem::path& output, const std::vector<FrameDi
 void CompareSequencesParams::validate() const
 {
     compare.validate();
+    if (!output.empty()) checkExtension(output, {".vdb"});
     if (skipExisting && output.empty()) throw ParameterError("`skip_existing` needs `output` to look for");
     if (compare.firstOnly && !output.empty()) {
         throw ParameterError("`first` stops before every difference is known; leave out `output` or `first`");
@@ -188,11 +189,13 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
     }
 
     SequenceDifference result{params.a, params.b, {}, false};
+    std::size_t skipped = 0;
     for (FrameDifference frame : frames) {
         reporter.checkStop();
         const auto path = output ? std::optional(output->path(frame.frame)) : std::nullopt;
         if (params.skipExisting && isFinished(*path)) {
             reporter.finished(*path);
+            ++skipped;
             continue;
         }
         if (frame.inA && frame.inB) {
@@ -210,6 +213,7 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
             break;
         }
     }
+    if (params.skipExisting) reporter.say(fmt::format("{} of {} files were there already", skipped, frames.size()));
     if (!params.json.empty()) {
         if (writeReport(params.json, toJson(result, params.compare))) reporter.finished(params.json);
     }

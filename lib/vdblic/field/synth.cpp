@@ -41,6 +41,7 @@ void SynthParams::validate() const
         }
     }
     checkOutputPattern(FramePattern(output), selected.size());
+    checkExtension(output, {".vdb"});
 }
 
 openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domain,

@@ -3,10 +3,13 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/path_list.h"
+#include "vdblic/io/pattern_advice.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstddef>
 #include <istream>
@@ -80,7 +83,11 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
             fmt::format("'{}': the frame field must stand in the file name, not in a folder's", pattern));
     }
     std::smatch match;
-    if (!std::regex_search(name, match, field)) return;
+    if (!std::regex_search(name, match, field)) {
+        const std::string advice = patternAdvice(whole);
+        if (!advice.empty()) throw ParameterError(fmt::format("'{}': {}", pattern, advice));
+        return;
+    }
     mPrefix = match.prefix();
     mSuffix = match.suffix();
     if (std::regex_search(mSuffix, field)) {
@@ -128,6 +135,11 @@ std::optional<std::int64_t> FramePattern::frameOf(const std::filesystem::path& p
     return padded(frame, *mWidth) == std::string_view(begin, end) ? std::optional(frame) : std::nullopt;
 }
 
+std::string FramePattern::onDisk() const
+{
+    return likelyPattern(mFolder, mPrefix, mSuffix);
+}
+
 std::vector<std::int64_t> FramePattern::framesOnDisk() const
 {
     const std::filesystem::path folder = mFolder.empty() ? "." : mFolder;
@@ -158,7 +170,11 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     }
 
     const std::vector<std::int64_t> found = pattern.framesOnDisk();
-    if (found.empty()) throw InputError(fmt::format("{}: no file matches the pattern", params.pattern));
+    if (found.empty()) {
+        const std::string meant = pattern.onDisk();
+        throw InputError(fmt::format("{}: no file matches the pattern{}", params.pattern,
+                                     meant.empty() ? "" : fmt::format("; the files on disk match {}", meant)));
+    }
     const bool chosen = !params.frames.empty();
     std::vector<std::int64_t> frames = chosen ? parseFrameList(params.frames) : everyFrame(found);
     if (params.clampFrames) {
@@ -226,9 +242,10 @@ FrameSource openSequence(const SequenceParams& params, std::istream& lines, std:
             if (!isFile(*path)) throw InputError(fmt::format("{:.300}: no such file (named on standard input)", *path));
             const std::optional<std::int64_t> frame = next ? (*next)++ : frameOfName(*path);
             if (!frame) {
-                throw InputError(fmt::format("{}: the name does not end in a frame number; `renumber` START numbers the "
-                                             "paths as they come",
-                                             *path));
+                throw InputError(
+                    fmt::format("{}: the name does not end in a frame number; `renumber` START numbers the "
+                                "paths as they come",
+                                *path));
             }
             // Outputs are named by frame: the second would overwrite the first.
             if (const auto [before, isNew] = taken.emplace(*frame, *path); !isNew) {
@@ -270,6 +287,15 @@ void checkNoFrame(const std::filesystem::path& output, const FramePattern& frame
 {
     const std::optional<std::int64_t> frame = frames.hasField() ? frames.frameOf(output) : 0;
     if (frame) checkDistinct(output, frames.path(*frame));
+}
+
+void checkExtension(const std::filesystem::path& path, const std::vector<std::string>& extensions)
+{
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return;
+    throw ParameterError(fmt::format("output '{}' must end in {}", path.string(), fmt::join(extensions, " or ")));
 }
 
 void checkOutputPattern(const FramePattern& pattern, std::size_t frames)

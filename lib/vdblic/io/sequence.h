@@ -19,7 +19,8 @@ namespace vdblic {
 /// The field must be in the last component of the path. Without a field the pattern names one file.
 class FramePattern {
   public:
-    /// @throws ParameterError on an empty name, two fields, or a field in a folder's name
+    /// @throws ParameterError on an empty name, two fields, a field in a folder's name, or what is probably a mistyped
+    ///         field
     explicit FramePattern(std::string_view pattern);
 
     [[nodiscard]] bool hasField() const { return mWidth.has_value(); }
@@ -31,6 +32,9 @@ class FramePattern {
     /// A further file in the frames' folder: the given name followed by the constant part of the frames' names, such as
     /// checkpoint.lic.vdb for `checkpoint` and lic.%04d.vdb.
     [[nodiscard]] std::filesystem::path companion(std::string_view name) const;
+
+    /// A pattern that files on disk match, which differ from this one's in the width of the field; empty if none do.
+    [[nodiscard]] std::string onDisk() const;
 
     /// The frames on disk, in numeric order. @throws InputError if the folder cannot be read
     [[nodiscard]] std::vector<std::int64_t> framesOnDisk() const;
@@ -56,9 +60,9 @@ using FrameSource = std::function<std::optional<FrameFile>()>;
 
 /// How to select the files of an input sequence.
 struct SequenceParams {
-    std::string pattern;      ///< one file, a pattern, or `-` for paths on standard input
-    std::string frames;       ///< a frame list; empty for every frame found
-    bool clampFrames = false; ///< leave out listed frames before the first or after the last on disk
+    std::string pattern;                    ///< one file, a pattern, or `-` for paths on standard input
+    std::string frames;                     ///< a frame list; empty for every frame found
+    bool clampFrames = false;               ///< leave out listed frames before the first or after the last on disk
     std::optional<std::int64_t> renumber{}; ///< number paths on standard input from here, whatever their names
 };
 
@@ -81,7 +85,8 @@ struct FramesAround {
 /// The least difference of neighbouring frame numbers on disk; 1 for fewer than two frames.
 [[nodiscard]] std::int64_t frameSpacing(const SequenceParams& params);
 
-/// The files of selectFrames() one by one. For the pattern `-`, the paths of a PathList are read from `lines` on demand.
+/// The files of selectFrames() one by one. For the pattern `-`, the paths of a PathList are read from `lines` on
+/// demand.
 /// @param lines must outlive the result
 /// @param count receives the number of frames; 0 if it is unknown
 /// @throws InputError, the result too: if a file is missing, or its name has no frame number or that of another;
@@ -95,6 +100,8 @@ struct FramesAround {
 /// Check that a further output of a run does not have the name of a frame. @throws ParameterError
 void checkNoFrame(const std::filesystem::path& output, const FramePattern& frames);
 
+/// Check that an output has one of these extensions, in lower or upper case. @throws ParameterError
+void checkExtension(const std::filesystem::path& path, const std::vector<std::string>& extensions);
 /// Check that a pattern can name `frames` different outputs. @throws ParameterError
 void checkOutputPattern(const FramePattern& pattern, std::size_t frames);
 /// Check that the outputs of these frames have different names and can be written. @throws ParameterError, OutputError

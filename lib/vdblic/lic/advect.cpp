@@ -38,7 +38,8 @@ class Advection {
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
           mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter),
-          mWriter(reporter, params.textures(mFlow.total() - std::min(mFlow.total(), std::size_t(params.leadInFrames()))),
+          mWriter(reporter,
+                  params.textures(mFlow.total() - std::min(mFlow.total(), std::size_t(params.leadInFrames()))),
                   params.format.compression)
     {
         mOutputs.check(mWriter.total());
@@ -237,12 +238,22 @@ class Advection {
     {
         const std::int64_t number = frame.velocity.file.frame;
         if (frame.flow.domain->voxelCount() == 0) {
-            mReporter.warn(fmt::format("frame {}: {}: no active voxels; its texture is empty", number,
-                                       frame.velocity.file.path.string()));
+            const bool isCut = frame.velocity.values->activeVoxelCount() > 0;
+            mReporter.warn(
+                fmt::format("frame {}: {}: {}; its texture is empty", number, frame.velocity.file.path.string(),
+                            isCut ? "no active voxel lies inside `box`, `world_box` and `mask`" : "no active voxels"));
             return;
         }
         const double largest = frame.velocity.largestDisplacement(seconds);
-        if (largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
+        constexpr double kRest = 1e-3; // voxels a step
+        if (largest < kRest && !mWarnedOfRest) {
+            mWarnedOfRest = true;
+            mReporter.warn(fmt::format("frame {}: {}: grid {} moves nothing by more than {:.3g} voxels a step, and a "
+                                       "texture without motion is noise: check unit and frame spacing",
+                                       number, frame.velocity.file.path.string(), frame.velocity.gridName, largest));
+        }
+        // A texture of its frame alone does not depend on time.
+        if (mParams.steady || largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
         mWarnedOfDisplacement = true;
         mReporter.warn(
             fmt::format("frame {}: the flow moves up to {:.1f} voxels a step; over more than {} it is hardly "
@@ -270,9 +281,9 @@ class Advection {
     FrameWriter mWriter;
     RunReport mReport;
     std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
-    double mTime = 0;     // of the frame that the next step starts from or after
-    double mInterval = 0; // between the frames of the last step
-    bool mWarnedOfDisplacement = false;
+    double mTime = 0;                  // of the frame that the next step starts from or after
+    double mInterval = 0;              // between the frames of the last step
+    bool mWarnedOfDisplacement = false, mWarnedOfRest = false;
 };
 
 } // namespace

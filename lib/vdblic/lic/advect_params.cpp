@@ -19,6 +19,7 @@ constexpr int kMaxPreroll = 10000; // and of a lead-in
 void AdvectParams::validate() const
 {
     FlowSequenceParams{input, velocity, frameSpacing, domain}.validate();
+    checkExtension(output, {".vdb"});
     scatter.validate();
     feedback.validate();
     finish.validate();

@@ -26,7 +26,7 @@ void SequenceCoherenceParams::validate() const
     coherence.validate();
     if (flow.input.pattern == "-" || texture == "-")
         throw ParameterError("paths on standard input cannot be matched by frame; name a file or a pattern");
-    if (textureName.empty()) throw ParameterError("the texture's name must not be empty");
+    if (!plot.empty()) checkExtension(plot, {".svg"});
     if (!json.empty() && json == plot) {
         throw ParameterError(fmt::format("'{}' cannot be both the figures and the plot; name two files", json));
     }

@@ -4,6 +4,7 @@
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/coherence.h"
 #include "vdblic/lic/coherence_report.h"
@@ -59,6 +60,7 @@ struct LoadedTexture {
     SmoothedTexture texture;
     openvdb::math::Transform::ConstPtr transform;
     std::optional<HitFigures> hits;
+    std::string gridName;
     Refinement refinement{}; // of the velocity's voxels
 };
 
@@ -78,11 +80,13 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
     return HitFigures{sum / count, zeros / count};
 }
 
-LoadedTexture readTexture(const std::filesystem::path& path, const std::string& name)
+LoadedTexture readTexture(const std::filesystem::path& path, const std::string& given)
 {
     const VdbFile file = readVdb(path);
+    const std::string name = textureName(file.metadata, given);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
-    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
+    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file),
+                         name};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);
     if (loaded.texture.domain().voxelCount() > 0 && !std::isfinite(loaded.texture.rawContrast().deviation)) {
@@ -165,7 +169,7 @@ LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, con
         throw InputError(
             fmt::format("{}: grid {}: its transform is neither that of grid {} of {} nor a refinement of it; "
                         "give the velocity that the texture was made from",
-                        loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
+                        loaded.path.string(), loaded.gridName, velocity.gridName, velocity.file.path.string()));
     }
     loaded.refinement = *refinement;
     return loaded;
@@ -179,8 +183,8 @@ LoadedTexture successorOf(const LoadedTexture& before, const LoadedFrame& frame,
     if (loaded.refinement == before.refinement) return loaded;
     throw InputError(fmt::format("{}: grid {}: {} texture voxels fill a voxel of the velocity, in {} {}; make all "
                                  "textures with one refinement",
-                                 loaded.path.string(), name, toString(loaded.refinement), before.path.string(),
-                                 toString(before.refinement)));
+                                 loaded.path.string(), loaded.gridName, toString(loaded.refinement),
+                                 before.path.string(), toString(before.refinement)));
 }
 
 void checkFurtherOutput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)

@@ -21,8 +21,14 @@ AdvectParams withLeadIn(AdvectParams params, Reporter& reporter)
     if (params.framesBefore > 0) params.preroll = params.preroll.value_or(0);
     const std::vector<std::int64_t> frames(before.end() - std::ptrdiff_t(count), before.end());
     params.input.frames = fmt::format("{},{}", fmt::join(frames, ","), params.input.frames);
-    reporter.say(fmt::format("frames {} to {} are computed first and not written; `lead_in` 0 does without them",
-                             frames.front(), frames.back()));
+    const std::string more = params.framesBefore == 0
+                                 ? ""
+                                 : fmt::format("; with `lead_in` {} the textures would be those of a "
+                                               "run over all frames",
+                                               before.size());
+    const std::string which = count == 1 ? fmt::format("frame {} is", frames.front())
+                                         : fmt::format("frames {} to {} are", frames.front(), frames.back());
+    reporter.say(fmt::format("{} computed first and not written{}", which, more));
     return params;
 }
 

@@ -2,11 +2,13 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/sequence.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -98,15 +100,15 @@ std::string histogramJson(const TextureHistograms& histograms, const Look& look)
 
 void checkHistogramPath(const std::filesystem::path& path)
 {
-    if (path.extension() == ".json" || path.extension() == ".png") return;
-    throw ParameterError(fmt::format("histogram '{}' must end in .json or .png", path.string()));
+    checkExtension(path, {".json", ".png"});
 }
 
 bool writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look)
 {
     checkHistogramPath(path);
-    return writeReport(path,
-                       path.extension() == ".json" ? histogramJson(histograms, look) : histogramPng(histograms, look));
+    return writeReport(path, std::tolower(static_cast<unsigned char>(path.extension().string()[1])) == 'j'
+                                 ? histogramJson(histograms, look)
+                                 : histogramPng(histograms, look));
 }
 
 } // namespace vdblic

@@ -110,8 +110,8 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToCamera = camera.worldToCamera();
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
-    const auto& [input, skipExisting, output, histogram, texture, driver, region, stretch, size, scale, samples,
-                 cameraParams, motion, lookParams, rays, background, exr] = params;
+    const auto& [input, skipExisting, keepGoing, output, transferOut, histogram, texture, driver, region, stretch, size,
+                 scale, samples, cameraParams, motion, lookParams, rays, background, exr] = params;
     const auto& [transfer, modulation, shading, halo, depthCue, fading] = look;
     Attributes& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)},

@@ -20,7 +20,8 @@ constexpr double kMostStretch = 1e6;
 
 void RenderParams::validate() const
 {
-    if (output.empty() && histogram.empty()) throw ParameterError("there is nothing to make: give an output");
+    if (output.empty() && histogram.empty() && transferOut.empty())
+        throw ParameterError("there is nothing to make: give an output");
     if (!output.empty()) {
         const bool exrOutput = imageFormat(output) == ImageFormat::kExr;
         if (!exr.layers.empty() && !exrOutput) {

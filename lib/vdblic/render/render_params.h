@@ -17,10 +17,12 @@ namespace vdblic {
 /// How a sequence of textures becomes a sequence of images.
 struct RenderParams {
     SequenceParams input;
-    bool skipExisting = false;        ///< leave existing outputs as they are
-    std::string output;               ///< one file or a pattern, .exr or .png; frame numbers are the input's
-    std::string histogram;            ///< file for the histograms, .json or .png; empty: none
-    std::string texture = "density";  ///< grid that holds the texture
+    bool skipExisting = false; ///< leave existing outputs as they are
+    bool keepGoing = false;    ///< leave out frames that cannot be read, and fail at the end
+    std::string output;        ///< one file or a pattern, .exr or .png; frame numbers are the input's
+    std::string transferOut{}; ///< JSON file for the transfer function that the frames are rendered with; empty: none
+    std::string histogram;     ///< file for the histograms, .json or .png; empty: none
+    std::string texture;       ///< grid that holds the texture; empty: by the files' metadata, else `density`
     std::string driver = "magnitude"; ///< grid that drives the transfer function
     std::string region;               ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
     /// Factors on the axes of world space for all that is shown, such as 1 1 20 for weather. Camera and lights are in

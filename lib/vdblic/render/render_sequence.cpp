@@ -3,11 +3,14 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
 #include "vdblic/render/image_attributes.h"
+#include "vdblic/render/nothing_seen.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/render/supersampling.h"
+#include "vdblic/render/transfer_file.h"
 #include "vdblic/render/vector_text.h"
 
 #include <fmt/format.h>
@@ -17,6 +20,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -45,6 +49,8 @@ struct RenderedFrame {
     const Scene* scene = nullptr;
     bool hasDriver = true;
     std::size_t unusableVoxels = 0;
+    bool skipped = false;
+    std::string nothingSeen; ///< why the image shows nothing; empty if it shows something
     std::optional<TextureHistograms> histograms;
     std::exception_ptr error;
 };
@@ -55,6 +61,11 @@ class SequenceRenderer {
     SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
         : mParams(params), mRays(params.rays), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
     {
+        for (const FrameFile& file : mTotal > 0 ? selectFrames(params.input) : std::vector<FrameFile>{}) {
+            if (!mParams.texture.empty()) break;
+            mParams.texture = textureName(file.path, params.texture);
+        }
+        if (!params.transferOut.empty()) checkReport(params.transferOut);
         mRays.clip = params.rays.clip.stretched(params.stretch);
         if (!params.histogram.empty()) checkReport(params.histogram);
         if (params.output.empty()) return;
@@ -70,6 +81,8 @@ class SequenceRenderer {
                 mScene = std::move(found->scene);
                 mOnlyFrame = std::move(found->onlyFrame);
             }
+            if (mScene) tellTransfer();
+            if (!mOutput && mParams.histogram.empty()) return checkScene();
         }
         mReporter.progress(0, mTotal);
         // How many frames fit in memory is known once one has been read.
@@ -77,12 +90,47 @@ class SequenceRenderer {
         runPipeline(framesInFlight(mScene ? mScene->frameBytes : 1), /*untilScene=*/false);
         mReporter.checkStop(); // a request to stop ends standard input
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
-        if (mParams.histogram.empty()) return;
+        warnOfNothing();
+        if (!mParams.histogram.empty()) writeHistogram();
+        if (mParams.skipExisting) mReporter.say(fmt::format("{} of {} images were there already", mSkipped, mDone));
+        if (mLeftOut == 0) return;
+        throw InputError(fmt::format("{} of {} frames could not be rendered; the warnings name them", mLeftOut, mDone));
+    }
+
+  private:
+    void writeHistogram()
+    {
         if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
         if (writeHistograms(mParams.histogram, *mHistograms, mScene->look)) mReporter.finished(mParams.histogram);
     }
 
-  private:
+    void checkScene() const
+    {
+        if (!mScene) throw InputError(fmt::format("{}: no frame has an active voxel", mParams.input.pattern));
+    }
+
+    /// What the look was chosen from, and its transfer function.
+    void tellTransfer()
+    {
+        const TransferParams& given = mParams.look.transfer;
+        if (mParams.input.pattern == "-" && (!given.range || given.opacity.empty())) {
+            mReporter.say("range and opacity are chosen from the first frame alone; `transfer` takes them from a file, "
+                          "which `transfer_out` writes for a whole sequence");
+        }
+        if (mParams.transferOut.empty()) return;
+        writeTransferFile(mParams.transferOut, mScene->look.transfer.params());
+        mReporter.finished(mParams.transferOut);
+    }
+
+    void warnOfNothing()
+    {
+        if (!mScene) {
+            if (mLeftOut < mDone) mReporter.warn("no frame has an active voxel; there is nothing to see");
+        } else if (mOutput && mRendered > 0 && mRendered == mEmptyImages) {
+            mReporter.warn("the images show nothing: " + mNothingSeen);
+        }
+    }
+
     /// @param untilScene end once a frame has an active voxel
     void runPipeline(std::size_t frames, bool untilScene)
     {
@@ -122,6 +170,7 @@ class SequenceRenderer {
             if (mOutput && mParams.input.pattern == "-") checkOutput(mOutput->path(file->frame));
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // standard input named a second path
             task.file = *file;
+            mParams.texture = textureName(file->path, mParams.texture);
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
@@ -129,6 +178,9 @@ class SequenceRenderer {
                     mScene = chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), {});
             }
             if (mScene) task.scene = &*mScene;
+        } catch (const InputError&) {
+            task.error = std::current_exception();
+            mStopped = !mParams.keepGoing;
         } catch (...) {
             task.error = std::current_exception();
             mStopped = true;
@@ -142,8 +194,8 @@ class SequenceRenderer {
     {
         RenderedFrame result{task.file, task.scene};
         result.error = task.error;
-        const bool skipped = mOutput && mParams.skipExisting && isFinished(mOutput->path(task.file.frame));
-        if (result.error || skipped) return result;
+        result.skipped = mOutput && mParams.skipExisting && isFinished(mOutput->path(task.file.frame));
+        if (result.error || result.skipped) return result;
         try {
             // While a thread waits for this frame's tiles, it must not start to wait for the next path.
             tbb::this_task_arena::isolate([&] { render(task, result); });
@@ -170,6 +222,9 @@ class SequenceRenderer {
         if (task.scene) {
             const Camera camera = task.scene->cameras.at(task.file.frame);
             image = castSamples(frame->volume, task.scene->look, camera, mRays, mParams.samples);
+            const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
+            if (std::none_of(image.pixels.begin(), image.pixels.end(), isSeen))
+                result.nothingSeen = whyNothingIsSeen(frame->volume, task.scene->look, camera, mRays);
             header = imageHeader(mParams, task.scene->look, camera, task.file);
         } else if (mParams.rays.layers) {
             image.layers.resize(image.pixels.size());
@@ -179,7 +234,7 @@ class SequenceRenderer {
 
     void report(const RenderedFrame& frame)
     {
-        if (frame.error) std::rethrow_exception(frame.error);
+        if (frame.error) return leaveOut(frame);
         const std::string path = frame.file.path.string();
         if (frame.scene && !mDescribed) describe(*frame.scene, frame.file.frame);
         if (!frame.hasDriver && !mSaidNoDriver) {
@@ -195,13 +250,31 @@ class SequenceRenderer {
             if (!mHistograms) mHistograms.emplace(frame.scene->look);
             mHistograms->add(*frame.histograms);
         }
+        mSkipped += frame.skipped ? 1 : 0;
+        mRendered += frame.skipped ? 0 : 1;
+        mEmptyImages += frame.nothingSeen.empty() ? 0 : 1;
+        mNothingSeen = frame.nothingSeen;
         if (mOutput) mReporter.finished(mOutput->path(frame.file.frame));
         mReporter.progress(++mDone, mTotal);
+    }
+
+    /// A frame that cannot be read ends the run, or is left out.
+    void leaveOut(const RenderedFrame& frame)
+    {
+        try {
+            std::rethrow_exception(frame.error);
+        } catch (const InputError& error) {
+            if (!mParams.keepGoing) throw;
+            mReporter.warn(fmt::format("{}; the frame is left out", error.what()));
+            ++mLeftOut;
+            mReporter.progress(++mDone, mTotal);
+        }
     }
 
     void describe(const Scene& scene, std::int64_t frame)
     {
         mDescribed = true;
+        if (mParams.input.pattern == "-") tellTransfer();
         const Look& look = scene.look;
         const Camera camera = scene.cameras.at(frame);
         mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, toString(camera.projection()),
@@ -213,7 +286,7 @@ class SequenceRenderer {
                                      scene.frameBytes / 1e6));
     }
 
-    const RenderParams& mParams;
+    RenderParams mParams; // as given, with the texture's name
     RayCastParams mRays;
     Reporter& mReporter;
     std::size_t mTotal = 0, mTaken = 0, mDone = 0;
@@ -224,6 +297,8 @@ class SequenceRenderer {
     std::optional<TextureHistograms> mHistograms;
     std::atomic<bool> mStopped = false; // take no further frame
     std::exception_ptr mError;
+    std::size_t mSkipped = 0, mLeftOut = 0, mRendered = 0, mEmptyImages = 0;
+    std::string mNothingSeen; // why the last image shows nothing
     bool mDescribed = false, mSaidNoDriver = false;
 };
 

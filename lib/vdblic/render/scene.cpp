@@ -97,7 +97,11 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     // The look is made from a few frames of the whole sequence. A file that cannot be read is reported at its turn.
     constexpr std::size_t kLookFrames = 4;
     std::vector<LoadedTexture> frames;
-    frames.push_back(loadFrame(params, bounds->firstFilled));
+    try {
+        frames.push_back(loadFrame(params, bounds->firstFilled));
+    } catch (const InputError&) {
+        if (!params.keepGoing) throw;
+    }
     for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
         const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
         if (file.frame == bounds->firstFilled.frame) continue;

@@ -1,13 +1,14 @@
 #include "vdblic/render/transfer_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/render/json_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -57,10 +58,8 @@ void readKey(const std::string& key, const Json& value, TransferParams& params)
 
 void readTransferFile(const std::filesystem::path& path, TransferParams& params)
 {
-    std::ifstream stream(path);
-    if (!stream) throw InputError(fmt::format("{}: cannot be read", path.string()));
+    const Json file = readJson(path);
     try {
-        const Json file = Json::parse(stream);
         if (!file.is_object()) throw ParameterError("it must be an object, {\"opacity\": ...}");
         if (file.contains("colormap") && file.contains("colors")) {
             throw ParameterError("'colormap' and 'colors' exclude each other");
@@ -68,11 +67,20 @@ void readTransferFile(const std::filesystem::path& path, TransferParams& params)
         for (const auto& [key, value] : file.items())
             readKey(key, value, params);
         params.validate();
-    } catch (const Json::exception& error) {
-        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     } catch (const ParameterError& error) {
         throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     }
+}
+
+void writeTransferFile(const std::filesystem::path& path, const TransferParams& params)
+{
+    Json file = {{"range", params.range.value()}};
+    if (params.colors.empty()) file["colormap"] = params.colorMap;
+    for (const auto& [position, color] : params.colors)
+        file["colors"].push_back({position, color[0], color[1], color[2]});
+    for (const auto& [position, opacity] : params.opacity)
+        file["opacity"].push_back({position, opacity});
+    (void)writeReport(path, file.dump(2) + '\n');
 }
 
 } // namespace vdblic
