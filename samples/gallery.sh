@@ -31,7 +31,7 @@ gallery() {
 }
 
 # texture NAME VELOCITY OPTIONS...
-texture() { "$tools/vdblic_advect" "$2" -o "$out/$1.%04d.vdb" -q "${@:3}" >>"$out/log.txt"; }
+texture() { "$tools/vdblic_advect" "$2" -o "$out/$1.%04d.vdb" -q --restart "${@:3}" >>"$out/log.txt"; }
 
 texture wake samples/wake/wake.%04d.vdb
 gallery wake wake.%04d.vdb "--clip-plane 0 0 0 0 1 0" --frames 12 --size 720 450

@@ -36,6 +36,9 @@ int main(int argc, char** argv)
     return tool.run(argc, argv, [&](Reporter& reporter) {
         if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
         if (fps) params.frameSpacing = 1 / *fps;
+        for (const std::string& pattern : patterns) {
+            if (!json.empty()) checkNotInput(json, pattern);
+        }
         if (!json.empty()) checkReport(json);
         std::vector<SequenceInfo> sequences;
         for (const std::string& pattern : patterns) {

@@ -4,6 +4,7 @@
 #include "vdblic/compare/report.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
 

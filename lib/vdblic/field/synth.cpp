@@ -1,7 +1,7 @@
 #include "vdblic/field/synth.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/io/sequence.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>

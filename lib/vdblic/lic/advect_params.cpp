@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/derived_grids.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/lic/flow_sequence_params.h"
 
 #include <fmt/format.h>

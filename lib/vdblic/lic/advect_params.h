@@ -33,8 +33,8 @@ struct AdvectParams {
     std::uint32_t seed = 1;          ///< of the generated noise
     /// Frames that the first one stands still for before it is written; nothing: the life span, 0 for LIC.
     std::optional<int> preroll;
-    /// Frames on disk before the first of `input.frames` that are computed but not written; nothing: up to twice the life
-    /// span, 0 for LIC.
+    /// Frames on disk before the first of `input.frames` that are computed but not written; nothing: up to twice the
+    /// life span, 0 for LIC.
     std::optional<int> leadIn{};
     int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
     std::string textureName = "density";
@@ -52,7 +52,8 @@ struct AdvectParams {
     [[nodiscard]] int prerollFrames() const;           ///< as given, else the default
     [[nodiscard]] std::uint64_t prerollSteps() const;  ///< with their substeps
     [[nodiscard]] int leadInFrames() const;            ///< as given, else the default
-    [[nodiscard]] std::uint64_t warmUpSteps() const;   ///< the steps of preroll and lead-in, whose textures are not written
+    [[nodiscard]] std::uint64_t
+    warmUpSteps() const; ///< the steps of preroll and lead-in, whose textures are not written
     /// The number of intervals between frames that are computed after so many steps, without the preroll.
     [[nodiscard]] std::uint64_t framesDone(std::uint64_t steps) const;
     /// The number of textures to write that are computed after so many steps, those of preroll and lead-in included.

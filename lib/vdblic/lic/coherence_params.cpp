@@ -1,6 +1,7 @@
 #include "vdblic/lic/coherence_params.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/output_pattern.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
-#include "vdblic/io/sequence.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/noise.h"
 

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/lic/advect_params.h"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
-#include "vdblic/io/sequence.h"
+#include "vdblic/io/output_pattern.h"
 
 #include <fmt/format.h>
 

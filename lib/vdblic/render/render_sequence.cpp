@@ -3,11 +3,13 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
 #include "vdblic/render/image_attributes.h"
 #include "vdblic/render/nothing_seen.h"
+#include "vdblic/render/render_outputs.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/render/supersampling.h"
 #include "vdblic/render/transfer_file.h"
@@ -61,17 +63,14 @@ class SequenceRenderer {
     SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
         : mParams(params), mRays(params.rays), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
     {
-        for (const FrameFile& file : mTotal > 0 ? selectFrames(params.input) : std::vector<FrameFile>{}) {
-            if (!mParams.texture.empty()) break;
-            mParams.texture = textureName(file.path, params.texture);
+        const bool isPiped = params.input.pattern == "-";
+        const std::vector<FrameFile> files = isPiped ? std::vector<FrameFile>{} : selectFrames(params.input);
+        checkRenderOutputs(params, files);
+        for (const FrameFile& file : files) {
+            if (mParams.texture.empty()) mParams.texture = textureName(file.path, mParams.texture);
         }
-        if (!params.transferOut.empty()) checkReport(params.transferOut);
         mRays.clip = params.rays.clip.stretched(params.stretch);
-        if (!params.histogram.empty()) checkReport(params.histogram);
-        if (params.output.empty()) return;
-        mOutput.emplace(params.output);
-        if (mTotal > 0) checkOutputs(*mOutput, selectedFrames(params.input));
-        if (!mParams.histogram.empty()) checkNoFrame(mParams.histogram, *mOutput);
+        if (!params.output.empty()) mOutput.emplace(params.output);
     }
 
     void run()
@@ -118,8 +117,8 @@ class SequenceRenderer {
                           "which `transfer_out` writes for a whole sequence");
         }
         if (mParams.transferOut.empty()) return;
-        writeTransferFile(mParams.transferOut, mScene->look.transfer.params());
-        mReporter.finished(mParams.transferOut);
+        if (writeTransferFile(mParams.transferOut, mScene->look.transfer.params()))
+            mReporter.finished(mParams.transferOut);
     }
 
     void warnOfNothing()

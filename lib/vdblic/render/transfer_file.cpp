@@ -72,7 +72,7 @@ void readTransferFile(const std::filesystem::path& path, TransferParams& params)
     }
 }
 
-void writeTransferFile(const std::filesystem::path& path, const TransferParams& params)
+bool writeTransferFile(const std::filesystem::path& path, const TransferParams& params)
 {
     Json file = {{"range", params.range.value()}};
     if (params.colors.empty()) file["colormap"] = params.colorMap;
@@ -80,7 +80,7 @@ void writeTransferFile(const std::filesystem::path& path, const TransferParams& 
         file["colors"].push_back({position, color[0], color[1], color[2]});
     for (const auto& [position, opacity] : params.opacity)
         file["opacity"].push_back({position, opacity});
-    (void)writeReport(path, file.dump(2) + '\n');
+    return writeReport(path, file.dump(2) + '\n');
 }
 
 } // namespace vdblic

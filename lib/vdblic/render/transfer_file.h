@@ -19,6 +19,6 @@ void readTransferFile(const std::filesystem::path& path, TransferParams& params)
 
 /// Write all keys of a transfer function, as writeReport() does. @param params with range and opacity
 /// @throws OutputError
-void writeTransferFile(const std::filesystem::path& path, const TransferParams& params);
+bool writeTransferFile(const std::filesystem::path& path, const TransferParams& params);
 
 } // namespace vdblic

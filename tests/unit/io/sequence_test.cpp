@@ -2,6 +2,7 @@
 
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/io/output_pattern.h"
 
 #include <gtest/gtest.h>
 
