@@ -517,8 +517,8 @@ class Resume(ToolTest):
     def test_the_checkpoint_is_no_input(self):
         shutil.copy(str(self.flow()) % 1, self.folder / CHECKPOINT)
         self.assertIn("replace an input", self.fails(2, "vdblic_advect", CHECKPOINT, "-o", OUTPUTS, "--restart"))
-        self.tool("vdblic_noise", "--like", CHECKPOINT, "-o", CHECKPOINT + "2")
-        (self.folder / (CHECKPOINT + "2")).rename(self.folder / CHECKPOINT)
+        self.tool("vdblic_noise", "--like", CHECKPOINT, "-o", "other.vdb")
+        (self.folder / "other.vdb").rename(self.folder / CHECKPOINT)
         for option in "--mask", "--noise":
             self.assertIn("replace an input", self.fails(2, "vdblic_advect", str(self.flow()) % 1, option,
                                                          f"{CHECKPOINT}:noise", "-o", OUTPUTS, "--restart"))

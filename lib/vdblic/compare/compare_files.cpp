@@ -65,6 +65,18 @@ GridDifference comparePair(const GridPair& pair, const CompareParams& params)
     return result;
 }
 
+/// The same with errors that name the files.
+GridDifference comparePair(const GridPair& pair, const CompareParams& params, const FileDifference& files)
+{
+    try {
+        return comparePair(pair, params);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{} | {}: {}", files.pathA, files.pathB, error.what()));
+    } catch (const openvdb::Exception& error) { // such as a transform that has no inverse
+        throw InputError(fmt::format("{} | {}: grid '{}': {}", files.pathA, files.pathB, pair.name, error.what()));
+    }
+}
+
 /// Compare the files of a frame, and write |A − B| if `output` is given.
 FileDifference compareRead(const FrameDifference& frame, const CompareParams& params,
                            const std::optional<std::filesystem::path>& output, Reporter& reporter)
@@ -75,7 +87,7 @@ FileDifference compareRead(const FrameDifference& frame, const CompareParams& pa
     openvdb::GridCPtrVec differences;
     for (const GridPair& pair : pairGrids(a, b)) {
         if (params.firstOnly && result.verdict() == Verdict::kDiffers) return result;
-        result.grids.push_back(comparePair(pair, params));
+        result.grids.push_back(comparePair(pair, params, result));
         if (!output) continue;
         const openvdb::GridBase::Ptr grid = pair.a && pair.b ? differenceGrid(*pair.a, *pair.b) : nullptr;
         if (grid)

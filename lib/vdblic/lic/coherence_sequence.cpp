@@ -1,6 +1,7 @@
 #include "vdblic/lic/coherence_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -80,12 +82,27 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
     return HitFigures{sum / count, zeros / count};
 }
 
+/// @throws InputError naming the grid
+SmoothedTexture smoothedTexture(const openvdb::FloatGrid& grid, const std::string& where)
+{
+    constexpr double kBytes = 40; // a voxel: values, smoothed values, bricks of both
+    const double voxels =
+        std::max(double(grid.activeVoxelCount()), double(grid.tree().leafCount()) * Domain::kLeafVoxels);
+    checkMemory(kBytes * voxels, fmt::format("{}: {} voxels", where, voxels), "take a smaller texture");
+    try {
+        return SmoothedTexture(grid.tree());
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", where, error.what()));
+    }
+}
+
 LoadedTexture readTexture(const std::filesystem::path& path, const std::string& given)
 {
     const VdbFile file = readVdb(path);
     const std::string name = textureName(file.metadata, given);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
-    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file),
+    const std::string where = fmt::format("{}: grid {}", path.string(), name);
+    LoadedTexture loaded{path, smoothedTexture(*grid, where), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file),
                          name};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);

@@ -87,9 +87,9 @@ void TransferParams::validate() const
     }
     if (!range) return;
     const auto& [low, high] = *range;
-    constexpr double kMost = 1e30; // the driver is kept in single precision
-    if (!(std::abs(low) <= kMost) || !(std::abs(high) <= kMost) || !(low < high)) {
-        throw ParameterError(fmt::format("range {} to {} must be two rising numbers of at most {}", low, high, kMost));
+    if (!(std::abs(low) <= kMostValue) || !(std::abs(high) <= kMostValue) || !(low < high)) {
+        throw ParameterError(
+            fmt::format("range {} to {} must be two rising numbers of at most {}", low, high, kMostValue));
     }
 }
 

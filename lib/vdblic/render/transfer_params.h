@@ -23,6 +23,8 @@ struct OpacityPoint {
 
 /// How the driver, the scalar that a grid beside the texture holds, becomes colour and opacity.
 struct TransferParams {
+    static constexpr double kMostValue = 1e30; ///< of the driver, which is kept in single precision
+
     std::string colorMap = "turbo";
     std::vector<ColorPoint> colors{}; ///< by rising position, in place of the colour map
     /// Opacity of one voxel of full texture, by rising position; empty: chosen from the frames.
