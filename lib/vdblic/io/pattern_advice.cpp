@@ -50,7 +50,7 @@ std::string likelyPattern(const std::filesystem::path& folder, const std::string
         const std::string digits = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
         if (!std::all_of(digits.begin(), digits.end(), isDigit)) continue;
         const std::string field = digits.size() > 1 ? fmt::format("%0{}d", digits.size()) : "%d";
-        return (folder / (prefix + field + suffix)).string();
+        return (folder / fmt::format("{}{}{}", prefix, field, suffix)).string();
     }
     return {};
 }

@@ -21,7 +21,7 @@ const GridInfo* gridOf(const SequenceInfo& info, const std::string& name)
     return found == info.grids.end() ? nullptr : &*found;
 }
 
-void adviseOnMotion(const VelocityInfo::Motion& motion, std::vector<std::string>& advice)
+void adviseOnMotion(const MotionInfo& motion, std::vector<std::string>& advice)
 {
     constexpr double kHardly = 0.05; // voxels a step
     const std::string others =

@@ -182,7 +182,7 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     reading.carry.clear();
     VelocityFrame frame = readVelocity(file, reading);
     if (!velocity.motion) velocity.motion.emplace();
-    VelocityInfo::Motion& motion = *velocity.motion;
+    MotionInfo& motion = *velocity.motion;
     const double mean = meanLength(*frame.values, openvdb::Mat3s(frame.toVoxelsPerStep(velocity.interval)));
     motion.mean += (mean - motion.mean) / double(frames + 1);
     const double largest = frame.largestDisplacement(velocity.interval);

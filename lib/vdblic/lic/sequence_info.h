@@ -42,23 +42,23 @@ struct GridInfo {
     std::optional<ValueInfo> values{};
 };
 
+/// Displacements in a step [voxels], over all frames.
+struct MotionInfo {
+    double largest = 0, mean = 0;
+    std::int64_t frame = 0;                ///< of the largest
+    std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": those that would move the flow by 0.1 to 16 voxels
+};
+
 /// How vdblic_advect would understand and compute the sequence's velocity.
 struct VelocityInfo {
     std::string grid;
     VelocityUnit unit = VelocityUnit::kWorldPerSecond;
     double scale = 1;
-    double interval = 0;            ///< seconds between frames
-    std::string intervalSource;     ///< "by the files' times"
-    std::uint64_t voxels = 0;       ///< in the largest frame
-    double memory = 0, seconds = 0; ///< estimates: bytes, and seconds of processor time
-
-    /// Displacements in a step [voxels], over all frames; from the values.
-    struct Motion {
-        double largest = 0, mean = 0;
-        std::int64_t frame = 0;                ///< of the largest
-        std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": those that would move the flow by 0.1 to 16 voxels
-    };
-    std::optional<Motion> motion{};
+    double interval = 0;                ///< seconds between frames
+    std::string intervalSource;         ///< "by the files' times"
+    std::uint64_t voxels = 0;           ///< in the largest frame
+    double memory = 0, seconds = 0;     ///< estimates: bytes, and seconds of processor time
+    std::optional<MotionInfo> motion{}; ///< from the values
 };
 
 /// What is known of a sequence before anything is computed.
