@@ -189,6 +189,7 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
     if (!params.output.empty()) {
         output.emplace(params.output);
         std::vector<std::int64_t> numbers;
+        numbers.reserve(frames.size());
         for (const FrameDifference& frame : frames)
             numbers.push_back(frame.frame);
         checkOutputs(*output, numbers);

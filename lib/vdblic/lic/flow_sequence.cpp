@@ -81,8 +81,8 @@ std::optional<LoadedFrame> FlowSequence::after()
         checkSuccession(frame.velocity);
         return frame;
     } catch (const InputError& error) {
-        mReporter.warn(
-            fmt::format("{}; frame {} is not used: the flow after the last frame stays as it is", error.what(), *number));
+        mReporter.warn(fmt::format("{}; frame {} is not used: the flow after the last frame stays as it is",
+                                   error.what(), *number));
         return std::nullopt;
     }
 }

@@ -57,8 +57,7 @@ std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, cons
     if (isBesidePicture(box, camera)) {
         return fmt::format("the camera at {} looks at {} and sees nothing of what lies from {} to {}; change `eye` and "
                            "`target`, or leave them out",
-                           textOf(camera.eye()), textOf(camera.target()), textOf(box.front()),
-                           textOf(box.back()));
+                           textOf(camera.eye()), textOf(camera.target()), textOf(box.front()), textOf(box.back()));
     }
     const auto [low, high] = std::minmax_element(samples.driver.begin(), samples.driver.end());
     const auto& range = look.transfer.range();

@@ -32,6 +32,7 @@ void checkRenderOutputs(const RenderParams& params, const std::vector<FrameFile>
     if (!params.histogram.empty() && !params.transferOut.empty()) checkDistinct(params.histogram, params.transferOut);
     if (params.output.empty() || files.empty()) return;
     std::vector<std::int64_t> frames;
+    frames.reserve(files.size());
     for (const FrameFile& file : files)
         frames.push_back(file.frame);
     checkOutputs(FramePattern(params.output), frames);

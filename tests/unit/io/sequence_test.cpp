@@ -159,7 +159,10 @@ TEST(SelectFrames, TakesOneFile)
     EXPECT_EQ(selectFrames({plain, ""})[0].path, plain);
     expectContains(messageOf<ParameterError>([&] { (void)selectFrames({plain, "1-3"}); }), "`frames`");
     expectContains(messageOf<InputError>([&] { (void)selectFrames({plain + "x", ""}); }), "smoke.vdbx");
-    expectContains(messageOf<ParameterError>([&] { (void)selectFrames({folder.path().string(), ""}); }), "it is a folder");
+    expectContains(messageOf<ParameterError>([&] {
+                       (void)selectFrames({folder.path().string(), ""});
+                   }),
+                   "it is a folder");
 }
 
 TEST(OpenSequence, ReadsPathsFromAStream)
