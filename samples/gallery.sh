@@ -14,7 +14,7 @@ out=out/gallery images=docs/images/gallery
 mkdir -p "$out" "$images"
 
 # texture NAME VELOCITY OPTIONS...
-texture() { "$tools/vdblic_advect" "$2" -o "$out/$1.%04d.vdb" -q --with vorticity,q "${@:3}" >>"$out/log.txt"; }
+texture() { "$tools/vdblic_advect" "$2" -o "$out/$1.%04d.vdb" -q --restart --with vorticity,q "${@:3}" >>"$out/log.txt"; }
 
 # gallery NAME TITLE OPTIONS...: OPTIONS as in docs/gallery.md.
 gallery() {

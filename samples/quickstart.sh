@@ -13,7 +13,7 @@ out=out/quickstart
 mkdir -p "$out"
 # The stages overlap: the renderer reads each texture as soon as it is finished.
 look=(--look vortex --solid domain --size 960 540)
-"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" --refine 3 --with vorticity,q |
+"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" --refine 3 --with vorticity,q --restart |
     "$tools/vdblic_render" - -o "$out/wake.%04d.exr" "${look[@]}" >"$out/images.txt"
 "$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" "${look[@]}" >>"$out/images.txt"
 

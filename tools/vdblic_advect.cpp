@@ -72,8 +72,12 @@ int main(int argc, char** argv)
     tool.option(
         "--mask", params.domain.mask,
         "Compute only where a grid is above 0 (a level set: below): FILE or FILE:GRID, the file one or a sequence.");
-    tool.option("--bbox", params.domain.box, "Compute only in a box of voxels: first and last, X Y Z X Y Z.");
-    tool.option("--bbox-world", params.domain.worldBox, "Compute only in a box of world space: X Y Z X Y Z.");
+    tool.option("--bbox", params.domain.box, "Compute only in a box of voxels: first and last.")
+        ->delimiter(',')
+        ->type_name("X Y Z X Y Z");
+    tool.option("--bbox-world", params.domain.worldBox, "Compute only in a box of world space: low and high corner.")
+        ->delimiter(',')
+        ->type_name("X Y Z X Y Z");
     tool.option("--refine", refine,
                 "Texture voxels along each axis in a voxel of the velocity: N or NX NY NZ, 1 to 16.")
         ->delimiter(',')
@@ -85,6 +89,10 @@ int main(int argc, char** argv)
     tool.option("--seed", params.seed, "Seed of the generated noise.");
     tool.option("--preroll", params.preroll,
                 "Frames that the first one stands still for before it is written; the life span by default.");
+    tool.option(
+        "--lead-in", params.leadIn,
+        "Frames on disk before those of --frames that are computed but not written, in place of the preroll; by "
+        "default up to twice the life span, 0 with lic.");
     tool.option("--release-window", params.scatter.releaseWindow,
                 "auflic: part of a step in which a pathline takes up seeds, above 0, at most 1.");
     tool.option("--sample-spacing", params.scatter.pathline.sampleSpacing,
@@ -104,6 +112,10 @@ int main(int argc, char** argv)
     tool.app().add_flag("--resume", params.resume,
                         "Go on where an interrupted run was, by the checkpoint it left beside the outputs; from the\n"
                         "beginning if there is none. The result is the same as without an interruption.");
+    tool.app().add_flag("--restart", params.restart,
+                        "Start from the beginning though an earlier run left a checkpoint, which is removed.");
+    tool.app().add_flag("--keep-checkpoint", params.keepCheckpoint,
+                        "Leave a checkpoint when all is done: --resume with more frames then goes on after the last.");
     tool.option("--checkpoint-every", params.checkpointEvery,
                 "Frames between checkpoints, 0 for none; by default one about every half minute.");
 

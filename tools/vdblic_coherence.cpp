@@ -23,7 +23,7 @@ int main(int argc, char** argv)
                    "Frames to measure: 1-100, 1-100x2 or 1,5,9-20; every frame by default.");
     app.add_flag("--clamp-frames", flow.input.clampFrames,
                  "Leave out frames of --frames that lie beyond the files on disk.");
-    tool.option("--texture", params.textureName, "Name of the texture grid.");
+    app.add_option("--texture", params.textureName, "Name of the texture grid; by default that of vdblic_advect.");
     tool.option("--samples", params.coherence.samples, "Points a frame is looked at.");
     tool.option("--velocity", flow.velocity.grid, "Name of the velocity grid, or of three scalar grids.");
     tool.option("--velocity-unit", unit,

@@ -30,11 +30,14 @@ int main(int argc, char** argv)
     CLI::App& app = tool.app();
     tool.inputSequence("TEXTURE", params.input, "Texture volumes.");
     tool.skipExisting(params.skipExisting);
+    app.add_flag("--keep-going", params.keepGoing,
+                 "Leave out frames that cannot be read; the exit status tells at the end.");
     app.add_option(
         "-o,--output", params.output,
         "Image or pattern of images, .exr (linear, premultiplied alpha) or .png (8 bit sRGB, opaque). May be "
-        "left out with --histogram.");
-    tool.option("--texture", params.texture, "Float grid that holds the texture.");
+        "left out with --histogram or --transfer-out.");
+    app.add_option("--texture", params.texture,
+                   "Float grid that holds the texture; by default the one that vdblic_advect made, else density.");
     app.add_option_function<std::vector<int>>(
            "--size",
            [&](const std::vector<int>& size) {
@@ -86,6 +89,8 @@ int main(int argc, char** argv)
                 fmt::format("Of .exr: {}.", fmt::join(vdblic::exrCompressions(), ", ")));
     app.add_option("--histogram", params.histogram,
                    "Histograms of texture and scalars with the transfer function over them, .png or .json.");
+    app.add_option("--transfer-out", params.transferOut,
+                   "JSON file for the range, colours and opacity that are rendered with, for --transfer.");
     std::string annotations;
     app.add_option(
            "--annotate", annotations,

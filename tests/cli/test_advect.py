@@ -163,19 +163,18 @@ class Advect(ToolTest):
             paths = self.outputs("vdblic_advect", *arguments, "-o", f"{name}.%04d.vdb", "--life", 2, **options)
             return [path.name for path in paths], [vdb.readMetadata(str(path)) for path in paths]
 
-        lines = "".join(f"{str(WAKE) % k}\n" for k in (3, 5))
-        names, metadata = run("a", WAKE, "--frames", "3,5", "--substeps", 4)
-        self.assertEqual(names, [f"a.{k:04}.vdb" for k in (3, 4, 5, 6, 11)])  # 5 is 3 + (5 - 3) 4
-        for key, expected in (("frame", [3, 4, 5, 6, 11]), ("source_frame", [3, 3.5, 4, 4.5, 5]),
-                              ("time", [0.1, 0.125, 0.15, 0.175, 0.2]), ("dt", 5 * [0.025]), ("substeps", 5 * [4])):
+        lines = "".join(f"{str(WAKE) % k}\n" for k in (13, 15))
+        names, metadata = run("a", WAKE, "--frames", "13,15", "--substeps", 4, "--lead-in", 0)
+        self.assertEqual(names, [f"a.{k:04}.vdb" for k in (13, 14, 15, 16, 21)])  # 15 is 13 + (15 - 13) 4
+        for key, expected in (("frame", [13, 14, 15, 16, 21]), ("source_frame", [13, 13.5, 14, 14.5, 15]),
+                              ("time", [0.6, 0.625, 0.65, 0.675, 0.7]), ("dt", 5 * [0.025]), ("substeps", 5 * [4])):
             numpy.testing.assert_allclose([m[key] for m in metadata], expected, rtol=1e-6, err_msg=key)
         self.assertEqual(run("b", "-", "--substeps", 4, stdin=lines)[0], [name.replace("a", "b", 1) for name in names])
-        for a, b in zip(names, sorted(path.name for path in self.folder.glob("b.*"))):
-            self.assertEqual((self.folder / a).read_bytes(), (self.folder / b).read_bytes())
+        self.assertEqual(self.run_tool("vdblic_diff", "a.%04d.vdb", "b.%04d.vdb", "--ignore-metadata", "lead_in").returncode, 0)
         self.assertEqual(run("c", WAKE, "--frames", "7", "--substeps", 64)[0], ["c.0007.vdb"])
         # Scalars are those of the velocity between the frames.
         vectors = []
-        for frame in 3, 5:
+        for frame in 13, 15:
             grid = vdb.read(str(WAKE) % frame, "velocity")
             low, high = grid.evalActiveVoxelBoundingBox()
             vectors.append(numpy.zeros([*(high[i] - low[i] + 1 for i in range(3)), 3], numpy.float32))
@@ -253,10 +252,10 @@ class Advect(ToolTest):
         self.assertNotEqual(values(generated)[0].tobytes(), values(other)[0].tobytes())
 
     def test_paths_on_standard_input(self):
-        named = self.outputs("vdblic_advect", WAKE, "-o", "a.%04d.vdb", "--frames", "2-4")
-        lines = "".join(f"{str(WAKE) % k}\n" for k in (2, 3, 4))
+        named = self.outputs("vdblic_advect", WAKE, "-o", "a.%04d.vdb", "--frames", "14-16", "--lead-in", 0)
+        lines = "".join(f"{str(WAKE) % k}\n" for k in (14, 15, 16))
         piped = self.outputs("vdblic_advect", "-", "-o", "b.%04d.vdb", stdin=lines)
-        self.assertEqual([p.name for p in piped], [f"b.{k:04}.vdb" for k in (2, 3, 4)])
+        self.assertEqual([p.name for p in piped], [f"b.{k:04}.vdb" for k in (14, 15, 16)])
         for a, b in zip(named, piped):
             self.assertEqual(values(a)[0].tobytes(), values(b)[0].tobytes())
 
@@ -275,7 +274,7 @@ class Advect(ToolTest):
         self.assertEqual(self.files(), [])
 
     def test_two_outputs_of_one_name(self):
-        for name in "lic.0003.vdb", "./checkpoint.lic.vdb":
+        for name in "lic.0003.vdb", "./checkpoint.0002.lic.vdb":
             message = self.fails(2, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "2-3", "--json", name)
             self.assertIn(name, message)
         self.assertEqual(self.files(), [])

@@ -181,6 +181,53 @@ class Conventions(ToolTest):
         paths, _ = self.advect("v", "--frames", "1-9", "--clamp-frames", "--velocity-unit", "voxel/s")
         self.assertEqual([p.name for p in paths], [f"v-lic.000{k}.vdb" for k in (4, 5, 6)])
 
+    def test_a_part_of_a_sequence(self):
+        """Earlier frames lead in, the frame after the last ends its step: the textures are those of the whole run."""
+        self.write_swirls("v", lambda array: [vector_grid(array * 0.3)], range(1, 8))
+        for frame in range(1, 8):
+            mask = vdb.BoolGrid()
+            mask.name = "mask"
+            mask.fill((3, -5, 8), (28, 12, 12 + frame % 3), True)
+            self.write(f"m.{frame:04}.vdb", mask)
+        for options in ((), ("--mask", "m.%04d.vdb"), ("--dt", 0.02, "--substeps", 2), ("--method", "lic")):
+            options = ("--velocity-unit", "voxel/s", *options)
+            whole = {path.name[-8:]: path.read_bytes() for path in self.advect("v", *options)[0]}
+            for frames in ("1-3", "1", "3-5", "5", "6-7") if "--substeps" not in options else ("1-3", "1"):
+                paths, _ = self.advect("v", "--frames", frames, *options)
+                for path in paths:
+                    self.assertEqual(path.read_bytes(), whole[path.name[-8:]], (frames, options, path))
+        # In the middle of a longer sequence the lead-in stands in for the preroll.
+        path, = self.advect("v", "--frames", "6", "--lead-in", "2")[0]
+        metadata = vdb.readMetadata(str(path))
+        self.assertEqual((metadata["lead_in"], metadata["preroll"]), (2, 0))
+        _, messages = self.advect("v", "--frames", "6", "--lead-in", "2")
+        self.assertIn("frames 4 to 5 are computed first and not written; with --lead-in 5 the textures would be those of a "
+                      "run over all frames", messages)
+        for options, expected in ((("--lead-in", 0), (0, 4)), (("--lead-in", 2, "--preroll", 3), (2, 3))):
+            metadata = vdb.readMetadata(str(self.advect("v", "--frames", "6", *options)[0][0]))
+            self.assertEqual((metadata["lead_in"], metadata["preroll"]), expected)
+        # A damaged frame after the last is not needed.
+        damaged = self.folder / "v.0004.vdb"
+        damaged.write_bytes(damaged.read_bytes()[:-50])
+        self.assertRegex(self.advect("v", "--frames", "2-3")[1], "warning: v.0004.vdb.*; frame 4 is not used")
+
+    def test_paths_on_standard_input(self):
+        for hour in range(3):
+            self.write(f"wrfout_d01_2005-08-28_0{hour}:00:00", vector_grid(swirl(hour)))
+            self.write(f"v.{hour:04}.vdb", vector_grid(swirl(hour)))
+        dated = [f"wrfout_d01_2005-08-28_0{hour}:00:00" for hour in range(3)]
+        for tool, output in ("vdblic_advect", "l.%04d.vdb"), ("vdblic_render", "l.%04d.png"):
+            message = self.fails(3, tool, "-", "-o", output, stdin="\n".join(dated))
+            self.assertIn(f"{dated[0]}: the name does not end in a frame number; --renumber START", message)
+            self.assertIn("standard input named none", self.fails(3, tool, "-", "-o", output))
+            self.assertIn("a pattern has the numbers", self.fails(2, tool, "v.%04d.vdb", "-o", output, "--renumber", 3))
+        for separator in "\n", "\r\n", "\r", "\0":
+            paths = self.outputs("vdblic_advect", "-", "-o", "l.%04d.vdb", "--renumber", -1, stdin=separator.join(dated))
+            self.assertEqual([path.name for path in paths], ["l.-001.vdb", "l.0000.vdb", "l.0001.vdb"])
+            paths = self.outputs("vdblic_advect", "-", "-o", "l.%04d.vdb",
+                                 stdin="".join(f"v.{frame:04}.vdb{separator}" for frame in range(3)))
+            self.assertEqual([path.name for path in paths], ["l.0000.vdb", "l.0001.vdb", "l.0002.vdb"])
+
     def test_names_as_they_come(self):
         names = {"shot [v2] a.-001.vdb": "shot [v2] a.%04d.vdb", "take2_run3_1.vdb": "take2_run3_#.vdb",
                  "wide000000007.vdb": "wide@@@@@@@@@.vdb", "12345.vdb": "<F4>.vdb", "f0012.vdb": "f$F4.vdb"}

@@ -106,7 +106,7 @@ def commands(kind):
     fog = (("vdblic_render", "bad.vdb", "-o", "out.png", *small), ("vdblic_coherence", "flow.vdb", "bad.vdb", *few),
            ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--preroll", "0", "--mask", "bad.vdb"),
            ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--preroll", "0", "--noise", "bad.vdb:density"))
-    any_kind = (("vdblic_noise", "-o", "out.vdb", "--like", "bad.vdb"),
+    any_kind = (("vdblic_noise", "-o", "out.vdb", "--like", "bad.vdb"), ("vdblic_info", "bad.vdb", "--values"),
                 ("vdblic_diff", "bad.vdb", f"{kind}.vdb", "-o", "out.vdb"))
     every = any_kind + (fog if "fog" in kind else flow if kind != "both" else flow + fog)
     return every + fog if "points" in kind else every

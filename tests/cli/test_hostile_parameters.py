@@ -21,6 +21,7 @@ COMMANDS = {  # valid without the tried option
     "vdblic_render": ["n.vdb", "-o", "out.png", "--texture", "noise", "--size", "8", "8"],
     "vdblic_diff": ["n.vdb", "n.vdb", "-o", "out.vdb"],
     "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
+    "vdblic_info": ["v.0001.vdb"],
 }
 # Legal values of an option, of those tried. Names may be anything but empty.
 LEGAL = {
@@ -31,6 +32,7 @@ LEGAL = {
     "--velocity-scale": {"-1"},
     "--preroll": {"0"},
     "--checkpoint-every": {"0"},
+    "--lead-in": {"0"},
     "--sharpen": {"0"},
     "--finish": {"0"},
     "--noise-share": {"0"},
@@ -64,7 +66,8 @@ LEGAL = {
     "--clip-plane": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
-         "--ignore-metadata", "--camera", "--transfer", "--roi", "--film", "--solid", "--by", "--color-by", "--opacity-by"}
+         "--ignore-metadata", "--camera", "--transfer", "--transfer-out", "--roi", "--film", "--solid", "--by",
+         "--color-by", "--opacity-by"}
 
 
 def options(help_text):

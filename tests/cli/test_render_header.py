@@ -15,7 +15,8 @@ from support import ToolTest
 
 # Options of input, output and execution, which do not affect the picture.
 NOT_OF_THE_PICTURE = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--frames",
-                      "--clamp-frames", "--skip-existing", "--output", "--histogram", "--film", "--fps"}
+                      "--clamp-frames", "--renumber", "--skip-existing", "--keep-going", "--output", "--histogram",
+                      "--transfer-out", "--film", "--fps"}
 ORTHOGRAPHIC = ["--projection", "orthographic"]
 # For each option: the options that it needs, and a value other than its default.
 VALUES = {

@@ -315,7 +315,7 @@ class Resume(ToolTest):
             "--precision": "float", "--compression": "zip", "--scalars": "texture", "--substeps": 2,
             "--interpolation": "cubic", "--finish": 1}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
-                "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--fps", "--kernel"}
+                "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--kernel"}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
         self.assertEqual(listed, set(changes) | free)
 
@@ -410,27 +410,118 @@ class Resume(ToolTest):
         self.interrupted(self.flow(), frames="1-20")
         self.assertIn("the input has only 3 now", self.refused(3, self.flow(), frames="1-3"))
         self.assertIn("then frame 2, now frame 3", self.refused(3, self.flow(), frames="1-20x2"))
-        self.assertIn("then frame 1, now frame 2", self.refused(3, self.flow(), frames="2-20"))
         # Further frames at the end do not affect finished ones.
         self.finish(self.whole(self.flow(), frames="1-24"), self.flow(), frames="1-24")
 
-    def test_a_run_from_the_beginning_removes_the_checkpoint(self):
+    def test_a_checkpoint_is_not_removed_unasked(self):
         self.interrupted(self.flow())
-        run = self.start(self.flow(), "--life", 2)
+        before = {name: self.contents(name) for name in self.files()}
+        for arguments in (), ("--life", 2):
+            run = self.start(self.flow(), *arguments)
+            out, messages = run.communicate(timeout=60)
+            self.assertEqual((run.returncode, out), (2, ""), messages)
+            self.assertIn(f"{CHECKPOINT}: an earlier run left this checkpoint; go on from it with --resume, or remove it "
+                          "and start from the beginning with --restart", messages)
+            self.assertEqual({name: self.contents(name) for name in self.files()}, before)
+        run = self.start(self.flow(), "--life", 2, "--restart")
         messages = run.communicate(timeout=60)[1]
-        self.assertEqual(run.returncode, 0)
-        self.assertIn(f"warning: {CHECKPOINT}: removed", messages)
+        self.assertEqual(run.returncode, 0, messages)
         self.assertNotIn(CHECKPOINT, self.files())
         self.finish(self.whole(self.flow(), "--life", 2), self.flow(), "--life", 2)
 
+    def test_a_finished_run_is_extended(self):
+        for options in (), ("--substeps", 3), ("--method", "lic"), ("--method", "uflic", "--preroll", 0):
+            for frames in "1", "1-2", "1-9", f"1-{FRAMES}":
+                whole = self.whole(self.flow(), *options, frames=frames)
+                run = self.start(self.flow(), *options, "--keep-checkpoint", "--resume", frames=frames)
+                messages = run.communicate(timeout=60)[1]
+                self.assertEqual(run.returncode, 0, messages)
+                kept = [] if frames == "1" and options not in ((), ("--substeps", 3)) else [CHECKPOINT]
+                self.assertEqual(self.files(), kept + sorted(path.name for path in whole.iterdir()))
+                for path in whole.iterdir():
+                    self.assertEqual(self.contents(path.name), path.read_bytes(), (path.name, frames, options))
+            self.assertRegex(messages, r"checkpoint.lic.vdb: (8|24) frames are done")
+            self.finish(whole, self.flow(), *options)
+            self.clear()
+
+    def test_a_part_of_a_sequence(self):
+        """Stopped in its lead-in and after it; beside the run of another part."""
+        self.interrupted(self.flow(), frames="1-20")
+        first = self.files()
+        for options in ("--lead-in", 3), (), ("--substeps", 3):
+            whole = self.whole(self.flow(), *options, frames="21-30")
+            for stop_in_the_lead_in in True, False:
+                arguments = (self.flow(), *options, "--checkpoint-every", 1)
+                if stop_in_the_lead_in:
+                    self.kill_when(lambda _: "checkpoint.0021.lic.vdb" in self.files(), *arguments, frames="21-30")
+                else:
+                    self.interrupted(*arguments, after=3, frames="21-30")
+                self.assertIn("checkpoint.0021.lic.vdb", self.files())
+                changed = ("--lead-in", 2, *options[2:]) if options[:1] == ("--lead-in",) else (*options, "--lead-in", 2)
+                self.assertIn("--lead-in 2", self.refused(2, self.flow(), *changed, "-q", frames="21-30"))
+                messages = self.start(self.flow(), *options, "--resume", frames="21-30").communicate(timeout=60)[1]
+                self.assertIn("frames are done", messages)
+                self.assertEqual(set(self.files()) - set(first), {path.name for path in whole.iterdir()})
+                for path in whole.iterdir():
+                    self.assertEqual(self.contents(path.name), path.read_bytes())
+                    (self.folder / path.name).unlink()
+        self.finish(self.whole(self.flow(), frames="1-20"), self.flow(), frames="1-20")
+
+    # Pipes
+
+    def test_a_closed_pipe_leaves_a_checkpoint(self):
+        expected = self.whole(self.flow())
+        for lines in 1, 2, 5, FRAMES - 2, FRAMES - 1:
+            run = self.start(self.flow())
+            for _ in range(lines):
+                self.assertNotEqual(run.stdout.readline(), "")
+            run.stdout.close()
+            messages = run.stderr.read()
+            run.wait(timeout=30)
+            if run.returncode == 0:  # it was faster than this test
+                self.assertGreater(lines, 5)
+            else:
+                self.assertEqual(run.returncode, -signal.SIGPIPE, messages)
+                self.assertTrue(CHECKPOINT in self.files() or self.outputs_there() == FRAMES, lines)
+            self.finish(expected, self.flow())
+            self.clear()
+
+    def test_ctrl_c_to_a_pipeline_leaves_a_checkpoint(self):
+        expected = self.whole(self.flow())
+        command = (f"exec setsid sh -c '{BIN}/vdblic_advect {self.flow()} -o {OUTPUTS} --preroll {{}} | "
+                   f"{BIN}/vdblic_render - -o i.%04d.png --size 16 16'")
+        for frames in 1, 4, 9:
+            run = subprocess.Popen(["sh", "-c", command.format(4)], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(run.stderr.close)
+            while run.poll() is None and self.outputs_there() < frames:
+                time.sleep(0.001)
+            self.assertIsNone(run.poll())
+            os.killpg(run.pid, signal.SIGINT)
+            run.communicate(timeout=60)
+            while any("vdblic_advect" in pathlib.Path(f"/proc/{pid}/cmdline").read_text(encoding="utf-8", errors="replace")
+                      for pid in self.members(run.pid)):
+                time.sleep(0.01)
+            self.assertIn(CHECKPOINT, self.files())
+            for path in self.folder.glob("i.*"):
+                path.unlink()
+            self.finish(expected, self.flow())
+            self.clear()
+
+    @staticmethod
+    def members(group):
+        """The processes of a process group."""
+        listed = subprocess.run(["ps", "-eo", "pid=,pgid="], capture_output=True, text=True, check=True).stdout
+        return [int(line.split()[0]) for line in listed.splitlines() if int(line.split()[1]) == group]
+
     def test_the_checkpoint_is_no_input(self):
         shutil.copy(str(self.flow()) % 1, self.folder / CHECKPOINT)
-        self.assertIn("replace an input", self.fails(2, "vdblic_advect", CHECKPOINT, "-o", OUTPUTS))
-        self.tool("vdblic_noise", "--like", CHECKPOINT, "-o", CHECKPOINT + "2")
-        (self.folder / (CHECKPOINT + "2")).rename(self.folder / CHECKPOINT)
+        self.assertIn("replace an input", self.fails(2, "vdblic_advect", CHECKPOINT, "-o", OUTPUTS, "--restart"))
+        self.tool("vdblic_noise", "--like", CHECKPOINT, "-o", "other.vdb")
+        (self.folder / "other.vdb").rename(self.folder / CHECKPOINT)
         for option in "--mask", "--noise":
             self.assertIn("replace an input", self.fails(2, "vdblic_advect", str(self.flow()) % 1, option,
-                                                         f"{CHECKPOINT}:noise", "-o", OUTPUTS))
+                                                         f"{CHECKPOINT}:noise", "-o", OUTPUTS, "--restart"))
         self.assertEqual(self.files(), [CHECKPOINT])
 
     def test_the_checkpoint_is_a_vdb_that_others_can_read(self):

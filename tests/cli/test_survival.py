@@ -35,9 +35,9 @@ class Survival(ToolTest):
         run.wait(timeout=30)
         return out, messages
 
-    def endless_synth(self, **options):
+    def endless_synth(self, *more, **options):
         return self.start("vdblic_synth", "abc", "-o", "v.%06d.vdb", "--size", 32, 32, 32, "--frames", "1-900000",
-                          **options)
+                          *more, **options)
 
     def synth(self, frames, size=(16, 16, 16)):
         return self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *size, "--frames", frames)
@@ -122,7 +122,7 @@ class Survival(ToolTest):
             self.assertEqual(self.files(), [])
 
     def test_a_closed_pipe_ends_the_run_without_a_message(self):
-        run = self.endless_synth()
+        run = self.endless_synth("-q")
         run.stdout.readline()
         run.stdout.close()
         messages = run.stderr.read()
@@ -205,7 +205,8 @@ class Survival(ToolTest):
     def test_outputs_do_not_replace_inputs(self):
         self.synth("1-2")
         self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "noise.vdb")
-        os.symlink("noise.vdb", self.folder / "link.vdb")
+        for ending in ".vdb", ".svg":
+            os.symlink("noise.vdb", self.folder / f"link{ending}")
         before = {name: self.contents(name) for name in self.files()}
         for command in (("vdblic_advect", "v.%04d.vdb", "-o", "v.%04d.vdb"),
                         ("vdblic_advect", "v.####.vdb", "-o", "./v.$F4.vdb"),
@@ -214,11 +215,99 @@ class Survival(ToolTest):
                         ("vdblic_noise", "--like", "noise.vdb", "-o", "link.vdb"),
                         ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "v.0002.vdb"),
                         ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "--json", "v.0002.vdb"),
-                        ("vdblic_coherence", "v.0001.vdb", "noise.vdb", "--texture", "noise", "-o", "link.vdb")):
+                        ("vdblic_info", "v.0001.vdb", "--json", "v.0001.vdb"),
+                        ("vdblic_render", "noise.vdb", "--texture", "noise", "--transfer-out", "noise.vdb"),
+                        ("vdblic_coherence", "v.0001.vdb", "noise.vdb", "--texture", "noise", "-o", "link.svg")):
             self.assertIn("replace an input", self.fails(2, *command))
         piped = self.run_tool("vdblic_advect", "-", "-o", "v.%04d.vdb", stdin="v.0001.vdb\n")
         self.assertEqual(piped.returncode, 2, piped.stderr)
         self.assertEqual({name: self.contents(name) for name in self.files()}, before)
+
+    def writers(self):
+        """Every option of every tool that writes: command without the output, option, ending."""
+        self.synth("1-2")
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--preroll", 0)
+        advect = ("vdblic_advect", "v.0001.vdb", "--preroll", 0)
+        render = ("vdblic_render", "lic.0001.vdb", "--size", 8, 8)
+        compared = ("vdblic_diff", "lic.0001.vdb", "lic.0001.vdb")
+        coherence = ("vdblic_coherence", "v.0001.vdb", "lic.0001.vdb")
+        files = [(("vdblic_synth", "abc", "--size", 8, 8, 8, "--frames", 1), "-o", ".vdb"),
+                 (("vdblic_noise", "--size", 8, 8, 8), "-o", ".vdb"), (advect, "-o", ".vdb"), (render, "-o", ".png"),
+                 (compared, "-o", ".vdb")]
+        reports = [((*advect, "-o", "again.vdb"), "--json", ".json"), (render, "--histogram", ".json"),
+                   (render, "--transfer-out", ".json"), (("vdblic_info", "v.0001.vdb"), "--json", ".json"),
+                   (compared, "--json", ".json"), (coherence, "--json", ".json"), (coherence, "-o", ".svg")]
+        return files, reports
+
+    def test_nothing_but_files_is_replaced(self):
+        files, reports = self.writers()
+        os.mkfifo(self.folder / "fifo")
+        (self.folder / "folder").mkdir()
+        for ending in ".vdb", ".png", ".json", ".svg":
+            for name, target in ("pipe", "fifo"), ("full", "/dev/full"), ("within", "folder"):
+                (self.folder / f"{name}{ending}").symlink_to(target)
+        before = self.files()
+        for command, option, ending in files:
+            for name in "pipe", "full", "within":
+                self.assertRegex(self.fails(2, *command, option, f"{name}{ending}"),
+                                 f"'{name}{ending}'.* is a (folder|device or a pipe)")
+        for command, option, ending in reports:
+            self.assertIn("is a folder", self.fails(2, *command, option, f"within{ending}"))
+        self.assertEqual(self.files(), before)
+        self.assertTrue((self.folder / "fifo").is_fifo())
+
+    def test_links_are_followed(self):
+        files, reports = self.writers()
+        (self.folder / "target").mkdir()
+        for command, option, ending in files + reports:
+            target, link = self.folder / "target" / f"t{ending}", self.folder / f"link{ending}"
+            link.symlink_to(f"target/t{ending}")
+            for _ in "new", "replaced":
+                self.outputs(*command, option, link.name)
+                self.assertTrue(link.is_symlink(), command)
+                self.assertGreater(target.stat().st_size, 0, command)
+            self.assertEqual([path.name for path in (self.folder / "target").iterdir()], [target.name])
+            link.unlink()
+            target.unlink()
+
+    def test_reports_go_through_pipes_and_devices(self):
+        _, reports = self.writers()
+        for ending in ".json", ".svg":
+            os.symlink("/dev/full", self.folder / f"full{ending}")
+            os.symlink("/dev/stdout", self.folder / f"out{ending}")
+        for command, option, ending in reports:
+            run = self.run_tool(*command, option, f"full{ending}")
+            self.assertEqual(run.returncode, 4, run.stderr)
+            self.assertIn(f"full{ending}: cannot be written: No space left on device", run.stderr)
+            run = self.run_tool(*command, option, f"out{ending}")
+            self.assertIn(run.returncode, (0, 1), run.stderr)
+            self.assertTrue(run.stdout.removeprefix("again.vdb\n").startswith("<" if ending == ".svg" else "{"), run.stdout)
+            self.assertTrue(run.stdout.endswith((">\n", "}\n")), "the name of a stream is not printed")
+        self.assertTrue(os.path.samefile("/dev/full", self.folder / "full.json"))
+        with open(self.folder / "redirected", "w", encoding="utf-8") as redirected:
+            run = subprocess.run([BIN / "vdblic_diff", "v.0001.vdb", "v.0001.vdb", "--json", "/dev/stdout"], check=True,
+                                 cwd=self.folder, stdout=redirected, stderr=subprocess.PIPE)
+        self.assertTrue((self.folder / "redirected").read_text(encoding="utf-8").startswith("{"))
+
+    def test_outputs_are_checked_before_any_work(self):
+        files, reports = self.writers()
+        before = self.files()
+        for command, option, ending in files + reports:
+            message = self.fails(4, *command, option, f"nowhere/x{ending}")
+            self.assertIn("the folder nowhere does not exist; make it first", message)
+        self.assertEqual(self.files(), before)
+        message = self.fails(4, "vdblic_render", "lic.%04d.vdb", "-o", "image.%04d.png", "--histogram", "nowhere/x.png")
+        self.assertIn("make it first", message)
+        (self.folder / "lic2.0002.vdb").mkdir()
+        self.fails(2, "vdblic_advect", "v.%04d.vdb", "-o", "lic2.%04d.vdb")
+        self.assertNotIn("lic2.0001.vdb", self.files())
+
+    def test_help_that_cannot_be_printed(self):
+        for tool in (["vdblic_advect", "--help"], ["vdblic_render", "--version"], ["vdblic_synth", "--list"]):
+            with open("/dev/full", "w", encoding="utf-8") as full:
+                run = self.start(*tool, stdout=full)
+                self.assertIn("standard output: cannot be written: No space left", run.communicate(timeout=30)[1])
+            self.assertEqual(run.returncode, 4)
 
     def test_verify_names_damaged_files_before_any_work(self):
         self.synth("1-4")

@@ -3,14 +3,18 @@
 #include "cli/option_names.h"
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/io/sequence.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
 #include <string>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -18,7 +22,20 @@ namespace vdblic::cli {
 namespace {
 
 using Seconds = std::chrono::duration<double>;
-constexpr Seconds kLineInterval{10};
+constexpr Seconds kSharedInterval{10};
+
+std::size_t terminalColumns()
+{
+    winsize size{};
+    constexpr std::size_t kUsual = 80;
+    return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
+}
+
+bool isPipe(int descriptor)
+{
+    struct stat status {};
+    return ::fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
+}
 
 /// Failing to print a message does not stop the work.
 void toStandardError(const std::string& text)
@@ -30,8 +47,9 @@ void toStandardError(const std::string& text)
 } // namespace
 
 Console::Console(std::string tool, Level level)
-    : mTool(std::move(tool)), mLevel(level), mTerminal(::isatty(STDERR_FILENO) != 0),
-      mStart(std::chrono::steady_clock::now()), mLastLine(mStart)
+    : mTool(std::move(tool)), mLevel(level),
+      mShared(::isatty(STDERR_FILENO) != 0 && (isPipe(STDIN_FILENO) || isPipe(STDOUT_FILENO))),
+      mTerminal(::isatty(STDERR_FILENO) != 0 && !mShared), mStart(std::chrono::steady_clock::now()), mLastFrame(mStart)
 {
 }
 
@@ -52,15 +70,21 @@ void Console::progress(std::size_t done, std::size_t total)
         rest = fmt::format(", {:.0f} s left", elapsed / double(done - *mBefore) * double(total - done));
     }
     if (mTerminal) {
-        constexpr std::size_t kWidth = 30;
-        const std::size_t filled = total > 0 ? kWidth * done / total : 0;
-        toStandardError(fmt::format("\r\033[K{} [{:#<{}}{:.<{}}] frame {}, {:.0f} s{}", mTool, "", filled, "",
-                                    kWidth - filled, count, elapsed, rest));
+        const std::string text = fmt::format(" frame {}, {:.0f} s{}", count, elapsed, rest);
+        const std::size_t around = mTool.size() + text.size() + 4, columns = terminalColumns();
+        const std::size_t width = std::min<std::size_t>(columns - std::min(columns, around), 30);
+        const std::size_t filled = total > 0 ? width * done / total : 0;
+        const std::string bar =
+            width > 0 ? fmt::format("{} [{:#<{}}{:.<{}}]", mTool, "", filled, "", width - filled) : "";
+        toStandardError(fmt::format("\r\033[K{:.{}}", bar + text, columns - 1));
         mBarShown = true;
         if (total > 0 && done == total) clearBar();
-    } else if (now - mLastLine >= kLineInterval || (total > 0 && done == total)) {
-        toStandardError(fmt::format("{}: frame {}, {:.1f} s{}\n", mTool, count, elapsed, rest));
-        mLastLine = now;
+    } else if (done > *mBefore && (!mShared || now - mLastFrame >= kSharedInterval || done == total)) {
+        const std::string frame = mFrame ? fmt::format("frame {}: ", *mFrame) : "";
+        toStandardError(
+            fmt::format("{}: {}{:.1f} s, {} done{}\n", mTool, frame, Seconds(now - mLastFrame).count(), count, rest));
+        mLastFrame = now;
+        mFrame.reset();
     }
 }
 
@@ -92,6 +116,7 @@ void Console::error(std::string_view message)
 void Console::finished(const std::filesystem::path& output)
 {
     clearBar();
+    mFrame = frameOfName(output);
     const std::string line = output.string() + '\n';
     if (std::fwrite(line.data(), 1, line.size(), stdout) == line.size() && std::fflush(stdout) == 0) return;
     if (errno == EPIPE) throw ClosedPipe{};

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,7 +18,8 @@ struct ClosedPipe {};
 /// Reports to a terminal or a log: messages and progress on standard error, finished paths on standard output. Messages
 /// name options where the library names parameters (option_names.h).
 ///
-/// Progress is a bar that overwrites itself on a terminal, and otherwise a line every ten seconds at most.
+/// Progress is a bar that overwrites itself on a terminal, and otherwise a line for each frame. Stages of a pipeline
+/// that share a terminal print a line every ten seconds at most.
 class Console : public Reporter {
   public:
     enum class Level { kQuiet, kNormal, kVerbose };
@@ -40,9 +42,11 @@ class Console : public Reporter {
 
     std::string mTool;
     Level mLevel;
+    bool mShared; // the terminal, with other stages of a pipeline
     bool mTerminal, mBarShown = false;
     std::optional<std::size_t> mBefore; // number of frames done when the run began
-    std::chrono::steady_clock::time_point mStart, mLastLine;
+    std::optional<std::int64_t> mFrame; // number of the last finished output
+    std::chrono::steady_clock::time_point mStart, mLastFrame;
 };
 
 } // namespace vdblic::cli

@@ -2,16 +2,19 @@
 
 #include "cli/console.h"
 #include "cli/crash_guard.h"
+#include "cli/mistyped_option.h"
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/version.h"
+#include "vdblic/io/pattern_advice.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +22,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <new>
 #include <optional>
 #include <sys/resource.h>
@@ -29,6 +33,7 @@ namespace vdblic::cli {
 namespace {
 
 constexpr int kMaxThreads = 1024;
+constexpr std::int64_t kMostNumber = 1'000'000'000'000; // of a frame
 constexpr std::uint64_t kLeastMemory = std::uint64_t(128) << 20;
 
 int status(ExitStatus value)
@@ -94,6 +99,9 @@ void Tool::inputSequence(const std::string& name, SequenceParams& target, const 
                     "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.");
     mApp.add_flag("--clamp-frames", target.clampFrames,
                   "Leave out frames of --frames that lie beyond the files on disk.");
+    mApp.add_option("--renumber", target.renumber,
+                    "Number paths on standard input from this number on as they come, whatever their names.")
+        ->check(CLI::Range(-kMostNumber, kMostNumber));
 }
 
 void Tool::output(std::string& target, const std::string& help)
@@ -151,6 +159,36 @@ void Tool::verify(Reporter& reporter) const
     reporter.say(fmt::format("{} files are in order, {} of them by their checksums", files, withChecksums));
 }
 
+/// What to say if the shell expanded a pattern into the names of files; empty if it did not.
+std::string Tool::expandedPattern() const
+{
+    const std::vector<std::string> files = mApp.remaining();
+    std::error_code ignored;
+    const bool all = std::all_of(files.begin(), files.end(),
+                                 [&](const std::string& file) { return std::filesystem::exists(file, ignored); });
+    if (files.empty() || !all) return {};
+    const std::filesystem::path last(files.back());
+    const std::string stem = last.stem().string(), prefix = stem.substr(0, stem.find_last_not_of("0123456789") + 1);
+    const std::string meant = likelyPattern(last.parent_path(), prefix, last.extension().string());
+    return fmt::format(
+        "{} more files are named than the tool takes, as by a pattern that the shell expanded; write the "
+        "pattern as {} or in quotes",
+        files.size(), meant.empty() ? "name.%04d.vdb" : meant);
+}
+
+/// Print what was asked for instead of a job. @return the exit status
+int Tool::tell(const CLI::Success& asked) const
+{
+    errno = 0;
+    mApp.exit(asked);
+    std::cout.flush();
+    if (std::cout && std::fflush(stdout) == 0) return status(ExitStatus::kDone);
+    if (errno == EPIPE) dieBy(SIGPIPE);
+    fmt::print(stderr, "{}: error: standard output: cannot be written: {}\n", mApp.get_name(),
+               std::generic_category().message(errno));
+    return status(ExitStatus::kCannotWrite);
+}
+
 int Tool::run(int argc, char** argv, const std::function<void(Reporter&)>& job)
 {
     return run(argc, argv, std::function<ExitStatus(Reporter&)>([&](Reporter& reporter) {
@@ -171,11 +209,14 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         for (int i = 1; i < argc; ++i) {
             if (*argv[i] == '\0') throw CLI::ValidationError("an argument is empty; leave it out or give it a value");
         }
+        checkOptions(mApp, argc, argv);
         mApp.parse(argc, argv);
     } catch (const CLI::Success& asked) { // --help, --version
-        return mApp.exit(asked);
+        return tell(asked);
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "{}: {}\n{} --help lists the options.\n", mApp.get_name(), error.what(), mApp.get_name());
+        const std::string expanded = expandedPattern();
+        fmt::print(stderr, "{}: {}\n{} --help lists the options.\n", mApp.get_name(),
+                   expanded.empty() ? error.what() : expanded, mApp.get_name());
         return status(ExitStatus::kUsage);
     }
 
@@ -189,7 +230,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         if (mVerify) verify(console);
         return status(job(console));
     } catch (const ClosedPipe&) {
-        dieBy(SIGPIPE);
+        dieBy(stopSignal() != 0 ? stopSignal() : SIGPIPE);
     } catch (const Stopped&) {
         console.say("stopped");
         dieBy(stopSignal());

@@ -50,6 +50,8 @@ class Tool {
   private:
     void limitMemory() const;
     void verify(Reporter& reporter) const;
+    [[nodiscard]] std::string expandedPattern() const;
+    [[nodiscard]] int tell(const CLI::Success& asked) const;
 
     CLI::App mApp;
     std::unique_ptr<std::istream> mInput;

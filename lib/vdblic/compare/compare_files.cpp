@@ -4,6 +4,7 @@
 #include "vdblic/compare/report.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
 
@@ -64,6 +65,18 @@ GridDifference comparePair(const GridPair& pair, const CompareParams& params)
     return result;
 }
 
+/// The same with errors that name the files.
+GridDifference comparePair(const GridPair& pair, const CompareParams& params, const FileDifference& files)
+{
+    try {
+        return comparePair(pair, params);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{} | {}: {}", files.pathA, files.pathB, error.what()));
+    } catch (const openvdb::Exception& error) { // such as a transform that has no inverse
+        throw InputError(fmt::format("{} | {}: grid '{}': {}", files.pathA, files.pathB, pair.name, error.what()));
+    }
+}
+
 /// Compare the files of a frame, and write |A − B| if `output` is given.
 FileDifference compareRead(const FrameDifference& frame, const CompareParams& params,
                            const std::optional<std::filesystem::path>& output, Reporter& reporter)
@@ -74,7 +87,7 @@ FileDifference compareRead(const FrameDifference& frame, const CompareParams& pa
     openvdb::GridCPtrVec differences;
     for (const GridPair& pair : pairGrids(a, b)) {
         if (params.firstOnly && result.verdict() == Verdict::kDiffers) return result;
-        result.grids.push_back(comparePair(pair, params));
+        result.grids.push_back(comparePair(pair, params, result));
         if (!output) continue;
         const openvdb::GridBase::Ptr grid = pair.a && pair.b ? differenceGrid(*pair.a, *pair.b) : nullptr;
         if (grid)
@@ -154,6 +167,7 @@ void checkNoInput(const std::filesystem::path& output, const std::vector<FrameDi
 void CompareSequencesParams::validate() const
 {
     compare.validate();
+    if (!output.empty()) checkExtension(output, {".vdb"});
     if (skipExisting && output.empty()) throw ParameterError("`skip_existing` needs `output` to look for");
     if (compare.firstOnly && !output.empty()) {
         throw ParameterError("`first` stops before every difference is known; leave out `output` or `first`");
@@ -174,18 +188,28 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
     std::optional<FramePattern> output;
     if (!params.output.empty()) {
         output.emplace(params.output);
-        checkOutputPattern(*output, frames.size());
+        std::vector<std::int64_t> numbers;
+        numbers.reserve(frames.size());
+        for (const FrameDifference& frame : frames)
+            numbers.push_back(frame.frame);
+        checkOutputs(*output, numbers);
         for (const FrameDifference& frame : frames)
             checkNoInput(output->path(frame.frame), frames);
     }
-    if (!params.json.empty()) checkNoInput(params.json, frames);
+    if (!params.json.empty()) {
+        checkNoInput(params.json, frames);
+        if (output) checkNoFrame(params.json, *output);
+        checkReport(params.json);
+    }
 
     SequenceDifference result{params.a, params.b, {}, false};
+    std::size_t skipped = 0;
     for (FrameDifference frame : frames) {
         reporter.checkStop();
         const auto path = output ? std::optional(output->path(frame.frame)) : std::nullopt;
         if (params.skipExisting && isFinished(*path)) {
             reporter.finished(*path);
+            ++skipped;
             continue;
         }
         if (frame.inA && frame.inB) {
@@ -203,9 +227,9 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
             break;
         }
     }
+    if (params.skipExisting) reporter.say(fmt::format("{} of {} files were there already", skipped, frames.size()));
     if (!params.json.empty()) {
-        writeTextFile(params.json, toJson(result, params.compare));
-        reporter.finished(params.json);
+        if (writeReport(params.json, toJson(result, params.compare))) reporter.finished(params.json);
     }
     return result;
 }

@@ -16,6 +16,9 @@
 namespace vdblic::compare {
 namespace {
 
+// Relative errors of numbers that were computed in another order, or stored in another type.
+constexpr double kSingleTolerance = 1e-6, kDoubleTolerance = 1e-9;
+
 bool matches(std::string_view key, std::string_view pattern)
 {
     if (pattern.ends_with('*')) return key.starts_with(pattern.substr(0, pattern.size() - 1));
@@ -31,11 +34,24 @@ bool isIgnored(const std::string& key, const std::vector<std::string>& ignored)
 bool same(const openvdb::MetaMap& a, const openvdb::MetaMap& b, const std::string& key)
 {
     if (*a[key] == *b[key]) return true;
-    // Two int64 were just compared exactly; numbers of different types are compared as doubles.
-    const bool oneInteger = a[key]->typeName() == b[key]->typeName() && a[key]->typeName() == "int64";
+    // Numbers of different types are compared as doubles, those of one integer type were just compared exactly.
+    const std::string typeA = a[key]->typeName(), typeB = b[key]->typeName();
     const auto numberA = numericMetadata(a, key), numberB = numericMetadata(b, key);
-    if (oneInteger || !numberA || !numberB) return false;
-    return *numberA == *numberB || (std::isnan(*numberA) && std::isnan(*numberB));
+    if (!numberA || !numberB) return false;
+    if (*numberA == *numberB) return typeA != "int64" || typeB != "int64";
+    if (std::isnan(*numberA) || std::isnan(*numberB)) return std::isnan(*numberA) && std::isnan(*numberB);
+    const bool single = typeA == "float" || typeB == "float";
+    const bool fraction = single || typeA == "double" || typeB == "double";
+    const double larger = std::max(std::abs(*numberA), std::abs(*numberB));
+    return fraction && std::abs(*numberA - *numberB) <= (single ? kSingleTolerance : kDoubleTolerance) * larger;
+}
+
+/// With as many digits as tell a number from every other.
+std::string textOf(const openvdb::MetaMap& map, const std::string& key)
+{
+    if (const auto single = map.getMetadata<openvdb::FloatMetadata>(key)) return fmt::format("{}", single->value());
+    if (const auto number = map.getMetadata<openvdb::DoubleMetadata>(key)) return fmt::format("{}", number->value());
+    return map[key]->str();
 }
 
 openvdb::Mat4d matrixOf(const openvdb::math::Transform& linear)
@@ -84,7 +100,7 @@ std::vector<MetadataDifference> compareMetadata(const openvdb::MetaMap& a, const
         if (isIgnored(key, ignored) || differences.contains(key)) return;
         if (a[key] && b[key] && same(a, b, key)) return;
         const auto text = [&](const openvdb::MetaMap& map) {
-            return map[key] ? std::optional(map[key]->str()) : std::nullopt;
+            return map[key] ? std::optional(textOf(map, key)) : std::nullopt;
         };
         differences[key] = {key, text(a), text(b)};
     };

@@ -12,7 +12,8 @@ namespace vdblic::compare {
 
 /// The metadata entries that differ, sorted by name.
 ///
-/// Equal numbers of different numeric types are equal.
+/// Equal numbers of different numeric types are equal. Numbers with a fraction are equal within a billionth of the
+/// larger one, in single precision a millionth.
 /// @param ignored names left out; a last `*` stands for any rest
 [[nodiscard]] std::vector<MetadataDifference> compareMetadata(const openvdb::MetaMap& a, const openvdb::MetaMap& b,
                                                               const std::vector<std::string>& ignored);

@@ -49,6 +49,7 @@ void addMetadata(const std::string& indent, const std::vector<MetadataDifference
     for (const MetadataDifference& item : metadata) {
         lines.push_back(fmt::format("{}metadata {}: {} | {}", indent, item.key, orMissing(item.a), orMissing(item.b)));
     }
+    if (!metadata.empty()) lines.push_back(fmt::format("{}`ignore_metadata` leaves such names out", indent));
 }
 
 void addPoints(const PointDifference& points, std::vector<std::string>& lines)

@@ -1,7 +1,7 @@
 #include "vdblic/field/synth.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/io/sequence.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
@@ -41,6 +41,7 @@ void SynthParams::validate() const
         }
     }
     checkOutputPattern(FramePattern(output), selected.size());
+    checkExtension(output, {".vdb"});
 }
 
 openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domain,
@@ -69,6 +70,7 @@ void synthSequence(const SynthParams& params, Reporter& reporter)
     const auto transform = openvdb::math::Transform::createLinearTransform(params.voxelSize);
     const FramePattern pattern(params.output);
     const std::vector<std::int64_t> frames = parseFrameList(params.frames);
+    checkOutputs(pattern, frames);
     std::size_t done = 0;
     for (const std::int64_t frame : frames) {
         reporter.checkStop();

@@ -26,9 +26,6 @@ using openvdb::Vec3SGrid;
 
 constexpr std::array<std::string_view, 4> kUnitNames = {"world/s", "world/frame", "voxel/s", "voxel/frame"};
 
-/// Mantaflow stores voxels per its own unit of time, of which 2.5 make a second (measured at 24, 30 and 48 fps).
-constexpr double kMantaflowScale = 2.5;
-
 bool isFinite(const Vec3f& v)
 {
     return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
@@ -122,13 +119,18 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params)
     frame.file = file;
     std::string name = params.grid;
     if (name.empty()) {
-        const std::vector<std::string> names = velocityNames(contents);
+        std::vector<std::string> names = velocityNames(contents);
+        const bool byName = !names.empty();
+        if (!byName) names = vectorNames(contents);
         if (names.empty()) {
-            throw contents.missing("Vec3 grid, and no three scalars called 'velocity', 'vel' or 'v' with x, y and z",
-                                   "`velocity`");
+            throw contents.missing("velocity: a vector grid, or three scalars such as vel.x vel.y vel.z or u v w",
+                                   "`velocity` NAME or NAME,NAME,NAME");
         }
         name = names.front();
-        if (names.size() > 1) {
+        if (!byName) {
+            frame.remarks.push_back(
+                fmt::format("the files hold no grid called velocity: taking '{}'; choose with `velocity`", name));
+        } else if (names.size() > 1) {
             frame.remarks.push_back(
                 fmt::format("the files hold several velocities ({}): taking '{}'; choose with `velocity`",
                             fmt::join(names, ", "), name));

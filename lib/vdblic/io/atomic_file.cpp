@@ -25,6 +25,40 @@ namespace {
     throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::generic_category().message(errno)));
 }
 
+/// Whether a path is one of this process's standard streams, or a pipe, a device, a socket: bytes go through it, and no
+/// file of its name could take its place.
+bool isStream(const std::filesystem::path& path)
+{
+    struct stat there {
+    }, stream{};
+    if (::stat(path.c_str(), &there) != 0 || S_ISDIR(there.st_mode)) return false;
+    if (!S_ISREG(there.st_mode)) return true;
+    for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fstat(descriptor, &stream) == 0 && stream.st_dev == there.st_dev && stream.st_ino == there.st_ino)
+            return true;
+    }
+    return false;
+}
+
+/// The file that an output replaces or makes: the one at the end of its symbolic links, which need not exist.
+/// @throws ParameterError if something other than a regular file is there
+std::filesystem::path fileBehind(const std::filesystem::path& output)
+{
+    std::error_code error;
+    if (std::filesystem::is_directory(output, error)) {
+        throw ParameterError(fmt::format("output '{}' is a folder; name a file", output.string()));
+    }
+    if (isStream(output)) {
+        throw ParameterError(
+            fmt::format("output '{}' is a device or a pipe, which a file would replace; name a file", output.string()));
+    }
+    constexpr int kMostLinks = 40; // as many as Linux follows
+    std::filesystem::path path = output;
+    for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, error); ++i)
+        path = path.parent_path() / std::filesystem::read_symlink(path, error);
+    return path;
+}
+
 std::filesystem::path folderOf(const std::filesystem::path& path)
 {
     return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
@@ -109,12 +143,9 @@ bool isFinished(const std::filesystem::path& output)
     return std::filesystem::is_regular_file(output, ignored);
 }
 
-AtomicFile::AtomicFile(std::filesystem::path final, Temporary kind) : mFinal(std::move(final))
+AtomicFile::AtomicFile(const std::filesystem::path& final, Temporary kind) : mFinal(fileBehind(final))
 {
     std::error_code ignored;
-    if (std::filesystem::is_directory(mFinal, ignored)) {
-        throw OutputError(fmt::format("{}: is a folder; name a file", mFinal.string()));
-    }
     const std::filesystem::path folder = folderOf(mFinal);
     if (!std::filesystem::is_directory(folder, ignored)) {
         throw OutputError(
@@ -177,6 +208,22 @@ void checkDistinct(const std::filesystem::path& output, const std::filesystem::p
         fmt::format("'{}' would be written twice, as two outputs; name another file", output.string()));
 }
 
+void checkReplaceable(const std::filesystem::path& output)
+{
+    (void)fileBehind(output);
+}
+
+void checkOutput(const std::filesystem::path& output)
+{
+    const AtomicFile writable(output);
+}
+
+void checkReport(const std::filesystem::path& report)
+{
+    if (!isStream(report)) return checkOutput(report);
+    if (::access(report.c_str(), W_OK) != 0) fail(report, "cannot be written");
+}
+
 void writeTextFile(const std::filesystem::path& path, std::string_view text)
 {
     AtomicFile output(path);
@@ -186,6 +233,20 @@ void writeTextFile(const std::filesystem::path& path, std::string_view text)
     stream.close();
     if (!stream) fail(path, "cannot be written");
     output.commit();
+}
+
+bool writeReport(const std::filesystem::path& path, std::string_view text)
+{
+    const bool isFile = !isStream(path);
+    if (isFile) {
+        writeTextFile(path, text);
+        return isFile;
+    }
+    errno = 0;
+    std::ofstream stream(path, std::ios::binary | std::ios::app);
+    stream << text << std::flush;
+    if (!stream) fail(path, "cannot be written");
+    return isFile;
 }
 
 } // namespace vdblic

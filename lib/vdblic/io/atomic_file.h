@@ -8,7 +8,8 @@ namespace vdblic {
 /// Whether an output exists and so is complete: an output has its final name only then.
 [[nodiscard]] bool isFinished(const std::filesystem::path& output);
 
-/// An output that appears under its final name complete or not at all.
+/// An output that appears under its final name complete or not at all. A symbolic link stays, and the file that it
+/// leads to is replaced.
 ///
 /// Write to temporary(), then commit(): the data is flushed to disk, the file renamed, the folder flushed. Without
 /// commit() nothing stays. The temporary file has no name until commit(), so that a killed process leaves none behind.
@@ -21,8 +22,10 @@ class AtomicFile {
   public:
     enum class Temporary { kUnnamedIfPossible, kNamed };
 
-    /// @throws OutputError if the folder does not exist or is not writable, or the final name is a folder
-    explicit AtomicFile(std::filesystem::path final, Temporary kind = Temporary::kUnnamedIfPossible);
+    /// @throws ParameterError if a folder, a device or a pipe has the final name; OutputError if the folder does not
+    /// exist
+    ///         or is not writable
+    explicit AtomicFile(const std::filesystem::path& final, Temporary kind = Temporary::kUnnamedIfPossible);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -44,7 +47,17 @@ void checkNotInput(const std::filesystem::path& output, const std::filesystem::p
 /// Check that two outputs of a run have different paths; they need not exist. @throws ParameterError
 void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other);
 
+/// Check that an output is no folder, device or pipe, so that nothing but a file is replaced. @throws ParameterError
+void checkReplaceable(const std::filesystem::path& output);
+/// Check that an AtomicFile can be written, before the work that fills it. @throws ParameterError, OutputError
+void checkOutput(const std::filesystem::path& output);
+/// Check that writeReport() can write, before the work that fills the report. @throws ParameterError, OutputError
+void checkReport(const std::filesystem::path& report);
+
 /// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason
 void writeTextFile(const std::filesystem::path& path, std::string_view text);
+/// Write a report: as a text file, or through a pipe or a device, which keeps its name. @return whether it is a file
+/// @throws OutputError naming the file and the system's reason
+bool writeReport(const std::filesystem::path& path, std::string_view text);
 
 } // namespace vdblic

@@ -1,7 +1,8 @@
 #include "vdblic/io/sequence.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/io/atomic_file.h"
+#include "vdblic/io/path_list.h"
+#include "vdblic/io/pattern_advice.h"
 
 #include <fmt/format.h>
 
@@ -79,7 +80,11 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
             fmt::format("'{}': the frame field must stand in the file name, not in a folder's", pattern));
     }
     std::smatch match;
-    if (!std::regex_search(name, match, field)) return;
+    if (!std::regex_search(name, match, field)) {
+        const std::string advice = patternAdvice(whole);
+        if (!advice.empty()) throw ParameterError(fmt::format("'{}': {}", pattern, advice));
+        return;
+    }
     mPrefix = match.prefix();
     mSuffix = match.suffix();
     if (std::regex_search(mSuffix, field)) {
@@ -127,6 +132,11 @@ std::optional<std::int64_t> FramePattern::frameOf(const std::filesystem::path& p
     return padded(frame, *mWidth) == std::string_view(begin, end) ? std::optional(frame) : std::nullopt;
 }
 
+std::string FramePattern::onDisk() const
+{
+    return likelyPattern(mFolder, mPrefix, mSuffix);
+}
+
 std::vector<std::int64_t> FramePattern::framesOnDisk() const
 {
     const std::filesystem::path folder = mFolder.empty() ? "." : mFolder;
@@ -157,7 +167,11 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     }
 
     const std::vector<std::int64_t> found = pattern.framesOnDisk();
-    if (found.empty()) throw InputError(fmt::format("{}: no file matches the pattern", params.pattern));
+    if (found.empty()) {
+        const std::string meant = pattern.onDisk();
+        throw InputError(fmt::format("{}: no file matches the pattern{}", params.pattern,
+                                     meant.empty() ? "" : fmt::format("; the files on disk match {}", meant)));
+    }
     const bool chosen = !params.frames.empty();
     std::vector<std::int64_t> frames = chosen ? parseFrameList(params.frames) : everyFrame(found);
     if (params.clampFrames) {
@@ -182,6 +196,31 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     return files;
 }
 
+std::vector<std::int64_t> selectedFrames(const SequenceParams& params)
+{
+    std::vector<std::int64_t> frames;
+    for (const FrameFile& file : selectFrames(params))
+        frames.push_back(file.frame);
+    return frames;
+}
+
+FramesAround framesAround(const SequenceParams& params)
+{
+    if (params.frames.empty() || params.pattern == "-") return {};
+    const std::vector<std::int64_t> selected = selectedFrames(params);
+    const std::vector<std::int64_t> found = FramePattern(params.pattern).framesOnDisk();
+    const auto isThere = [&](std::int64_t frame) { return std::binary_search(found.begin(), found.end(), frame); };
+    const std::size_t count = selected.size();
+    const std::int64_t spacing = leastSpacing(found);
+    const std::int64_t first = count > 1 ? selected[1] - selected[0] : spacing;
+    const std::int64_t last = count > 1 ? selected[count - 1] - selected[count - 2] : spacing;
+    FramesAround around;
+    for (std::int64_t frame = selected.front() - first; isThere(frame); frame -= first)
+        around.before.insert(around.before.begin(), frame);
+    if (isThere(selected.back() + last)) around.after = selected.back() + last;
+    return around;
+}
+
 std::int64_t frameSpacing(const SequenceParams& params)
 {
     const FramePattern pattern(params.pattern);
@@ -193,24 +232,28 @@ FrameSource openSequence(const SequenceParams& params, std::istream& lines, std:
     if (params.pattern == "-") {
         if (!params.frames.empty()) throw ParameterError("`frames` cannot select from paths on standard input");
         count = 0;
-        return [&lines, next = std::int64_t{1},
+        return [paths = PathList(lines), next = params.renumber,
                 taken = std::map<std::int64_t, std::string>{}]() mutable -> std::optional<FrameFile> {
-            std::string line;
-            while (std::getline(lines, line)) {
-                if (line.empty()) continue;
-                if (!isFile(line)) throw InputError(fmt::format("{}: no such file (named on standard input)", line));
-                const std::int64_t frame = frameOfName(line).value_or(next);
-                next = frame + 1;
-                // Outputs are named by frame: the second would overwrite the first.
-                if (const auto [before, isNew] = taken.emplace(frame, line); !isNew) {
-                    throw InputError(fmt::format("{}: frame {} comes twice on standard input; the first was {}", line,
-                                                 frame, before->second));
-                }
-                return FrameFile{frame, line};
+            const std::optional<std::string> path = paths.next();
+            if (!path) return std::nullopt;
+            if (!isFile(*path)) throw InputError(fmt::format("{:.300}: no such file (named on standard input)", *path));
+            const std::optional<std::int64_t> frame = next ? (*next)++ : frameOfName(*path);
+            if (!frame) {
+                throw InputError(
+                    fmt::format("{}: the name does not end in a frame number; `renumber` START numbers the "
+                                "paths as they come",
+                                *path));
             }
-            return std::nullopt;
+            // Outputs are named by frame: the second would overwrite the first.
+            if (const auto [before, isNew] = taken.emplace(*frame, *path); !isNew) {
+                throw InputError(fmt::format("{}: frame {} comes twice on standard input; the first was {}; `renumber` "
+                                             "START numbers the paths as they come",
+                                             *path, *frame, before->second));
+            }
+            return FrameFile{*frame, *path};
         };
     }
+    if (params.renumber) throw ParameterError("`renumber` is for paths on standard input; a pattern has the numbers");
     auto files = std::make_shared<std::vector<FrameFile>>(selectFrames(params));
     count = files->size();
     return [files, next = std::size_t{0}]() mutable -> std::optional<FrameFile> {
@@ -229,23 +272,12 @@ std::optional<std::int64_t> frameOfName(const std::filesystem::path& path)
     // A minus is a sign only after a separator: sim-12 is frame 12, sim.-12 is frame −12.
     const bool negative =
         begin > 0 && stem[begin - 1] == '-' && (begin == 1 || stem[begin - 2] == '.' || stem[begin - 2] == '_');
+    static const std::regex dateOrTime(R"((\d-\d\d?-|\d:)\d\d?$)");
+    if (std::regex_search(stem.substr(stem.size() - std::min<std::size_t>(stem.size(), 8)), dateOrTime)) {
+        return std::nullopt;
+    }
     const std::int64_t frame = std::stoll(stem.substr(begin));
     return negative ? -frame : frame;
-}
-
-void checkNoFrame(const std::filesystem::path& output, const FramePattern& frames)
-{
-    const std::optional<std::int64_t> frame = frames.hasField() ? frames.frameOf(output) : 0;
-    if (frame) checkDistinct(output, frames.path(*frame));
-}
-
-void checkOutputPattern(const FramePattern& pattern, std::size_t frames)
-{
-    if (!pattern.hasField() && frames != 1) {
-        throw ParameterError(fmt::format("output '{}' names one file but there are more frames; use a pattern such as "
-                                         "name.%04d.vdb",
-                                         pattern.text()));
-    }
 }
 
 } // namespace vdblic

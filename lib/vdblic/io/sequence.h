@@ -19,7 +19,8 @@ namespace vdblic {
 /// The field must be in the last component of the path. Without a field the pattern names one file.
 class FramePattern {
   public:
-    /// @throws ParameterError on an empty name, two fields, or a field in a folder's name
+    /// @throws ParameterError on an empty name, two fields, a field in a folder's name, or what is probably a mistyped
+    ///         field
     explicit FramePattern(std::string_view pattern);
 
     [[nodiscard]] bool hasField() const { return mWidth.has_value(); }
@@ -31,6 +32,9 @@ class FramePattern {
     /// A further file in the frames' folder: the given name followed by the constant part of the frames' names, such as
     /// checkpoint.lic.vdb for `checkpoint` and lic.%04d.vdb.
     [[nodiscard]] std::filesystem::path companion(std::string_view name) const;
+
+    /// A pattern that files on disk match, which differ from this one's in the width of the field; empty if none do.
+    [[nodiscard]] std::string onDisk() const;
 
     /// The frames on disk, in numeric order. @throws InputError if the folder cannot be read
     [[nodiscard]] std::vector<std::int64_t> framesOnDisk() const;
@@ -56,9 +60,10 @@ using FrameSource = std::function<std::optional<FrameFile>()>;
 
 /// How to select the files of an input sequence.
 struct SequenceParams {
-    std::string pattern;      ///< one file, a pattern, or `-` for paths on standard input
-    std::string frames;       ///< a frame list; empty for every frame found
-    bool clampFrames = false; ///< leave out listed frames before the first or after the last on disk
+    std::string pattern;                    ///< one file, a pattern, or `-` for paths on standard input
+    std::string frames;                     ///< a frame list; empty for every frame found
+    bool clampFrames = false;               ///< leave out listed frames before the first or after the last on disk
+    std::optional<std::int64_t> renumber{}; ///< number paths on standard input from here, whatever their names
 };
 
 /// The files a sequence selects; all of them exist.
@@ -66,22 +71,30 @@ struct SequenceParams {
 /// @throws InputError naming the missing frame, ParameterError on a frame list for a single file
 [[nodiscard]] std::vector<FrameFile> selectFrames(const SequenceParams& params);
 
+/// The numbers of the frames that a sequence selects. @throws as selectFrames()
+[[nodiscard]] std::vector<std::int64_t> selectedFrames(const SequenceParams& params);
+
+/// The frames on disk around those that a sequence selects from a pattern, at the spacing of the selected ones.
+struct FramesAround {
+    std::vector<std::int64_t> before; ///< without a gap, up to the first selected frame
+    std::optional<std::int64_t> after;
+};
+/// @throws as selectFrames()
+[[nodiscard]] FramesAround framesAround(const SequenceParams& params);
+
 /// The least difference of neighbouring frame numbers on disk; 1 for fewer than two frames.
 [[nodiscard]] std::int64_t frameSpacing(const SequenceParams& params);
 
-/// The files of selectFrames() one by one. For the pattern `-`, paths are read from `lines`, one a line, on demand.
+/// The files of selectFrames() one by one. For the pattern `-`, the paths of a PathList are read from `lines` on
+/// demand.
 /// @param lines must outlive the result
 /// @param count receives the number of frames; 0 if it is unknown
-/// @throws InputError, the result too: if a file is missing or a frame number appears twice; ParameterError
+/// @throws InputError, the result too: if a file is missing, or its name has no frame number or that of another;
+/// ParameterError
 [[nodiscard]] FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count);
 
-/// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one.
+/// The frame number a file name ends with (`smoke_0012.vdb` → 12), if there is one. The end of a date or of a time
+/// (`2005-08-28_00:00:00`) is none.
 [[nodiscard]] std::optional<std::int64_t> frameOfName(const std::filesystem::path& path);
-
-/// Check that a further output of a run does not have the name of a frame. @throws ParameterError
-void checkNoFrame(const std::filesystem::path& output, const FramePattern& frames);
-
-/// Check that a pattern can name `frames` different outputs. @throws ParameterError
-void checkOutputPattern(const FramePattern& pattern, std::size_t frames);
 
 } // namespace vdblic

@@ -1,62 +1,84 @@
 #include "vdblic/io/vdb_header.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/hazard.h"
+#include "vdblic/io/vdb_layout.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 
+#include <cstdint>
 #include <exception>
 #include <fstream>
 
 namespace vdblic {
 namespace {
 
-/// Reads a grid up to its voxels. OpenVDB's own way to do so keeps the file open.
+/// Reads a file up to its voxels. OpenVDB's own way to do so keeps the file open.
 class HeaderArchive : public openvdb::io::Archive {
   public:
-    openvdb::GridBase::Ptr read(std::istream& stream, const std::string& name)
+    VdbHeader read(std::istream& stream)
     {
+        VdbHeader header;
         readHeader(stream);
         setFormatVersion(stream);
         setLibraryVersion(stream);
         setDataCompression(stream);
-        if (!inputHasGridOffsets() || fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return nullptr;
-        openvdb::MetaMap().readMeta(stream);
+        header.metadata.readMeta(stream);
+        if (!inputHasGridOffsets() || fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return header;
         for (int left = readGridCount(stream); left > 0; --left) {
             openvdb::io::GridDescriptor descriptor;
             openvdb::GridBase::Ptr grid = descriptor.read(stream);
-            if (descriptor.gridName() == name) {
-                descriptor.seekToGrid(stream);
-                readGridCompression(stream);
-                grid->readMeta(stream);
-                grid->readTransform(stream);
-                return grid;
-            }
+            descriptor.seekToGrid(stream);
+            readGridCompression(stream);
+            grid->readMeta(stream);
+            grid->readTransform(stream);
+            grid->setName(openvdb::Name(descriptor.gridName()));
+            header.grids.push_back(grid);
             descriptor.seekToEnd(stream);
         }
-        return nullptr;
+        return header;
     }
 };
 
 } // namespace
 
-std::optional<GridHeader> readGridHeader(const std::filesystem::path& path, const std::string& name)
+VdbHeader readVdbHeader(const std::filesystem::path& path)
 {
     openvdb::initialize();
     try {
-        std::ifstream stream;
+        std::ifstream stream(path, std::ios::binary);
+        const std::uintmax_t size = std::filesystem::file_size(path);
+        (void)readLayout(stream, size);
+        stream.clear();
+        stream.seekg(0);
         stream.exceptions(std::ios::failbit | std::ios::badbit);
-        stream.open(path, std::ios::binary);
-        const openvdb::GridBase::Ptr grid = HeaderArchive().read(stream, name);
-        if (!grid) return std::nullopt;
-        const auto low = grid->getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
-        const auto high = grid->getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
-        if (!low || !high) return std::nullopt;
-        return GridHeader{grid->transformPtr(), {openvdb::Coord(low->value()), openvdb::Coord(high->value())}};
+        const Hazard parsing(path.string(), size);
+        return HeaderArchive().read(stream);
+    } catch (const InputError& reason) {
+        throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), reason.what()));
     } catch (const std::exception&) {
         throw InputError(fmt::format("{}: its header cannot be read as that of a .vdb file", path.string()));
     }
+}
+
+std::optional<openvdb::CoordBBox> storedBox(const openvdb::GridBase& grid)
+{
+    const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
+    const auto high = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
+    if (!low || !high) return std::nullopt;
+    return openvdb::CoordBBox(openvdb::Coord(low->value()), openvdb::Coord(high->value()));
+}
+
+std::optional<GridHeader> readGridHeader(const std::filesystem::path& path, const std::string& name)
+{
+    for (const openvdb::GridBase::Ptr& grid : readVdbHeader(path).grids) {
+        if (grid->getName() != name) continue;
+        const std::optional<openvdb::CoordBBox> box = storedBox(*grid);
+        return box ? std::optional(GridHeader{grid->transformPtr(), *box}) : std::nullopt;
+    }
+    return std::nullopt;
 }
 
 } // namespace vdblic

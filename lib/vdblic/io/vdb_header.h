@@ -8,6 +8,20 @@
 
 namespace vdblic {
 
+/// What a file stores besides the voxels: its metadata, and its grids without their voxels.
+struct VdbHeader {
+    openvdb::MetaMap metadata;
+    openvdb::GridPtrVec grids; ///< empty trees, with metadata and transform
+};
+
+/// Read the header of a file, after the checks of readLayout().
+/// @return no grids if the file does not say where they are, which few writers omit
+/// @throws InputError naming the file and the reason
+[[nodiscard]] VdbHeader readVdbHeader(const std::filesystem::path& path);
+
+/// The bounding box of a grid's active voxels, as its writer stored it; few writers omit it.
+[[nodiscard]] std::optional<openvdb::CoordBBox> storedBox(const openvdb::GridBase& grid);
+
 /// The part of a grid that a file stores before the voxels.
 struct GridHeader {
     openvdb::math::Transform::Ptr transform;

@@ -149,6 +149,11 @@ VdbLayout::Grid readGrid(Cursor& cursor, std::uint32_t version, bool seekable, s
     const auto end = cursor.value<std::int64_t>("a grid's offsets");
     if (seekable) {
         const auto here = std::int64_t(cursor.at());
+        if (here <= head && head <= blocks && blocks <= end && std::uint64_t(end) > size) {
+            throw InputError(
+                fmt::format("it is truncated: it has {} bytes, and grid '{}' ends at {}; copy or write it again", size,
+                            grid.name, end));
+        }
         if (!(here <= head && head <= blocks && blocks <= end && std::uint64_t(end) <= size)) {
             throw InputError(
                 fmt::format("the offsets {}, {}, {} of grid '{}' at {} do not lie in order in its {} bytes", head,

@@ -7,6 +7,7 @@
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/frame_between.h"
 #include "vdblic/lic/frame_writer.h"
+#include "vdblic/lic/lead_in.h"
 #include "vdblic/lic/memory_estimate.h"
 #include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/noise_file.h"
@@ -17,6 +18,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -36,7 +38,9 @@ class Advection {
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
           mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter),
-          mWriter(reporter, params.textures(mFlow.total()), params.format.compression)
+          mWriter(reporter,
+                  params.textures(mFlow.total() - std::min(mFlow.total(), std::size_t(params.leadInFrames()))),
+                  params.format.compression)
     {
         mOutputs.check(mWriter.total());
     }
@@ -49,8 +53,7 @@ class Advection {
         std::optional<LoadedFrame> current = nextFrame();
         mReporter.checkStop(); // a stop may be what ended standard input
         if (!current) {
-            mReporter.warn("no frames on standard input; nothing was computed");
-            return;
+            throw InputError("no frame to compute: standard input named none");
         }
         mOutputs.startAt(current->velocity.file.frame);
         mOutputs.checkInputs(current->velocity.file);
@@ -69,7 +72,8 @@ class Advection {
         Stopwatch watch;
         while (mTexture.steps() < mParams.prerollSteps()) {
             advance(*current, *current, interval.seconds);
-            saveIfDue(*current);
+            stepDone(*current);
+            saveIfDue();
         }
         while (next) {
             interval = mFlow.intervalAfter(*current, &*next);
@@ -78,10 +82,11 @@ class Advection {
             mOutputs.checkInputs(current->velocity.file);
             next = nextFrame();
         }
-        // After the last frame the flow is taken to stay as it is.
-        write(*current, advance(*current, *current, interval.seconds), 0, interval.seconds);
         mWriter.finish();
-        mCheckpoint.remove();
+        if (mParams.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mTexture);
+        writeLast(*current, interval);
+        mWriter.finish();
+        if (!mParams.keepCheckpoint) mCheckpoint.remove();
         report(watch.lap());
     }
 
@@ -89,7 +94,7 @@ class Advection {
     void abandon() noexcept
     {
         try {
-            mWriter.finish();
+            mWriter.finishWriting();
             if (!mCheckpoint.isUnsaved() || mWriter.done() != mParams.texturesDone(mTexture.steps())) return;
             mCheckpoint.write(mTexture);
             mReporter.say(
@@ -102,9 +107,14 @@ class Advection {
     /// Start from the first frame. @return the interval after it
     FrameInterval begin(const LoadedFrame& first, const std::optional<LoadedFrame>& next)
     {
-        mCheckpoint.discard();
-        mTime = first.velocity.time.value_or(0);
-        return mFlow.intervalAfter(first, next ? &*next : nullptr);
+        mCheckpoint.remove();
+        const std::optional<LoadedFrame>& end = next ? next : mAfter;
+        const FrameInterval interval = mFlow.intervalAfter(first, end ? &*end : nullptr);
+        // Added up, as by a run over all frames.
+        for (int i = 0; i < mParams.framesBefore; ++i)
+            mTime += interval.seconds;
+        mTime = first.velocity.time.value_or(mTime);
+        return interval;
     }
 
     /// Go on where an interrupted run was. @param frame that the next step starts from @param finished outputs of that
@@ -132,7 +142,11 @@ class Advection {
     std::optional<LoadedFrame> nextFrame()
     {
         std::optional<LoadedFrame> frame = mFlow.next();
-        if (frame) mCheckpoint.noteInput(frame->velocity.file.path, frame->stamp);
+        if (frame) {
+            mCheckpoint.noteInput(frame->velocity.file.path, frame->stamp);
+        } else {
+            mAfter = mFlow.after();
+        }
         return frame;
     }
 
@@ -146,11 +160,28 @@ class Advection {
         int part = mParams.substep(mTexture.steps());
         for (LoadedFrame start = at(part); part < parts; ++part) {
             LoadedFrame end = at(part + 1);
-            write(start, advance(start, end, seconds), part, seconds);
+            const bool isWritten = mTexture.steps() >= mParams.warmUpSteps();
+            const FlowTextureStep step = advance(start, end, seconds);
+            const StepTime time{mTime + part * seconds / parts, seconds, part};
             if (part + 1 == parts) mTime += seconds;
-            saveIfDue(end);
+            // Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
+            stepDone(end);
+            if (isWritten) write(start, step, time);
+            saveIfDue();
             start = std::move(end);
         }
+    }
+
+    /// The texture of the last frame. Without a frame after it the flow is taken to stay as it is.
+    void writeLast(LoadedFrame& frame, FrameInterval interval)
+    {
+        LoadedFrame end = frame;
+        if (mAfter) {
+            const int parts = mParams.scatter.substeps;
+            interval = mFlow.intervalAfter(frame, &*mAfter);
+            end = parts == 1 ? std::move(*mAfter) : frameBetween(frame, *mAfter, 1.0 / parts);
+        }
+        write(frame, advance(frame, end, interval.seconds), {mTime, interval.seconds});
     }
 
     /// @param interval seconds between the frames that the step is a part of
@@ -166,17 +197,28 @@ class Advection {
     }
 
     /// @param frame that the next step starts from
-    void saveIfDue(const LoadedFrame& frame)
+    void stepDone(const LoadedFrame& frame)
     {
         mCheckpoint.stepDone({mTexture.steps(), mInterval, mTime, mFlow.spacing()}, frame);
+    }
+
+    void saveIfDue()
+    {
         if (!mCheckpoint.isDue()) return;
         mWriter.finish(); // a checkpoint covers only outputs that are on disk
         mCheckpoint.write(mTexture);
     }
 
-    /// @param part number of the substep after the frame @param interval seconds between frames
-    void write(const LoadedFrame& frame, const FlowTextureStep& step, int part, double interval)
+    /// When a step begins.
+    struct StepTime {
+        double seconds;  // of its texture
+        double interval; // seconds between the frames that the step is a part of
+        int part = 0;    // number of the substep after the frame
+    };
+
+    void write(const LoadedFrame& frame, const FlowTextureStep& step, const StepTime& time)
     {
+        const auto [textureTime, interval, part] = time;
         if (part == 0) warnOfOddFlow(frame, interval);
         const std::int64_t number = mOutputs.number(frame.velocity.file.frame, part);
         const double seconds = interval / mParams.scatter.substeps;
@@ -185,7 +227,7 @@ class Advection {
                 ? step.texture
                 : finished(frame.flow, frame.velocity.toVoxelsPerStep(interval), step.texture, mParams.finish);
         TextureFile file = makeTextureFile(mParams, frame, texture.tree(), *frame.textureTransform(),
-                                           {number, frame.sourceFrame, mTime + part * seconds, seconds});
+                                           {number, frame.sourceFrame, textureTime, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
         mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids), file.metadata);
@@ -196,12 +238,22 @@ class Advection {
     {
         const std::int64_t number = frame.velocity.file.frame;
         if (frame.flow.domain->voxelCount() == 0) {
-            mReporter.warn(fmt::format("frame {}: {}: no active voxels; its texture is empty", number,
-                                       frame.velocity.file.path.string()));
+            const bool isCut = frame.velocity.values->activeVoxelCount() > 0;
+            mReporter.warn(
+                fmt::format("frame {}: {}: {}; its texture is empty", number, frame.velocity.file.path.string(),
+                            isCut ? "no active voxel lies inside `box`, `world_box` and `mask`" : "no active voxels"));
             return;
         }
         const double largest = frame.velocity.largestDisplacement(seconds);
-        if (largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
+        constexpr double kRest = 1e-3; // voxels a step
+        if (largest < kRest && !mWarnedOfRest) {
+            mWarnedOfRest = true;
+            mReporter.warn(fmt::format("frame {}: {}: grid {} moves nothing by more than {:.3g} voxels a step, and a "
+                                       "texture without motion is noise: check unit and frame spacing",
+                                       number, frame.velocity.file.path.string(), frame.velocity.gridName, largest));
+        }
+        // A texture of its frame alone does not depend on time.
+        if (mParams.steady || largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
         mWarnedOfDisplacement = true;
         mReporter.warn(
             fmt::format("frame {}: the flow moves up to {:.1f} voxels a step; over more than {} it is hardly "
@@ -217,7 +269,7 @@ class Advection {
             mReport.frames[i].write = mWriter.seconds()[i];
         for (const std::string& line : runLines(mReport))
             mReporter.detail(line);
-        if (!mParams.json.empty()) writeTextFile(mParams.json, toJson(mReport));
+        if (!mParams.json.empty()) (void)writeReport(mParams.json, toJson(mReport));
     }
 
     const AdvectParams& mParams;
@@ -228,9 +280,10 @@ class Advection {
     FlowSequence mFlow;
     FrameWriter mWriter;
     RunReport mReport;
-    double mTime = 0;     // of the frame that the next step starts from or after
-    double mInterval = 0; // between the frames of the last step
-    bool mWarnedOfDisplacement = false;
+    std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
+    double mTime = 0;                  // of the frame that the next step starts from or after
+    double mInterval = 0;              // between the frames of the last step
+    bool mWarnedOfDisplacement = false, mWarnedOfRest = false;
 };
 
 } // namespace
@@ -238,7 +291,8 @@ class Advection {
 void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter)
 {
     params.validate();
-    Advection advection(params, lines, reporter);
+    const AdvectParams whole = withLeadIn(params, reporter);
+    Advection advection(whole, lines, reporter);
     try {
         advection.run();
     } catch (...) {

@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/derived_grids.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/lic/flow_sequence_params.h"
 
 #include <fmt/format.h>
@@ -12,22 +13,30 @@
 namespace vdblic {
 namespace {
 
-constexpr int kMaxPreroll = 10000;
+constexpr int kMaxPreroll = 10000; // and of a lead-in
 
 } // namespace
 
 void AdvectParams::validate() const
 {
     FlowSequenceParams{input, velocity, frameSpacing, domain}.validate();
+    checkExtension(output, {".vdb"});
     scatter.validate();
     feedback.validate();
     finish.validate();
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
     }
+    if (leadIn && (*leadIn < 0 || *leadIn > kMaxPreroll)) {
+        throw ParameterError(fmt::format("a lead-in of {} frames must lie between 0 and {}", *leadIn, kMaxPreroll));
+    }
     if (checkpointEvery && (*checkpointEvery < 0 || std::size_t(*checkpointEvery) > kMaxFrames)) {
         throw ParameterError(
             fmt::format("a checkpoint every {} frames cannot be; 0 to {}", *checkpointEvery, kMaxFrames));
+    }
+    if (resume && restart) throw ParameterError("`resume` and `restart` exclude each other");
+    if (keepCheckpoint && checkpointEvery == 0) {
+        throw ParameterError("`keep_checkpoint` needs checkpoints; leave out `checkpoint_every` 0");
     }
     checkDerivedNames(derived);
     const auto isOutput = [&](const std::string& name) {
@@ -59,14 +68,30 @@ std::uint64_t AdvectParams::prerollSteps() const
     return std::uint64_t(prerollFrames()) * std::uint64_t(scatter.substeps);
 }
 
+int AdvectParams::leadInFrames() const
+{
+    constexpr int kLifeSpans = 2; // measured: docs/quality.md
+    return leadIn.value_or(steady ? 0 : kLifeSpans * scatter.lifeSpan);
+}
+
+std::uint64_t AdvectParams::warmUpSteps() const
+{
+    return prerollSteps() + std::uint64_t(leadIn.value_or(0)) * std::uint64_t(scatter.substeps);
+}
+
+std::uint64_t AdvectParams::framesDone(std::uint64_t steps) const
+{
+    return (std::max(steps, prerollSteps()) - prerollSteps()) / std::uint64_t(scatter.substeps);
+}
+
 std::uint64_t AdvectParams::texturesDone(std::uint64_t steps) const
 {
-    return std::max(steps, prerollSteps()) - prerollSteps();
+    return std::max(steps, warmUpSteps()) - warmUpSteps();
 }
 
 int AdvectParams::substep(std::uint64_t steps) const
 {
-    return int(texturesDone(steps) % std::uint64_t(scatter.substeps));
+    return int((std::max(steps, prerollSteps()) - prerollSteps()) % std::uint64_t(scatter.substeps));
 }
 
 std::size_t AdvectParams::textures(std::size_t frames) const

@@ -33,11 +33,17 @@ struct AdvectParams {
     std::uint32_t seed = 1;          ///< of the generated noise
     /// Frames that the first one stands still for before it is written; nothing: the life span, 0 for LIC.
     std::optional<int> preroll;
+    /// Frames on disk before the first of `input.frames` that are computed but not written; nothing: up to twice the
+    /// life span, 0 for LIC.
+    std::optional<int> leadIn{};
+    int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
     std::string textureName = "density";
     std::vector<std::string> derived{}; ///< further grids computed from the velocity: of kDerivedNames
     TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
-    bool resume = false;                  ///< go on from the checkpoint that an interrupted run left, if there is one
+    bool resume = false;                  ///< go on from the checkpoint that an earlier run left, if there is one
+    bool restart = false;                 ///< remove that checkpoint and start from the beginning
+    bool keepCheckpoint = false;          ///< leave a checkpoint when all is done, so that further frames can follow
     std::optional<int> checkpointEvery{}; ///< frames between checkpoints, 0 for none; nothing: CheckpointSchedule's
 
     void validate() const; ///< @throws ParameterError
@@ -45,7 +51,12 @@ struct AdvectParams {
     [[nodiscard]] std::string_view methodName() const; ///< `auflic`, `uflic` or `lic`
     [[nodiscard]] int prerollFrames() const;           ///< as given, else the default
     [[nodiscard]] std::uint64_t prerollSteps() const;  ///< with their substeps
-    /// The number of textures that are computed after so many steps, those of the preroll included.
+    [[nodiscard]] int leadInFrames() const;            ///< as given, else the default
+    [[nodiscard]] std::uint64_t
+    warmUpSteps() const; ///< the steps of preroll and lead-in, whose textures are not written
+    /// The number of intervals between frames that are computed after so many steps, without the preroll.
+    [[nodiscard]] std::uint64_t framesDone(std::uint64_t steps) const;
+    /// The number of textures to write that are computed after so many steps, those of preroll and lead-in included.
     [[nodiscard]] std::uint64_t texturesDone(std::uint64_t steps) const;
     /// The number of the next step, after so many, among its frame's substeps.
     [[nodiscard]] int substep(std::uint64_t steps) const;

@@ -71,7 +71,7 @@ std::string toJson(const SequenceCoherence& coherence, const SequenceCoherencePa
         frames.push_back(ofFrame(frame));
     Json report = {{"velocity", params.flow.input.pattern}, {"texture", params.texture}};
     if (coherence.refine != std::array{1, 1, 1}) report["refine"] = coherence.refine;
-    report["parameters"] = {{"texture_name", params.textureName},
+    report["parameters"] = {{"texture_name", params.textureName.empty() ? "by metadata" : params.textureName},
                             {"samples", params.coherence.samples},
                             {"least_motion", params.coherence.leastMotion}};
     report["lags"] = coherence.lags;

@@ -1,6 +1,7 @@
 #include "vdblic/lic/coherence_params.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/output_pattern.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +27,7 @@ void SequenceCoherenceParams::validate() const
     coherence.validate();
     if (flow.input.pattern == "-" || texture == "-")
         throw ParameterError("paths on standard input cannot be matched by frame; name a file or a pattern");
-    if (textureName.empty()) throw ParameterError("the texture's name must not be empty");
+    if (!plot.empty()) checkExtension(plot, {".svg"});
     if (!json.empty() && json == plot) {
         throw ParameterError(fmt::format("'{}' cannot be both the figures and the plot; name two files", json));
     }

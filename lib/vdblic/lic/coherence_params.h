@@ -19,8 +19,8 @@ struct CoherenceParams {
 /// Which sequences to measure, and where the results go.
 struct SequenceCoherenceParams {
     FlowSequenceParams flow;
-    std::string texture; ///< file or pattern; its frames are matched to the velocity's by number
-    std::string textureName = "density";
+    std::string texture;     ///< file or pattern; its frames are matched to the velocity's by number
+    std::string textureName; ///< of the texture's grid; empty: by the files' metadata, else `density`
     CoherenceParams coherence;
     std::string json; ///< file for the figures; empty for none
     std::string plot; ///< SVG file for the autocorrelations; empty for none

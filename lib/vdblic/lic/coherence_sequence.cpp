@@ -1,9 +1,11 @@
 #include "vdblic/lic/coherence_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/coherence.h"
 #include "vdblic/lic/coherence_report.h"
@@ -13,6 +15,7 @@
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -59,6 +62,7 @@ struct LoadedTexture {
     SmoothedTexture texture;
     openvdb::math::Transform::ConstPtr transform;
     std::optional<HitFigures> hits;
+    std::string gridName;
     Refinement refinement{}; // of the velocity's voxels
 };
 
@@ -78,11 +82,28 @@ std::optional<HitFigures> hitsOf(const VdbFile& file)
     return HitFigures{sum / count, zeros / count};
 }
 
-LoadedTexture readTexture(const std::filesystem::path& path, const std::string& name)
+/// @throws InputError naming the grid
+SmoothedTexture smoothedTexture(const openvdb::FloatGrid& grid, const std::string& where)
+{
+    constexpr double kBytes = 40; // a voxel: values, smoothed values, bricks of both
+    const double voxels =
+        std::max(double(grid.activeVoxelCount()), double(grid.tree().leafCount()) * Domain::kLeafVoxels);
+    checkMemory(kBytes * voxels, fmt::format("{}: {} voxels", where, voxels), "take a smaller texture");
+    try {
+        return SmoothedTexture(grid.tree());
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", where, error.what()));
+    }
+}
+
+LoadedTexture readTexture(const std::filesystem::path& path, const std::string& given)
 {
     const VdbFile file = readVdb(path);
+    const std::string name = textureName(file.metadata, given);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
-    LoadedTexture loaded{path, SmoothedTexture(grid->tree()), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file)};
+    const std::string where = fmt::format("{}: grid {}", path.string(), name);
+    LoadedTexture loaded{path, smoothedTexture(*grid, where), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file),
+                         name};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);
     if (loaded.texture.domain().voxelCount() > 0 && !std::isfinite(loaded.texture.rawContrast().deviation)) {
@@ -165,7 +186,7 @@ LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, con
         throw InputError(
             fmt::format("{}: grid {}: its transform is neither that of grid {} of {} nor a refinement of it; "
                         "give the velocity that the texture was made from",
-                        loaded.path.string(), name, velocity.gridName, velocity.file.path.string()));
+                        loaded.path.string(), loaded.gridName, velocity.gridName, velocity.file.path.string()));
     }
     loaded.refinement = *refinement;
     return loaded;
@@ -179,14 +200,14 @@ LoadedTexture successorOf(const LoadedTexture& before, const LoadedFrame& frame,
     if (loaded.refinement == before.refinement) return loaded;
     throw InputError(fmt::format("{}: grid {}: {} texture voxels fill a voxel of the velocity, in {} {}; make all "
                                  "textures with one refinement",
-                                 loaded.path.string(), name, toString(loaded.refinement), before.path.string(),
-                                 toString(before.refinement)));
+                                 loaded.path.string(), loaded.gridName, toString(loaded.refinement),
+                                 before.path.string(), toString(before.refinement)));
 }
 
-void checkReplacesNoInput(const std::string& output, const SequenceCoherenceParams& params,
-                          const TextureFiles& textures)
+void checkFurtherOutput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
 {
     if (output.empty()) return;
+    checkReport(output);
     for (const FrameFile& velocity : selectFrames(params.flow.input)) {
         checkNotInput(output, velocity.path);
         checkNotInput(output, textures.path(velocity.frame));
@@ -199,8 +220,9 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
 {
     params.validate();
     const TextureFiles files(params);
-    checkReplacesNoInput(params.json, params, files);
-    checkReplacesNoInput(params.plot, params, files);
+    checkFurtherOutput(params.json, params, files);
+    checkFurtherOutput(params.plot, params, files);
+    if (!params.json.empty() && !params.plot.empty()) checkDistinct(params.json, params.plot);
     std::istringstream noLines;
     FlowSequence flow(params.flow, noLines, reporter);
 
@@ -249,12 +271,10 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         reporter.say(line);
 
     if (!params.json.empty()) {
-        writeTextFile(params.json, toJson(result, params));
-        reporter.finished(params.json);
+        if (writeReport(params.json, toJson(result, params))) reporter.finished(params.json);
     }
     if (!params.plot.empty()) {
-        writeTextFile(params.plot, toSvg(result));
-        reporter.finished(params.plot);
+        if (writeReport(params.plot, toSvg(result))) reporter.finished(params.plot);
     }
     return result;
 }

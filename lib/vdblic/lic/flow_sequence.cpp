@@ -72,6 +72,21 @@ std::optional<LoadedFrame> FlowSequence::next()
     return frame;
 }
 
+std::optional<LoadedFrame> FlowSequence::after()
+{
+    const std::optional<std::int64_t> number = framesAround(mParams.input).after;
+    if (!number) return std::nullopt;
+    try {
+        LoadedFrame frame = load({*number, FramePattern(mParams.input.pattern).path(*number)}, mParams);
+        checkSuccession(frame.velocity);
+        return frame;
+    } catch (const InputError& error) {
+        mReporter.warn(fmt::format("{}; frame {} is not used: the flow after the last frame stays as it is",
+                                   error.what(), *number));
+        return std::nullopt;
+    }
+}
+
 FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const LoadedFrame* next)
 {
     const VelocityFrame& velocity = current.velocity;

@@ -61,6 +61,10 @@ class FlowSequence {
     /// @throws InputError if it cannot be read or its transform is not that of the frame before
     std::optional<LoadedFrame> next();
 
+    /// The frame on disk after the last one that `input.frames` selects: the flow after the last frame leads to it.
+    /// @return nothing if there is none, or it cannot be read, with a warning
+    std::optional<LoadedFrame> after();
+
     /// The time from a frame to the next. @param next the frame after it, or null
     /// @throws InputError if the files' times do not ascend
     FrameInterval intervalAfter(const LoadedFrame& current, const LoadedFrame* next);

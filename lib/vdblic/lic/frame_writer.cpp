@@ -8,21 +8,42 @@ namespace vdblic {
 
 void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata)
 {
-    finish();
+    const std::optional<std::filesystem::path> before = finishFile();
     mPath = std::move(path);
     mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata] {
         Stopwatch watch;
         writeVdb(mPath, grids, metadata, mCompression);
         return watch.lap();
     });
+    if (before) report(*before);
 }
 
 void FrameWriter::finish()
 {
-    if (!mPending.valid()) return;
+    if (const auto path = finishFile()) report(*path);
+}
+
+void FrameWriter::finishWriting()
+{
+    const auto path = finishFile();
+    try {
+        if (path) report(*path);
+    } catch (...) { // nobody reads the reports
+    }
+}
+
+/// @return the file that is now finished, if one was being written
+std::optional<std::filesystem::path> FrameWriter::finishFile()
+{
+    if (!mPending.valid()) return std::nullopt;
     mSeconds.push_back(mPending.get());
     ++mDone;
-    mReporter.finished(mPath);
+    return mPath;
+}
+
+void FrameWriter::report(const std::filesystem::path& path)
+{
+    mReporter.finished(path);
     mReporter.progress(mDone, mTotal);
 }
 

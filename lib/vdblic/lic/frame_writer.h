@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <future>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
@@ -22,11 +23,14 @@ class FrameWriter {
     {
     }
 
-    /// Begin to write a file, after the previous one is finished. @throws OutputError of the previous one
+    /// Begin to write a file, after the previous one is finished. @throws OutputError of the previous one; what the
+    /// reporter throws, while the file is being written
     void write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata);
 
-    /// Wait until the file being written is finished. @throws OutputError
+    /// Wait until the file being written is finished. @throws OutputError, what the reporter throws
     void finish();
+    /// The same even if the reporter throws. @throws OutputError
+    void finishWriting();
 
     /// Report a file that an earlier run has written.
     void pass(const std::filesystem::path& path);
@@ -41,6 +45,9 @@ class FrameWriter {
     [[nodiscard]] std::size_t done() const { return mDone; }
 
   private:
+    std::optional<std::filesystem::path> finishFile();
+    void report(const std::filesystem::path& path);
+
     Reporter& mReporter;
     std::size_t mTotal, mDone = 0;
     VdbCompression mCompression;

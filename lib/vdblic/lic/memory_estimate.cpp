@@ -5,10 +5,20 @@
 
 namespace vdblic {
 
+namespace {
+
+constexpr double kProcess = 45e6, kVelocity = 70, kTexture = 70; // bytes, and bytes a voxel
+
+} // namespace
+
+double advectBytes(double voxels)
+{
+    return kProcess + (kVelocity + kTexture) * voxels;
+}
+
 double advectBytes(const AdvectParams& params, const FlowFrame& first)
 {
-    constexpr double kProcess = 45e6, kVelocity = 70; // bytes, and bytes a voxel
-    double texture = 70;
+    double texture = kTexture;
     if (params.scatter.substeps > 1) texture += 12;
     if (first.refinement.interpolation == Interpolation::kCubic) texture += 25;
     const auto voxels = [](const Domain& domain) { return double(domain.leafCount()) * Domain::kLeafVoxels; };

@@ -11,4 +11,7 @@ struct FlowFrame;
 /// them for domains of full leaves (docs/performance.md).
 [[nodiscard]] double advectBytes(const AdvectParams& params, const FlowFrame& first);
 
+/// The same for a run with default parameters. @param voxels of the velocity's leaves
+[[nodiscard]] double advectBytes(double voxels);
+
 } // namespace vdblic

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/noise.h"
 
@@ -45,6 +46,7 @@ void NoiseParams::validate() const
     if (size && !refinement.isNone())
         throw ParameterError("`refine` refines the voxels of `like`; give a larger `size`");
     refinement.validate();
+    checkExtension(output, {".vdb"});
 }
 
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
@@ -52,8 +54,10 @@ void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
     params.validate();
     if (params.skipExisting && isFinished(params.output)) {
         reporter.finished(params.output);
+        reporter.say(fmt::format("{}: was there already", params.output));
         return;
     }
+    checkOutput(params.output);
     openvdb::FloatGrid::Ptr noise;
     if (params.size) {
         const auto transform = openvdb::math::Transform::createLinearTransform(kDefaultVoxelSize);

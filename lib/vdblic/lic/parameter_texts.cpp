@@ -63,6 +63,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"noise", noise},
         {"seed", text(params.seed)},
         {"preroll", text(params.prerollFrames())},
+        {"lead_in", text(params.leadInFrames())},
         {"release_window", text(window)},
         {"sample_spacing", text(pathline.sampleSpacing)},
         {"tolerance", text(pathline.tolerance)},

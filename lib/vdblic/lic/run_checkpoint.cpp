@@ -27,8 +27,15 @@ RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Re
 
 std::optional<Checkpoint> RunCheckpoint::find()
 {
+    const bool isThere = isFinished(mOutputs.checkpoint());
+    if (isThere && !mParams.resume && !mParams.restart) {
+        throw ParameterError(
+            fmt::format("{}: an earlier run left this checkpoint; go on from it with `resume`, or remove "
+                        "it and start from the beginning with `restart`",
+                        mOutputs.checkpoint().string()));
+    }
     if (!mParams.resume) return std::nullopt;
-    if (!isFinished(mOutputs.checkpoint())) {
+    if (!isThere) {
         mReporter.say(fmt::format("no {}: starting from the beginning", mOutputs.checkpoint().string()));
         return std::nullopt;
     }
@@ -40,7 +47,7 @@ std::optional<Checkpoint> RunCheckpoint::find()
 std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& before, FlowSequence& flow)
 {
     const int substeps = mParams.scatter.substeps;
-    const std::uint64_t frames = mParams.texturesDone(before.position.steps) / std::uint64_t(substeps);
+    const std::uint64_t frames = mParams.framesDone(before.position.steps);
     std::vector<std::filesystem::path> outputs;
     for (std::uint64_t i = 0; i < frames; ++i) {
         const std::optional<FrameFile> file = flow.skip();
@@ -50,6 +57,7 @@ std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& bef
                              fmt::format("has {} frames done, the input has only {} now: give all of them", frames, i));
         }
         noteInput(file->path, flow.stampOf(*file));
+        if (i < std::uint64_t(mParams.leadInFrames())) continue;
         mOutputs.startAt(file->frame);
         addFinished(*file, substeps, outputs);
     }
@@ -82,7 +90,8 @@ void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, 
 {
     const RunPosition& position = before.position;
     flow.setSpacing(position.frameSpacing);
-    addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
+    if (mParams.framesDone(position.steps) >= std::uint64_t(mParams.leadInFrames()))
+        addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
     try {
         texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain, before.state);
     } catch (const InputError& error) {
@@ -115,8 +124,8 @@ void RunCheckpoint::write(const FlowTexture& texture)
     const auto start = CheckpointSchedule::Clock::now();
     Checkpoint checkpoint{position, mInputs, {}};
     // A step depends on the frames at both ends of its interval and on none after them.
-    const std::size_t last = std::max<std::size_t>(mParams.texturesDone(position.steps), 1) - 1;
-    checkpoint.inputs.resize(std::min(last / std::size_t(mParams.scatter.substeps) + 2, mInputs.size()));
+    const std::size_t lastStep = std::max(position.steps, std::uint64_t(1)) - 1;
+    checkpoint.inputs.resize(std::min<std::size_t>(mParams.framesDone(lastStep) + 2, mInputs.size()));
     try {
         checkpoint.state.grids = texture.save();
         for (const auto& grid : checkpoint.state.grids)
@@ -132,19 +141,12 @@ void RunCheckpoint::write(const FlowTexture& texture)
     mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
 }
 
-bool RunCheckpoint::remove() const
+void RunCheckpoint::remove() const
 {
     std::error_code error;
-    const bool removed = std::filesystem::remove(mOutputs.checkpoint(), error);
-    if (!error) return removed;
+    std::filesystem::remove(mOutputs.checkpoint(), error);
+    if (!error) return;
     throw OutputError(fmt::format("{}: cannot be removed: {}", mOutputs.checkpoint().string(), error.message()));
-}
-
-void RunCheckpoint::discard() const
-{
-    if (!remove()) return;
-    mReporter.warn(
-        fmt::format("{}: removed; with `resume` the run would have gone on from it", mOutputs.checkpoint().string()));
 }
 
 } // namespace vdblic

@@ -31,7 +31,8 @@ class RunCheckpoint {
 
     // Going on from the checkpoint of an interrupted run, in the order of the calls.
 
-    /// Read it, if the parameters ask for that and there is one. @throws InputError, ParameterError
+    /// Read it, if the parameters ask for that and there is one.
+    /// @throws InputError; ParameterError, also if there is one and the parameters say nothing about it
     [[nodiscard]] std::optional<Checkpoint> find();
 
     /// Pass over the frames that the interrupted run finished. @return their outputs
@@ -65,10 +66,8 @@ class RunCheckpoint {
     /// Write a checkpoint of the last step; outputs up to there must be on disk. @throws InputError, OutputError
     void write(const FlowTexture& texture);
 
-    /// Remove it. @return whether there was one. @throws OutputError
-    bool remove() const;
-    /// Remove it at the start of a run that does not go on from it, with a warning. @throws OutputError
-    void discard() const;
+    /// Remove it, if there is one. @throws OutputError
+    void remove() const;
 
   private:
     void addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const;

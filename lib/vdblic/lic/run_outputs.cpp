@@ -3,17 +3,32 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/io/output_pattern.h"
 #include "vdblic/lic/advect_params.h"
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace vdblic {
 
+namespace {
+
+/// Runs over parts of a sequence have checkpoints of their own, so that they can share a folder.
+std::string checkpointName(const AdvectParams& params)
+{
+    if (params.leadIn.value_or(0) == 0 && params.framesBefore == 0) return "checkpoint";
+    const std::int64_t first = selectedFrames(params.input).at(std::size_t(params.leadIn.value_or(0)));
+    return fmt::format("checkpoint.{:04}", first);
+}
+
+} // namespace
+
 RunOutputs::RunOutputs(const AdvectParams& params)
-    : mParams(params), mTextures(params.output), mCheckpoint(mTextures.companion("checkpoint"))
+    : mParams(params), mTextures(params.output), mCheckpoint(mTextures.companion(checkpointName(params)))
 {
 }
 
@@ -31,13 +46,22 @@ std::int64_t RunOutputs::number(std::int64_t frame, int part) const
     return number;
 }
 
-void RunOutputs::check(std::size_t textures) const
+void RunOutputs::check(std::size_t textures)
 {
     if (textures > 0) checkOutputPattern(mTextures, textures);
+    checkOutput(mCheckpoint);
+    if (mParams.input.pattern != "-") {
+        const std::vector<std::int64_t> frames = selectedFrames(mParams.input);
+        for (auto frame = frames.begin() + mParams.leadIn.value_or(0); frame != frames.end(); ++frame) {
+            startAt(*frame);
+            for (int part = 0; part < mParams.scatter.substeps; ++part)
+                checkReplaceable(texture(*frame, part));
+        }
+    }
     if (mParams.json.empty()) return;
     checkNoFrame(mParams.json, mTextures);
     checkDistinct(mParams.json, mCheckpoint);
-    AtomicFile{mParams.json}; // found out now, not after hours
+    checkReport(mParams.json); // found out now, not after hours
 }
 
 void RunOutputs::checkInputs(const FrameFile& velocity) const
@@ -53,6 +77,7 @@ void RunOutputs::checkInputs(const FrameFile& velocity) const
         for (const std::string& reference : references) {
             if (!reference.empty()) inputs.push_back(FramePattern(reference).path(output));
         }
+        checkReplaceable(texture(velocity.frame, part));
         for (const std::filesystem::path& input : inputs) {
             checkNotInput(texture(velocity.frame, part), input);
             checkNotInput(mCheckpoint, input);

@@ -29,10 +29,10 @@ class RunOutputs {
     }
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
 
-    /// Check that all outputs have different names and that the report can be written.
+    /// Check that all outputs have different names and can be written.
     /// @param textures their number, 0 if it is not known
     /// @throws ParameterError, OutputError
-    void check(std::size_t textures) const;
+    void check(std::size_t textures);
 
     /// Check that no texture of a frame and its substeps replaces an input: velocities, masks, and the noise.
     /// @throws ParameterError

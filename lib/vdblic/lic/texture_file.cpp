@@ -3,6 +3,7 @@
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/field/resample.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/lic/advect_params.h"
 #include "vdblic/lic/flow_sequence.h"
 
@@ -44,6 +45,7 @@ openvdb::FloatGrid::Ptr fogVolume(const openvdb::FloatTree::Ptr& tree, const std
 openvdb::MetaMap parameterMetadata(const AdvectParams& params)
 {
     openvdb::MetaMap metadata;
+    metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.textureName));
     metadata.insertMeta("method", openvdb::StringMetadata(std::string(params.methodName())));
     if (params.steady) metadata.insertMeta("kernel", openvdb::StringMetadata(std::string(toString(*params.steady))));
     metadata.insertMeta("life_span", openvdb::Int32Metadata(params.scatter.lifeSpan));
@@ -64,6 +66,7 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
         metadata.insertMeta("finish", openvdb::Int32Metadata(params.finish.taps));
         metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
+        if (params.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(params.leadInFrames()));
     }
     if (params.noise.empty()) {
         metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));

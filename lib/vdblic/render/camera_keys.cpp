@@ -1,5 +1,6 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/render/camera_path.h"
+#include "vdblic/render/json_file.h"
 
 #include <fmt/format.h>
 #include <glm/vec3.hpp>
@@ -7,7 +8,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <string>
 
@@ -81,12 +81,9 @@ CameraKeys parseKeys(const Json& json)
 
 CameraKeys readCameraKeys(const std::filesystem::path& path)
 {
-    std::ifstream stream(path);
-    if (!stream) throw InputError(fmt::format("{}: the camera's key frames cannot be opened", path.string()));
+    const Json file = readJson(path);
     try {
-        return parseKeys(Json::parse(stream));
-    } catch (const Json::parse_error& error) {
-        throw InputError(fmt::format("{}: no valid JSON: {}", path.string(), error.what()));
+        return parseKeys(file);
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     }

@@ -2,12 +2,14 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/output_pattern.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -119,16 +121,16 @@ std::string histogramJson(const TextureHistograms& histograms, const Look& look,
 
 void checkHistogramPath(const std::filesystem::path& path)
 {
-    if (path.extension() == ".json" || path.extension() == ".png") return;
-    throw ParameterError(fmt::format("histogram '{}' must end in .json or .png", path.string()));
+    checkExtension(path, {".json", ".png"});
 }
 
-void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look,
+bool writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look,
                      const ScalarNames& names)
 {
     checkHistogramPath(path);
-    writeTextFile(path, path.extension() == ".json" ? histogramJson(histograms, look, names)
-                                                    : histogramPng(histograms, look, names));
+    return writeReport(path, std::tolower(static_cast<unsigned char>(path.extension().string()[1])) == 'j'
+                                 ? histogramJson(histograms, look, names)
+                                 : histogramPng(histograms, look, names));
 }
 
 } // namespace vdblic

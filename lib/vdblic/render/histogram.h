@@ -54,8 +54,8 @@ struct ScalarNames {
 /// @throws ParameterError unless the file ends in .json or .png
 void checkHistogramPath(const std::filesystem::path& path);
 
-/// Write JSON or PNG, by the file's extension. @throws ParameterError, OutputError
-void writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look,
+/// Write JSON or PNG, by the file's extension, as writeReport() does. @throws ParameterError, OutputError
+bool writeHistograms(const std::filesystem::path& path, const TextureHistograms& histograms, const Look& look,
                      const ScalarNames& names);
 
 } // namespace vdblic

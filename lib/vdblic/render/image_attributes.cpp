@@ -114,9 +114,9 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToCamera = camera.worldToCamera();
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
-    const auto& [input, skipExisting, output, film, framesPerSecond, annotations, histogram, texture, colorBy,
-                 opacityBy, region, solid, stretch, size, scale, samples, cameraParams, motion, lookParams, rays,
-                 background, exr] = params;
+    const auto& [input, skipExisting, keepGoing, output, film, framesPerSecond, annotations, transferOut, histogram,
+                 texture, colorBy, opacityBy, region, solid, stretch, size, scale, samples, cameraParams, motion,
+                 lookParams, rays, background, exr] = params;
     const auto& [transfer, modulation, shading, halo, depthCue, shadows, fading] = look;
     Attributes& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)},

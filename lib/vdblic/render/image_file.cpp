@@ -2,19 +2,20 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/output_pattern.h"
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <string>
 
 namespace vdblic {
 
 ImageFormat imageFormat(const std::filesystem::path& path)
 {
-    const std::string extension = path.extension().string();
-    if (extension == ".exr") return ImageFormat::kExr;
-    if (extension == ".png") return ImageFormat::kPng;
-    throw ParameterError(fmt::format("output '{}' must end in .exr or .png", path.string()));
+    checkExtension(path, {".exr", ".png"});
+    return std::tolower(static_cast<unsigned char>(path.extension().string()[1])) == 'e' ? ImageFormat::kExr
+                                                                                         : ImageFormat::kPng;
 }
 
 void Background::validate() const

@@ -2,6 +2,8 @@
 
 #include "vdblic/core/errors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,6 +31,10 @@ float percentile(std::vector<float>& values, double share)
 std::array<double, 2> rangeOf(std::vector<float> drivers)
 {
     const double low = percentile(drivers, 0.02), high = percentile(drivers, 0.99);
+    if (!(std::max(std::abs(low), std::abs(high)) <= TransferParams::kMostValue)) {
+        throw InputError(
+            fmt::format("the values {} to {} are too large to be shown; choose some with `range`", low, high));
+    }
     // A driver of one value is at the top of the range, or at its bottom if it is 0.
     if (!(low < high)) return {0, high > 0 ? high : 1};
     return {low, high};

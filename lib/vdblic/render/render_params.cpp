@@ -21,7 +21,7 @@ constexpr double kMostStretch = 1e6;
 
 void RenderParams::validate() const
 {
-    if (output.empty() && film.empty() && histogram.empty())
+    if (output.empty() && film.empty() && histogram.empty() && transferOut.empty())
         throw ParameterError("there is nothing to make: give an output");
     if (!film.empty() && std::filesystem::path(film).extension() != ".mp4")
         throw ParameterError(fmt::format("film '{}' must end in .mp4", film));

@@ -21,12 +21,14 @@ namespace vdblic {
 struct RenderParams {
     SequenceParams input;
     bool skipExisting = false;   ///< leave existing outputs as they are
+    bool keepGoing = false;      ///< leave out frames that cannot be read, and fail at the end
     std::string output;          ///< one file or a pattern, .exr or .png; frame numbers are the input's
     std::string film;            ///< .mp4 file of all frames; empty: none
     double framesPerSecond = 24; ///< of the film
     AnnotationParams annotations;
+    std::string transferOut{};         ///< JSON file for the transfer function that the frames are rendered with
     std::string histogram;             ///< file for the histograms, .json or .png; empty: none
-    std::string texture = "density";   ///< grid that holds the texture
+    std::string texture;               ///< grid that holds the texture; empty: by the files' metadata, else `density`
     std::string colorBy = "magnitude"; ///< grid whose values colour
     /// Grid whose values make opaque: the first of these that the sequence has; empty: the one that colours.
     std::vector<std::string> opacityBy{};

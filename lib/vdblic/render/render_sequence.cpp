@@ -4,15 +4,20 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/io/output_pattern.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/render/annotations.h"
 #include "vdblic/render/film_writer.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
 #include "vdblic/render/image_attributes.h"
 #include "vdblic/render/light_grid.h"
+#include "vdblic/render/nothing_seen.h"
+#include "vdblic/render/render_outputs.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/render/solid.h"
 #include "vdblic/render/supersampling.h"
+#include "vdblic/render/transfer_file.h"
 #include "vdblic/render/vector_text.h"
 
 #include <fmt/format.h>
@@ -22,6 +27,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -51,6 +57,8 @@ struct RenderedFrame {
     const Scene* scene = nullptr;
     bool hasColor = true;
     std::size_t unusableVoxels = 0;
+    bool skipped = false;
+    std::string nothingSeen; ///< why the image shows nothing; empty if it shows something
     std::optional<TextureHistograms> histograms;
     std::string film; ///< the picture as displayed
     std::exception_ptr error;
@@ -62,16 +70,15 @@ class SequenceRenderer {
     SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
         : mParams(params), mRays(params.rays), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
     {
-        mRays.clip = params.rays.clip.stretched(params.stretch);
-        const std::string& film = params.film;
-        if (!film.empty() && !params.histogram.empty()) checkDistinct(film, params.histogram);
-        if (!params.output.empty()) {
-            mOutput.emplace(params.output);
-            if (mTotal > 0) checkOutputPattern(*mOutput, mTotal);
-            if (!mParams.histogram.empty()) checkNoFrame(mParams.histogram, *mOutput);
-            if (!film.empty()) checkNoFrame(film, *mOutput);
+        const bool isPiped = params.input.pattern == "-";
+        const std::vector<FrameFile> files = isPiped ? std::vector<FrameFile>{} : selectFrames(params.input);
+        checkRenderOutputs(params, files);
+        for (const FrameFile& file : files) {
+            if (mParams.texture.empty()) mParams.texture = textureName(file.path, mParams.texture);
         }
-        if (!film.empty()) mFilm.emplace(film, params.scaledSize(), params.framesPerSecond);
+        mRays.clip = params.rays.clip.stretched(params.stretch);
+        if (!params.output.empty()) mOutput.emplace(params.output);
+        if (!params.film.empty()) mFilm.emplace(params.film, params.scaledSize(), params.framesPerSecond);
     }
 
     void run()
@@ -81,6 +88,8 @@ class SequenceRenderer {
                 setScene(std::move(found->scene));
                 mOnlyFrame = std::move(found->onlyFrame);
             }
+            if (mScene) tellTransfer();
+            if (!mOutput && !mFilm && mParams.histogram.empty()) return checkScene();
         }
         mReporter.progress(0, mTotal);
         // How many frames fit in memory is known once one has been read.
@@ -92,13 +101,49 @@ class SequenceRenderer {
             mFilm->finish();
             mReporter.finished(mParams.film);
         }
-        if (mParams.histogram.empty()) return;
-        if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
-        writeHistograms(mParams.histogram, *mHistograms, mScene->look, {mParams.colorBy, mScene->opacityBy});
-        mReporter.finished(mParams.histogram);
+        warnOfNothing();
+        if (!mParams.histogram.empty()) writeHistogram();
+        if (mParams.skipExisting) mReporter.say(fmt::format("{} of {} images were there already", mSkipped, mDone));
+        if (mLeftOut == 0) return;
+        throw InputError(fmt::format("{} of {} frames could not be rendered; the warnings name them", mLeftOut, mDone));
     }
 
   private:
+    void writeHistogram()
+    {
+        if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
+        const ScalarNames names{mParams.colorBy, mScene->opacityBy};
+        if (writeHistograms(mParams.histogram, *mHistograms, mScene->look, names))
+            mReporter.finished(mParams.histogram);
+    }
+
+    void checkScene() const
+    {
+        if (!mScene) throw InputError(fmt::format("{}: no frame has an active voxel", mParams.input.pattern));
+    }
+
+    /// What the look was chosen from, and its transfer function.
+    void tellTransfer()
+    {
+        const TransferParams& given = mParams.look.transfer;
+        if (mParams.input.pattern == "-" && (!given.range || given.opacity.empty())) {
+            mReporter.say("range and opacity are chosen from the first frame alone; `transfer` takes them from a file, "
+                          "which `transfer_out` writes for a whole sequence");
+        }
+        if (mParams.transferOut.empty()) return;
+        if (writeTransferFile(mParams.transferOut, mScene->look.transfer.params()))
+            mReporter.finished(mParams.transferOut);
+    }
+
+    void warnOfNothing()
+    {
+        if (!mScene) {
+            if (mLeftOut < mDone) mReporter.warn("no frame has an active voxel; there is nothing to see");
+        } else if ((mOutput || mFilm) && mRendered > 0 && mRendered == mEmptyImages) {
+            mReporter.warn("the images show nothing: " + mNothingSeen);
+        }
+    }
+
     /// @param untilScene end once a frame has an active voxel
     void runPipeline(std::size_t frames, bool untilScene)
     {
@@ -143,8 +188,10 @@ class SequenceRenderer {
             if (!file) return false;
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
             if (mFilm) checkNotInput(mParams.film, file->path);
+            if (mOutput && mParams.input.pattern == "-") checkOutput(mOutput->path(file->frame));
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // standard input named a second path
             task.file = *file;
+            mParams.texture = textureName(file->path, mParams.texture);
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
@@ -152,6 +199,9 @@ class SequenceRenderer {
                     setScene(chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), true, {}));
             }
             if (mScene) task.scene = &*mScene;
+        } catch (const InputError&) {
+            task.error = std::current_exception();
+            mStopped = !mParams.keepGoing;
         } catch (...) {
             task.error = std::current_exception();
             mStopped = true;
@@ -165,8 +215,8 @@ class SequenceRenderer {
     {
         RenderedFrame result{task.file, task.scene};
         result.error = task.error;
-        const bool skipped = mOutput && mParams.skipExisting && isFinished(mOutput->path(task.file.frame));
-        if (result.error || skipped) return result;
+        result.skipped = mOutput && mParams.skipExisting && isFinished(mOutput->path(task.file.frame));
+        if (result.error || result.skipped) return result;
         try {
             // While a thread waits for this frame's tiles, it must not start to wait for the next path.
             tbb::this_task_arena::isolate([&] { render(task, result); });
@@ -201,6 +251,9 @@ class SequenceRenderer {
                                 {.solid = solid.get(),
                                  .solidColor = glm::vec3(linearFromDisplay(mParams.solid.color)),
                                  .light = light ? &*light : nullptr});
+            const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
+            if (std::none_of(image.pixels.begin(), image.pixels.end(), isSeen))
+                result.nothingSeen = whyNothingIsSeen(frame->volume, look, camera, mRays);
             if (mParams.annotations.any()) {
                 const AnnotationContent content{task.scene->box,       mParams.stretch, mParams.colorBy,
                                                 task.scene->opacityBy, task.file.frame, frame->time};
@@ -230,7 +283,7 @@ class SequenceRenderer {
 
     void report(const RenderedFrame& frame)
     {
-        if (frame.error) std::rethrow_exception(frame.error);
+        if (frame.error) return leaveOut(frame);
         const std::string path = frame.file.path.string();
         if (frame.scene && !mDescribed) describe(*frame.scene, frame.file.frame);
         if (!frame.hasColor && !mSaidNoColor) {
@@ -247,13 +300,31 @@ class SequenceRenderer {
             mHistograms->add(*frame.histograms);
         }
         if (mFilm) mFilm->add(frame.film);
+        mSkipped += frame.skipped ? 1 : 0;
+        mRendered += frame.skipped ? 0 : 1;
+        mEmptyImages += frame.nothingSeen.empty() ? 0 : 1;
+        mNothingSeen = frame.nothingSeen;
         if (mOutput) mReporter.finished(mOutput->path(frame.file.frame));
         mReporter.progress(++mDone, mTotal);
+    }
+
+    /// A frame that cannot be read ends the run, or is left out.
+    void leaveOut(const RenderedFrame& frame)
+    {
+        try {
+            std::rethrow_exception(frame.error);
+        } catch (const InputError& error) {
+            if (!mParams.keepGoing) throw;
+            mReporter.warn(fmt::format("{}; the frame is left out", error.what()));
+            ++mLeftOut;
+            mReporter.progress(++mDone, mTotal);
+        }
     }
 
     void describe(const Scene& scene, std::int64_t frame)
     {
         mDescribed = true;
+        if (mParams.input.pattern == "-") tellTransfer();
         const Look& look = scene.look;
         const Camera camera = scene.cameras.at(frame);
         mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, toString(camera.projection()),
@@ -267,7 +338,7 @@ class SequenceRenderer {
                                      scene.frameBytes / 1e6));
     }
 
-    RenderParams mParams;
+    RenderParams mParams; // as given, with the texture's name
     RayCastParams mRays;
     Reporter& mReporter;
     std::size_t mTotal = 0, mTaken = 0, mDone = 0;
@@ -279,6 +350,8 @@ class SequenceRenderer {
     std::optional<TextureHistograms> mHistograms;
     std::atomic<bool> mStopped = false; // take no further frame
     std::exception_ptr mError;
+    std::size_t mSkipped = 0, mLeftOut = 0, mRendered = 0, mEmptyImages = 0;
+    std::string mNothingSeen; // why the last image shows nothing
     mutable std::once_flag mSolidMade;
     mutable std::shared_ptr<const Solid> mSolid;
     bool mDescribed = false, mSaidNoColor = false;

@@ -167,9 +167,13 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     // The look is made from a few frames of the whole sequence. A file that cannot be read is reported at its turn.
     constexpr std::size_t kLookFrames = 4;
     std::vector<LoadedTexture> frames;
-    frames.push_back(loadFrame(params, bounds->firstFilled));
+    try {
+        frames.push_back(loadFrame(params, bounds->firstFilled));
+    } catch (const InputError&) {
+        if (!params.keepGoing) throw;
+    }
     RenderParams rest = params;
-    if (!params.opacityBy.empty()) rest.opacityBy = {frames.front().opacityBy};
+    if (!params.opacityBy.empty() && !frames.empty()) rest.opacityBy = {frames.front().opacityBy};
     for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
         const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
         if (file.frame == bounds->firstFilled.frame) continue;

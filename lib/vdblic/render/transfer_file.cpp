@@ -1,6 +1,8 @@
 #include "vdblic/render/transfer_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/render/json_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -75,10 +76,8 @@ void readKey(const std::string& key, const Json& value, TransferParams& params)
 
 void readTransferFile(const std::filesystem::path& path, TransferParams& params)
 {
-    std::ifstream stream(path);
-    if (!stream) throw InputError(fmt::format("{}: cannot be read", path.string()));
+    const Json file = readJson(path);
     try {
-        const Json file = Json::parse(stream);
         if (!file.is_object()) throw ParameterError("it must be an object, {\"opacity\": ...}");
         if (file.contains("colormap") && file.contains("colors")) {
             throw ParameterError("'colormap' and 'colors' exclude each other");
@@ -86,11 +85,23 @@ void readTransferFile(const std::filesystem::path& path, TransferParams& params)
         for (const auto& [key, value] : file.items())
             readKey(key, value, params);
         params.validate();
-    } catch (const Json::exception& error) {
-        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     } catch (const ParameterError& error) {
         throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     }
+}
+
+bool writeTransferFile(const std::filesystem::path& path, const TransferParams& params)
+{
+    Json file = {{"range", params.range.value()}};
+    if (params.colors.empty()) file["colormap"] = params.colorMap;
+    for (const auto& [position, color] : params.colors)
+        file["colors"].push_back({position, color[0], color[1], color[2]});
+    for (const auto& [position, opacity] : params.opacity)
+        file["opacity"].push_back({position, opacity});
+    if (!params.unit.empty()) file["unit"] = params.unit;
+    if (params.opacityRange) file["opacity_range"] = *params.opacityRange;
+    if (!params.opacityUnit.empty()) file["opacity_unit"] = params.opacityUnit;
+    return writeReport(path, file.dump(2) + '\n');
 }
 
 } // namespace vdblic

@@ -20,4 +20,8 @@ namespace vdblic {
 /// @throws InputError naming the file and the error
 void readTransferFile(const std::filesystem::path& path, TransferParams& params);
 
+/// Write all keys of a transfer function, as writeReport() does. @param params with range and opacity
+/// @throws OutputError
+bool writeTransferFile(const std::filesystem::path& path, const TransferParams& params);
+
 } // namespace vdblic

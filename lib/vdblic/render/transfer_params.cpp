@@ -26,7 +26,7 @@ double parseNumber(std::string_view text, std::string_view all)
 void checkRange(const std::array<double, 2>& range)
 {
     const auto& [low, high] = range;
-    constexpr double kMost = 1e30; // scalars are kept in single precision
+    constexpr double kMost = TransferParams::kMostValue;
     if (!(std::abs(low) <= kMost) || !(std::abs(high) <= kMost) || !(low < high)) {
         throw ParameterError(fmt::format("range {} to {} must be two rising numbers of at most {}", low, high, kMost));
     }

@@ -23,6 +23,8 @@ struct OpacityPoint {
 
 /// How scalars that grids beside the texture hold become colour and opacity. One scalar may do both.
 struct TransferParams {
+    static constexpr double kMostValue = 1e30; ///< of the scalars, which are kept in single precision
+
     std::string colorMap = "ember";
     std::vector<ColorPoint> colors{}; ///< by rising position, in place of the colour map
     /// Opacity of one voxel of full texture, by rising position; empty: chosen from the frames.

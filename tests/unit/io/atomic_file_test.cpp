@@ -241,7 +241,8 @@ TEST(AtomicFile, RefusesFoldersThatAreMissingOrInTheWay)
     const fs::path file = folder.add("file");
     EXPECT_THROW(AtomicFile(folder / "none/out.vdb"), OutputError);
     EXPECT_THROW(AtomicFile(file / "out.vdb"), OutputError);
-    EXPECT_THROW(AtomicFile{folder.path()}, OutputError);
+    EXPECT_THROW(AtomicFile{folder.path()}, ParameterError);
+    EXPECT_THROW(AtomicFile{"/dev/null"}, ParameterError);
     EXPECT_THROW(AtomicFile(fs::path("/proc/out.vdb")), OutputError);
 }
 

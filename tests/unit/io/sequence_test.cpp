@@ -2,6 +2,7 @@
 
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/io/output_pattern.h"
 
 #include <gtest/gtest.h>
 
@@ -158,7 +159,10 @@ TEST(SelectFrames, TakesOneFile)
     EXPECT_EQ(selectFrames({plain, ""})[0].path, plain);
     expectContains(messageOf<ParameterError>([&] { (void)selectFrames({plain, "1-3"}); }), "`frames`");
     expectContains(messageOf<InputError>([&] { (void)selectFrames({plain + "x", ""}); }), "smoke.vdbx");
-    EXPECT_THROW((void)selectFrames({folder.path().string(), ""}), InputError);
+    expectContains(messageOf<ParameterError>([&] {
+                       (void)selectFrames({folder.path().string(), ""});
+                   }),
+                   "it is a folder");
 }
 
 TEST(OpenSequence, ReadsPathsFromAStream)
@@ -166,18 +170,30 @@ TEST(OpenSequence, ReadsPathsFromAStream)
     const TemporaryFolder folder;
     const std::string a = folder.add("a.0007.vdb").string(), b = folder.add("b.vdb").string();
     const std::string c = folder.add("c.3.vdb").string();
-    std::istringstream lines(a + "\n\n" + b + "\n" + c + "\n" + b);
+    std::istringstream lines(a + "\n\n" + c);
     std::size_t count = 99;
     const FrameSource next = openSequence({"-", ""}, lines, count);
     EXPECT_EQ(count, 0u);
-    // A name without a number gets its predecessor's number plus one.
-    for (const auto& [frame, path] : {std::pair(7, a), std::pair(8, b), std::pair(3, c), std::pair(4, b)}) {
+    for (const auto& [frame, path] : {std::pair(7, a), std::pair(3, c)}) {
         const std::optional<FrameFile> file = next();
         ASSERT_TRUE(file);
         EXPECT_EQ(file->frame, frame);
         EXPECT_EQ(file->path, path);
     }
     EXPECT_FALSE(next());
+
+    for (const std::string& second : {b, a}) { // no number, and the same number
+        std::istringstream unusable(a + "\r\n" + second + "\r\n");
+        const FrameSource source = openSequence({"-", ""}, unusable, count);
+        EXPECT_EQ(source()->frame, 7);
+        EXPECT_THROW((void)source(), InputError);
+        std::istringstream again(a + '\0' + second + '\0');
+        const FrameSource numbered = openSequence({"-", "", false, -1}, again, count);
+        for (const int frame : {-1, 0})
+            EXPECT_EQ(numbered()->frame, frame);
+        EXPECT_FALSE(numbered());
+    }
+    EXPECT_THROW((void)openSequence({c, "", false, 1}, lines, count), ParameterError);
 
     std::istringstream missing(a + "\n" + (folder / "none.vdb").string() + "\n");
     const FrameSource broken = openSequence({"-", ""}, missing, count);
@@ -227,7 +243,8 @@ TEST(FrameOfName, ReadsTheNumberAtTheEnd)
     EXPECT_EQ(frameOfName("-12.vdb"), -12);
     EXPECT_EQ(frameOfName("sim-12.vdb"), 12);
     EXPECT_EQ(frameOfName("v.999999999999.vdb"), 999999999999);
-    for (const char* name : {"v.vdb", "v12x.vdb", "12/v.vdb", "", "v.1234567890123.vdb", "v.-.vdb"}) {
+    for (const char* name : {"v.vdb", "v12x.vdb", "12/v.vdb", "", "v.1234567890123.vdb", "v.-.vdb",
+                             "wrfout_d01_2005-08-28_00:00:00", "era5_2005-08-28.vdb", "a_2005-8-1.vdb", "12:30.vdb"}) {
         EXPECT_EQ(frameOfName(name), std::nullopt) << name;
     }
 }

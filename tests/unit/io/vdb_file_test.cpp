@@ -228,7 +228,7 @@ TEST(VdbFile, SaysWhenTheFolderIsMissingOrInTheWay)
 {
     const TemporaryFolder folder;
     EXPECT_THROW(writeVdb(folder / "none/a.vdb", {someGrid("density", 4)}, {}), OutputError);
-    EXPECT_THROW(writeVdb(folder.path(), {someGrid("density", 4)}, {}), OutputError);
+    EXPECT_THROW(writeVdb(folder.path(), {someGrid("density", 4)}, {}), ParameterError);
     EXPECT_TRUE(folder.empty());
 }
 

@@ -133,6 +133,7 @@ TEST(VdbLayout, SaysWhatIsWrong)
     const std::size_t offsets = name + 4 + 4 + 4 + layout.grids[1].type.size() + 4; // after name, type, instance
     EXPECT_NE(complaint(with(bytes, offsets + 8, std::int64_t(bytes.size()) + 1)).find("do not lie in order"),
               std::string::npos);
+    EXPECT_NE(complaint(bytes.substr(0, bytes.size() - 1)).find("it is truncated"), std::string::npos);
     EXPECT_NE(complaint(with(bytes, offsets, std::int64_t(-1))).find("of grid 'flow'"), std::string::npos);
     std::string frustum = bytes;
     frustum[frustum.find("NonlinearFrustumMap")] = 'M';

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 
 #include <string>
@@ -41,7 +42,10 @@ TEST(RunOutputs, CountSubstepsFromTheFirstFrame)
 TEST(RunOutputs, MustDiffer)
 {
     const TemporaryFolder folder;
+    for (const char* name : {"v.0001.vdb", "v.0002.vdb"})
+        folder.add(name);
     AdvectParams params;
+    params.input.pattern = (folder / "v.%04d.vdb").string();
     params.output = (folder / "lic.%04d.vdb").string();
     const auto check = [&](const std::string& report) {
         params.json = report.empty() ? "" : (folder / report).string();
@@ -52,7 +56,10 @@ TEST(RunOutputs, MustDiffer)
     EXPECT_THROW(check("lic.0009.vdb"), ParameterError);
     EXPECT_THROW(check("checkpoint.lic.vdb"), ParameterError);
     EXPECT_THROW(check("none/report.json"), OutputError);
+    std::filesystem::create_directory(folder / "lic.0002.vdb");
+    EXPECT_THROW(check(""), ParameterError);
     params = {};
+    params.input.pattern = (folder / "v.0001.vdb").string();
     params.output = (folder / "lic.vdb").string();
     EXPECT_NO_THROW(RunOutputs(params).check(1));
     EXPECT_THROW(RunOutputs(params).check(2), ParameterError);

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace vdblic {
+
+/// A pattern for files on disk called PREFIX, digits, SUFFIX; empty if there are none.
+[[nodiscard]] std::string likelyPattern(const std::filesystem::path& folder, const std::string& prefix,
+                                        const std::string& suffix);
+
+/// What is probably meant by a file name that has no frame field but looks as if it were to have one, such as
+/// `v.*.vdb`, `v.%4d.vdb` or a folder's name; empty if there is nothing to advise.
+[[nodiscard]] std::string patternAdvice(const std::filesystem::path& pattern);
+
+} // namespace vdblic

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "vdblic/core/reporter.h"
+#include "vdblic/field/velocity_frame.h"
+#include "vdblic/io/sequence.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+/// Which sequence to inspect, and how its velocity is understood.
+struct SequenceInfoParams {
+    SequenceParams input;
+    VelocityParams velocity;
+    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
+    bool values = false;                ///< read the voxels too, not only the headers
+
+    void validate() const; ///< @throws ParameterError
+};
+
+/// The values of a grid over all frames, those of vectors by their lengths.
+struct ValueInfo {
+    double low, high;
+    std::uint64_t notFinite = 0; ///< voxels
+};
+
+/// A grid over the frames of a sequence.
+struct GridInfo {
+    std::string name, type, gridClass;
+    std::size_t files = 0;                         ///< that hold it
+    std::uint64_t leastVoxels = 0, mostVoxels = 0; ///< active ones in a file, as its writer stored them
+    std::uint64_t mostMemory = 0;                  ///< bytes of its tree in memory, the same
+    openvdb::CoordBBox box{};                      ///< of the active voxels of all files, the same
+    openvdb::math::Transform::Ptr transform{};     ///< in the first file
+    bool transformChanges = false;
+    std::optional<ValueInfo> values{};
+};
+
+/// Displacements in a step [voxels], over all frames.
+struct MotionInfo {
+    double largest = 0, mean = 0;
+    std::int64_t frame = 0;                ///< of the largest
+    std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": those that would move the flow by 0.1 to 16 voxels
+};
+
+/// How vdblic_advect would understand and compute the sequence's velocity.
+struct VelocityInfo {
+    std::string grid;
+    VelocityUnit unit = VelocityUnit::kWorldPerSecond;
+    double scale = 1;
+    double interval = 0;                ///< seconds between frames
+    std::string intervalSource;         ///< "by the files' times"
+    std::uint64_t voxels = 0;           ///< in the largest frame
+    double memory = 0, seconds = 0;     ///< estimates: bytes, and seconds of processor time
+    std::optional<MotionInfo> motion{}; ///< from the values
+};
+
+/// What is known of a sequence before anything is computed.
+struct SequenceInfo {
+    std::string pattern, creator;
+    std::vector<std::int64_t> frames, missing; ///< on disk; in the gaps between them, or of those asked for
+    std::uint64_t bytes = 0;
+    std::size_t withChecksums = 0;
+    std::vector<std::string> damaged; ///< why files cannot be read
+    std::vector<GridInfo> grids;
+    std::optional<VelocityInfo> velocity;
+    std::vector<std::string> advice;
+};
+
+/// Inspect a sequence. Files that cannot be read are counted, not errors.
+/// @throws ParameterError; InputError if there is no file; Stopped
+[[nodiscard]] SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& reporter);
+
+/// The report, in lines.
+[[nodiscard]] std::vector<std::string> infoLines(const SequenceInfo& info);
+/// The report of several sequences as JSON with two spaces of indentation.
+[[nodiscard]] std::string toJson(const std::vector<SequenceInfo>& sequences);
+
+} // namespace vdblic

@@ -1,0 +1,71 @@
+#include "vdblic/render/nothing_seen.h"
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+/// Whether all corners lie outside of one side of the picture, or behind the eye.
+bool isBesidePicture(const Corners& box, const Camera& camera)
+{
+    const bool perspective = camera.projection() == Projection::kPerspective;
+    const auto allAre = [&](const auto& outside) {
+        return std::all_of(box.begin(), box.end(), [&](const glm::dvec3& corner) {
+            const glm::dvec4 at = camera.worldToCamera() * glm::dvec4(corner, 1);
+            return outside(at, camera.halfExtent() * (perspective ? at.z : 1.0));
+        });
+    };
+    using Vec2 = glm::dvec2;
+    using Vec4 = glm::dvec4;
+    return allAre([](const Vec4& at, const Vec2&) { return at.z <= 0; }) ||
+           allAre([](const Vec4& at, const Vec2& edge) { return at.x > edge.x; }) ||
+           allAre([](const Vec4& at, const Vec2& edge) { return at.x < -edge.x; }) ||
+           allAre([](const Vec4& at, const Vec2& edge) { return at.y > edge.y; }) ||
+           allAre([](const Vec4& at, const Vec2& edge) { return at.y < -edge.y; });
+}
+
+std::string textOf(const glm::dvec3& v)
+{
+    return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
+}
+
+bool isCutAway(const Corners& box, const std::vector<ClipPlane>& planes)
+{
+    return std::any_of(planes.begin(), planes.end(), [&](const ClipPlane& plane) {
+        return std::all_of(box.begin(), box.end(),
+                           [&](const glm::dvec3& corner) { return glm::dot(corner - plane.point, plane.normal) < 0; });
+    });
+}
+
+} // namespace
+
+std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, const Camera& camera,
+                             const RayCastParams& rays)
+{
+    const TextureVolume::Samples samples = volume.samples();
+    if (samples.driver.empty()) return "no active voxel is left to show; check the grid and `roi`";
+    const Corners box = volume.corners();
+    if (isCutAway(box, rays.clip.allPlanes())) {
+        return fmt::format("`clip_box` or `clip_plane` cut everything away, which lies from {} to {}",
+                           textOf(box.front()), textOf(box.back()));
+    }
+    if (isBesidePicture(box, camera)) {
+        return fmt::format("the camera at {} looks at {} and sees nothing of what lies from {} to {}; change `eye` and "
+                           "`target`, or leave them out",
+                           textOf(camera.eye()), textOf(camera.target()), textOf(box.front()), textOf(box.back()));
+    }
+    const auto [low, high] = std::minmax_element(samples.driver.begin(), samples.driver.end());
+    const auto& range = look.transfer.opacityRange();
+    if (*high < range[0] || *low > range[1]) {
+        return fmt::format("the values, {:.6g} to {:.6g}, lie outside of `{}` {:.6g} to {:.6g}", *low, *high,
+                           range == look.transfer.range() ? "range" : "opacity_range", range[0], range[1]);
+    }
+    return "every sample is transparent; raise `opacity`";
+}
+
+} // namespace vdblic

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "vdblic/render/camera.h"
+#include "vdblic/render/look.h"
+#include "vdblic/render/render_params.h"
+#include "vdblic/render/texture_volume.h"
+
+#include <string>
+
+namespace vdblic {
+
+/// Why the picture of a volume is empty, with the remedy, for messages.
+/// @param rays with the cuts in the volume's space
+[[nodiscard]] std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, const Camera& camera,
+                                           const RayCastParams& rays);
+
+} // namespace vdblic

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "vdblic/io/sequence.h"
+
+#include <vector>
+
+namespace vdblic {
+
+struct RenderParams;
+
+/// Check, before any work, that the outputs of a run can be written, differ from each other and replace no input.
+/// @param files of the input; empty if they come on standard input
+/// @throws ParameterError, OutputError
+void checkRenderOutputs(const RenderParams& params, const std::vector<FrameFile>& files);
+
+} // namespace vdblic

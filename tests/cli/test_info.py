@@ -1,0 +1,121 @@
+"""vdblic_info: what a sequence holds, and what it advises."""
+
+import json
+import time
+import unittest
+
+import numpy
+import pyopenvdb as vdb
+
+from support import ToolTest
+
+
+class Info(ToolTest):
+    def write(self, frame, velocity, size=0.5, **metadata):
+        grid = vdb.Vec3SGrid()
+        grid.name = "velocity"
+        grid.copyFromArray(numpy.ascontiguousarray(velocity, numpy.float32), tolerance=(-1, -1, -1))
+        grid.transform = vdb.createLinearTransform(size)
+        for key, value in metadata.items():
+            grid[key] = value
+        vdb.write(str(self.folder / f"v.{frame:04}.vdb"), grid)
+
+    def constant(self, speed, size=(16, 16, 16)):
+        return numpy.full((*size, 3), (speed, 0.0, 0.0))
+
+    def info(self, *arguments):
+        """The report of one sequence as JSON, and as text."""
+        done = self.run_tool("vdblic_info", *arguments, "--json", "info.json")
+        self.assertEqual((done.returncode, done.stdout), (0, "info.json\n"), done.stderr)
+        sequence, = json.loads((self.folder / "info.json").read_text())["sequences"]
+        return sequence, done.stderr
+
+    def test_known_sequence(self):
+        for frame in 1, 2, 3, 5, 6:
+            self.write(frame, self.constant(frame), time=frame * 0.25)
+        info, text = self.info("v.%04d.vdb", "--values")
+        self.assertEqual((info["frames"], info["missing"], info["damaged"]), ([1, 2, 3, 5, 6], [4], []))
+        self.assertEqual(info["bytes"], sum(path.stat().st_size for path in self.folder.glob("v.*")))
+        grid, = info["grids"]
+        expected = {"name": "velocity", "type": "vec3s", "files": 5, "least_voxels": 4096, "most_voxels": 4096,
+                    "box": [[0, 0, 0], [15, 15, 15]], "voxel_size": [0.5, 0.5, 0.5], "low": 1.0, "high": 6.0,
+                    "not_finite": 0, "transform_changes": False}
+        self.assertEqual({key: grid[key] for key in expected}, expected)
+        velocity = info["velocity"]
+        expected = {"grid": "velocity", "unit": "world/s", "scale": 1.0, "interval": 0.25,
+                    "interval_source": "by the files' times", "largest_displacement_frame": 6}
+        self.assertEqual({key: velocity[key] for key in expected}, expected)
+        self.assertAlmostEqual(velocity["largest_displacement"], 6 * 0.25 / 0.5, places=5)
+        self.assertAlmostEqual(velocity["mean_displacement"], 17 / 5 * 0.25 / 0.5, places=5)
+        self.assertIn("v.%04d.vdb: 5 frames, 1-3,5-6; ", text)
+        self.assertIn("frames 4 are missing; --frames 1-3,5-6 selects the others", info["advice"])
+        self.assertIn("4096 voxels are few for streaks: --refine 4", " ".join(info["advice"]))
+
+    def test_headers_alone(self):
+        self.write(1, self.constant(1), dt=0.1)
+        info, text = self.info("v.0001.vdb")
+        self.assertNotIn("low", info["grids"][0])
+        self.assertNotIn("largest_displacement", info["velocity"])
+        self.assertEqual((info["velocity"]["interval"], info["velocity"]["interval_source"]), (0.1, "by the files' dt"))
+        self.assertRegex(text, r"vdblic_advect takes about .* MiB of memory and .* s of processor time")
+        for options, source in ((("--dt", 2), "as given"), (("--fps", 8), "as given")):
+            self.assertEqual(self.info("v.0001.vdb", *options)[0]["velocity"]["interval_source"], source)
+
+    def test_advice(self):
+        self.write(1, self.constant(200, (70, 70, 4)), dt=0.1)
+        advice = " ".join(self.info("v.0001.vdb", "--values")[0]["advice"])
+        self.assertIn("the flow moves up to 40 voxels a step: check --velocity-unit", advice)
+        self.assertIn("or give --substeps 3 for steps of at most 16 voxels", advice)
+        self.assertIn("the domain is flat, 35 x 35 x 2: vdblic_render shows it better with --stretch 1 1 4", advice)
+        self.write(1, self.constant(0.001), dt=0.1)
+        self.assertIn("textures need motion", " ".join(self.info("v.0001.vdb", "--values")[0]["advice"]))
+        self.write(1, self.constant(8, (64, 64, 64)), dt=0.1)
+        self.assertEqual(self.info("v.0001.vdb", "--values")[0]["advice"], [])
+        broken = self.constant(8, (64, 64, 64))
+        broken[3, 4, 5, 0] = numpy.nan
+        self.write(1, broken, dt=0.1)
+        self.write(2, self.constant(8, (64, 64, 64)), size=0.25, dt=0.1)
+        info, _ = self.info("v.%04d.vdb", "--values")
+        self.assertEqual(info["grids"][0]["not_finite"], 1)
+        self.assertIn("1 values of grid 'velocity' are not finite: mend them, or give --nonfinite zero", info["advice"])
+        self.assertIn("the transform of grid 'velocity' changes between frames", " ".join(info["advice"]))
+
+    def test_damaged_files_are_named(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 16, 16, 16, "--frames", "1-4")
+        self.assertEqual(self.info("v.%04d.vdb")[0]["with_checksums"], 4)
+        data = bytearray(self.contents("v.0002.vdb"))
+        data[-20] ^= 4
+        (self.folder / "v.0002.vdb").write_bytes(data)
+        (self.folder / "v.0003.vdb").write_bytes(self.contents("v.0003.vdb")[:2000])
+        info, text = self.info("v.%04d.vdb")
+        self.assertEqual(len(info["damaged"]), 1)
+        self.assertRegex(info["damaged"][0], "v.0003.vdb: .*it is truncated")
+        info, text = self.info("v.%04d.vdb", "--values")
+        self.assertEqual(len(info["damaged"]), 2)
+        self.assertIn("damaged: v.0002.vdb: cannot be read as a .vdb file: grid 'velocity' is damaged", text)
+
+    def test_several_sequences_and_textures(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 16, 16, 16, "--frames", "1-2")
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb")
+        done = self.run_tool("vdblic_info", "v.%04d.vdb", "lic.%04d.vdb", "--json", "/dev/stdout")
+        velocity, texture = json.loads(done.stdout)["sequences"]
+        self.assertIn("velocity", velocity)
+        self.assertNotIn("velocity", texture)
+        self.assertEqual([grid["name"] for grid in texture["grids"]], ["density", "magnitude"])
+        self.assertTrue(texture["creator"].startswith("VDBLIC"))
+        self.assertIn("no file matches", self.fails(3, "vdblic_info", "none.%04d.vdb"))
+        self.assertIn("cannot be inspected", self.fails(2, "vdblic_info", "-"))
+
+    def test_a_thousand_files_in_seconds(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.0001.vdb", "--size", 32, 32, 32, "--frames", "1")
+        data = self.contents("v.0001.vdb")
+        for frame in range(2, 1001):
+            (self.folder / f"v.{frame:04}.vdb").write_bytes(data)
+        started = time.monotonic()
+        info, _ = self.info("v.%04d.vdb")
+        self.assertLess(time.monotonic() - started, 5)
+        self.assertEqual(len(info["frames"]), 1000)
+
+
+if __name__ == "__main__":
+    unittest.main()

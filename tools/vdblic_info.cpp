@@ -1,0 +1,55 @@
+#include "cli/option_names.h"
+#include "cli/tool.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/lic/sequence_info.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+int main(int argc, char** argv)
+{
+    using namespace vdblic;
+    SequenceInfoParams params;
+    std::vector<std::string> patterns;
+    std::string unit, json;
+    std::optional<double> fps;
+
+    cli::Tool tool("vdblic_info", "Tell what a sequence holds, and what its texture will need.");
+    CLI::App& app = tool.app();
+    app.add_option("SEQUENCE", patterns, "Files or patterns: name.%04d.vdb, also ####, @@@@, $F4, <F4>.")->required();
+    app.add_option("--frames", params.input.frames,
+                   "Frames to look at: 1-100, 1-100x2 or 1,5,9-20; every one by default.");
+    app.add_flag("--values", params.values,
+                 "Read the voxels too: their range, those that are not finite, displacements, checksums.");
+    tool.option("--velocity", params.velocity.grid, "Name of the velocity grid, or of three scalar grids.");
+    tool.option("--velocity-unit", unit,
+                "world/s, world/frame, voxel/s or voxel/frame; world/s unless the file is known.");
+    tool.option("--velocity-scale", params.velocity.scale, "Factor on the velocities.");
+    auto* dt = tool.option("--dt", params.frameSpacing,
+                           "Seconds between the frames on disk; from the files' metadata by default, else 1/24.");
+    tool.option("--fps", fps, "Frames per second, instead of --dt.")->excludes(dt);
+    app.add_option("--json", json, "File to write the report to.");
+    app.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
+               "The report goes to standard error; the path of each finished output is printed on standard output.");
+
+    return tool.run(argc, argv, [&](Reporter& reporter) {
+        if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
+        if (fps) params.frameSpacing = 1 / *fps;
+        for (const std::string& pattern : patterns) {
+            if (!json.empty()) checkNotInput(json, pattern);
+        }
+        if (!json.empty()) checkReport(json);
+        std::vector<SequenceInfo> sequences;
+        for (const std::string& pattern : patterns) {
+            params.input.pattern = pattern;
+            SequenceInfo info = inspectSequence(params, reporter);
+            for (std::string& advice : info.advice)
+                advice = cli::withOptionNames(advice, "vdblic_advect");
+            for (const std::string& line : infoLines(info))
+                reporter.say(line);
+            sequences.push_back(std::move(info));
+        }
+        if (!json.empty() && writeReport(json, toJson(sequences))) reporter.finished(json);
+    });
+}
