@@ -50,7 +50,7 @@ int main(int argc, char** argv)
     tool.inputSequence("VELOCITY", params.input, "Velocity sequence.");
     tool.output(params.output, "Texture files, such as lic.%04d.vdb.");
     tool.option("--method", method,
-                "auflic: accelerated UFLIC; uflic: a seed for every voxel and step; lic: each frame on its own.");
+                "auflic: accelerated UFLIC; uflic: a seed for every voxel and frame; lic: each frame on its own.");
     tool.option("--kernel", kernel, "lic: weights along a streamline, hann or box.");
     tool.option("--life", params.scatter.lifeSpan, "Life span of a seed, with lic the length of the kernel [frames].");
     tool.option("--velocity", params.velocity.grid, "Name of the velocity grid, or of three scalar grids.");
@@ -94,15 +94,16 @@ int main(int argc, char** argv)
         "Frames on disk before those of --frames that are computed but not written, in place of the preroll; by "
         "default up to twice the life span, 0 with lic.");
     tool.option("--release-window", params.scatter.releaseWindow,
-                "auflic: part of a step in which a pathline takes up seeds, above 0, at most 1.");
+                "auflic: part of a frame in which a pathline takes up seeds, above 0, at most 1.");
     tool.option("--sample-spacing", params.scatter.pathline.sampleSpacing,
                 "Distance of deposits on a pathline [voxels].");
     tool.option("--tolerance", params.scatter.pathline.tolerance, "Largest error of an integration step [voxels].");
     tool.option("--sharpen", params.feedback.sharpen, "Strength of the high-pass filter between steps.");
     tool.option("--jitter", jitter, "How noise is mixed in between steps: mix or bits.");
     tool.option("--noise-share", params.feedback.noiseShare, "Share of the noise with --jitter mix, 0 to 1.");
-    tool.option("--finish", params.finish.taps,
-                "Voxels to each side along the flow that the written texture is a mean of, 0 to 4; 0 for none.");
+    tool.option(
+        "--finish", params.finish.taps,
+        "uflic, auflic: voxels to each side along the flow that the written texture is a mean of, 0 to 4; 0 for none.");
     tool.option("--texture-name", params.textureName, "Name of the texture grid.");
     tool.option("--scalars", scalars, "Voxels of magnitude and the other float grids: velocity or texture.");
     tool.option("--precision", precision, "Numbers of texture and scalars in the files: half or float.");

@@ -212,7 +212,7 @@ class Resume(ToolTest):
             self.assertEqual(self.files(), [CHECKPOINT] + [f"lic.{k:04}.vdb" for k in range(1, done + 1)])
             self.assertLess(done, FRAMES)
             messages = self.finish(expected, self.flow())
-            self.assertIn(f"{CHECKPOINT}: {done} frames are done", messages)
+            self.assertIn(f"{CHECKPOINT}: {done} textures are done", messages)
             self.clear()
 
     def test_a_kill_during_preroll(self):
@@ -246,7 +246,7 @@ class Resume(ToolTest):
         self.assertIn("w.0009.vdb", messages)
         self.assertEqual(self.files(), [CHECKPOINT] + [f"lic.{k:04}.vdb" for k in range(1, 8)])
         broken.write_bytes(good)
-        self.assertIn("7 frames are done", self.finish(self.whole(self.flow()), self.shared / "w.%04d.vdb"))
+        self.assertIn("7 textures are done", self.finish(self.whole(self.flow()), self.shared / "w.%04d.vdb"))
 
     def test_a_checkpoint_that_cannot_be_written(self):
         self.interrupted(self.flow(), "--checkpoint-every", 3)
@@ -440,7 +440,7 @@ class Resume(ToolTest):
                 self.assertEqual(self.files(), kept + sorted(path.name for path in whole.iterdir()))
                 for path in whole.iterdir():
                     self.assertEqual(self.contents(path.name), path.read_bytes(), (path.name, frames, options))
-            self.assertRegex(messages, r"checkpoint.lic.vdb: (8|24) frames are done")
+            self.assertRegex(messages, r"checkpoint.lic.vdb: (8|24) textures are done")
             self.finish(whole, self.flow(), *options)
             self.clear()
 
@@ -460,7 +460,7 @@ class Resume(ToolTest):
                 changed = ("--lead-in", 2, *options[2:]) if options[:1] == ("--lead-in",) else (*options, "--lead-in", 2)
                 self.assertIn("--lead-in 2", self.refused(2, self.flow(), *changed, "-q", frames="21-30"))
                 messages = self.start(self.flow(), *options, "--resume", frames="21-30").communicate(timeout=60)[1]
-                self.assertIn("frames are done", messages)
+                self.assertIn("textures are done", messages)
                 self.assertEqual(set(self.files()) - set(first), {path.name for path in whole.iterdir()})
                 for path in whole.iterdir():
                     self.assertEqual(self.contents(path.name), path.read_bytes())

@@ -97,7 +97,7 @@ void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, 
     } catch (const InputError& error) {
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
     }
-    mReporter.say(fmt::format("{}: {} frames are done", mOutputs.checkpoint().string(), finished.size()));
+    mReporter.say(fmt::format("{}: {} textures are done", mOutputs.checkpoint().string(), finished.size()));
 }
 
 void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::string& stamp)

@@ -17,7 +17,7 @@ void ScatterParams::validate() const
         throw ParameterError(fmt::format("substeps {} must lie between 1 and {}", substeps, kMaxSubsteps));
     }
     if (!(releaseWindow > 0 && releaseWindow <= 1)) {
-        throw ParameterError(fmt::format("release window {} must be above 0 and at most 1 step", releaseWindow));
+        throw ParameterError(fmt::format("release window {} must be above 0 and at most 1 frame", releaseWindow));
     }
     pathline.validate();
 }
