@@ -62,11 +62,9 @@ class Surroundings {
                      fz = position.z - __builtin_convertvector(z, Float8);
         Float4 faces[8];
         for (int lane = 0; lane < 8; ++lane) {
-            const float* low = &mValues[std::size_t(corners[lane])];
-            const float* high = low + kDim * kDim;
-            const Float4 first = {low[0], low[1], low[kDim], low[kDim + 1]},
-                         second = {high[0], high[1], high[kDim], high[kDim + 1]};
-            faces[lane] = first + (second - first) * fx[lane];
+            const float* corner = &mValues[std::size_t(corners[lane])];
+            const Float4 low = face(corner), high = face(corner + std::ptrdiff_t(kDim) * kDim);
+            faces[lane] = low + (high - low) * fx[lane];
         }
         Float8 columns[4];
         transpose(faces, columns);
@@ -76,6 +74,14 @@ class Surroundings {
     }
 
   private:
+    /// The four numbers of a cell's face across x.
+    [[nodiscard]] VDBLIC_INLINE static Float4 face(const float* corner)
+    {
+        Float2 near, far;
+        __builtin_memcpy(&near, corner, sizeof near);
+        __builtin_memcpy(&far, corner + kDim, sizeof far);
+        return __builtin_shufflevector(near, far, 0, 1, 2, 3);
+    }
     [[nodiscard]] static constexpr int index(int x, int y, int z)
     {
         return ((x + kRim) * kDim + y + kRim) * kDim + z + kRim;
