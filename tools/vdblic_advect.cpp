@@ -118,7 +118,7 @@ int main(int argc, char** argv)
     tool.app().add_flag("--keep-checkpoint", params.keepCheckpoint,
                         "Leave a checkpoint when all is done: --resume with more frames then goes on after the last.");
     tool.option("--checkpoint-every", params.checkpointEvery,
-                "Frames between checkpoints, 0 for none; by default one about every half minute.");
+                "Steps between checkpoints, 0 for none; by default one about every half minute.");
 
     tool.verifies([&] { return std::vector<SequenceParams>{params.input}; });
     cli::JoinedNumbers arguments(argc, argv, "--refine");

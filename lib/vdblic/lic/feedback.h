@@ -14,9 +14,10 @@ namespace vdblic {
 /// input of a voxel therefore is the sharpened texture half a step upstream. Fed back without that shift, features
 /// would lag behind the flow (docs/algorithm.md).
 ///
-/// A voxel that is new in the next domain takes the original noise. Fluid that enters the domain brings noise that is
-/// new in every step; a voxel takes it as often as its fluid was outside a step ago. Near an inlet nothing else flows
-/// in: fed back alone, a voxel's own values would freeze into streaks as long as the domain.
+/// A voxel that is new in the next domain takes the original noise. Fluid that enters the domain brings the noise of
+/// the place and time of its entry (NoiseField::entering()), so that streaks enter without cuts. A voxel takes this
+/// noise as often as its fluid was outside a step ago. Near a slow inlet nothing else flows in: fed back alone, a
+/// voxel's own values would freeze into streaks as long as the domain.
 ///
 /// With substeps all this is about a frame instead of a step, and only tiles that release seeds in the step to come get
 /// an input; the others keep the original noise, which nothing reads.
@@ -26,7 +27,8 @@ namespace vdblic {
 /// @param next     domain of the step to come
 /// @param step     number of the step that made the texture
 /// @param substeps steps in a frame
-/// @return Input words on `next`. Computed in parallel; the result does not depend on the number of threads.
+/// @return values on `next`, fixed-point (kNoiseMax). Computed in parallel; the result does not depend on the number of
+/// threads.
 /// Shen & Kao 1998, section 3.3; Liu & Moorhead 2004, section 1.
 [[nodiscard]] LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture,
                                                    const Domain& next, const NoiseField& noise,

@@ -30,7 +30,7 @@ struct FlowStep {
 struct StageTimes {
     double load = 0;     ///< building the field from what was read
     double scatter = 0;  ///< advancing pathlines and depositing values
-    double convolve = 0; ///< dividing sums by hits
+    double convolve = 0; ///< dividing sums by hits, and the mean along the flow
     double filter = 0;   ///< sharpening, contrast and noise
 
     StageTimes& operator+=(const StageTimes& other);

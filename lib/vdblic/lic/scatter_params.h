@@ -16,7 +16,7 @@ struct ScatterParams {
     int substeps = 1;            ///< time steps from a frame to the next
     float releaseWindow = 0.25f; ///< AUFLIC: part of a frame, from its start, in which a seed may be released
     /// AUFLIC: a blocked pathline ends at once. Its values go to the pathline that began the step in the same voxel, if
-    /// there is one. A new pathline starts with the values that a pathline through its voxel would carry.
+    /// there is one. A new pathline has its first seed's value for the generations before it, too.
     /// Without history both are as in the paper: a blocked pathline scatters its values to the end of their life span,
     /// a new one carries its own seeds only.
     bool history = true;
