@@ -1,12 +1,12 @@
 #include "cli/joined_numbers.h"
 #include "cli/refinement_option.h"
 #include "cli/tool.h"
+#include "cli/velocity_options.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/lic/advect.h"
 
 #include <fmt/format.h>
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,11 +39,9 @@ int main(int argc, char** argv)
 {
     using namespace vdblic;
     AdvectParams params;
-    std::string method = "auflic", kernel = "hann", nonFinite = "refuse", unit,
-                jitter(toString(params.feedback.jitter)), precision(toString(params.format.precision)),
-                compression(toString(params.format.compression)), interpolation("linear"),
-                scalars(toString(params.format.scalars));
-    std::optional<double> fps;
+    std::string method = "auflic", kernel = "hann", nonFinite = "refuse", jitter(toString(params.feedback.jitter)),
+                precision(toString(params.format.precision)), compression(toString(params.format.compression)),
+                interpolation("linear"), scalars(toString(params.format.scalars));
     std::vector<int> refine{1};
 
     cli::Tool tool("vdblic_advect", "Compute flow textures from a velocity sequence.");
@@ -53,13 +51,7 @@ int main(int argc, char** argv)
                 "auflic: accelerated UFLIC; uflic: a seed for every voxel and frame; lic: each frame on its own.");
     tool.option("--kernel", kernel, "lic: weights along a streamline, hann or box.");
     tool.option("--life", params.scatter.lifeSpan, "Life span of a seed, with lic the length of the kernel [frames].");
-    tool.option("--velocity", params.velocity.grid, "Name of the velocity grid, or of three scalar grids.");
-    tool.option("--velocity-unit", unit,
-                "world/s, world/frame, voxel/s or voxel/frame; world/s unless the file is known.");
-    tool.option("--velocity-scale", params.velocity.scale, "Factor on the velocities.");
-    auto* dt = tool.option("--dt", params.frameSpacing,
-                           "Seconds between the frames on disk; from the files' metadata by default, else 1/24.");
-    tool.option("--fps", fps, "Frames per second, instead of --dt.")->excludes(dt);
+    const cli::VelocityOptions velocity(tool, params.velocity, params.frameSpacing);
     tool.option("--nonfinite", nonFinite, "Velocities that are not finite numbers: refuse, or zero.");
     tool.option("--carry", params.velocity.carry, "Other grids of the files to copy into the outputs, NAME,NAME.")
         ->delimiter(',')
@@ -126,10 +118,9 @@ int main(int argc, char** argv)
         setMethod(params, method, kernel);
         params.feedback.jitter = parseJitter(jitter);
         params.format = {parseGridPrecision(precision), parseVdbCompression(compression), parseScalarVoxels(scalars)};
-        if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
+        velocity.apply();
         params.domain.refinement = cli::refinementOf(refine);
         params.domain.refinement.interpolation = parseInterpolation(interpolation);
-        if (fps) params.frameSpacing = 1 / *fps;
         params.velocity.nonFinite = parseNonFinite(nonFinite);
         advectSequence(params, tool.standardInput(), reporter);
     });

@@ -1,8 +1,7 @@
 #include "cli/tool.h"
+#include "cli/velocity_options.h"
 #include "vdblic/lic/coherence_sequence.h"
 
-#include <optional>
-#include <string>
 #include <vector>
 
 int main(int argc, char** argv)
@@ -10,8 +9,6 @@ int main(int argc, char** argv)
     using namespace vdblic;
     SequenceCoherenceParams params;
     FlowSequenceParams& flow = params.flow;
-    std::string unit;
-    std::optional<double> fps;
 
     cli::Tool tool("vdblic_coherence", "Measure how well a texture sequence shows the flow it was made from.");
     CLI::App& app = tool.app();
@@ -25,13 +22,7 @@ int main(int argc, char** argv)
                  "Leave out frames of --frames that lie beyond the files on disk.");
     app.add_option("--texture", params.textureName, "Name of the texture grid; by default that of vdblic_advect.");
     tool.option("--samples", params.coherence.samples, "Points a frame is looked at.");
-    tool.option("--velocity", flow.velocity.grid, "Name of the velocity grid, or of three scalar grids.");
-    tool.option("--velocity-unit", unit,
-                "world/s, world/frame, voxel/s or voxel/frame; world/s unless the file is known.");
-    tool.option("--velocity-scale", flow.velocity.scale, "Factor on the velocities.");
-    auto* dt = tool.option("--dt", flow.frameSpacing,
-                           "Seconds between the frames on disk; from the files' metadata by default, else 1/24.");
-    tool.option("--fps", fps, "Frames per second, instead of --dt.")->excludes(dt);
+    const cli::VelocityOptions velocity(tool, flow.velocity, flow.frameSpacing);
     app.add_option("--json", params.json, "File to write every figure to.");
     app.add_option("-o,--output", params.plot, "SVG file to plot the autocorrelations to.");
     app.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
@@ -39,8 +30,7 @@ int main(int argc, char** argv)
     tool.verifies([&] { return std::vector<SequenceParams>{flow.input, {params.texture, flow.input.frames}}; });
 
     return tool.run(argc, argv, [&](Reporter& reporter) {
-        if (!unit.empty()) flow.velocity.unit = parseVelocityUnit(unit);
-        if (fps) flow.frameSpacing = 1 / *fps;
+        velocity.apply();
         coherenceOfSequence(params, reporter);
     });
 }

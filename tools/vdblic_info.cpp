@@ -1,9 +1,9 @@
 #include "cli/option_names.h"
 #include "cli/tool.h"
+#include "cli/velocity_options.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/lic/sequence_info.h"
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +12,7 @@ int main(int argc, char** argv)
     using namespace vdblic;
     SequenceInfoParams params;
     std::vector<std::string> patterns;
-    std::string unit, json;
-    std::optional<double> fps;
+    std::string json;
 
     cli::Tool tool("vdblic_info", "Tell what a sequence holds, and what its texture will need.");
     CLI::App& app = tool.app();
@@ -22,20 +21,13 @@ int main(int argc, char** argv)
                    "Frames to look at: 1-100, 1-100x2 or 1,5,9-20; every one by default.");
     app.add_flag("--values", params.values,
                  "Read the voxels too: their range, those that are not finite, displacements, checksums.");
-    tool.option("--velocity", params.velocity.grid, "Name of the velocity grid, or of three scalar grids.");
-    tool.option("--velocity-unit", unit,
-                "world/s, world/frame, voxel/s or voxel/frame; world/s unless the file is known.");
-    tool.option("--velocity-scale", params.velocity.scale, "Factor on the velocities.");
-    auto* dt = tool.option("--dt", params.frameSpacing,
-                           "Seconds between the frames on disk; from the files' metadata by default, else 1/24.");
-    tool.option("--fps", fps, "Frames per second, instead of --dt.")->excludes(dt);
+    const cli::VelocityOptions velocity(tool, params.velocity, params.frameSpacing);
     app.add_option("--json", json, "File to write the report to.");
     app.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
                "The report goes to standard error; the path of each finished output is printed on standard output.");
 
     return tool.run(argc, argv, [&](Reporter& reporter) {
-        if (!unit.empty()) params.velocity.unit = parseVelocityUnit(unit);
-        if (fps) params.frameSpacing = 1 / *fps;
+        velocity.apply();
         for (const std::string& pattern : patterns) {
             if (!json.empty()) checkNotInput(json, pattern);
         }
