@@ -5,6 +5,7 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/render/affine_transform.h"
 #include "vdblic/render/solid_mesh.h"
 
 #include <fmt/format.h>
@@ -35,17 +36,7 @@ using SolidTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, op
 
 glm::dmat4 toIndex(const openvdb::math::Transform& transform, const glm::dvec3& stretch, const std::string& where)
 {
-    if (!transform.isLinear()) {
-        throw InputError(fmt::format("{}: has a {} transform; only affine ones can be rendered: resample it first",
-                                     where, transform.mapType()));
-    }
-    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
-    glm::dmat4 result;
-    for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j)
-            result[i][j] = matrix[i][j]; // OpenVDB's rows are GLM's columns
-    }
-    return glm::inverse(glm::scale(glm::dmat4(1), stretch) * result);
+    return glm::inverse(glm::scale(glm::dmat4(1), stretch) * affineMatrix(transform, where));
 }
 
 openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
@@ -140,7 +131,7 @@ Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, co
         checkExtent(mesh, path);
         const openvdb::math::Transform identity;
         return {openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(identity, mesh.points, mesh.triangles, float(kBand)),
-                toIndex(texture.transform(), stretch, path.string())};
+                toIndex(texture.transform(), stretch, "grid " + texture.getName())};
     }
     const VdbFile file = readVdb(path);
     const bool first = name.empty() && !file.grids.empty();
@@ -166,7 +157,7 @@ Solid makeSolid(const SolidParams& params, const openvdb::FloatGrid& texture, co
                 std::int64_t frame)
 {
     Solid solid = params.source == "domain"
-                      ? Solid{complementOf(texture), toIndex(texture.transform(), stretch, texture.getName())}
+                      ? Solid{complementOf(texture), toIndex(texture.transform(), stretch, "grid " + texture.getName())}
                       : readSolid(params, texture, stretch, frame);
     solid.levelSet->setTransform(openvdb::math::Transform::createLinearTransform());
     solid.levelSet->setGridClass(openvdb::GRID_LEVEL_SET);

@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/render/affine_transform.h"
 #include "vdblic/render/texture_block.h"
 
 #include <glm/ext/matrix_transform.hpp>
@@ -21,24 +22,6 @@
 namespace vdblic {
 namespace {
 
-glm::dmat4 affine(const openvdb::math::Transform& transform, const std::string& name)
-{
-    if (!transform.isLinear()) {
-        throw InputError(fmt::format("grid {} has a {} transform; only affine ones can be rendered: resample it first",
-                                     name, transform.mapType()));
-    }
-    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
-    glm::dmat4 result;
-    for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j)
-            result[i][j] = matrix[i][j]; // OpenVDB's rows are GLM's columns
-    }
-    if (!(std::abs(glm::determinant(glm::dmat3(result))) > 0) || !std::isfinite(glm::determinant(result))) {
-        throw InputError(fmt::format("grid {} has a transform that flattens space; give its voxels a size", name));
-    }
-    return result;
-}
-
 void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar)
 {
     if (texture.transform() == scalar.transform()) return;
@@ -50,7 +33,8 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
 
 TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
                              const glm::dvec3& stretch)
-    : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) * affine(texture.transform(), texture.getName())),
+    : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) *
+                    affineMatrix(texture.transform(), "grid " + texture.getName())),
       mWorldToIndex(glm::inverse(mIndexToWorld))
 {
     checkTransforms(texture, driver);
