@@ -65,3 +65,16 @@ class ToolTest(unittest.TestCase):
     def files(self):
         """The names of all files and folders in the folder, hidden ones included."""
         return sorted(path.name for path in self.folder.iterdir())
+
+
+class RenderTest(ToolTest):
+    """A test case of vdblic_render."""
+
+    def renders(self, *arguments, **options):
+        return [path.name for path in self.outputs("vdblic_render", *arguments, **options)]
+
+    def refuses(self, status, *arguments, **options):
+        before = self.files()
+        message = self.fails(status, "vdblic_render", *arguments, **options)
+        self.assertEqual(self.files(), before, arguments)
+        return message

@@ -10,7 +10,7 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import BIN, RenderTest
 
 
 def grid(name, values, transform=None):
@@ -23,7 +23,7 @@ def grid(name, values, transform=None):
     return result
 
 
-class Render(ToolTest):
+class Render(RenderTest):
     def setUp(self):
         super().setUp()
         random = numpy.random.default_rng(5)
@@ -31,15 +31,6 @@ class Render(ToolTest):
             shape = (20, 16, 12)
             grids = [grid("density", random.random(shape)), grid("magnitude", random.random(shape))]
             vdb.write(str(self.folder / f"lic.{frame:04}.vdb"), grids=grids)
-
-    def renders(self, *arguments, **options):
-        return [path.name for path in self.outputs("vdblic_render", *arguments, **options)]
-
-    def refuses(self, status, *arguments, **options):
-        before = self.files()
-        message = self.fails(status, "vdblic_render", *arguments, **options)
-        self.assertEqual(self.files(), before, arguments)
-        return message
 
     def run_peer(self, *command):
         done = subprocess.run(list(map(str, command)), cwd=self.folder, text=True, capture_output=True)

@@ -7,7 +7,7 @@ import unittest
 
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import BIN, RenderTest
 
 CUBE = "".join(f"v {x} {y} {z}\n" for x in (0.4, 0.8) for y in (0.4, 0.8) for z in (0.4, 0.8)) + \
     "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
@@ -21,7 +21,7 @@ def box(name, low, high, value=1.0, grid=None):
     return grid
 
 
-class RenderScene(ToolTest):
+class RenderScene(RenderTest):
     def setUp(self):
         super().setUp()
         for frame in (1, 2, 3):
@@ -36,15 +36,6 @@ class RenderScene(ToolTest):
             vdb.write(str(self.folder / f"lic.{frame:04}.vdb"), grids=grids, metadata={"time": frame / 24})
         (self.folder / "cube.obj").write_text(CUBE)
         vdb.write(str(self.folder / "mask.vdb"), grids=[box("mask", (4, 4, 4), (7, 7, 7))])
-
-    def renders(self, *arguments, **options):
-        return [path.name for path in self.outputs("vdblic_render", *arguments, **options)]
-
-    def refuses(self, status, *arguments, **options):
-        before = self.files()
-        message = self.fails(status, "vdblic_render", *arguments, **options)
-        self.assertEqual(self.files(), before, arguments)
-        return message
 
     def alpha(self, name):
         done = subprocess.run(["oiiotool", name, "--ch", "A", "--printstats"], cwd=self.folder, text=True,
