@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace vdblic {
@@ -27,7 +28,7 @@ using openvdb::points::PointDataGrid;
 using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
 
 constexpr const char *kNoise = "noise", *kMean = "mean", *kWeight = "weight", *kParticles = "particles";
-constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kGenerations = "generations";
+constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kAlive = "alive", *kGenerations = "generations";
 constexpr float kScale = 65536; // exact in a float, and leaves its low bytes empty for the compressor
 
 openvdb::FloatGrid::Ptr namedGrid(const LeafValues<float>& values, const char* name)
@@ -82,14 +83,12 @@ class LeafPoints {
         });
     }
 
-    /// @param words   stored for each point
-    /// @param carries whether particles have Generation words; else the one word stores the value that is alive
-    void write(PointLeaf& leaf, openvdb::Index words, bool carries) const
+    /// @param words Generation words of each point; if none, the values that are alive are stored
+    void write(PointLeaf& leaf, openvdb::Index words) const
     {
         leaf.setOffsets(ends());
         AttributeWriteHandle<Vec3f> position(leaf.attributeArray(kPosition)), slope(leaf.attributeArray(kSlope));
         AttributeWriteHandle<std::int64_t> id(leaf.attributeArray(kId));
-        AttributeWriteHandle<std::int32_t> generations(leaf.attributeArray(kGenerations));
         openvdb::Index n = 0;
         for (const Point& point : mPoints) {
             const Particle& particle = point.particle;
@@ -97,14 +96,30 @@ class LeafPoints {
             position.set(n, Vec3f(from - point.voxel.asVec3d()));
             slope.set(n, Vec3f(particle.slope.data()));
             id.set(n, std::int64_t(particle.id));
+            ++n;
+        }
+        words > 0 ? writeGenerations(leaf, words) : writeAlive(leaf);
+    }
+
+  private:
+    void writeAlive(PointLeaf& leaf) const
+    {
+        AttributeWriteHandle<std::int64_t> alive(leaf.attributeArray(kAlive));
+        openvdb::Index n = 0;
+        for (const Point& point : mPoints)
+            alive.set(n++, std::int64_t(point.particle.alive));
+    }
+    void writeGenerations(PointLeaf& leaf, openvdb::Index words) const
+    {
+        AttributeWriteHandle<std::int32_t> generations(leaf.attributeArray(kGenerations));
+        openvdb::Index n = 0;
+        for (const Point& point : mPoints) {
             for (openvdb::Index i = 0; i < words; ++i)
-                generations.set(n, i,
-                                std::int32_t(carries ? point.generations[i] : Generation::fromHits(particle.alive)));
+                generations.set(n, i, std::int32_t(point.generations[i]));
             ++n;
         }
     }
 
-  private:
     /// For each voxel: the number of points up to and including its own.
     [[nodiscard]] std::vector<PointLeaf::ValueType> ends() const
     {
@@ -150,14 +165,50 @@ openvdb::Index countPoints(const PointLeaf& leaf)
     return count;
 }
 
+/// What the particles of a leaf carry.
+class Carried {
+  public:
+    Carried(const PointLeaf& leaf, openvdb::Index count, openvdb::Index words) : mWords(words)
+    {
+        if (words > 0) {
+            mGenerations.emplace(attributeOf<std::int32_t>(leaf, kGenerations, count, words));
+        } else {
+            mAlive.emplace(attributeOf<std::int64_t>(leaf, kAlive, count));
+        }
+    }
+
+    /// @return the values alive of a point  @param n of the point  @throws InputError if no run leaves such values
+    std::uint64_t get(openvdb::Index n)
+    {
+        if (mAlive) {
+            const auto alive = std::uint64_t(mAlive->get(n));
+            const std::uint64_t weight = Hits::count(alive);
+            if (weight == 0 || weight > FadingHits::kWeightLimit || Hits::sum(alive) > weight * kNoiseMax)
+                throw InputError("a particle carries values that no run leaves");
+            return alive;
+        }
+        std::uint64_t alive = 0;
+        for (openvdb::Index i = 0; i < openvdb::Index(mWords.size()); ++i) {
+            mWords[i] = std::uint32_t(mGenerations->get(n, i));
+            alive += Generation::hits(mWords[i]);
+        }
+        return alive;
+    }
+    [[nodiscard]] const std::uint32_t* words() const { return mWords.data(); } ///< of the last point
+
+  private:
+    std::vector<std::uint32_t> mWords;
+    std::optional<AttributeHandle<std::int64_t>> mAlive;
+    std::optional<AttributeHandle<std::int32_t>> mGenerations;
+};
+
 /// Add a leaf's points to the bin of a tile.
 void readLeaf(const PointLeaf& leaf, std::size_t tile, std::size_t generationCount, ParticleBins& bins)
 {
-    const openvdb::Index count = countPoints(leaf), words = openvdb::Index(std::max<std::size_t>(generationCount, 1));
+    const openvdb::Index count = countPoints(leaf);
     const auto position = attributeOf<Vec3f>(leaf, kPosition, count), slope = attributeOf<Vec3f>(leaf, kSlope, count);
     const auto id = attributeOf<std::int64_t>(leaf, kId, count);
-    const auto generations = attributeOf<std::int32_t>(leaf, kGenerations, count, words);
-    std::vector<std::uint32_t> carried(words);
+    Carried carried(leaf, count, openvdb::Index(generationCount));
     openvdb::Index n = 0;
     for (openvdb::Index voxel = 0; voxel < PointLeaf::SIZE; ++voxel) {
         const openvdb::Vec3d centre = leaf.offsetToGlobalCoord(voxel).asVec3d();
@@ -173,11 +224,8 @@ void readLeaf(const PointLeaf& leaf, std::size_t tile, std::size_t generationCou
                 }
             }
             particle.id = std::uint64_t(id.get(n));
-            for (openvdb::Index i = 0; i < words; ++i) {
-                carried[i] = std::uint32_t(generations.get(n, i));
-                particle.alive += Generation::hits(carried[i]);
-            }
-            bins.add(tile, particle, carried.data());
+            particle.alive = carried.get(n);
+            bins.add(tile, particle, carried.words());
         }
     }
 }
@@ -228,8 +276,7 @@ RunningMean readMean(const Domain& domain, const VdbFile& file)
 openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins)
 {
     openvdb::initialize(); // registers the attribute types
-    const bool carries = !bins.empty() && bins.front().generations() > 0;
-    const auto words = openvdb::Index(carries ? bins.front().generations() : 1);
+    const auto words = openvdb::Index(bins.empty() ? 0 : bins.front().generations());
     auto grid = PointDataGrid::create();
     grid->setName(kParticles);
     const auto descriptor =
@@ -245,9 +292,13 @@ openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<Part
     }
     openvdb::points::appendAttribute<Vec3f>(grid->tree(), kSlope);
     openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kId);
-    openvdb::points::appendAttribute<std::int32_t>(grid->tree(), kGenerations, 0, words);
+    if (words > 0) {
+        openvdb::points::appendAttribute<std::int32_t>(grid->tree(), kGenerations, 0, words);
+    } else {
+        openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kAlive);
+    }
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
-        if (leaves[leaf]) LeafPoints(bins, leaf).write(*leaves[leaf], words, carries);
+        if (leaves[leaf]) LeafPoints(bins, leaf).write(*leaves[leaf], words);
     });
     return grid;
 }

@@ -61,8 +61,7 @@ class FlowTexture::Pipeline {
         mLastInterval = interval;
         mInput = readInput(*domain, state);
         if (mParams.substeps > 1) mMean = readMean(*domain, state);
-        const bool carries = mParams.method == ScatterMethod::kAuflic;
-        mScatter.restore(steps, readParticles(*domain, state, carries ? std::size_t(mParams.lifeSpan) : 0));
+        mScatter.restore(steps, readParticles(*domain, state, mParams.generations()));
         mDomain = std::move(domain);
     }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -24,8 +25,37 @@ struct Hits {
     [[nodiscard]] static constexpr std::uint64_t count(std::uint64_t word) { return word & kCountMask; }
 };
 
+/// The values that a particle with history carries, in one word of Hits. A value has weight kWeight when it is taken
+/// up; every frame takes away the same share of what is left.
+///
+/// With a share of 4 / (3 L) streaks are as long, and as coherent, as with a window of L frames (docs/quality.md).
+struct FadingHits {
+    static constexpr std::uint64_t kWeight = 32;                          ///< so that shares are whole numbers
+    static constexpr std::uint64_t kMostWeight = std::uint64_t(1) << 16;  ///< up to which particles are joined
+    static constexpr std::uint64_t kWeightLimit = std::uint64_t(1) << 17; ///< of a particle between steps
+
+    /// The word with one more value.
+    [[nodiscard]] static constexpr std::uint64_t add(std::uint64_t word, std::uint64_t value)
+    {
+        return word + Hits::pack(value * kWeight, kWeight);
+    }
+    /// What is left, after a frame, of one equal value a frame taken up since ever.
+    [[nodiscard]] static constexpr std::uint64_t steady(std::uint64_t value, std::uint64_t life)
+    {
+        const std::uint64_t weight = life > 1 ? kWeight * (3 * life - 4) / 4 : 0;
+        return Hits::pack(value * weight, weight);
+    }
+    /// What is left of the word after a frame.
+    [[nodiscard]] static constexpr std::uint64_t fade(std::uint64_t word, std::uint64_t life)
+    {
+        const std::uint64_t weight = Hits::count(word), sum = Hits::sum(word);
+        const std::uint64_t lost = std::min(std::max((8 * weight + 3 * life) / (6 * life), std::uint64_t(1)), weight);
+        return weight > lost ? Hits::pack(sum - sum * lost / weight, weight - lost) : 0;
+    }
+};
+
 /// Seeds released onto one particle in the steps of one frame, in one word: the sum of up to 255 16-bit values in the
-/// upper 24 bits, their number in the lower 8.
+/// upper 24 bits, their number in the lower 8. For AUFLIC without history.
 struct Generation {
     static constexpr int kCountBits = 8;
     static constexpr std::uint32_t kMaxCount = (1u << kCountBits) - 1;
@@ -39,11 +69,6 @@ struct Generation {
     [[nodiscard]] static constexpr std::uint64_t hits(std::uint32_t word)
     {
         return Hits::pack(word >> kCountBits, count(word));
-    }
-    /// The inverse of hits(), for at most kMaxCount values.
-    [[nodiscard]] static constexpr std::uint32_t fromHits(std::uint64_t hits)
-    {
-        return std::uint32_t(Hits::sum(hits) << kCountBits | Hits::count(hits));
     }
 };
 

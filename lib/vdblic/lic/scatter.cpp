@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/slabs.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/lic/seeding.h"
 #include "vdblic/lic/tile_schedule.h"
 
@@ -168,12 +169,14 @@ ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>&
     ++mStep;
     const Collected found = collected(domain, accumulator);
     stats.emptyVoxels = found.emptyVoxels;
+    const std::size_t weight = mParams.keepsHistory() ? FadingHits::kWeight : 1;
     if (found.hits != stats.hits) {
         throw InputError(
             fmt::format("a voxel collected more than {} hits in one step: the flow has a sink that swallows "
                         "the domain; use a shorter life span or mask the sink",
-                        Hits::kCountMask));
+                        Hits::kCountMask / weight));
     }
+    stats.hits /= weight;
     return stats;
 }
 

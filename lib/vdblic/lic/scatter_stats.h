@@ -13,7 +13,7 @@ struct ScatterStats {
     std::size_t copied = 0;      ///< seeds released downstream on a pathline of this step: pathline copying
     std::size_t steps = 0;       ///< integration steps
     std::size_t deposits = 0;    ///< additions to the accumulator
-    std::size_t hits = 0;        ///< values deposited, counted with their multiplicity
+    std::size_t hits = 0;        ///< values deposited, counted with their multiplicity; faded ones for less
     std::size_t emptyVoxels = 0; ///< voxels without a deposit
 
     ScatterStats& operator+=(const ScatterStats& other);

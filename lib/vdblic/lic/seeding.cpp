@@ -49,7 +49,7 @@ VDBLIC_INLINE bool deposit(std::int64_t& voxel, std::uint64_t hits)
 
 TileScatter::TileScatter(const ScatterScene& scene)
     : mScene(scene), mDomain(scene.field.domain()), mAuflic(scene.params.method == ScatterMethod::kAuflic),
-      mHistory(mAuflic && scene.params.history), mGenerationCount(mAuflic ? std::size_t(scene.params.lifeSpan) : 0),
+      mHistory(scene.params.keepsHistory()), mGenerationCount(scene.params.generations()),
       mGenerations(mGenerationCount), mLeaving(scene.next.leafCount(), mGenerationCount)
 {
     const auto frames = std::uint64_t(scene.params.lifeSpan), substeps = std::uint64_t(scene.params.substeps);
@@ -72,16 +72,16 @@ template<bool kShared>
 VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
 {
     std::uint64_t alive = mParticle.alive;
-    std::uint32_t* const current = mAuflic ? &mGenerations[clockOf(mParticle).current] : nullptr;
-    const std::uint32_t before = current ? *current : 0;
-    std::uint32_t taken = before;
+    std::uint32_t* const current = mGenerationCount > 0 ? &mGenerations[clockOf(mParticle).current] : nullptr;
     std::size_t deposits = 0, hits = 0;
+    std::uint32_t taken = 0;
     const auto takeUp = [&](unsigned offset) {
-        if (!mOpen.isOn(offset) || Generation::count(taken) == Generation::kMaxCount) return;
+        if (!mOpen.isOn(offset) || (current && Generation::count(*current) == Generation::kMaxCount)) return;
         mOpen.setOff(offset);
         const auto value = std::uint32_t(mInput[offset]);
-        taken = Generation::add(taken, value);
-        alive += Hits::pack(value, 1);
+        if (current) *current = Generation::add(*current, value);
+        alive = mHistory ? FadingHits::add(alive, value) : alive + Hits::pack(value, 1);
+        ++taken;
     };
     const auto add = [&](WindowVoxel sample) {
         if (__builtin_expect(!sample.isFar(), 1))
@@ -115,8 +115,7 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
     mStats.deposits += deposits;
     mStats.hits += hits;
     mParticle.alive = alive;
-    if (current) *current = taken;
-    mTaken = Generation::count(taken - before);
+    mTaken = taken;
     return inside;
 }
 
@@ -126,17 +125,20 @@ VDBLIC_INLINE bool TileScatter::wasBlocked() const
     return Generation::count(mGenerations[clockOf(mParticle).before]) == 0;
 }
 
-/// Keep the particle for the next step, unless all its values expire with this one.
+/// Keep the particle for the next step, unless none of its values is left.
 VDBLIC_INLINE void TileScatter::keep(int lane)
 {
     if (!mAuflic) {
         const std::uint64_t age = mScene.step - (mParticle.id >> Particle::kRankBits);
         if (age + 1 >= std::uint64_t(mScene.params.lifeSpan) * mClocks.size()) return;
     } else if (const GenerationClock& clock = clockOf(mParticle); clock.endsFrame) {
-        std::uint32_t& expiring = mGenerations[clock.oldest];
-        mParticle.alive -= Generation::hits(expiring);
-        expiring = 0;
-        if (Hits::count(mParticle.alive) == 0) return;
+        if (mHistory) {
+            mParticle.alive = FadingHits::fade(mParticle.alive, std::uint64_t(mScene.params.lifeSpan));
+        } else {
+            mParticle.alive -= Generation::hits(mGenerations[clock.oldest]);
+            mGenerations[clock.oldest] = 0;
+        }
+        if (mParticle.alive == 0) return;
     }
     const Float4 position = mBatch.position.lane(lane);
     const Int4 voxel = voxelOf(position);
@@ -186,17 +188,9 @@ void TileScatter::coalesce()
             heir = turn.particle;
             return false;
         }
-        // Words of the same age, whose indices differ if the particles' frames begin at different substeps.
-        std::size_t i = clockOf(mParticles[turn.particle]).current, j = clockOf(mParticles[heir]).current;
-        for (std::size_t age = 0; age < mGenerationCount; ++age) {
-            const std::uint32_t from = mParticleGenerations[turn.particle * mGenerationCount + i];
-            std::uint32_t& to = mParticleGenerations[heir * mGenerationCount + j];
-            i = (i > 0 ? i : mGenerationCount) - 1;
-            j = (j > 0 ? j : mGenerationCount) - 1;
-            if (Generation::count(to) + Generation::count(from) > Generation::kMaxCount) continue;
-            to += from;
-            mParticles[heir].alive += Generation::hits(from);
-        }
+        std::uint64_t& alive = mParticles[heir].alive;
+        const std::uint64_t both = alive + mParticles[turn.particle].alive;
+        if (Hits::count(both) <= FadingHits::kMostWeight) alive = both;
         return true;
     });
 }
@@ -291,15 +285,10 @@ VDBLIC_INLINE void TileScatter::releaseNew()
             if (!mOpen.isOn(offset)) continue;
             mParticle.id = ids[std::size_t(lane)];
             const auto value = std::uint32_t(mInput[offset]);
-            mParticle.alive = mAuflic ? 0 : Hits::pack(value, 1);
-            if (mHistory) {
-                const std::uint32_t before = Generation::add(0, value);
-                std::fill(mGenerations.begin(), mGenerations.end(), before);
-                mGenerations[clockOf(mParticle).current] = 0;
-                mParticle.alive = (mGenerationCount - 1) * Generation::hits(before);
-            } else {
-                std::fill(mGenerations.begin(), mGenerations.end(), 0u);
-            }
+            mParticle.alive = mHistory  ? FadingHits::steady(value, std::uint64_t(mScene.params.lifeSpan))
+                              : mAuflic ? 0
+                                        : Hits::pack(value, 1);
+            std::fill(mGenerations.begin(), mGenerations.end(), 0u);
             const bool inside = scatterPath<kShared>(lane, mAuflic);
             ++mStats.released;
             if (mAuflic) mStats.copied += mTaken - 1;

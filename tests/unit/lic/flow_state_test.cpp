@@ -197,8 +197,44 @@ TEST(SavedStates, ThatDoNotFitAreRefused)
         part.grids.erase(part.grids.begin() + std::ptrdiff_t(missing));
         EXPECT_THROW(other.restore(2, 1, frames[2].domain, part), InputError);
     }
-    FlowTexture longer(params(ScatterMethod::kAuflic, 5, true), FeedbackParams{}, NoiseField(7));
-    EXPECT_THROW(longer.restore(2, 1, frames[2].domain, state), InputError);
+    FlowTexture window(params(ScatterMethod::kAuflic, 4, false), FeedbackParams{}, NoiseField(7));
+    EXPECT_THROW(window.restore(2, 1, frames[2].domain, state), InputError);
+}
+
+TEST(ParticleGrid, IsRefusedWithValuesThatNoRunLeaves)
+{
+    const auto domain = box({{0, 0, 0}, {7, 7, 7}});
+    const auto readWith = [&](std::uint64_t alive) {
+        std::vector<ParticleBins> bins;
+        bins.emplace_back(domain->leafCount(), 0);
+        bins.front().add(0, Particle{{1, 2, 3}, {0, 0, 0}, alive, 7}, nullptr);
+        return readParticles(*domain, throughAFile({particleGrid(*domain, bins)}), 0);
+    };
+    std::uint64_t found = 0;
+    readWith(Hits::pack(96 * 65535, 96)).forEach(0, [&](const Particle& particle, auto) { found = particle.alive; });
+    EXPECT_EQ(found, Hits::pack(96 * 65535, 96));
+    EXPECT_THROW(readWith(0), InputError);
+    EXPECT_THROW(readWith(Hits::pack(96 * 65535 + 1, 96)), InputError); // brighter than white
+    EXPECT_THROW(readWith(Hits::pack(0, Hits::kCountMask)), InputError);
+}
+
+TEST(FadingHits, LoseTheSameShareInEveryFrame)
+{
+    for (const std::uint64_t life : {2, 4, 20, 1000}) {
+        const std::uint64_t steady = FadingHits::steady(60000, life);
+        const std::uint64_t again = FadingHits::fade(FadingHits::add(steady, 60000), life);
+        EXPECT_NEAR(double(Hits::count(again)), double(Hits::count(steady)), 0.5) << life;
+        EXPECT_EQ(Hits::sum(again), 60000 * Hits::count(again)) << life;
+    }
+    std::uint64_t word = Hits::pack(3000, 3000);
+    for (int frame = 0; frame < 4; ++frame)
+        word = FadingHits::fade(word, 4);
+    EXPECT_NEAR(double(Hits::count(word)), 3000 * 16 / 81.0, 2); // two thirds stay
+    EXPECT_EQ(FadingHits::fade(FadingHits::add(0, 5), 1), 0u);
+    EXPECT_EQ(FadingHits::steady(5, 1), 0u);
+    for (int frame = 0; frame < 40; ++frame) // nothing stays for ever
+        word = word > 0 ? FadingHits::fade(word, 4) : 0;
+    EXPECT_EQ(word, 0u);
 }
 
 } // namespace

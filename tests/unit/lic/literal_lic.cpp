@@ -9,6 +9,7 @@
 #include "vdblic/lic/pathline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -271,7 +272,7 @@ class LiteralHistory {
             for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
                 const Float4 centre = centreOf(voxel.getCoord());
                 mOpen.insert(voxel.getCoord());
-                scan.push_back({k, scan.size(), centre, field.sample(centre, 0, Float4{}), {}});
+                scan.push_back({k, scan.size(), centre, field.sample(centre, 0, Float4{})});
             }
         }
 
@@ -282,10 +283,8 @@ class LiteralHistory {
             if (!domain.isValueOn(voxelAt(mote.position))) continue;
             const auto [heir, isFirst] = byVoxel.try_emplace(voxelAt(mote.position), mote);
             if (isFirst) continue;
-            for (const auto& [process, values] : mote.values) {
-                auto& to = heir->second.values[process];
-                to.insert(to.end(), values.begin(), values.end());
-            }
+            heir->second.sum += mote.sum;
+            heir->second.weight += mote.weight;
         }
         std::vector<Mote> live;
         live.reserve(byVoxel.size());
@@ -295,13 +294,13 @@ class LiteralHistory {
 
         mMotes.clear();
         for (Mote& mote : live)
-            scatter(k, field, mote);
+            scatter(field, mote);
         for (Mote& mote : scan) {
             const Coord voxel = voxelAt(mote.position);
             const auto before = std::uint32_t(mInput.tree()->getValue(voxel));
-            for (std::size_t age = 1; age < std::size_t(mParams.lifeSpan); ++age)
-                mote.values[std::int64_t(k) - std::int64_t(age)] = {before};
-            scatter(k, field, mote);
+            if (mParams.lifeSpan > 1) mote.weight = kWeight * (3 * std::uint64_t(mParams.lifeSpan) - 4) / 4;
+            mote.sum = mote.weight * before;
+            scatter(field, mote);
         }
 
         LeafValues<float> texture(field.domain(), 0.0f);
@@ -317,37 +316,39 @@ class LiteralHistory {
     }
 
   private:
+    static constexpr std::uint64_t kWeight = 32; // of a value that is taken up
+
     struct Mote {
         std::size_t releaseStep, rank;
         Float4 position, slope;
-        std::map<std::int64_t, std::vector<std::uint32_t>> values; // by scattering process
+        std::uint64_t sum = 0, weight = 0; // of the values it carries
     };
     static bool goesFirst(const Mote& a, const Mote& b)
     {
         return a.releaseStep != b.releaseStep ? a.releaseStep > b.releaseStep : a.rank < b.rank;
     }
 
-    void scatter(std::size_t k, const VelocityField& field, Mote mote)
+    void scatter(const VelocityField& field, Mote mote)
     {
         const Coord start = voxelAt(mote.position);
         if (!mOpen.contains(start)) return;
         const auto takeUp = [&](const Coord& voxel) {
-            if (tileOf(voxel) == tileOf(start) && mOpen.erase(voxel) > 0)
-                mote.values[std::int64_t(k)].push_back(std::uint32_t(mInput.tree()->getValue(voxel)));
+            if (tileOf(voxel) != tileOf(start) || mOpen.erase(voxel) == 0) return;
+            mote.sum += kWeight * std::uint64_t(mInput.tree()->getValue(voxel));
+            mote.weight += kWeight;
         };
         takeUp(start);
         const Trace path = trace(field, mParams, mote.position, mote.slope);
         for (const Sample& sample : path.samples) {
             if (sample.early) takeUp(sample.voxel);
-            for (const auto& [process, values] : mote.values) {
-                for (const std::uint32_t value : values) {
-                    mHits[sample.voxel].first += value;
-                    ++mHits[sample.voxel].second;
-                }
-            }
+            mHits[sample.voxel].first += mote.sum;
+            mHits[sample.voxel].second += mote.weight;
         }
-        std::erase_if(mote.values, [&](const auto& of) { return of.first <= std::int64_t(k) + 1 - mParams.lifeSpan; });
-        if (path.ended || mote.values.empty()) return;
+        const double share = 4 / (3.0 * mParams.lifeSpan);
+        const auto lost = std::min(std::uint64_t(std::floor(double(mote.weight) * share + 0.5)), mote.weight);
+        mote.sum -= mote.sum * lost / mote.weight;
+        mote.weight -= lost;
+        if (path.ended || mote.weight == 0) return;
         mote.position = path.position;
         mote.slope = path.slope;
         mMotes.push_back(mote);

@@ -13,7 +13,7 @@ namespace vdblic::test {
 std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
                                                const ScatterParams& scatter);
 
-/// AUFLIC with history, slowly: particle after particle, each value it carries deposited on its own.
+/// AUFLIC with history, slowly: particle after particle and deposit after deposit, all in maps.
 std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<FlowFrame>& frames, int steps,
                                                           const ScatterParams& scatter);
 
