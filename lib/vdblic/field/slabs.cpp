@@ -1,5 +1,6 @@
 #include "vdblic/field/slabs.h"
 
+#include "vdblic/core/threads.h"
 #include "vdblic/field/leaf_voxel.h"
 
 #include <algorithm>
@@ -8,7 +9,9 @@
 namespace vdblic {
 namespace {
 
-constexpr std::size_t kEnoughLeaves = 1024; // half a million voxels
+// The bricks of a slab and its neighbours then are a few megabytes a thread, and are used again while the processor's
+// caches hold them.
+constexpr std::size_t kLeavesForThread = 96;
 
 } // namespace
 
@@ -19,13 +22,14 @@ Slabs::Slabs(const Domain& domain, const Refinement& refinement)
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
         box.expand(domain.origin(leaf));
     mAxis = int(box.maxExtent());
+    const std::size_t enough = kLeavesForThread * threadCount();
     sortLeaves(domain);
     for (std::size_t i = 0; i < mLeaves.size(); ++i) {
         const openvdb::Coord origin = domain.origin(mLeaves[i]);
         const int layer = LeafVoxel::leafCoordinate(origin[mAxis]);
         const bool mayEnd =
             i > 0 && refinement.coarseLeaf(layer, mAxis) != refinement.coarseLeaf(mSlabs.back().last, mAxis);
-        if (i == 0 || (mayEnd && i - mSlabs.back().begin >= kEnoughLeaves)) mSlabs.push_back({layer, layer, i});
+        if (i == 0 || (mayEnd && i - mSlabs.back().begin >= enough)) mSlabs.push_back({layer, layer, i});
         mSlabs.back().last = layer;
     }
     sortSlabs();

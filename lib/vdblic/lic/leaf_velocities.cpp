@@ -13,7 +13,6 @@ LeafVelocities::LeafVelocities(const VelocityLevel& level, const Refinement& ref
         return;
     }
     openvdb::Coord first;
-    std::array<int, 3> corners{}; // of cells, along each axis
     for (int axis = 0; axis < 3; ++axis) {
         const auto position = [&](int voxel) {
             return float(origin[axis] + voxel) * refinement.scale(axis) + refinement.shift(axis);
@@ -23,20 +22,23 @@ LeafVelocities::LeafVelocities(const VelocityLevel& level, const Refinement& ref
             const float cell = std::floor(position(voxel));
             mCells[std::size_t(axis)][std::size_t(voxel)] = {int(cell) - first[axis], position(voxel) - cell};
         }
-        corners[std::size_t(axis)] = mCells[std::size_t(axis)].back().first + 2;
-    }
-    for (auto& plane : mRecords) {
-        for (auto& line : plane)
-            line.fill(Float4{});
+        mCorners[std::size_t(axis)] = mCells[std::size_t(axis)].back().first + 2;
     }
     const openvdb::tree::ValueAccessor<const openvdb::Vec3STree> values(level.velocities);
-    for (int x = 0; x < corners[0]; ++x) {
-        for (int y = 0; y < corners[1]; ++y) {
-            for (int z = 0; z < corners[2]; ++z) {
+    std::array<Line, kMostCorners> plane; // of records, at one x
+    for (int x = 0; x < mCorners[0]; ++x) {
+        for (int y = 0; y < mCorners[1]; ++y) {
+            for (int z = 0; z < mCorners[2]; ++z) {
                 openvdb::Vec3f value;
-                if (!values.probeValue(first.offsetBy(x, y, z), value)) continue;
-                mRecords[std::size_t(x)][std::size_t(y)][std::size_t(z)] = Float4{value[0], value[1], value[2], 1};
+                const bool active = values.probeValue(first.offsetBy(x, y, z), value);
+                plane[std::size_t(y)][std::size_t(z)] = active ? Float4{value[0], value[1], value[2], 1} : Float4{};
             }
+        }
+        for (std::size_t y = 0; y < mLines.size(); ++y) {
+            const Cell cell = mCells[1][y];
+            const Line &before = plane[std::size_t(cell.first)], &after = plane[std::size_t(cell.first) + 1];
+            for (std::size_t z = 0; z < std::size_t(mCorners[2]); ++z)
+                mLines[y][std::size_t(x)][z] = mix(before[z], after[z], cell.fraction);
         }
     }
 }

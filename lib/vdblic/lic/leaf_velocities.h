@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace vdblic {
 
@@ -27,8 +28,8 @@ class LeafVelocities {
   private:
     static constexpr int kMostCorners = LeafVoxel::kDim + 1; // of cells along an axis: one voxel a cell
 
-    /// The cell that a texture voxel's centre lies in, along one axis: its first corner's index in mRecords, and the
-    /// fraction of the cell.
+    /// The cell that a texture voxel's centre lies in, along one axis: its first corner's index, and the fraction of
+    /// the cell.
     struct Cell {
         int first = 0;
         float fraction = 0;
@@ -37,12 +38,14 @@ class LeafVelocities {
     [[nodiscard]] VDBLIC_INLINE Vector8 stored(int row) const
     {
         Vector8 values{};
-        for (int z = 0; z < LeafVoxel::kDim; ++z) {
-            const auto offset = openvdb::Index(LeafVoxel::kDim * row + z);
-            const openvdb::Vec3f value = !mLeaf                     ? mConstant
-                                         : mLeaf->isValueOn(offset) ? mLeaf->buffer().data()[offset]
-                                                                    : openvdb::Vec3f(0);
-            values.setLane(z, Float4{value[0], value[1], value[2], 0});
+        if (!mLeaf) {
+            values = {broadcast8(mConstant[0]), broadcast8(mConstant[1]), broadcast8(mConstant[2])};
+        } else {
+            const openvdb::Vec3f* stored = mLeaf->buffer().data() + std::ptrdiff_t(LeafVoxel::kDim) * row;
+            const Int8 active = maskOf(mLeaf->getValueMask().getWord<std::uint8_t>(openvdb::Index(row)));
+            for (int z = 0; z < LeafVoxel::kDim; ++z)
+                values.setLane(z, Float4{stored[z][0], stored[z][1], stored[z][2], 0});
+            values = select(active, values, Vector8{});
         }
         return toStep(values);
     }
@@ -50,24 +53,26 @@ class LeafVelocities {
     [[nodiscard]] VDBLIC_INLINE Vector8 between(int row) const
     {
         const LeafVoxel voxel = LeafVoxel::ofRow(row);
-        const Cell x = mCells[0][std::size_t(voxel.x)], y = mCells[1][std::size_t(voxel.y)];
+        const Cell x = mCells[0][std::size_t(voxel.x)];
+        const auto& before = mLines[std::size_t(voxel.y)][std::size_t(x.first)];
+        const auto& after = mLines[std::size_t(voxel.y)][std::size_t(x.first) + 1];
         std::array<Float4, kMostCorners> line; // of records, at this x and y
-        for (std::size_t k = 0; k < line.size(); ++k) {
-            const auto mix = [](Float4 a, Float4 b, float t) { return a * (1 - t) + b * t; };
-            const auto at = [&](std::size_t i, std::size_t j) {
-                return mRecords[std::size_t(x.first) + i][std::size_t(y.first) + j][k];
-            };
-            line[k] = mix(mix(at(0, 0), at(0, 1), y.fraction), mix(at(1, 0), at(1, 1), y.fraction), x.fraction);
-        }
-        Vector8 values{};
+        for (int k = 0; k < mCorners[2]; ++k)
+            line[std::size_t(k)] = mix(before[std::size_t(k)], after[std::size_t(k)], x.fraction);
+        Float4 rows[LeafVoxel::kDim];
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             const Cell cell = mCells[2][std::size_t(z)];
-            const auto k = std::size_t(cell.first);
-            const Float4 sum = line[k] * (1 - cell.fraction) + line[k + 1] * cell.fraction;
-            values.setLane(z, sum[3] > 0 ? sum / sum[3] : Float4{});
+            rows[z] = mix(line[std::size_t(cell.first)], line[std::size_t(cell.first) + 1], cell.fraction);
         }
-        return toStep(values);
+        Float8 columns[4];
+        transpose(rows, columns);
+        const Int8 covered = columns[3] > 0;
+        const Float8 coverage = covered ? columns[3] : broadcast8(1);
+        const Vector8 mean = {columns[0] / coverage, columns[1] / coverage, columns[2] / coverage};
+        return toStep(select(covered, mean, Vector8{}));
     }
+
+    [[nodiscard]] VDBLIC_INLINE static Float4 mix(Float4 a, Float4 b, float t) { return a * (1 - t) + b * t; }
 
     [[nodiscard]] VDBLIC_INLINE Vector8 toStep(const Vector8& values) const
     {
@@ -82,9 +87,12 @@ class LeafVelocities {
     // Not refined:
     const openvdb::Vec3STree::LeafNodeType* mLeaf = nullptr;
     openvdb::Vec3f mConstant{};
-    // Refined: stored values premultiplied by their coverage, which is the fourth number.
+    // Refined: stored values premultiplied by their coverage, which is the fourth number, as far as the leaf needs
+    // them.
+    using Line = std::array<Float4, kMostCorners>;
+    std::array<int, 3> mCorners{}; // along each axis
     std::array<std::array<Cell, LeafVoxel::kDim>, 3> mCells{};
-    std::array<std::array<std::array<Float4, kMostCorners>, kMostCorners>, kMostCorners> mRecords;
+    std::array<std::array<Line, kMostCorners>, LeafVoxel::kDim> mLines; // along z, at each texture y and corner x
 };
 
 } // namespace vdblic

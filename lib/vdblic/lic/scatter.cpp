@@ -1,6 +1,7 @@
 #include "vdblic/lic/scatter.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/threads.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/lic/hits.h"
@@ -9,11 +10,9 @@
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/partitioner.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -102,9 +101,7 @@ void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coor
 /// Scatter every tile.
 std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& field)
 {
-    const std::size_t threads =
-        std::min(std::size_t(tbb::this_task_arena::max_concurrency()),
-                 tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    const std::size_t threads = threadCount();
     std::vector<TileScatter> workers;
     workers.reserve(threads);
     for (std::size_t thread = 0; thread < threads; ++thread)

@@ -1,9 +1,7 @@
 #include "vdblic/render/frames_in_flight.h"
 
 #include "vdblic/core/memory.h"
-
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
+#include "vdblic/core/threads.h"
 
 #include <algorithm>
 #include <fstream>
@@ -29,9 +27,7 @@ double availableMemory()
 
 std::size_t framesInFlight(double frameBytes)
 {
-    const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-    const auto threads = std::min(std::size_t(tbb::this_task_arena::max_concurrency()), allowed);
-    return framesInFlight(frameBytes, threads, availableMemory());
+    return framesInFlight(frameBytes, threadCount(), availableMemory());
 }
 
 std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBytes)
