@@ -217,6 +217,43 @@ TEST(RayCaster, SamplesThatAddLittleLoseNoLight)
     }
 }
 
+TEST(RayCaster, FacesOfABoxArePlanesAtTheSidesOfItsLastVoxels)
+{
+    const auto grid = boxGrid("density", boxOf(20, 16, 12), [](const Coord&) { return 1.0f; });
+    const TextureVolume volume(*grid, *grid);
+    const glm::ivec2 size(90, 70);
+    const Camera camera = cameraAlong(volume, kSlanted, 60, 40, size);
+    const Image image = castRays(volume, plainLook(1), camera, {});
+    const auto hitsBox = [&](double margin, const Ray& ray) {
+        double first = 0, last = 1e9;
+        const glm::dvec3 least(-0.5 - margin), most(19.5 + margin, 15.5 + margin, 11.5 + margin);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double a = (least[axis] - ray.origin[axis]) / ray.direction[axis],
+                         b = (most[axis] - ray.origin[axis]) / ray.direction[axis];
+            first = std::max(first, std::min(a, b));
+            last = std::min(last, std::max(a, b));
+        }
+        return first < last;
+    };
+    int rim = 0, inside = 0;
+    for (int y = 0; y < size.y; ++y) {
+        for (int x = 0; x < size.x; ++x) {
+            const Ray ray = camera.ray({x + 0.5, y + 0.5});
+            constexpr double kNear = 1e-3; // voxels
+            if (hitsBox(-kNear, ray)) {
+                EXPECT_GT(image.at(x, y).a, 0.0f) << x << ' ' << y;
+                ++inside;
+            } else if (!hitsBox(kNear, ray)) {
+                EXPECT_EQ(image.at(x, y).a, 0.0f) << x << ' ' << y;
+            } else {
+                ++rim;
+            }
+        }
+    }
+    EXPECT_GT(inside, 1000);
+    EXPECT_LT(rim, 10);
+}
+
 TEST(RayCaster, SeesFromInside)
 {
     const auto grid = boxGrid("density", boxOf(40, 40, 40), [](const Coord&) { return 1.0f; });
