@@ -98,13 +98,13 @@ class FlowTexture::Pipeline {
                 mMean = convolve(domain, accumulator, *mInput, mMean ? &*mMean : nullptr, mParams.substeps);
                 result.texture = mMean->mean;
             }
-            if (mParams.method == ScatterMethod::kAuflic) {
-                result.texture =
-                    meanAlongFlow(domain, step.start.refinement, mField.start(), result.texture, mFeedback.taps);
-            }
-            result.times.convolve = watch.lap();
+        } // the accumulator and the input make room for what follows
+        mInput.reset();
+        if (mParams.method == ScatterMethod::kAuflic) {
+            result.texture =
+                meanAlongFlow(domain, step.start.refinement, mField.start(), result.texture, mFeedback.taps);
         }
-        mInput.reset(); // frees its memory before its successor is made
+        result.times.convolve = watch.lap();
         mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep, mParams.substeps);
         if (mMean && step.end.domain != step.start.domain) mMean = onDomain(*step.end.domain, *mInput, domain, *mMean);
         result.times.filter = watch.lap();

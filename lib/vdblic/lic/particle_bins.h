@@ -57,7 +57,7 @@ class ParticleBins {
 
   private:
     struct Chunk {
-        static constexpr std::size_t kCapacity = 32;
+        static constexpr std::size_t kCapacity = 16; // the last chunk of a bin is half empty
 
         std::size_t count = 0;
         std::unique_ptr<std::uint32_t[]> generations;
