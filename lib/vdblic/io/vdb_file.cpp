@@ -9,9 +9,9 @@
 #include "vdblic/io/guarded_buffer.h"
 #include "vdblic/io/vdb_assembly.h"
 #include "vdblic/io/vdb_layout.h"
+#include "vdblic/io/vdb_parser.h"
 
 #include <openvdb/io/Compression.h>
-#include <openvdb/io/Stream.h>
 
 #include <cerrno>
 #include <cstddef>
@@ -101,20 +101,14 @@ class GuardedFile {
         const Hazard parsing(mPath.string(), mSize);
         // The stream throws: OpenVDB would take the remains of a failed read for data and might loop for hours.
         mStream.exceptions(std::ios::failbit | std::ios::badbit);
-        errno = 0;
         try {
             mStream.seekg(0);
             mBuffer.guard(mStream, mLayout);
-            openvdb::io::Stream input(mStream, /*delayLoad=*/false);
-            VdbFile result;
-            result.grids = *input.getGrids();
-            result.metadata = *input.getMetadata();
-            result.path = mPath;
-            return result;
-        } catch (const std::ios::failure&) {
-            fail(mStream.eof() ? "it ends too early"
-                 : errno != 0  ? std::generic_category().message(errno)
-                               : "it is damaged");
+            return parseVdb(mStream, mPath, mSize);
+        } catch (const std::ios::failure& failure) {
+            fail(mStream.eof()                            ? "it ends too early"
+                 : failure.code() != std::io_errc::stream ? failure.code().message()
+                                                          : "it is damaged");
         } catch (const std::bad_alloc&) {
             fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise `max_memory`",
                              memoryText(double(memoryLimit()))));
