@@ -75,6 +75,7 @@ class LeafwiseGrid : public GridT {
         const auto cut = [&](tbb::flow_control& flow) {
             LeafBatch batch{next, next, {}};
             if (next == leaves.size()) flow.stop();
+            batch.bytes.reserve(kBatchBytes + kRecordBytes);
             for (; next < leaves.size() && batch.bytes.size() < kBatchBytes; batch.end = ++next)
                 appendLeafRecord(stream, format, mFileSize, batch.bytes);
             return batch;
@@ -97,7 +98,7 @@ class LeafwiseGrid : public GridT {
     }
 
   private:
-    static constexpr std::size_t kBatchBytes = std::size_t(1) << 18;
+    static constexpr std::size_t kBatchBytes = std::size_t(1) << 18, kRecordBytes = std::size_t(1) << 14;
 
     std::filesystem::path mPath;
     std::uint64_t mFileSize;
