@@ -4,6 +4,7 @@ namespace vdblic {
 namespace {
 
 HazardHooks gHooks;
+thread_local int tDepth = 0;
 
 } // namespace
 
@@ -14,12 +15,12 @@ void setHazardHooks(const HazardHooks& hooks)
 
 Hazard::Hazard(const std::string& file, std::uint64_t size)
 {
-    if (gHooks.enter) gHooks.enter(file.c_str(), size);
+    if (tDepth++ == 0 && gHooks.enter) gHooks.enter(file.c_str(), size);
 }
 
 Hazard::~Hazard()
 {
-    if (gHooks.leave) gHooks.leave();
+    if (--tDepth == 0 && gHooks.leave) gHooks.leave();
 }
 
 } // namespace vdblic

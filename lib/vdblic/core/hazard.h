@@ -18,7 +18,8 @@ struct HazardHooks {
 /// serve, the hooks are global; nothing else in this library is.
 void setHazardHooks(const HazardHooks& hooks);
 
-/// Calls the hooks: this thread parses a file during the object's lifetime.
+/// Calls the hooks: this thread parses a file during the object's lifetime. Within the lifetime of another Hazard of
+/// the same thread it does nothing.
 class Hazard {
   public:
     /// @param file the file's path  @param size of the file in bytes

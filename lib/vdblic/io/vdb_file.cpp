@@ -7,10 +7,11 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/checksum.h"
 #include "vdblic/io/guarded_buffer.h"
+#include "vdblic/io/vdb_assembly.h"
 #include "vdblic/io/vdb_layout.h"
+#include "vdblic/io/vdb_parser.h"
 
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/Stream.h>
+#include <openvdb/io/Compression.h>
 
 #include <cerrno>
 #include <cstddef>
@@ -44,22 +45,13 @@ void initializeOnce()
     (void)done;
 }
 
-/// Writes to a stream that throws. OpenVDB's own file writer ignores the state of its stream.
-class CheckedArchive : public openvdb::io::Archive {
-  public:
-    explicit CheckedArchive(VdbCompression compression)
-    {
-        namespace io = openvdb::io;
-        setCompression(io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC
-                                                   : compression == VdbCompression::kZip ? io::COMPRESS_ZIP
-                                                                                         : io::COMPRESS_NONE));
-    }
-
-    void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
-    {
-        openvdb::io::Archive::write(stream, grids, /*seekable=*/true, metadata);
-    }
-};
+std::uint32_t compressionFlags(VdbCompression compression)
+{
+    namespace io = openvdb::io;
+    return io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC
+                                       : compression == VdbCompression::kZip ? io::COMPRESS_ZIP
+                                                                             : io::COMPRESS_NONE);
+}
 
 /// Overwrite the placeholders of the checksums and of the identity.
 void stampChecksums(std::fstream& file)
@@ -109,20 +101,14 @@ class GuardedFile {
         const Hazard parsing(mPath.string(), mSize);
         // The stream throws: OpenVDB would take the remains of a failed read for data and might loop for hours.
         mStream.exceptions(std::ios::failbit | std::ios::badbit);
-        errno = 0;
         try {
             mStream.seekg(0);
             mBuffer.guard(mStream, mLayout);
-            openvdb::io::Stream input(mStream, /*delayLoad=*/false);
-            VdbFile result;
-            result.grids = *input.getGrids();
-            result.metadata = *input.getMetadata();
-            result.path = mPath;
-            return result;
-        } catch (const std::ios::failure&) {
-            fail(mStream.eof() ? "it ends too early"
-                 : errno != 0  ? std::generic_category().message(errno)
-                               : "it is damaged");
+            return parseVdb(mStream, mPath, mSize);
+        } catch (const std::ios::failure& failure) {
+            fail(mStream.eof()                            ? "it ends too early"
+                 : failure.code() != std::io_errc::stream ? failure.code().message()
+                                                          : "it is damaged");
         } catch (const std::bad_alloc&) {
             fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise `max_memory`",
                              memoryText(double(memoryLimit()))));
@@ -202,9 +188,11 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
         std::fstream stream;
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(output.temporary(), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
-        CheckedArchive(compression).writeTo(stream, grids, metadata);
+        VdbAssembly(compressionFlags(compression)).write(stream, grids, metadata);
         stampChecksums(stream);
         stream.close();
+    } catch (const std::bad_alloc&) {
+        throw; // a matter of memory, not of the disk
     } catch (const std::exception& e) {
         // The exception of a stream has no reason; errno has.
         const std::string reason = errno != 0 ? std::generic_category().message(errno) : clamped(e.what());

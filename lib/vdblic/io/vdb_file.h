@@ -73,7 +73,7 @@ enum class VdbCompression { kBlosc, kZip, kNone };
 [[nodiscard]] std::string_view toString(VdbCompression compression);     ///< `blosc`, `zip` or `none`
 
 /// Write grids and file metadata atomically, and add `creator` and `checksum`. Equal content gives equal files.
-/// @throws OutputError naming the file and the reason, such as a full disk
+/// @throws OutputError naming the file and the reason, such as a full disk; std::bad_alloc
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
               VdbCompression compression = VdbCompression::kBlosc);
 

@@ -1,0 +1,151 @@
+#include "vdblic/io/vdb_assembly.h"
+
+#include "vdblic/io/leaf_record.h"
+
+#include <openvdb/io/DelayedLoadMetadata.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <ostream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+namespace vdb_io = openvdb::io;
+
+/// The leaves of a grid as they are stored, and the list of their kinds and compressed sizes.
+struct StoredLeaves {
+    std::vector<std::string> blocks; ///< records of leaves, in the tree's order
+    std::shared_ptr<vdb_io::DelayedLoadMetadata> list = std::make_shared<vdb_io::DelayedLoadMetadata>();
+};
+
+constexpr std::size_t kLeavesPerBlock = 256;
+
+/// @param stored the flags that the grid is stored with  @param listed those that OpenVDB makes the list with, which
+/// are others for fog volumes and level sets: they are not stored by zip
+template<typename GridT>
+StoredLeaves storeLeaves(const GridT& grid, std::uint32_t stored, std::uint32_t listed)
+{
+    using Leaf = typename GridT::TreeType::LeafNodeType;
+    std::vector<const Leaf*> leaves;
+    leaves.reserve(grid.tree().leafCount());
+    grid.tree().getNodes(leaves);
+    const bool half = grid.saveFloatAsHalf(), sizes = (listed & LeafFormat::kCompressed) != 0;
+    const LeafFormat format = LeafFormat::of<typename GridT::ValueType>(stored, half);
+
+    StoredLeaves result;
+    result.list->resizeMask(leaves.size());
+    if (sizes) result.list->resizeCompressedSize(leaves.size());
+    result.blocks.resize((leaves.size() + kLeavesPerBlock - 1) / kLeavesPerBlock);
+    tbb::parallel_for(std::size_t(0), result.blocks.size(), [&](std::size_t block) {
+        std::ostringstream stream;
+        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        vdb_io::setDataCompression(stream, stored);
+        vdb_io::setGridBackgroundValuePtr(stream, &grid.background());
+        const std::size_t first = block * kLeavesPerBlock;
+        const std::size_t last = std::min(first + kLeavesPerBlock, leaves.size());
+        for (std::size_t i = first; i < last; ++i) {
+            const auto begin = std::size_t(stream.tellp());
+            leaves[i]->writeBuffers(stream, half);
+            const std::string_view record = stream.view().substr(begin);
+            const auto kind = static_cast<signed char>(record[LeafFormat::kMaskBytes]);
+            result.list->setMask(i, kind);
+            if (!sizes) continue;
+            // The list counts 8 bytes for the size even of no values.
+            constexpr std::size_t kSize = sizeof(std::int64_t);
+            const std::size_t size =
+                stored == listed
+                    ? std::max(kSize, record.size() - format.headBytes(kind))
+                    : kSize + vdb_io::writeCompressedValuesSize(leaves[i]->buffer().data(), Leaf::SIZE,
+                                                                leaves[i]->valueMask(), kind, half, listed);
+            result.list->setCompressedSize(i, std::int64_t(size));
+        }
+        result.blocks[block] = std::move(stream).str();
+    });
+    return result;
+}
+
+} // namespace
+
+void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
+{
+    vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
+    vdb_io::setStreamMetadataPtr(stream, settings, /*transfer=*/false);
+    vdb_io::setWriteGridStatsMetadata(stream, true);
+    writeHeader(stream, /*seekable=*/true);
+    metadata.writeMeta(stream);
+    const auto count = std::int32_t(grids.size());
+    stream.write(reinterpret_cast<const char*>(&count), sizeof count);
+
+    std::map<std::string, int> names;
+    for (const openvdb::GridBase::ConstPtr& grid : grids)
+        ++names[grid->getName()];
+    std::set<std::string> used;
+    std::map<const openvdb::TreeBase*, vdb_io::GridDescriptor> written;
+    for (const openvdb::GridBase::ConstPtr& grid : grids) {
+        // Grids without a name, and those of one name, are numbered.
+        const std::string name = grid->getName();
+        std::string unique = name.empty() || names[name] > 1 ? vdb_io::GridDescriptor::addSuffix(name, 0) : name;
+        for (int n = 1; !used.insert(unique).second; ++n)
+            unique = vdb_io::GridDescriptor::addSuffix(name, n);
+        vdb_io::GridDescriptor descriptor(unique, grid->type(), grid->saveFloatAsHalf());
+
+        vdb_io::setDataCompression(stream, compression());
+        const auto same = written.find(&grid->baseTree());
+        if (same != written.end() && same->second.saveFloatAsHalf() == grid->saveFloatAsHalf()) {
+            descriptor.setInstanceParentName(same->second.uniqueName());
+            writeGridInstance(descriptor, grid, stream, /*seekable=*/true);
+        } else {
+            writeGrid(descriptor, grid, stream);
+            written[&grid->baseTree()] = descriptor;
+        }
+    }
+}
+
+void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::GridBase::ConstPtr& grid,
+                            std::ostream& stream) const
+{
+    std::ostringstream scratch; // keeps the flags of this grid's class
+    setGridCompression(scratch, *grid);
+    const std::uint32_t stored = vdb_io::getDataCompression(scratch);
+    StoredLeaves leaves;
+    const bool leafwise =
+        grid->apply<LeafwiseGrids>([&](const auto& typed) { leaves = storeLeaves(typed, stored, compression()); });
+    if (!leafwise) {
+        Archive::writeGrid(descriptor, grid, stream, /*seekable=*/true);
+        return;
+    }
+    descriptor.writeHeader(stream);
+    const std::streampos offsets = stream.tellp();
+    descriptor.writeStreamPos(stream); // not known yet
+    descriptor.setGridPos(stream.tellp());
+    setGridCompression(stream, *grid);
+    const auto head = openvdb::ConstPtrCast<openvdb::GridBase>(grid->copyGrid()); // of the same tree
+    head->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, *leaves.list);
+    head->addStatsMetadata();
+    head->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION,
+                     openvdb::StringMetadata(vdb_io::compressionToString(stored)));
+    head->writeMeta(stream);
+    grid->writeTransform(stream);
+    grid->writeTopology(stream);
+    descriptor.setBlockPos(stream.tellp());
+    for (std::string& block : leaves.blocks) {
+        stream.write(block.data(), std::streamsize(block.size()));
+        block = {};
+    }
+    descriptor.setEndPos(stream.tellp());
+    stream.seekp(offsets);
+    descriptor.writeStreamPos(stream);
+    descriptor.seekToEnd(stream);
+}
+
+} // namespace vdblic

@@ -1,0 +1,144 @@
+#include "vdblic/io/vdb_parser.h"
+
+#include "vdblic/core/hazard.h"
+#include "vdblic/io/leaf_record.h"
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <cstddef>
+#include <istream>
+#include <memory>
+#include <streambuf>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+namespace vdb_io = openvdb::io;
+
+/// A stream buffer over bytes in memory.
+class MemoryBuffer : public std::streambuf {
+  public:
+    explicit MemoryBuffer(std::vector<char>& bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
+};
+
+/// Consecutive leaves of a grid, as they are stored.
+struct LeafBatch {
+    std::size_t begin = 0, end = 0; ///< among the grid's leaves
+    std::vector<char> bytes;
+};
+
+/// What OpenVDB keeps on a stream and needs to parse leaves.
+struct StreamSettings {
+    openvdb::VersionId library;
+    std::uint32_t format = 0, compression = 0;
+    const void* background = nullptr;
+
+    explicit StreamSettings(std::istream& stream)
+        : library(vdb_io::getLibraryVersion(stream)), format(vdb_io::getFormatVersion(stream)),
+          compression(vdb_io::getDataCompression(stream)), background(vdb_io::getGridBackgroundValuePtr(stream))
+    {
+    }
+    void giveTo(std::istream& stream) const
+    {
+        vdb_io::setVersion(stream, library, format);
+        vdb_io::setDataCompression(stream, compression);
+        vdb_io::setGridBackgroundValuePtr(stream, background);
+    }
+};
+
+/// A grid that reads its leaves in parallel.
+template<typename GridT>
+class LeafwiseGrid : public GridT {
+  public:
+    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize) : mPath(std::move(path)), mFileSize(fileSize) {}
+
+    using GridT::readBuffers;
+    void readBuffers(std::istream& stream) override
+    {
+        const StreamSettings settings(stream);
+        if (settings.format < openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) {
+            GridT::readBuffers(stream);
+            return;
+        }
+        const bool half = this->saveFloatAsHalf();
+        const LeafFormat format = LeafFormat::of<typename GridT::ValueType>(settings.compression, half);
+        std::vector<typename GridT::TreeType::LeafNodeType*> leaves;
+        leaves.reserve(this->tree().leafCount());
+        this->tree().getNodes(leaves);
+
+        std::size_t next = 0;
+        const auto cut = [&](tbb::flow_control& flow) {
+            LeafBatch batch{next, next, {}};
+            if (next == leaves.size()) flow.stop();
+            batch.bytes.reserve(kBatchBytes + kRecordBytes);
+            for (; next < leaves.size() && batch.bytes.size() < kBatchBytes; batch.end = ++next)
+                appendLeafRecord(stream, format, mFileSize, batch.bytes);
+            return batch;
+        };
+        const auto parse = [&](LeafBatch batch) {
+            const Hazard parsing(mPath.string(), mFileSize);
+            MemoryBuffer buffer(batch.bytes);
+            std::istream records(&buffer);
+            records.exceptions(std::ios::failbit | std::ios::badbit);
+            settings.giveTo(records);
+            for (std::size_t i = batch.begin; i < batch.end; ++i)
+                leaves[i]->readBuffers(records, half);
+        };
+        const std::size_t batches = 2 * std::size_t(tbb::this_task_arena::max_concurrency());
+        // A thread that waits here must not take up other work, which would count as parsing.
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_pipeline(batches, tbb::make_filter<void, LeafBatch>(tbb::filter_mode::serial_in_order, cut) &
+                                                tbb::make_filter<LeafBatch, void>(tbb::filter_mode::parallel, parse));
+        });
+    }
+
+  private:
+    static constexpr std::size_t kBatchBytes = std::size_t(1) << 18, kRecordBytes = std::size_t(1) << 14;
+
+    std::filesystem::path mPath;
+    std::uint64_t mFileSize;
+};
+
+class LeafwiseArchive : public openvdb::io::Archive {
+  public:
+    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size)
+    {
+        readHeader(stream);
+        vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
+        vdb_io::setStreamMetadataPtr(stream, settings, /*transfer=*/false);
+        vdb_io::setVersion(stream, libraryVersion(), fileVersion());
+        vdb_io::setDataCompression(stream, compression());
+        VdbFile file;
+        file.path = path;
+        file.metadata.readMeta(stream);
+        std::vector<vdb_io::GridDescriptor> descriptors(std::size_t(readGridCount(stream)));
+        NamedGridMap named;
+        for (vdb_io::GridDescriptor& descriptor : descriptors) {
+            openvdb::GridBase::Ptr grid = descriptor.read(stream), leafwise;
+            grid->apply<LeafwiseGrids>(
+                [&]<typename GridT>(const GridT&) { leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size); });
+            if (leafwise) leafwise->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
+            readGrid(leafwise ? leafwise : grid, descriptor, stream);
+            if (leafwise) grid = leafwise->copyGrid(); // of the same tree, but of the usual type
+            file.grids.push_back(grid);
+            named[descriptor.uniqueName()] = grid;
+        }
+        for (const vdb_io::GridDescriptor& descriptor : descriptors)
+            connectInstance(descriptor, named);
+        return file;
+    }
+};
+
+} // namespace
+
+VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size)
+{
+    return LeafwiseArchive().read(stream, path, size);
+}
+
+} // namespace vdblic

@@ -1,0 +1,173 @@
+#include "vdblic/io/vdb_parser.h"
+
+#include "io/varied_grid.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/io/leaf_record.h"
+
+#include <gtest/gtest.h>
+
+#include <openvdb/io/Compression.h>
+#include <openvdb/io/Stream.h>
+#include <tbb/global_control.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <ios>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+namespace io = openvdb::io;
+
+std::string written(const openvdb::GridCPtrVec& grids, std::uint32_t compression)
+{
+    std::ostringstream stream;
+    io::Stream writer(stream);
+    writer.setCompression(compression);
+    writer.write(grids);
+    return stream.str();
+}
+
+VdbFile parsed(const std::string& bytes)
+{
+    std::istringstream stream(bytes);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    return parseVdb(stream, "a.vdb", bytes.size());
+}
+
+/// Parsing gives the grid that OpenVDB reads, to the bit: of a type, with its metadata, nodes and values.
+template<typename GridT>
+void expectTheGridOfOpenVdb(const typename GridT::Ptr& grid)
+{
+    for (const std::uint32_t compression : {io::COMPRESS_BLOSC, io::COMPRESS_ZIP, io::COMPRESS_NONE}) {
+        for (const std::uint32_t activeOnly : {io::COMPRESS_NONE, io::COMPRESS_ACTIVE_MASK}) {
+            const std::string bytes = written({grid}, compression | activeOnly);
+            std::istringstream stream(bytes);
+            const auto wanted = openvdb::gridPtrCast<GridT>(io::Stream(stream, false).getGrids()->front());
+            const VdbFile file = parsed(bytes);
+            ASSERT_EQ(file.grids.size(), 1u);
+            EXPECT_EQ(typeid(*file.grids.front()), typeid(GridT));
+            const auto found = openvdb::gridPtrCast<GridT>(file.grids.front());
+            EXPECT_EQ(static_cast<const openvdb::MetaMap&>(*found), *wanted);
+            EXPECT_EQ(found->background(), wanted->background());
+            ASSERT_TRUE(found->tree().hasSameTopology(wanted->tree()));
+            for (auto value = wanted->cbeginValueAll(), same = found->cbeginValueAll(); value; ++value, ++same)
+                ASSERT_EQ(*same, *value) << grid->getName() << value.getCoord() << compression << activeOnly;
+        }
+    }
+}
+
+TEST(VdbParser, ReadsWhatOpenVdbReads)
+{
+    expectTheGridOfOpenVdb<openvdb::FloatGrid>(variedGrid<openvdb::FloatGrid>("float"));
+    expectTheGridOfOpenVdb<openvdb::DoubleGrid>(variedGrid<openvdb::DoubleGrid>("double"));
+    expectTheGridOfOpenVdb<openvdb::Vec3SGrid>(variedGrid<openvdb::Vec3SGrid>("vec3s"));
+    expectTheGridOfOpenVdb<openvdb::Vec3DGrid>(variedGrid<openvdb::Vec3DGrid>("vec3d"));
+    expectTheGridOfOpenVdb<openvdb::Vec3IGrid>(variedGrid<openvdb::Vec3IGrid>("vec3i"));
+    expectTheGridOfOpenVdb<openvdb::Int32Grid>(variedGrid<openvdb::Int32Grid>("int32"));
+    expectTheGridOfOpenVdb<openvdb::Int64Grid>(variedGrid<openvdb::Int64Grid>("int64"));
+    expectTheGridOfOpenVdb<openvdb::BoolGrid>(variedGrid<openvdb::BoolGrid>("bool"));
+    expectTheGridOfOpenVdb<openvdb::FloatGrid>(openvdb::FloatGrid::create(2));
+}
+
+TEST(VdbParser, ReadsWhatOpenVdbReadsOfHalfFloats)
+{
+    const auto half = [](auto grid) {
+        grid->setSaveFloatAsHalf(true);
+        return grid;
+    };
+    expectTheGridOfOpenVdb<openvdb::FloatGrid>(half(variedGrid<openvdb::FloatGrid>("float")));
+    expectTheGridOfOpenVdb<openvdb::DoubleGrid>(half(variedGrid<openvdb::DoubleGrid>("double")));
+    expectTheGridOfOpenVdb<openvdb::Vec3SGrid>(half(variedGrid<openvdb::Vec3SGrid>("vec3s")));
+    expectTheGridOfOpenVdb<openvdb::Vec3DGrid>(half(variedGrid<openvdb::Vec3DGrid>("vec3d")));
+    expectTheGridOfOpenVdb<openvdb::Int32Grid>(half(variedGrid<openvdb::Int32Grid>("int32")));
+}
+
+TEST(VdbParser, GridsOfOneTreeShareIt)
+{
+    const auto grid = variedGrid<openvdb::FloatGrid>("a"), instance = openvdb::FloatGrid::create(grid->treePtr());
+    instance->setName("b");
+    const VdbFile file = parsed(written({grid, instance}, io::COMPRESS_BLOSC));
+    ASSERT_EQ(file.grids.size(), 2u);
+    EXPECT_EQ(&file.grids[0]->baseTree(), &file.grids[1]->baseTree());
+    EXPECT_EQ(file.grids[1]->getName(), "b");
+}
+
+/// The records of a grid's leaves, one after the other.
+template<typename GridT>
+std::string leafRecords(const GridT& grid, std::uint32_t compression)
+{
+    std::ostringstream stream;
+    io::setDataCompression(stream, compression);
+    io::setGridBackgroundValuePtr(stream, &grid.background());
+    grid.tree().writeBuffers(stream, grid.saveFloatAsHalf());
+    return stream.str();
+}
+
+TEST(LeafRecord, CutsRecordsOfEveryKind)
+{
+    const auto grid = variedGrid<openvdb::FloatGrid>("float");
+    constexpr std::uint32_t kFlags = io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK;
+    const std::string bytes = leafRecords(*grid, kFlags);
+    std::istringstream stream(bytes);
+    const LeafFormat format = LeafFormat::of<float>(kFlags, false);
+    std::vector<char> records;
+    std::set<int> kinds;
+    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
+        const std::size_t begin = records.size();
+        appendLeafRecord(stream, format, bytes.size(), records);
+        EXPECT_EQ(std::memcmp(records.data() + begin, &leaf->valueMask(), LeafFormat::kMaskBytes), 0);
+        kinds.insert(records[begin + LeafFormat::kMaskBytes]);
+    }
+    EXPECT_EQ(std::string(records.begin(), records.end()), bytes);
+    EXPECT_EQ(kinds, (std::set<int>{0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST(LeafRecord, RefusesSizesThatCannotBe)
+{
+    const auto grid = openvdb::FloatGrid::create();
+    grid->tree().touchLeaf(openvdb::Coord(0))->setValuesOn();
+    constexpr std::size_t kSizeAt = LeafFormat::kMaskBytes + 1;
+    const std::string good = leafRecords(*grid, io::COMPRESS_BLOSC);
+    const auto append = [&](std::int64_t size) {
+        std::string bytes = good;
+        std::memcpy(bytes.data() + kSizeAt, &size, sizeof size);
+        bytes.resize(10000);
+        std::istringstream stream(bytes);
+        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        std::vector<char> record;
+        appendLeafRecord(stream, LeafFormat::of<float>(io::COMPRESS_BLOSC, false), bytes.size(), record);
+        return record.size();
+    };
+    constexpr std::size_t kHead = kSizeAt + 8;
+    EXPECT_EQ(append(100), kHead + 100);
+    EXPECT_EQ(append(-2048), kHead + 2048); // not compressed
+    EXPECT_THROW(append(10000), std::ios::failure);
+    for (const std::int64_t size :
+         {std::int64_t(0), std::int64_t(-2047), std::int64_t(-2049), std::int64_t(10001), INT64_MAX, INT64_MIN}) {
+        EXPECT_THROW(append(size), InputError) << size;
+    }
+}
+
+TEST(VdbParser, DamageIsAnErrorInAnyThread)
+{
+    const auto grid = variedGrid<openvdb::FloatGrid>("float");
+    const std::string good = written({grid}, io::COMPRESS_ZIP | io::COMPRESS_ACTIVE_MASK);
+    for (const std::size_t threads : {1, 4}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        std::string damaged = good;
+        for (std::size_t i = good.size() - 20000; i < good.size(); i += 7)
+            damaged[i] = char(~damaged[i]);
+        EXPECT_THROW((void)parsed(damaged), std::exception);
+        EXPECT_THROW((void)parsed(good.substr(0, good.size() - 20)), std::ios::failure);
+        EXPECT_NO_THROW((void)parsed(good));
+    }
+}
+
+} // namespace
+} // namespace vdblic
