@@ -95,7 +95,7 @@ void addCube(const TextureCube& cube, Float4 velocity, ClassSums& sums)
     const TextureCube::Lines lines = cube.lines();
     sums.line += lines.strength;
     if (!lines.direction) return;
-    const openvdb::Vec3d flow(velocity[0], velocity[1], velocity[2]);
+    const openvdb::math::Vec3d flow(velocity[0], velocity[1], velocity[2]);
     sums.cosines.push_back(float(std::abs(lines.direction->dot(flow)) / flow.length()));
 }
 

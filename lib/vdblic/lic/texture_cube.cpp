@@ -43,9 +43,9 @@ TextureCube::Lines TextureCube::lines() const
         sums[5] += dz * dz;
     });
     const auto [xx, xy, xz, yy, yz, zz] = sums;
-    const openvdb::Mat3d tensor(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-    openvdb::Mat3d directions;
-    openvdb::Vec3d widths;
+    const openvdb::math::Mat3d tensor(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    openvdb::math::Mat3d directions;
+    openvdb::math::Vec3d widths;
     openvdb::math::diagonalizeSymmetricMatrix(tensor, directions, widths);
     std::array<int, 3> order = {0, 1, 2};
     std::sort(order.begin(), order.end(), [&](int a, int b) { return widths[a] < widths[b]; });

@@ -3,6 +3,7 @@
 #include <openvdb/math/Vec3.h>
 
 #include <array>
+#include <cstddef>
 #include <optional>
 
 namespace vdblic {
@@ -35,15 +36,15 @@ class TextureCube {
     [[nodiscard]] int countIsolated(float distance) const;
 
     struct Lines {
-        double strength = 0;                     ///< (w2 − w1) / (w2 + w1): 1 for straight lines, 0 for grains
-        std::optional<openvdb::Vec3d> direction; ///< unit length; none of layers and of a constant
+        double strength = 0;                           ///< (w2 − w1) / (w2 + w1): 1 for straight lines, 0 for grains
+        std::optional<openvdb::math::Vec3d> direction; ///< unit length; none of layers and of a constant
     };
     /// The lines that the structure tensor shows, whose eigenvalues are w1 ≤ w2 ≤ w3. The tensor is the mean over the
     /// inner voxels of the products of the gradient's components, by central differences.
     [[nodiscard]] Lines lines() const;
 
   private:
-    std::array<Row, kDim * kDim> mRows;
+    std::array<Row, std::size_t(kDim) * kDim> mRows;
 };
 
 } // namespace vdblic
