@@ -1,70 +1,158 @@
 #!/usr/bin/env python3
-"""The tables of docs/quality.md: the effect of each setting of vdblic_advect on the coherence of its textures.
+"""The tables and the slices of docs/quality.md.
 
-    tests/bench/quality.py TOOLS TITLE VELOCITY FRAMES      e.g. build/release/tools Wake 'wake.%04d.vdb' 1-16
+    /usr/bin/python3 tests/bench/quality.py TOOLS [DATA] [--flows FLOW...] [--slices FOLDER]
 
-TOOLS is the folder of the built tools. Prints Markdown on standard output; tables.py prints the tables of all flows.
+TOOLS is the folder of the built tools (build/release/tools). DATA holds wake/wake.%04d.vdb,
+era5_west_europe/era5.%04d.vdb and mantaflow_drift/fluid_data_%04d.vdb; without DATA the flows are samples/wake and a
+tornado. Prints Markdown on standard output. `--slices` writes a PNG image of each flow, textures of AUFLIC on the left
+and of UFLIC on the right.
 """
 
+import argparse
 import json
 import pathlib
 import subprocess
-import sys
 import tempfile
 
-METHODS = [("LIC", 4, None), ("UFLIC", 4, None), ("UFLIC", 8, None)] + \
-          [("AUFLIC", life, window) for life, window in ((4, 0.125), (4, 0.25), (4, 0.5), (4, 1), (8, 0.25), (16, 0.25))]
-FILTERS = [("mix", share, sharpen) for sharpen in (0.5, 1, 2) for share in (0.05, 0.1, 0.2)] + \
-          [("bits", None, sharpen) for sharpen in (0.5, 1, 2)]
-REFINEMENTS = [1, 2, 3]
-SUBSTEPS = [1, 4]
-HEADER = "| {} | temporal | same place | along [voxels] | across [voxels] | deviation |\n|---|---|---|---|---|---|"
+import numpy
+import pyopenvdb as vdb
+
+WAKE = pathlib.Path(__file__).resolve().parents[2] / "samples/wake/wake.%04d.vdb"
+FINE = 3  # of --refine
+# Frames to compute and to measure. The last computed one is not measured: the velocity after it stands still.
+# Slices are planes of the last measured frame: axis, and place along it from 0 to 1.
+FLOWS = {
+    "wake": dict(title="Wake", velocity="wake/wake.%04d.vdb", computed="1-8", measured="6-7", plane=(2, 0.3)),
+    "era5": dict(title="Winds", velocity="era5_west_europe/era5.%04d.vdb", computed="1-8", measured="6-7",
+                 plane=(2, 0.5)),
+    "tornado": dict(title="Tornado", computed="1-8", measured="6-7", plane=(2, 0.5)),
+    "mantaflow": dict(title="Smoke", velocity="mantaflow_drift/fluid_data_%04d.vdb", computed="12-19", measured="17-18",
+                      plane=(1, 0.5)),
+}
+LEVERS = ["--method uflic", "--method lic", "--life 8", "--life 16", "--release-window 0.125", "--release-window 0.5",
+          "--release-window 1", "--sharpen 0.5", "--sharpen 2", "--noise-share 0.05", "--noise-share 0.2",
+          "--jitter bits", "--finish 1", "--finish 2", "--finish 3", "--substeps 4"]
+HEADER = ("| {} | isolated [%] | line | angle [°] | deviation | temporal | same place | along [voxels] | "
+          "across [voxels] |\n|---|{}---|---|---|---|---|---|---|---|")
+CLASS_COLUMNS = [("isolated", 100, 3), ("line", 1, 2), ("angle", 1, 1), ("deviation", 1, 3), ("temporal", 1, 3),
+                 ("same_place", 1, 3)]
+LENGTH_COLUMNS = [("along_length", 1, 1), ("across_length", 1, 2)]
 
 
-def measure(tools, velocity, frames, options):
-    """Means over the frames of the figures of textures made with some options."""
-    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        textures, figures = f"{folder}/lic.%04d.vdb", pathlib.Path(folder) / "figures.json"
-        run = lambda *command: subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        if "--finish" not in options:
-            options = ["--finish", 0, *options]  # settings are compared by bare textures
-        run(tools / "vdblic_advect", velocity, "-o", textures, "--frames", frames, "-q", *map(str, options))
-        run(tools / "vdblic_coherence", velocity, textures, "--frames", frames, "--samples", "50000", "-q",
-            "--json", str(figures))
+class Textures:
+    """Makes textures of one flow in a folder and measures them."""
+
+    def __init__(self, tools, folder, flow, velocity):
+        self.tools, self.folder, self.flow, self.velocity = tools, pathlib.Path(folder), flow, velocity
+
+    def run(self, tool, *arguments):
+        subprocess.run([self.tools / tool, *map(str, arguments), "-q"], check=True, stdout=subprocess.DEVNULL)
+
+    def measure(self, *options):
+        """Means over the frames of the figures of textures made with some options, bare unless --finish is given."""
+        for old in self.folder.glob("lic.*"):
+            old.unlink()
+        figures = self.folder / "figures.json"
+        self.run("vdblic_advect", self.velocity, "-o", self.folder / "lic.%04d.vdb", "--frames", self.flow["computed"],
+                 *(options if "--finish" in options else ["--finish", 0, *options]))
+        self.run("vdblic_coherence", self.velocity, self.folder / "lic.%04d.vdb", "--frames", self.flow["measured"],
+                 "--json", figures)
         return json.loads(figures.read_text())["mean"]
 
+    def plane(self):
+        """A plane of the texture of the last measured frame, as bytes."""
+        frame = int(self.flow["measured"].split("-")[1])
+        grid = vdb.read(str(self.folder / "lic.%04d.vdb") % frame, "density")
+        low, high = grid.evalActiveVoxelBoundingBox()
+        texture = numpy.zeros([b - a + 1 for a, b in zip(low, high)], numpy.float32)
+        grid.copyToArray(texture, ijk=low)
+        axis, place = self.flow["plane"]
+        plane = numpy.take(texture, int(place * texture.shape[axis]), axis).T[::-1]
+        return (numpy.clip(plane, 0, 1) * 255).astype(numpy.uint8)
 
-def row(name, mean):
-    pair = lambda key, digits: " / ".join(f"{mean[kind][key]['mean']:.{digits}f}" for kind in ("raw", "smoothed"))
-    return (f"| {name} | {pair('temporal', 3)} | {pair('same_place', 3)} | {pair('along_length', 1)} | "
-            f"{pair('across_length', 2)} | {mean['raw']['deviation']['mean']:.3f} |")
+
+def write_side_by_side(path, planes):
+    """Write two planes with a white gap, by whole factors so large that they fill about 1,200 pixels."""
+    gap = numpy.full((planes[0].shape[0], 4), 255, numpy.uint8)
+    pixels = numpy.concatenate([planes[0], gap, planes[1]], axis=1)
+    factor = max(1, round(1200 / pixels.shape[1]))
+    pixels = pixels.repeat(factor, 0).repeat(factor, 1)
+    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "gray", "-s",
+                    f"{pixels.shape[1]}x{pixels.shape[0]}", "-i", "-", "-frames:v", "1", path],
+                   input=pixels.tobytes(), check=True)
 
 
-def print_tables(tools, title, velocity, frames):
-    print(f"{title}, by method, life span L and release window δ:\n\n{HEADER.format('method')}")
-    for method, life, window in METHODS:
-        options = ["--method", method.lower(), "--life", life]
-        name = f"{method}, L {life}"
-        if window:
-            options += ["--release-window", window]
-            name += f", δ {window}"
-        print(row(name, measure(tools, velocity, frames, options)), flush=True)
-    print(f"\n{title}, by feedback filter:\n\n{HEADER.format('jitter')}")
-    for jitter, share, sharpen in FILTERS:
-        options = ["--jitter", jitter, "--sharpen", sharpen] + (["--noise-share", share] if share else [])
-        name = jitter + (f", noise {share}" if share else "") + f", sharpen {sharpen}"
-        print(row(name, measure(tools, velocity, frames, options)), flush=True)
-    print(f"\n{title}, by texture voxels along each axis in a velocity voxel; lengths are in velocity voxels:\n\n{HEADER.format('refinement')}")
-    for factor in REFINEMENTS:
-        print(row(f"`--refine {factor}`", measure(tools, velocity, frames, ["--refine", factor])), flush=True)
-    print(f"\n{title}, by the finish of the default settings:\n\n{HEADER.format('finish')}")
-    for taps in 0, 1, 2, 3:
-        print(row(f"`--finish {taps}`", measure(tools, velocity, frames, ["--finish", taps])), flush=True)
-    print(f"\n{title}, by textures for each interval between frames, a frame apart:\n\n{HEADER.format('substeps')}")
-    for substeps in SUBSTEPS:
-        options = ["--refine", 2, "--substeps", substeps]
-        print(row(f"`--refine 2 --substeps {substeps}`", measure(tools, velocity, frames, options)), flush=True)
+def cells(columns, *means):
+    """The figures of some means as cells of a table row, a pair of means divided by a slash."""
+    def number(estimate, factor, digits):
+        return "–" if not estimate or estimate["mean"] is None else f"{factor * estimate['mean']:.{digits}f}"
+    texts = [[number(mean.get(key), factor, digits) for mean in means] for key, factor, digits in columns]
+    return " | ".join("–" if set(pair) == {"–"} else " / ".join(pair) for pair in texts)
+
+
+def print_methods(textures, slices):
+    """AUFLIC against UFLIC by class of displacement; returns the figures of bare unrefined AUFLIC."""
+    print(f"\n{textures.flow['title']}, AUFLIC / UFLIC, by displacement in texture voxels a step:\n")
+    print(HEADER.format("textures | displacement", "---|"))
+    default, planes = None, []
+    for refine in 1, FINE:
+        for finish in 0, 2:
+            pair = []
+            for method in "auflic", "uflic":
+                pair.append(textures.measure("--method", method, "--refine", refine, "--finish", finish))
+                default = default or pair[0]
+                if slices and (refine, finish) == (FINE, 2):
+                    planes.append(textures.plane())
+            name = f"{refine} ×, " + ("finished" if finish else "bare")
+            rows = [("{from:g} to {to:g}".format_map(classes[0]), classes)
+                    for classes in zip(*(means["by_displacement"] for means in pair)) if classes[0]["line"]["frames"]]
+            for displacement, means in [*rows, ("all", [means["raw"] for means in pair])]:
+                print(f"| {name} | {displacement} | {cells(CLASS_COLUMNS + LENGTH_COLUMNS, *means)} |", flush=True)
+    if slices:
+        slices.mkdir(parents=True, exist_ok=True)
+        write_side_by_side(slices / f"{textures.flow['title'].lower()}.png", planes)
+    return default
+
+
+def print_levers(textures, default):
+    """The effect of single settings, in the class of displacement that has most voxels."""
+    which = max(range(4), key=lambda i: default["by_displacement"][i]["points"])
+    limits = "{from:g} to {to:g}".format_map(default["by_displacement"][which])
+    print(f"\n{textures.flow['title']}, by one setting each, 1 ×, bare; displacement {limits}, lengths of all:\n")
+    print(HEADER.format("setting", ""))
+    for lever in ["", *LEVERS]:
+        means = textures.measure(*lever.split()) if lever else default
+        print(f"| {f'`{lever}`' if lever else 'defaults'} | {cells(CLASS_COLUMNS, means['by_displacement'][which])} | "
+              f"{cells(LENGTH_COLUMNS, means['raw'])} |", flush=True)
+
+
+def flows_of(data):
+    """The flows that can be measured with the given folder of data, or with none."""
+    return list(FLOWS) if data else ["wake", "tornado"]
+
+
+def print_tables(tools, data, names, slices=None):
+    for name in names:
+        with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+            velocity = data / FLOWS[name].get("velocity", "") if data else WAKE
+            if name == "tornado":
+                velocity = f"{folder}/v.%04d.vdb"
+                subprocess.run([tools / "vdblic_synth", name, "-o", velocity, "--size", "48", "48", "48", "--frames",
+                                FLOWS[name]["computed"], "-q"], check=True, stdout=subprocess.DEVNULL)
+            textures = Textures(tools, folder, FLOWS[name], velocity)
+            print_levers(textures, print_methods(textures, slices))
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Measure the tables of docs/quality.md anew.")
+    parser.add_argument("tools", type=pathlib.Path)
+    parser.add_argument("data", type=pathlib.Path, nargs="?")
+    parser.add_argument("--flows", nargs="+", choices=FLOWS)
+    parser.add_argument("--slices", type=pathlib.Path)
+    given = parser.parse_args()
+    print_tables(given.tools.resolve(), given.data, given.flows or flows_of(given.data), given.slices)
 
 
 if __name__ == "__main__":
-    print_tables(pathlib.Path(sys.argv[1]), *sys.argv[2:])
+    main()

@@ -3,8 +3,8 @@
 
     xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD [DATA] [--only engine|quality|render] [--frames N]
 
-BUILD is the build folder (build/release). DATA holds the flows of docs/quality.md, as for samples/gallery.sh:
-wake/wake.%04d.vdb and era5_west_europe/era5.%04d.vdb. Without DATA the flow is samples/wake. `--frames` shortens a trial.
+BUILD is the build folder (build/release). DATA holds the flows of docs/quality.md; quality.py says which, and prints the
+tables of one flow. `--frames` shortens a trial of the engine.
 """
 
 import argparse
@@ -17,7 +17,6 @@ import tempfile
 import quality
 
 HERE = pathlib.Path(__file__).parent
-WAKE = HERE.parent.parent / "samples/wake/wake.%04d.vdb"
 
 
 def engine_report(build, frames):
@@ -83,21 +82,16 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path, nargs="?")
     parser.add_argument("--only", choices=("engine", "quality", "render"))
-    parser.add_argument("--frames", type=int, help="frames of engine (default 6) and of quality (default 16)")
+    parser.add_argument("--frames", type=int, default=6, help="frames of engine")
     given = parser.parse_args()
     build = given.build.resolve()
     wanted = lambda part: given.only in (None, part)
     if wanted("engine"):
         print("## docs/performance.md\n")
-        frames = given.frames or 6
-        print_engine(engine_report(build, frames), frames)
+        print_engine(engine_report(build, given.frames), given.frames)
     if wanted("quality"):
         print("\n## docs/quality.md")
-        flows = {"Wake": given.data / "wake/wake.%04d.vdb", "Winds": given.data / "era5_west_europe/era5.%04d.vdb"} \
-            if given.data else {"samples/wake": WAKE}
-        for title, velocity in flows.items():
-            print()
-            quality.print_tables(build / "tools", title, velocity, f"1-{given.frames or 16}")
+        quality.print_tables(build / "tools", given.data, quality.flows_of(given.data))
     if wanted("render"):
         print("\n## docs/render.md\n", flush=True)
         subprocess.run([sys.executable, HERE / "render_peers.py", build / "tools"], check=True)

@@ -14,6 +14,8 @@ from support import ToolTest
 
 WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%04d.vdb"
 FIGURES = ["temporal", "same_place", "gain", "along_length", "across_length", "length_ratio", "deviation", "saturated"]
+CLASSES = [(0.5, 2), (2, 4), (4, 8), (8, 30)]
+CLASS_FIGURES = ["isolated", "line", "angle", "deviation", "temporal", "same_place"]
 
 
 def array_of(path, name="density"):
@@ -35,6 +37,18 @@ def trilinear(array, points):
     return result
 
 
+def lines_of(texture):
+    """Strength and direction of the lines at the voxels that are three voxels or more from the rim."""
+    gradients = [gradient[1:-1, 1:-1, 1:-1] for gradient in numpy.gradient(texture)]
+    tensor = numpy.empty([n - 6 for n in texture.shape] + [3, 3])
+    for i in range(3):
+        for j in range(3):
+            cubes = numpy.lib.stride_tricks.sliding_window_view(gradients[i] * gradients[j], (5, 5, 5))
+            tensor[..., i, j] = cubes.mean(axis=(3, 4, 5))
+    widths, directions = numpy.linalg.eigh(tensor)
+    return (widths[..., 1] - widths[..., 0]) / (widths[..., 1] + widths[..., 0]), directions[..., 0]
+
+
 class Coherence(ToolTest):
     def report(self, *arguments):
         self.outputs("vdblic_coherence", *arguments, "--json", "report.json")
@@ -51,11 +65,22 @@ class Coherence(ToolTest):
         arguments = [WAKE, "lic.%04d.vdb", "--frames", "5-8"]
         done = self.run_tool("vdblic_coherence", *arguments, "--json", "figures.json", "-o", "plot.svg")
         self.assertEqual((done.returncode, done.stdout), (0, "figures.json\nplot.svg\n"), done.stderr)
-        for word in "temporal", "same place", "along", "across", "95 %":
+        for word in "temporal", "same place", "along", "across", "95 %", "by displacement a step", "0.5 to 2", "isolated":
             self.assertIn(word, done.stderr)
         report = json.loads(self.contents("figures.json"))
         self.assertEqual([frame["frame"] for frame in report["frames"]], [5, 6, 7, 8])
         self.assertEqual(report["lags"], [0.5 * lag for lag in range(1, 33)])
+        for classes in *(frame["by_displacement"] for frame in report["frames"]), report["mean"]["by_displacement"]:
+            self.assertEqual([(one["from"], one["to"]) for one in classes], CLASSES)
+            self.assertEqual(list(classes[0]), ["from", "to", "points", *CLASS_FIGURES])
+        # At 8 voxels a step and more, there are no points: the class says so instead of printing figures.
+        self.assertIn("8 to 30           0   too few points", done.stderr)
+        self.assertEqual(report["mean"]["by_displacement"][3]["line"], {"mean": None, "half_width": None, "frames": 0})
+        of_class = [frame["by_displacement"][1] for frame in report["frames"]]
+        mean = report["mean"]["by_displacement"][1]
+        self.assertEqual(mean["points"], sum(one["points"] for one in of_class))
+        self.assertAlmostEqual(mean["line"]["mean"], numpy.mean([one["line"] for one in of_class]), 12)
+        self.assertEqual((mean["line"]["frames"], mean["temporal"]["frames"]), (4, 3))
         for frame in report["frames"]:
             for figures in frame["raw"], frame["smoothed"]:
                 self.assertEqual(list(figures), FIGURES + ["along", "across"])
@@ -120,6 +145,25 @@ class Coherence(ToolTest):
             expected = numpy.corrcoef(here[inside], trilinear(before, there[:, inside]))[0, 1]
             self.assertAlmostEqual(found["along"][report["lags"].index(lag)], expected, delta=0.015)
         self.assertAlmostEqual(found["deviation"], before.std(), 6)
+        self.assert_classes_equal_numpys(report["frames"][0]["by_displacement"], before, after, step)
+
+    def assert_classes_equal_numpys(self, classes, before, after, step):
+        displacement = numpy.linalg.norm(step)
+        for one in classes:
+            self.assertEqual(one["points"] > 0, one["from"] < displacement <= one["to"])
+        found = next(one for one in classes if one["points"])
+        strength, direction = lines_of(before)
+        self.assertAlmostEqual(found["line"], strength.mean(), delta=0.005)
+        cosine = numpy.median(numpy.abs(direction @ step)) / displacement
+        self.assertAlmostEqual(found["angle"], numpy.degrees(numpy.arccos(cosine)), delta=0.3)
+        self.assertAlmostEqual(found["deviation"], before[3:-3, 3:-3, 3:-3].std(), delta=0.004)
+        points = numpy.indices(before.shape)[:, 3:-3, 3:-3, 3:-3].reshape(3, -1)
+        there = points + step[:, None]
+        points = points[:, numpy.all(there < numpy.array(before.shape)[:, None] - 1, axis=0)]
+        here, same = before[tuple(points)], after[tuple(points)]
+        carried = trilinear(after, points + step[:, None])
+        self.assertAlmostEqual(found["temporal"], numpy.corrcoef(here, carried)[0, 1], delta=0.005)
+        self.assertAlmostEqual(found["same_place"], numpy.corrcoef(here, same)[0, 1], delta=0.01)
 
     def test_lengths_are_in_voxels_of_the_velocity(self):
         """UFLIC, because AUFLIC's mean along the flow is over texture voxels: it lengthens coarse streaks more."""

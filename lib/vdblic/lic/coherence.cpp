@@ -1,8 +1,10 @@
 #include "vdblic/lic/coherence.h"
 
 #include "vdblic/field/velocity_field.h"
-#include "vdblic/lic/noise.h"
+#include "vdblic/lic/cleanness.h"
+#include "vdblic/lic/correlation.h"
 #include "vdblic/lic/pathline.h"
+#include "vdblic/lic/random_voxels.h"
 #include "vdblic/lic/smoothed_texture.h"
 
 #include <openvdb/openvdb.h>
@@ -22,40 +24,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kBlockPoints = 512; // one sum for each block of points: a fixed order of additions for any threads
-
-/// Sums for Pearson's correlation, taken about the middle of a texture's range to limit cancellation.
-class Correlation {
-  public:
-    void add(float a, float b)
-    {
-        const double x = double(a) - 0.5, y = double(b) - 0.5;
-        mSums[0] += x;
-        mSums[1] += y;
-        mSums[2] += x * x;
-        mSums[3] += y * y;
-        mSums[4] += x * y;
-        ++mCount;
-    }
-    void add(const Correlation& other)
-    {
-        for (std::size_t i = 0; i < mSums.size(); ++i)
-            mSums[i] += other.mSums[i];
-        mCount += other.mCount;
-    }
-    [[nodiscard]] std::size_t count() const { return mCount; }
-    [[nodiscard]] double value() const
-    {
-        const double n = double(mCount), x = mSums[0] / n, y = mSums[1] / n;
-        const double xx = mSums[2] / n - x * x, yy = mSums[3] / n - y * y;
-        constexpr double kLeastVariance = 1e-12; // below: rounding of a constant
-        if (!(xx > kLeastVariance && yy > kLeastVariance)) return kNone;
-        return (mSums[4] / n - x * y) / std::sqrt(xx * yy);
-    }
-
-  private:
-    std::array<double, 5> mSums{};
-    std::size_t mCount = 0;
-};
 
 /// The correlations of a texture, raw or smoothed.
 struct Correlations {
@@ -93,10 +61,9 @@ struct Scene {
     const VelocityField& field;
     const CoherenceParams& params;
     std::vector<double> lags;
-    std::uint64_t key;                        ///< added to a point's number before hashing
-    Float4 scale = {1, 1, 1, 1};              ///< a voxel of the texture along each axis [voxels of the velocity]
-    Float4 shift{};                           ///< index of the velocity at the texture's index 0
-    std::vector<std::size_t> voxelsBefore{0}; ///< each leaf: voxels of the leaves before it; last: all voxels
+    RandomVoxels voxels;
+    Float4 scale = {1, 1, 1, 1}; ///< a voxel of the texture along each axis [voxels of the velocity]
+    Float4 shift{};              ///< index of the velocity at the texture's index 0
 };
 
 /// A number in [0, 1) of 24 random bits: exact in single precision.
@@ -107,23 +74,14 @@ float unit(std::uint64_t bits)
 
 Float4 positionOf(const Scene& scene, std::uint64_t hash)
 {
-    const auto rank = std::size_t((hash >> 32) * scene.voxelsBefore.back() >> 32);
-    const auto after = std::upper_bound(scene.voxelsBefore.begin(), scene.voxelsBefore.end(), rank);
-    const auto leaf = std::size_t(after - scene.voxelsBefore.begin()) - 1;
-    auto voxel = scene.texture.domain().mask(leaf).beginOn();
-    for (std::size_t skip = rank - scene.voxelsBefore[leaf]; skip > 0; --skip)
-        ++voxel;
-    const openvdb::Coord origin = scene.texture.domain().origin(leaf);
-    const LeafVoxel inLeaf = LeafVoxel::at(voxel.pos());
-    const Float4 centre = {float(origin[0] + inLeaf.x), float(origin[1] + inLeaf.y), float(origin[2] + inLeaf.z), 0};
     const std::uint64_t x = mixBits(hash), y = mixBits(x), z = mixBits(y);
-    return centre + Float4{unit(x), unit(y), unit(z), 0.5f} - 0.5f;
+    return scene.voxels.centre(hash) + Float4{unit(x), unit(y), unit(z), 0.5f} - 0.5f;
 }
 
 /// The point with a number, if it counts.
 std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
 {
-    const std::uint64_t hash = mixBits(scene.key + number);
+    const std::uint64_t hash = scene.voxels.hash(number);
     Point point;
     point.position = positionOf(scene, hash);
     point.turn = unit(mixBits(~hash));
@@ -281,16 +239,11 @@ FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTe
     params.validate();
     const Domain& domain = texture.domain();
     const Refinement& refinement = field.fieldDomain().refinement;
-    // The factor keeps frame k + 1 from using the points of frame k shifted by one.
-    const std::uint64_t key = mixBits(std::uint64_t(frame) * 0x9e3779b97f4a7c15u + 1);
-    Scene scene{texture, next, field, params, coherenceLags(refinement.factors), key};
+    Scene scene{texture, next, field, params, coherenceLags(refinement.factors), {domain, frame}};
     for (int axis = 0; axis < 3; ++axis) {
         scene.scale[axis] = refinement.scale(axis);
         scene.shift[axis] = refinement.shift(axis);
     }
-    scene.voxelsBefore.reserve(domain.leafCount() + 1);
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
-        scene.voxelsBefore.push_back(scene.voxelsBefore.back() + domain.mask(leaf).countOn());
 
     BlockSums all(scene.lags.size());
     if (domain.voxelCount() > 0) {
@@ -308,6 +261,7 @@ FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTe
     result.temporalPoints = all.raw.temporal.count();
     result.raw = figuresOf(all.raw, texture.rawContrast(), scene.lags);
     result.smoothed = figuresOf(all.smoothed, texture.smoothedContrast(), scene.lags);
+    result.byDisplacement = measureCleanness(texture, next, field, params, frame);
     return result;
 }
 

@@ -24,6 +24,8 @@ class VelocityField;
 /// velocity's index space, so that they mean the same for textures of different voxels. The smoothing filter is three
 /// texture voxels wide and the integrator's tolerance is in texture voxels, as in vdblic_advect.
 ///
+/// The figures by displacement are those of measureCleanness() with the same parameters.
+///
 /// @param next  the successor; null if there is none
 /// @param field velocity over the step, on the texture's domain and with its refinement
 /// Computed in parallel; the result is bit-identical for any number of threads. @throws ParameterError

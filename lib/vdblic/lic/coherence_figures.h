@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/lic/cleanness_figures.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -60,6 +62,7 @@ struct FrameCoherence {
     std::size_t points = 0;         ///< of the spatial figures at the shortest lag
     std::size_t temporalPoints = 0; ///< 0 if there is no successor
     CoherenceFigures raw, smoothed; ///< of the texture as it is, and after the 3³ binomial filter
+    CleannessByClass byDisplacement;
     std::optional<HitFigures> hits;
 };
 

@@ -37,13 +37,51 @@ Json ofFigures(const CoherenceFigures& figures)
     return result;
 }
 
+Json ofClass(std::size_t displacementClass, std::size_t points)
+{
+    const auto& [from, to] = kDisplacementClasses[displacementClass];
+    return {{"from", from}, {"to", to}, {"points", points}};
+}
+
+Json ofClasses(const CleannessByClass& classes)
+{
+    Json result = Json::array();
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+        Json figures = ofClass(i, classes[i].points);
+        for (const CleannessFigure& figure : kCleannessFigures)
+            figures[figure.name] = finiteOrNull(classes[i].*figure.value);
+        result.push_back(figures);
+    }
+    return result;
+}
+
+Json ofEstimate(const Estimate& estimate)
+{
+    return {{"mean", finiteOrNull(estimate.mean)},
+            {"half_width", finiteOrNull(estimate.halfWidth)},
+            {"frames", estimate.frames}};
+}
+
+Json ofMeans(const std::array<MeanCleanness, kDisplacementClasses.size()>& classes)
+{
+    Json result = Json::array();
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+        Json means = ofClass(i, classes[i].points);
+        for (std::size_t k = 0; k < kCleannessFigures.size(); ++k)
+            means[kCleannessFigures[k].name] = ofEstimate(classes[i].figures[k]);
+        result.push_back(means);
+    }
+    return result;
+}
+
 Json ofFrame(const FrameCoherence& frame)
 {
     Json result = {{"frame", frame.frame},
                    {"points", frame.points},
                    {"temporal_points", frame.temporalPoints},
                    {"raw", ofFigures(frame.raw)},
-                   {"smoothed", ofFigures(frame.smoothed)}};
+                   {"smoothed", ofFigures(frame.smoothed)},
+                   {"by_displacement", ofClasses(frame.byDisplacement)}};
     if (frame.hits) result["hits"] = {{"mean", frame.hits->mean}, {"zero_share", frame.hits->zeroShare}};
     return result;
 }
@@ -51,12 +89,8 @@ Json ofFrame(const FrameCoherence& frame)
 Json ofMeans(const MeanFigures& means)
 {
     Json result;
-    for (std::size_t i = 0; i < kNamedFigures.size(); ++i) {
-        const Estimate& estimate = means.figures[i];
-        result[kNamedFigures[i].name] = {{"mean", finiteOrNull(estimate.mean)},
-                                         {"half_width", finiteOrNull(estimate.halfWidth)},
-                                         {"frames", estimate.frames}};
-    }
+    for (std::size_t i = 0; i < kNamedFigures.size(); ++i)
+        result[kNamedFigures[i].name] = ofEstimate(means.figures[i]);
     result["along"] = numbers(means.along);
     result["across"] = numbers(means.across);
     return result;
@@ -76,7 +110,9 @@ std::string toJson(const SequenceCoherence& coherence, const SequenceCoherencePa
                             {"least_motion", params.coherence.leastMotion}};
     report["lags"] = coherence.lags;
     report["frames"] = frames;
-    report["mean"] = {{"raw", ofMeans(coherence.raw)}, {"smoothed", ofMeans(coherence.smoothed)}};
+    report["mean"] = {{"raw", ofMeans(coherence.raw)},
+                      {"smoothed", ofMeans(coherence.smoothed)},
+                      {"by_displacement", ofMeans(coherence.byDisplacement)}};
     // File names need not be valid UTF-8, JSON must be.
     return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

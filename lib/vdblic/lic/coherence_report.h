@@ -14,6 +14,9 @@ namespace vdblic {
 /// Every mean with its confidence interval, line by line.
 [[nodiscard]] std::vector<std::string> meanLines(const SequenceCoherence& coherence);
 
+/// The means by class of displacement, line by line.
+[[nodiscard]] std::vector<std::string> displacementLines(const SequenceCoherence& coherence);
+
 /// Everything that was measured, as JSON with two spaces of indentation (docs/quality.md); unknown figures are null.
 [[nodiscard]] std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params);
 

@@ -51,6 +51,21 @@ MeanFigures meanOf(const std::vector<FrameCoherence>& frames, CoherenceFigures F
     return means;
 }
 
+MeanCleanness meanOf(const std::vector<FrameCoherence>& frames, std::size_t displacementClass)
+{
+    MeanCleanness mean{};
+    for (const FrameCoherence& frame : frames)
+        mean.points += frame.byDisplacement[displacementClass].points;
+    for (std::size_t i = 0; i < kCleannessFigures.size(); ++i) {
+        std::vector<double> values;
+        values.reserve(frames.size());
+        for (const FrameCoherence& frame : frames)
+            values.push_back(frame.byDisplacement[displacementClass].*kCleannessFigures[i].value);
+        mean.figures[i] = estimateMean(values);
+    }
+    return mean;
+}
+
 std::string toString(const Refinement& refinement)
 {
     return fmt::format("{}", fmt::join(refinement.factors, " x "));
@@ -267,7 +282,11 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     }
     result.raw = meanOf(result.frames, &FrameCoherence::raw, result.lags.size());
     result.smoothed = meanOf(result.frames, &FrameCoherence::smoothed, result.lags.size());
+    for (std::size_t i = 0; i < result.byDisplacement.size(); ++i)
+        result.byDisplacement[i] = meanOf(result.frames, i);
     for (const std::string& line : meanLines(result))
+        reporter.say(line);
+    for (const std::string& line : displacementLines(result))
         reporter.say(line);
 
     if (!params.json.empty()) {

@@ -6,6 +6,7 @@
 #include "vdblic/lic/estimate.h"
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 namespace vdblic {
@@ -16,11 +17,18 @@ struct MeanFigures {
     std::vector<double> along, across;
 };
 
+/// Means over frames of the figures of one class of displacement.
+struct MeanCleanness {
+    std::size_t points = 0;                                 ///< of all frames
+    std::array<Estimate, kCleannessFigures.size()> figures; ///< in the order of kCleannessFigures
+};
+
 struct SequenceCoherence {
     std::array<int, 3> refine{1, 1, 1}; ///< texture voxels in a voxel of the velocity, along each axis
     std::vector<double> lags;           ///< of every autocorrelation: coherenceLags()
     std::vector<FrameCoherence> frames;
     MeanFigures raw, smoothed;
+    std::array<MeanCleanness, kDisplacementClasses.size()> byDisplacement;
 };
 
 /// Measure every frame of a texture sequence, and report each one as soon as its figures are known.

@@ -52,4 +52,25 @@ std::vector<std::string> meanLines(const SequenceCoherence& coherence)
     return lines;
 }
 
+std::vector<std::string> displacementLines(const SequenceCoherence& coherence)
+{
+    std::vector<std::string> lines = {"by displacement a step [texture voxels], means of raw textures:",
+                                      fmt::format("{:<10} {:>8}  {:>12} {:>6} {:>9} {:>10} {:>9} {:>11}", "", "points",
+                                                  "isolated [%]", "line", "angle [°]", "deviation", "temporal",
+                                                  "same place")};
+    for (std::size_t i = 0; i < kDisplacementClasses.size(); ++i) {
+        const auto& [from, to] = kDisplacementClasses[i];
+        const MeanCleanness& means = coherence.byDisplacement[i];
+        const auto& [isolated, line, angle, deviation, temporal, samePlace] = means.figures;
+        const std::string figures =
+            isolated.frames == 0
+                ? fmt::format(" too few points: a frame needs {}", kLeastClassPoints)
+                : fmt::format("{} {} {} {} {} {}", number(100 * isolated.mean, 12, 3), number(line.mean, 6, 2),
+                              number(angle.mean, 9, 1), number(deviation.mean, 10, 3), number(temporal.mean, 9, 3),
+                              number(samePlace.mean, 11, 3));
+        lines.push_back(fmt::format("{:<10} {:>8}  {}", fmt::format("{} to {}", from, to), means.points, figures));
+    }
+    return lines;
+}
+
 } // namespace vdblic

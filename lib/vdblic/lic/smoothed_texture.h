@@ -4,6 +4,8 @@
 
 #include <openvdb/openvdb.h>
 
+#include <array>
+#include <cstddef>
 #include <memory>
 
 namespace vdblic {
@@ -38,6 +40,24 @@ class SmoothedTexture {
         const Float4 values = Values::interpolate(cell);
         constexpr float kFull = 1 - 1e-4f; // 1 less rounding
         return {values[kRaw], values[kSmoothed], values[kCoverage] > kFull};
+    }
+
+    /// Copy the raw values of voxels along z. @param first voxel @return whether all voxels have a value
+    template<std::size_t kCount>
+    [[nodiscard]] VDBLIC_INLINE bool copyRow(Int4 first, std::array<float, kCount>& values) const
+    {
+        int leaf = domain().findLeaf(first);
+        for (int i = 0; i < int(kCount); ++i) {
+            const Int4 voxel = first + Int4{0, 0, i, 0};
+            const int z = LeafVoxel::local(voxel[2]);
+            if (i > 0 && z == 0) leaf = domain().findLeaf(voxel);
+            if (leaf < 0) return false;
+            const auto* record =
+                mBricks.record(leaf, Values::index(LeafVoxel::local(voxel[0]), LeafVoxel::local(voxel[1]), z));
+            if (record->values[kCoverage] == 0) return false;
+            values[std::size_t(i)] = record->values[kRaw];
+        }
+        return true;
     }
 
     [[nodiscard]] const Domain& domain() const { return mBricks.domain(); }

@@ -312,7 +312,7 @@ TEST(Coherence, DoesNotDependOnThreads)
     std::vector<std::string> reports;
     for (const std::size_t threads : {1, 2, 7}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        SequenceCoherence coherence;
+        SequenceCoherence coherence{};
         coherence.frames.push_back(measureCoherence(before, &after, field, params, 4));
         reports.push_back(toJson(coherence, {}));
     }
