@@ -25,6 +25,7 @@ COMMANDS = {  # valid without the tried option
     "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
     "vdblic_info": ["v.0001.vdb"],
     "vdblic_import": ["v.npy", "-o", "out.vdb"],
+    "vdblic_export": ["n.vdb", "-o", "out.vti"],
 }
 # Legal values of an option, of those tried. Names may be anything but empty.
 LEGAL = {
@@ -71,7 +72,7 @@ LEGAL = {
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
          "--ignore-metadata", "--camera", "--transfer", "--transfer-out", "--roi", "--film", "--solid", "--by",
-         "--color-by", "--opacity-by", "--array"}
+         "--color-by", "--opacity-by", "--array", "--grids"}
 
 
 def options(help_text):

@@ -86,6 +86,7 @@ class Survival(ToolTest):
         inputs += 1
         for command in (("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb"),
                         ("vdblic_import", "v.npz", "-o", "i.%04d.vdb"),
+                        ("vdblic_export", "c.%04d.vdb", "-o", "e_%04d.vti"),
                         ("vdblic_diff", "v.%04d.vdb", "v.%04d.vdb", "-o", "d.%04d.vdb"),
                         ("vdblic_render", "c.%04d.vdb", "-o", "i.%04d.png", "--texture", "speed"),
                         ("vdblic_coherence", "v.%04d.vdb", "c.%04d.vdb", "--texture", "speed", "--json", "c.json")):
@@ -173,6 +174,7 @@ class Survival(ToolTest):
         before = self.files()
         for tool, *arguments in (("vdblic_advect", "v.%04d.vdb", "-o", "out.%04d.vdb", "--preroll", 0),
                                  ("vdblic_import", "v.npy", "-o", "out.vdb"),
+                                 ("vdblic_export", "v.0001.vdb", "-o", "out.vti"),
                                  ("vdblic_noise", "--like", "v.0001.vdb", "-o", "out.vdb"),
                                  ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "out.vdb"),
                                  ("vdblic_coherence", "v.0001.vdb", noise, "--texture", "noise", "--json", "out.json"),
@@ -245,7 +247,7 @@ class Survival(ToolTest):
         coherence = ("vdblic_coherence", "v.0001.vdb", "lic.0001.vdb")
         numpy.save(self.folder / "v.npy", numpy.ones((8, 8, 8, 3)))
         files = [(("vdblic_synth", "abc", "--size", 8, 8, 8, "--frames", 1), "-o", ".vdb"),
-                 (("vdblic_import", "v.npy"), "-o", ".vdb"),
+                 (("vdblic_import", "v.npy"), "-o", ".vdb"), (("vdblic_export", "lic.0001.vdb"), "-o", ".vti"),
                  (("vdblic_noise", "--size", 8, 8, 8), "-o", ".vdb"), (advect, "-o", ".vdb"), (render, "-o", ".png"),
                  (compared, "-o", ".vdb")]
         reports = [((*advect, "-o", "again.vdb"), "--json", ".json"), (render, "--histogram", ".json"),
@@ -257,7 +259,7 @@ class Survival(ToolTest):
         files, reports = self.writers()
         os.mkfifo(self.folder / "fifo")
         (self.folder / "folder").mkdir()
-        for ending in ".vdb", ".png", ".json", ".svg":
+        for ending in ".vdb", ".vti", ".png", ".json", ".svg":
             for name, target in ("pipe", "fifo"), ("full", "/dev/full"), ("within", "folder"):
                 (self.folder / f"{name}{ending}").symlink_to(target)
         before = self.files()

@@ -4,11 +4,8 @@ import datetime
 import os
 
 from .errors import InputError, ParameterError
-from .files import check_extension, check_not_inputs, write_file
-from .tool import Tool, number, positive, whole
+from .tool import MOST_NUMBER, Tool, number, positive, whole
 from .velocity import check_carried, chosen, contents, names_of
-
-MOST_NUMBER = 1_000_000_000_000
 
 
 def main(version, words):
@@ -96,39 +93,25 @@ def main(version, words):
 def run(options, console, stop):
     """Convert every selected step."""
     _check(options)
-    from .sequences import Pattern, check_outputs  # what takes long to load is loaded once the options are right
+    from .sequences import Outputs  # what takes long to load is loaded once the options are right
     from .series import Series
 
-    output = Pattern(options.output)
+    outputs = Outputs(options, [".vdb"], console, stop)
     series = Series(options, stop)
-    references = [options.like] if options.like and os.path.exists(options.like) else []
-    check_not_inputs(map(output.path, series.frames), [*series.inputs(), *references])
     if not series.streamed:
-        check_outputs(output, series.frames)
+        references = [options.like] if options.like and os.path.exists(options.like) else []
+        outputs.check(series.frames, [*series.inputs(), *references], series.count)
     conversion = Conversion(options, console)
-    done = 0
+    written = 0
     for step in series.steps():
-        stop.check()
-        path = output.path(step.frame)
-        if series.streamed:
-            check_not_inputs([path], [step.source.path])
-            if not output.has_field and done:
-                raise ParameterError(
-                    f"output '{output.text}' names one file but there are more frames; use a pattern such as "
-                    "name.%04d.vdb"
-                )
-        if not (options.skip_existing and path.is_file()):
-            write_file(path, conversion.volume(step, series, path))
-        console.finished(path)
-        done += 1
-        console.progress(step.frame, done, series.count)
-    if done == 0:
+        outputs.write(step.frame, step.source.path, lambda path, step=step: conversion.volume(step, series, path))
+        written += 1
+    if not written:
         raise InputError(f"{options.input}: no step lies within --times {options.times[0]:g} {options.times[1]:g}")
 
 
 def _check(options):
     """Raise ParameterError for options that exclude each other or have values of the wrong number."""
-    check_extension(options.output, [".vdb"])
     options.array = names_of(options.array) if options.array else ()
     options.carry = names_of(options.carry) if options.carry else ()
     if options.voxel_size and len(options.voxel_size) not in (1, 3):

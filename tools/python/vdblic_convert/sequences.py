@@ -2,12 +2,13 @@
 
 import pathlib
 import re
+import sys
 
 from .errors import InputError, ParameterError
-from .files import check_output, file_behind
+from .files import check_extension, check_not_inputs, check_output, file_behind, write_file
+from .tool import MOST_NUMBER
 
 MOST_FRAMES = 1_000_000
-MOST_NUMBER = 1_000_000_000_000
 _FIELD = re.compile(r"%(?:0(\d{1,9}))?d|(#+)|(@+)|\$F(\d{0,9})|<F(\d{0,9})>")
 _NO_FIELD = re.compile(r"\*+|\?+|%\d*[diu]")
 
@@ -122,14 +123,76 @@ class Pattern:
         return [(frame, files[frame]) for frame in frames or found]
 
 
-def check_outputs(pattern, frames):
-    """Make sure before any work that the outputs of these frames can be written."""
-    if not pattern.has_field and len(frames) != 1:
-        raise ParameterError(
-            f"output '{pattern.text}' names one file but there are more frames; use a pattern such as "
-            f"name.%04d{pathlib.Path(pattern.text).suffix}"
+class Outputs:
+    """The outputs of a run: checked before any work, written whole, told when they are finished."""
+
+    def __init__(self, options, extensions, console, stop):
+        check_extension(options.output, extensions)
+        self.pattern = Pattern(options.output)
+        self._skip, self._console, self._stop = options.skip_existing, console, stop
+        self._done = self._count = 0
+
+    def check(self, frames, inputs, count):
+        """Check the outputs of all frames; `count` of them will be written, 0 if that is unknown."""
+        self._count = count
+        if not self.pattern.has_field and len(frames) > 1:
+            raise self._one_file()
+        for frame in frames:
+            file_behind(self.pattern.path(frame))
+        check_not_inputs(map(self.pattern.path, frames), inputs)
+        check_output(self.pattern.path(frames[0]))
+
+    def write(self, frame, source, data):
+        """Write the bytes that `data(path)` returns, unless the output is there and is to be left."""
+        path = self.pattern.path(frame)
+        self._stop.check()
+        if not self.pattern.has_field and self._done:
+            raise self._one_file()
+        check_not_inputs([path], [source])
+        if not (self._skip and path.is_file()):
+            write_file(path, data(path))
+        self._done += 1
+        self._console.finished(path)
+        self._console.progress(frame, self._done, self._count)
+        return path
+
+    def _one_file(self):
+        return ParameterError(
+            f"output '{self.pattern.text}' names one file but there are more frames; use a pattern such as "
+            f"name.%04d{pathlib.Path(self.pattern.text).suffix}"
         )
-    for frame in frames:
-        file_behind(pattern.path(frame))
-    if frames:
-        check_output(pattern.path(frames[0]))
+
+
+def paths_on_standard_input(stop):
+    """The paths on standard input, one a line or separated by NULs, as they come."""
+    found = False
+    while True:
+        with stop.interruptible():
+            line = sys.stdin.buffer.readline()
+        if not line:
+            break
+        for path in line.decode(errors="surrogateescape").replace("\0", "\n").splitlines():
+            if path:
+                found = True
+                yield path
+    if not found:
+        raise InputError("standard input names no files")
+
+
+def numbered(path, number, taken):
+    """The frame number of a path on standard input: `number`, or if it is None that of the name.
+
+    `taken` maps the numbers so far to their paths.
+    """
+    frame = frame_of_name(path) if number is None else number
+    if frame is None:
+        raise InputError(
+            f"{path}: the name does not end in a frame number; --renumber START numbers the paths as they come"
+        )
+    if frame in taken:
+        raise InputError(
+            f"{path}: frame {frame} comes twice on standard input; the first was {taken[frame]}; "
+            "--renumber START numbers the paths as they come"
+        )
+    taken[frame] = path
+    return frame

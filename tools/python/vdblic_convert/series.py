@@ -1,11 +1,10 @@
 """The steps of an input: which files and which times in them become which frames."""
 
 import dataclasses
-import sys
 
 from .errors import InputError, ParameterError
 from .readers import Source, open_source
-from .sequences import Pattern, frame_of_name, parse_frames
+from .sequences import Pattern, numbered, parse_frames, paths_on_standard_input
 
 
 @dataclasses.dataclass
@@ -75,7 +74,7 @@ class Series:
             for index in range(len(source.times)):
                 step = self._step(number if self._numbered else frame, source, index, before)
                 number += 1
-                before = step
+                before = step.time
                 if step.frame in selected and self._within(step):
                     yield step
 
@@ -86,7 +85,7 @@ class Series:
 
     def _streamed(self):
         number, before, taken = self._options.renumber, None, {}
-        for path in self._paths():
+        for path in paths_on_standard_input(self._stop):
             if not taken:
                 self._open_first(path)
             source = self._open(path)
@@ -95,32 +94,12 @@ class Series:
                     f"{path}: it holds {len(source.times)} steps; --renumber START numbers the steps as they come"
                 )
             for index in range(len(source.times)):
-                frame = frame_of_name(path) if number is None else number
-                if frame is None or frame in taken:
-                    raise InputError(
-                        f"{path}: the name does not end in a frame number, or ends in that of "
-                        f"{taken.get(frame, 'another')}; --renumber START numbers the paths as they come"
-                    )
-                taken[frame] = path
+                frame = numbered(path, number, taken)
                 number = None if number is None else number + 1
-                before = self._step(frame, source, index, before)
-                if self._within(before):
-                    yield before
-
-    def _paths(self):
-        """The paths on standard input, one a line or separated by NULs."""
-        found = False
-        while True:
-            with self._stop.interruptible():
-                line = sys.stdin.buffer.readline()
-            if not line:
-                break
-            for path in line.decode(errors="surrogateescape").replace("\0", "\n").splitlines():
-                if path:
-                    found = True
-                    yield path
-        if not found:
-            raise InputError("standard input names no files")
+                step = self._step(frame, source, index, before)
+                before = step.time
+                if self._within(step):
+                    yield step
 
     def _step(self, frame, source, index, before):
         if self._options.dt:
@@ -131,17 +110,17 @@ class Series:
             return Step(frame, source, index, None, None)
         if source.calendar and self.start is not None:
             time -= self.start
-        if before is not None and before.time is not None and not time > before.time:
+        if before is not None and not time > before:
             raise InputError(
-                f"{source.path}: step {index + 1} is at {time:g} s, not after {before.time:g} s, the step before it; "
-                "order the files by time, or give the spacing with --dt"
+                f"{source.path}: step {index + 1} is at {time:g} s, not after {before:g} s, the step before it; order"
+                " the files by time, or give the spacing with --dt"
             )
         if index + 1 < len(times):
             dt = times[index + 1] - times[index]
         elif index > 0:
             dt = times[index] - times[index - 1]
         else:
-            dt = time - before.time if before is not None and before.time is not None else None
+            dt = None if before is None else time - before
         return Step(frame, source, index, time, dt)
 
     def _open_first(self, path):
@@ -150,7 +129,8 @@ class Series:
 
     def _open(self, path):
         if self._last is None or str(self._last.path) != str(path):
-            self._last = None  # its memory is free before the next file is read
+            if self._last is not None:
+                self._last.free()  # its memory, before the next file is read
             self._last = open_source(path)
         return self._last
 

@@ -83,12 +83,17 @@ def like(reference):
     if not grid.activeVoxelCount():
         raise InputError(f"{path}: grid '{grid.name}' has no active voxels; choose another grid for --like")
     low, high = grid.evalActiveVoxelBoundingBox()
-    origin = numpy.array(grid.transform.indexToWorld((0, 0, 0)))
-    matrix = numpy.eye(4)
-    matrix[:3, 3] = origin
-    for axis in range(3):
-        matrix[:3, axis] = numpy.array(grid.transform.indexToWorld(tuple(numpy.eye(3)[axis]))) - origin
+    matrix = matrix_of(grid.transform)
     return Target(tuple(b - a + 1 for a, b in zip(low, high)), matrix, tuple(low))
+
+
+def matrix_of(transform):
+    """The 4 × 4 matrix of a transform of pyopenvdb."""
+    matrix = numpy.eye(4)
+    matrix[:3, 3] = transform.indexToWorld((0, 0, 0))
+    for axis in range(3):
+        matrix[:3, axis] = numpy.array(transform.indexToWorld(tuple(numpy.eye(3)[axis]))) - matrix[:3, 3]
+    return matrix
 
 
 def filling(bounds, size=None, voxel_size=None):

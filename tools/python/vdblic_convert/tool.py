@@ -13,6 +13,7 @@ from .console import ClosedPipe, Console
 from .errors import OutputError, ParameterError, UserError
 from .stop import Stop, Stopped, die_by
 
+MOST_NUMBER = 1_000_000_000_000  # of a frame
 _STATUS = """Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug; after a
 signal 128 and its number.
 The path of each finished output is printed on standard output, messages on standard error."""

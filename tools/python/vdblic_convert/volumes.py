@@ -1,6 +1,7 @@
 """.vdb files of dense arrays, and back."""
 
 import hashlib
+import os
 import uuid
 
 import numpy
@@ -41,7 +42,19 @@ def bytes_of_volume(output, grids, metadata):
 def read_volume(path):
     """The grids and the file metadata of a .vdb file. Raises InputError."""
     vdb = needed("pyopenvdb")
+    if not os.path.isfile(path):
+        raise InputError(f"{path}: no such file")
     try:
         return vdb.readAll(str(path))
-    except (OSError, RuntimeError, TypeError) as error:
-        raise InputError(f"{path}: cannot be read as a .vdb file: {str(error)[:200]}") from None
+    except Exception as error:  # OpenVDB reports what it met as errors of many kinds
+        reason = "".join(char for char in str(error) if char.isprintable()).strip()
+        raise InputError(f"{path}: cannot be read as a .vdb file: {' '.join(reason.split())[:200]}") from None
+
+
+def metadata_of(path):
+    """The time, spacing and number of a volume, from the file or from its first grid that has them."""
+    vdb = needed("pyopenvdb")
+    found = dict(vdb.readMetadata(str(path)))
+    for grid in vdb.readAllGridMetadata(str(path)):
+        found = {**{key: grid[key] for key in ("time", "dt", "frame") if key in grid.metadata}, **found}
+    return found

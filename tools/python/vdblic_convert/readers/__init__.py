@@ -69,6 +69,9 @@ class Source:
         """A VTK data set with the named arrays."""
         raise NotImplementedError
 
+    def free(self):
+        """Free the memory of a step that was read; it is read again when it is needed."""
+
     def notes(self):
         """What a user should be told about how the file is read."""
         return []

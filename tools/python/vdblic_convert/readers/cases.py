@@ -49,6 +49,9 @@ class Case(Source):
             self._read = step, data
         return self._read[1]
 
+    def free(self):
+        self._read = None, None
+
     def _update(self, time):
         """Let VTK read a time."""
         with errors_of(self.path):

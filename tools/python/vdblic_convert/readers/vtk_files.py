@@ -55,10 +55,15 @@ class VtkFile(Source):
         super().__init__(path, [time_of(self._data)])
 
     def arrays(self, step):
-        return arrays_of(self._data)
+        return arrays_of(self.read(step, ()))
 
     def read(self, step, names):
+        if self._data is None:
+            self._data = read_file(self.path)
         return self._data
+
+    def free(self):
+        self._data = None
 
 
 class PvdFile(Source):
@@ -96,3 +101,6 @@ class PvdFile(Source):
                     whole.SetBlock(i, part)
             self._read = step, whole
         return self._read[1]
+
+    def free(self):
+        self._read = None, None
