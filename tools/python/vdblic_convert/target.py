@@ -6,6 +6,7 @@ import os
 import numpy
 
 from .errors import InputError, ParameterError, needed
+from .header import check_header
 
 MOST_INDEX = 131072
 BYTES = 80  # taken by a voxel and its coordinates while it is resampled and written
@@ -69,8 +70,7 @@ def like(reference):
     vdb = needed("pyopenvdb")
     path, _, name = reference.rpartition(":") if not os.path.exists(reference) else (reference, "", "")
     path, name = (path, name) if path else (reference, "")
-    if not os.path.isfile(path):
-        raise InputError(f"{path}: no such file")
+    check_header(path)
     try:
         names = [grid.name for grid in vdb.readAllGridMetadata(path)]
         if not names or name and name not in names:

@@ -1,13 +1,13 @@
 """.vdb files of dense arrays, and back."""
 
 import hashlib
-import os
 import uuid
 
 import numpy
 
 from .errors import InputError, needed
 from .files import bytes_of
+from .header import check_header
 
 _OUTSIDE = float(numpy.finfo(numpy.float32).max)  # what no value is: it marks inactive voxels
 _IDENTIFIER = slice(21, 57)  # of a file, in its header
@@ -42,8 +42,7 @@ def bytes_of_volume(output, grids, metadata):
 def read_volume(path):
     """The grids and the file metadata of a .vdb file. Raises InputError."""
     vdb = needed("pyopenvdb")
-    if not os.path.isfile(path):
-        raise InputError(f"{path}: no such file")
+    check_header(path)
     try:
         return vdb.readAll(str(path))
     except Exception as error:  # OpenVDB reports what it met as errors of many kinds
