@@ -34,6 +34,8 @@ libgtest-dev            header  gtest/gtest.h
 libbenchmark-dev        header  benchmark/benchmark.h
 python3-openvdb         python  pyopenvdb
 python3-numpy           python  numpy
+python3-vtk9            python  vtkmodules
+python3-netcdf4         python  netCDF4
 libopenvdb-tools        command vdb_print
 openexr                 command exrheader
 openimageio-tools       command idiff

@@ -13,12 +13,15 @@ import unittest
 
 import pyopenvdb as vdb
 
+import flows
+import netcdf_flows
 from support import BIN, ToolTest
 
 SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 DOCUMENTS = [SOURCE / "README.md", *sorted((SOURCE / "docs").glob("*.md"))]
 FLOW_TEXTURE = SOURCE / "samples/blender/flow_texture.py"
-OURS = sorted(path.stem for path in (SOURCE / "tools").glob("vdblic_*.cpp"))
+OURS = sorted([path.stem for path in (SOURCE / "tools").glob("vdblic_*.cpp")] +
+              [f"vdblic_{path.stem.removesuffix('_tool')}" for path in (SOURCE / "tools/python").glob("*/*_tool.py")])
 
 # The small data: frames of velocities and of textures, each under every name that documents use for such data.
 VELOCITIES = ["v.%04d.vdb", "vel.%04d.vdb", "geo/vel.%04d.vdb", "samples/wake/wake.%04d.vdb",
@@ -73,6 +76,10 @@ class Documents(ToolTest):
         run = lambda *command: subprocess.run(command, cwd=cls.data, check=True, capture_output=True)
         run(BIN / "vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", "8", "8", "8", "--frames", "1-4")
         run(BIN / "vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb")
+        # Flows of other programs, under the names that the documents import.
+        flows.write_pvd(cls.data, [0, 1])
+        flows.write_foam(cls.data / "cavity", [0, 1])
+        netcdf_flows.write_heights(cls.data / "winds.nc")
 
     def copy_of_the_data(self, folder):
         for patterns, made in (VELOCITIES, "v.%04d.vdb"), (TEXTURES, "lic.%04d.vdb"):
@@ -80,6 +87,11 @@ class Documents(ToolTest):
                 (folder / pattern).parent.mkdir(parents=True, exist_ok=True)
                 for frame in FRAMES if "%" in pattern else [None]:
                     os.link(str(self.data / made) % (frame or 1), str(folder / pattern) % frame if frame else folder / pattern)
+
+        for name in "flow.pvd", "part0.vtu", "part1.vtu", "winds.nc", "cavity":
+            (folder / name).symlink_to(self.data / name)
+        for frame in FRAMES:
+            (folder / f"run.{frame:04}.vtu").symlink_to(self.data / "part0.vtu")
 
     def test_commands_run(self):
         environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}

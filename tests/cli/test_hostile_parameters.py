@@ -6,6 +6,8 @@ New options are tested automatically; their legal values among those tried go in
 import re
 import unittest
 
+import numpy
+
 from support import ToolTest
 
 NUMBERS = ["0", "-1", "nan", "inf", "-inf", "1e308", "-1e308", "99999999999999999999", "1.5.2", "0x", "9" * 100000, ""]
@@ -22,6 +24,8 @@ COMMANDS = {  # valid without the tried option
     "vdblic_diff": ["n.vdb", "n.vdb", "-o", "out.vdb"],
     "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
     "vdblic_info": ["v.0001.vdb"],
+    "vdblic_import": ["v.npy", "-o", "out.vdb"],
+    "vdblic_export": ["n.vdb", "-o", "out.vti"],
 }
 # Legal values of an option, of those tried. Names may be anything but empty.
 LEGAL = {
@@ -33,6 +37,7 @@ LEGAL = {
     "--preroll": {"0"},
     "--checkpoint-every": {"0"},
     "--lead-in": {"0"},
+    "--times": {"0", "-1", "99999999999999999999"},
     "--sharpen": {"0"},
     "--finish": {"0"},
     "--noise-share": {"0"},
@@ -67,7 +72,7 @@ LEGAL = {
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
          "--ignore-metadata", "--camera", "--transfer", "--transfer-out", "--roi", "--film", "--solid", "--by",
-         "--color-by", "--opacity-by"}
+         "--color-by", "--opacity-by", "--array", "--grids"}
 
 
 def options(help_text):
@@ -92,6 +97,7 @@ class HostileParameters(ToolTest):
         super().setUp()
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 8, 8, 8, "--frames", "1")
         self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "n.vdb")
+        numpy.save(self.folder / "v.npy", numpy.ones((2, 2, 2, 3)))
 
     def command(self, tool, option, values):
         """The tool's command with an option of these values."""
@@ -103,7 +109,7 @@ class HostileParameters(ToolTest):
             while end < len(words) and not words[end].startswith("-"):
                 end += 1
             del words[begin:end]
-        if option in ("--like",):
+        if option == "--like" and "--size" in words:
             del words[words.index("--size"):][:4]
         return [tool, *words, *([f"{option}={values[0]}"] if len(values) == 1 else [option, *values])]
 
@@ -149,7 +155,7 @@ class HostileParameters(ToolTest):
                         # The other values are 0, because both ends of a range must differ.
                         done = self.run_tool(*self.command(tool, name, ["0"] * (count - 1) + [value]), timeout=20)
                         if (name, value) not in (("--up", "0"), ("--light", "0"), ("--clip-plane", "0"),
-                                                 ("--bbox", "-1"), ("--bbox-world", "-1"),
+                                                 ("--bbox", "-1"), ("--bbox-world", "-1"), ("--times", "-1"),
                                                  ("--bbox-world", "-1e308"), ("--bbox-world", "-inf")):
                             self.assertIn(done.returncode, (0, 1, 3), done.stderr)
 

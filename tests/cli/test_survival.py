@@ -82,7 +82,11 @@ class Survival(ToolTest):
         paths = self.synth("1-60", (64, 32, 32))
         self.write_speed()
         inputs = len(paths)
+        numpy.savez(self.folder / "v.npz", velocity=numpy.ones((40, 32, 32, 32, 3), numpy.float32))
+        inputs += 1
         for command in (("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb"),
+                        ("vdblic_import", "v.npz", "-o", "i.%04d.vdb"),
+                        ("vdblic_export", "c.%04d.vdb", "-o", "e_%04d.vti"),
                         ("vdblic_diff", "v.%04d.vdb", "v.%04d.vdb", "-o", "d.%04d.vdb"),
                         ("vdblic_render", "c.%04d.vdb", "-o", "i.%04d.png", "--texture", "speed"),
                         ("vdblic_coherence", "v.%04d.vdb", "c.%04d.vdb", "--texture", "speed", "--json", "c.json")):
@@ -166,8 +170,11 @@ class Survival(ToolTest):
     def test_files_that_may_not_grow(self):
         self.synth("1-2", (32, 32, 32))
         noise, = self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "noise.vdb")
+        numpy.save(self.folder / "v.npy", numpy.random.default_rng(1).random((16, 16, 16, 3)))
         before = self.files()
         for tool, *arguments in (("vdblic_advect", "v.%04d.vdb", "-o", "out.%04d.vdb", "--preroll", 0),
+                                 ("vdblic_import", "v.npy", "-o", "out.vdb"),
+                                 ("vdblic_export", "v.0001.vdb", "-o", "out.vti"),
                                  ("vdblic_noise", "--like", "v.0001.vdb", "-o", "out.vdb"),
                                  ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "out.vdb"),
                                  ("vdblic_coherence", "v.0001.vdb", noise, "--texture", "noise", "--json", "out.json"),
@@ -185,12 +192,17 @@ class Survival(ToolTest):
             self.skipTest("mounting is not allowed here")
         self.addCleanup(lambda: subprocess.run(["umount", small], check=True))
         self.synth("1-4", (32, 32, 32))
-        done = self.run_tool("vdblic_advect", "v.%04d.vdb", "-o", "small/lic.%04d.vdb", "--preroll", 0)
-        self.assertEqual(done.returncode, 4, done.stderr)
-        self.assertIn("No space left on device", done.stderr)
-        finished = [pathlib.Path(line).name for line in done.stdout.split()]
-        self.assertLess(len(finished), 4)
-        self.assertEqual(sorted(path.name for path in small.iterdir()), finished)
+        numpy.save(self.folder / "v.npy", numpy.random.default_rng(1).random((4, 32, 32, 32, 3), numpy.float32))
+        for command in (("vdblic_advect", "v.%04d.vdb", "-o", "small/lic.%04d.vdb", "--preroll", 0),
+                        ("vdblic_import", "v.npy", "-o", "small/i.%04d.vdb")):
+            done = self.run_tool(*command)
+            self.assertEqual(done.returncode, 4, done.stderr)
+            self.assertIn("No space left on device", done.stderr)
+            finished = [pathlib.Path(line).name for line in done.stdout.split()]
+            self.assertLess(len(finished), 4)
+            self.assertEqual(sorted(path.name for path in small.iterdir()), finished)
+            for name in finished:
+                (small / name).unlink()
 
     def test_a_folder_that_may_not_be_written_to(self):
         self.synth("1")
@@ -205,6 +217,7 @@ class Survival(ToolTest):
     def test_outputs_do_not_replace_inputs(self):
         self.synth("1-2")
         self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "noise.vdb")
+        numpy.save(self.folder / "v.npy", numpy.ones((8, 8, 8, 3)))
         for ending in ".vdb", ".svg":
             os.symlink("noise.vdb", self.folder / f"link{ending}")
         before = {name: self.contents(name) for name in self.files()}
@@ -213,6 +226,7 @@ class Survival(ToolTest):
                         ("vdblic_advect", "v.0001.vdb", "-o", "link.vdb", "--noise", "noise.vdb"),
                         ("vdblic_advect", "v.0001.vdb", "-o", "noise.vdb", "--mask", "link.vdb"),
                         ("vdblic_noise", "--like", "noise.vdb", "-o", "link.vdb"),
+                        ("vdblic_import", "v.npy", "-o", "link.vdb", "--like", "noise.vdb"),
                         ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "v.0002.vdb"),
                         ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "--json", "v.0002.vdb"),
                         ("vdblic_info", "v.0001.vdb", "--json", "v.0001.vdb"),
@@ -231,7 +245,9 @@ class Survival(ToolTest):
         render = ("vdblic_render", "lic.0001.vdb", "--size", 8, 8)
         compared = ("vdblic_diff", "lic.0001.vdb", "lic.0001.vdb")
         coherence = ("vdblic_coherence", "v.0001.vdb", "lic.0001.vdb")
+        numpy.save(self.folder / "v.npy", numpy.ones((8, 8, 8, 3)))
         files = [(("vdblic_synth", "abc", "--size", 8, 8, 8, "--frames", 1), "-o", ".vdb"),
+                 (("vdblic_import", "v.npy"), "-o", ".vdb"), (("vdblic_export", "lic.0001.vdb"), "-o", ".vti"),
                  (("vdblic_noise", "--size", 8, 8, 8), "-o", ".vdb"), (advect, "-o", ".vdb"), (render, "-o", ".png"),
                  (compared, "-o", ".vdb")]
         reports = [((*advect, "-o", "again.vdb"), "--json", ".json"), (render, "--histogram", ".json"),
@@ -243,7 +259,7 @@ class Survival(ToolTest):
         files, reports = self.writers()
         os.mkfifo(self.folder / "fifo")
         (self.folder / "folder").mkdir()
-        for ending in ".vdb", ".png", ".json", ".svg":
+        for ending in ".vdb", ".vti", ".png", ".json", ".svg":
             for name, target in ("pipe", "fifo"), ("full", "/dev/full"), ("within", "folder"):
                 (self.folder / f"{name}{ending}").symlink_to(target)
         before = self.files()
@@ -303,7 +319,8 @@ class Survival(ToolTest):
         self.assertNotIn("lic2.0001.vdb", self.files())
 
     def test_help_that_cannot_be_printed(self):
-        for tool in (["vdblic_advect", "--help"], ["vdblic_render", "--version"], ["vdblic_synth", "--list"]):
+        for tool in (["vdblic_advect", "--help"], ["vdblic_render", "--version"], ["vdblic_synth", "--list"],
+                     ["vdblic_import", "--help"]):
             with open("/dev/full", "w", encoding="utf-8") as full:
                 run = self.start(*tool, stdout=full)
                 self.assertIn("standard output: cannot be written: No space left", run.communicate(timeout=30)[1])

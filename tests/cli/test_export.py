@@ -1,0 +1,149 @@
+"""vdblic_export: textures and velocities as VTK and NumPy read them back."""
+
+import unittest
+import xml.etree.ElementTree
+
+import numpy
+import pyopenvdb as vdb
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+
+from flows import flow
+from support import ToolTest
+
+
+def image_of(path):
+    """Arrays (x, y, z[, 3]) of a .vti file by name, the positions of its points, its time."""
+    reader = vtkXMLImageDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    image = reader.GetOutput()
+    shape = image.GetDimensions()[::-1]
+    order = lambda values: values.reshape(*shape, -1).transpose(2, 1, 0, 3)
+    data = image.GetPointData()
+    arrays = {data.GetArrayName(i): order(vtk_to_numpy(data.GetArray(i))) for i in range(data.GetNumberOfArrays())}
+    positions = order(numpy.array([image.GetPoint(i) for i in range(image.GetNumberOfPoints())]))
+    time = image.GetFieldData().GetArray("TimeValue")
+    return arrays, positions, time and time.GetValue(0)
+
+
+def dense(path, name, low, shape):
+    values = numpy.zeros(shape, numpy.float32)
+    vdb.read(str(path), name).copyToArray(values, low)
+    return values
+
+
+class Export(ToolTest):
+    def exports(self, *arguments, **options):
+        return [path.name for path in self.outputs("vdblic_export", *arguments, **options)]
+
+    def velocity(self, name, transform, low=(0, 0, 0), size=(6, 5, 4), staggered=False):
+        """Write the known flow, sampled in world space."""
+        grid = vdb.Vec3SGrid()
+        grid.transform = transform
+        values = numpy.zeros((*size, 3), numpy.float32)
+        for index in numpy.ndindex(*size):
+            at = [numpy.array(index, float) + low] * 3
+            if staggered:
+                at = [at[axis] - 0.5 * numpy.eye(3)[axis] for axis in range(3)]
+            values[index] = [flow(numpy.array(transform.indexToWorld(tuple(at[axis]))))[axis] for axis in range(3)]
+        grid.copyFromArray(values, low)
+        grid.name = "velocity"
+        grid.gridClass = "staggered" if staggered else "unknown"
+        vdb.write(str(self.folder / name), grid)
+
+    def test_textures(self):
+        self.outputs("vdblic_synth", "ring", "-o", "v.%04d.vdb", "--size", 16, 12, 10, "--frames", "3-5", "--dt", 0.25)
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--preroll", 0)
+        names = [f"lic_{frame:04}.vti" for frame in (3, 4, 5)]
+        self.assertEqual(self.exports("lic.%04d.vdb", "-o", "lic_%04d.vti"), [*names, "lic.pvd"])
+        for frame, name in zip((3, 4, 5), names):
+            path = self.folder / f"lic.{frame:04}.vdb"
+            grid = vdb.read(str(path), "density")
+            low, high = grid.evalActiveVoxelBoundingBox()
+            arrays, positions, time = image_of(self.folder / name)
+            shape = tuple(b - a + 1 for a, b in zip(low, high))
+            self.assertEqual(arrays["density"].shape[:3], shape)
+            for scalar in "density", "magnitude":
+                numpy.testing.assert_array_equal(arrays[scalar][..., 0], dense(path, scalar, low, shape))
+            self.assertEqual(arrays["active"].sum(), grid.activeVoxelCount())
+            place = grid.transform.indexToWorld(tuple(float(a + b) for a, b in zip(low, (2, 3, 4))))
+            numpy.testing.assert_allclose(positions[2, 3, 4], place)
+            self.assertEqual(time, (frame - 1) * 0.25)
+        entries = xml.etree.ElementTree.parse(self.folder / "lic.pvd").iter("DataSet")
+        self.assertEqual([(entry.get("file"), float(entry.get("timestep"))) for entry in entries],
+                         list(zip(names, (0.5, 0.75, 1))))
+        # What is there stays, and is in the list.
+        before = self.contents("lic_0004.vti")
+        (self.folder / "lic_0003.vti").write_bytes(b"mine")
+        self.exports("-", "-o", "lic_%04d.vti", "--skip-existing", stdin="lic.0003.vdb\nlic.0004.vdb\n")
+        self.assertEqual((self.contents("lic_0003.vti"), self.contents("lic_0004.vti")), (b"mine", before))
+        self.assertIn(b"lic_0003.vti", self.contents("lic.pvd"))
+
+    def test_grids_of_other_voxels_are_interpolated(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.vdb", "--size", 8, 8, 8, "--frames", "1")
+        refined = ("vdblic_advect", "v.vdb", "--preroll", 0, "--refine", 2, "--precision", "float", "--finish", 0)
+        self.outputs(*refined, "-o", "own.vdb")
+        self.outputs(*refined, "-o", "same.vdb", "--scalars", "texture")
+        self.exports("own.vdb", "-o", "own.vti")
+        arrays, _, _ = image_of(self.folder / "own.vti")
+        expected = dense(self.folder / "own.vdb", "density", (0, 0, 0), (16,) * 3)
+        numpy.testing.assert_array_equal(arrays["density"][..., 0], expected)
+        expected = dense(self.folder / "same.vdb", "magnitude", (0, 0, 0), (16,) * 3)
+        numpy.testing.assert_allclose(arrays["magnitude"][..., 0], expected, rtol=1e-5)
+
+    def test_velocities(self):
+        turned = vdb.createLinearTransform([[0, 0.2, 0, 0], [-0.3, 0, 0, 0], [0, 0, 0.1, 0], [5, 6, 7, 1]])
+        self.velocity("turned.vdb", turned, (-3, 2, 1))
+        self.velocity("faces.vdb", vdb.createLinearTransform(0.5), staggered=True)
+        for name, inside in ("turned", slice(None)), ("faces", slice(0, -1)):  # the last face is missing
+            self.assertEqual(self.exports(f"{name}.vdb", "-o", f"{name}.vti"), [f"{name}.vti"])
+            arrays, positions, _ = image_of(self.folder / f"{name}.vti")
+            part = inside, inside, inside
+            numpy.testing.assert_allclose(arrays["velocity"][part], flow(positions)[part], rtol=1e-5, atol=1e-5)
+
+    def test_numpy_and_back(self):
+        self.outputs("vdblic_synth", "ring", "-o", "v.%04d.vdb", "--size", 16, 12, 10, "--frames", "1-2")
+        self.assertEqual(self.exports("v.%04d.vdb", "-o", "v_%04d.npz"), ["v_0001.npz", "v_0002.npz"])
+        loaded = numpy.load(self.folder / "v_0002.npz")
+        grid = vdb.read(str(self.folder / "v.0002.vdb"), "velocity")
+        self.assertEqual(loaded["active"].sum(), grid.activeVoxelCount())
+        self.outputs("vdblic_import", "v_%04d.npz", "-o", "back.%04d.vdb")
+        done = self.run_tool("vdblic_diff", "v.%04d.vdb", "back.%04d.vdb", "--ignore-metadata", "source,velocity_array")
+        self.assertNotRegex(done.stdout + done.stderr, "voxels differ|topology|transform")
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "a.%04d.vdb")
+        self.outputs("vdblic_advect", "back.%04d.vdb", "-o", "b.%04d.vdb")
+        low, high = vdb.read(str(self.folder / "a.0002.vdb"), "density").evalActiveVoxelBoundingBox()
+        shape = [b - a + 1 for a, b in zip(low, high)]
+        self.assertEqual(low, (0, 0, 0))  # noise, and so the texture, belongs to voxel indices
+        numpy.testing.assert_array_equal(dense(self.folder / "a.0002.vdb", "density", low, shape),
+                                         dense(self.folder / "b.0002.vdb", "density", low, shape))
+
+    def test_mistakes(self):
+        self.outputs("vdblic_noise", "-o", "n.vdb", "--size", 4, 4, 4)
+        (self.folder / "broken.vdb").write_bytes(self.contents("n.vdb")[:200])
+        huge = vdb.FloatGrid()
+        huge.fill((0, 0, 0), (0, 0, 0), 1)
+        huge.fill((100000, 100000, 100000), (100000, 100000, 100000), 1)
+        huge.name = "huge"
+        vdb.write(str(self.folder / "huge.vdb"), huge)
+        before = self.files()
+        for status, words, *arguments in (
+                (3, "no grid 'p' of numbers or vectors; the file holds noise", "n.vdb", "-o", "n.vti", "--grids", "p"),
+                (3, "broken.vdb: cannot be read", "broken.vdb", "-o", "n.vti"),
+                (3, "of memory", "huge.vdb", "-o", "n.vti"),
+                (3, "no such file", "nothing.vdb", "-o", "n.vti"),
+                (3, "names no files", "-", "-o", "n.vti"),
+                (2, "must end in .vti or .npz", "n.vdb", "-o", "n.vtk"),
+                (2, "would replace an input", "n.vdb", "-o", "link.vti"),
+                (4, "make it first", "n.vdb", "-o", "nowhere/n.vti")):
+            with self.subTest(words):
+                if "link.vti" in arguments:
+                    (self.folder / "link.vti").symlink_to("n.vdb")
+                    before = self.files()
+                self.assertIn(words, self.fails(status, "vdblic_export", *arguments))
+                self.assertEqual(self.files(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()

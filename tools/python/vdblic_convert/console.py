@@ -1,0 +1,76 @@
+"""What a tool prints: paths of finished outputs on standard output, everything else on standard error."""
+
+import shutil
+import sys
+import time
+
+from .errors import OutputError
+
+
+class ClosedPipe(Exception):
+    """The reader of standard output has gone."""
+
+
+class Console:
+    def __init__(self, tool, level):
+        self.tool = tool
+        self._level = level  # 0 quiet, 1 normal, 2 verbose
+        self._terminal = sys.stderr.isatty() and sys.stdin.isatty() and sys.stdout.isatty()
+        self._start = self._last = time.monotonic()
+        self._bar = False
+
+    def progress(self, frame, done, total):
+        """Tell that `done` frames are finished, `frame` being the last; `total` is 0 if it is unknown."""
+        now = time.monotonic()
+        count = f"{done}/{total}" if total else str(done)
+        left = f", {(now - self._start) / done * (total - done):.0f} s left" if done < total else ""
+        if self._level and self._terminal:
+            text = f"{self.tool}: frame {count}, {now - self._start:.0f} s{left}"
+            self._print(f"\r\033[K{text[:shutil.get_terminal_size().columns - 1]}")
+            self._bar = True
+        elif self._level:
+            self._print(f"{self.tool}: frame {frame}: {now - self._last:.1f} s, {count} done{left}\n")
+        self._last = now
+
+    def detail(self, message):
+        if self._level == 2:
+            self._message(message)
+
+    def say(self, message):
+        if self._level:
+            self._message(message)
+
+    def warn(self, message):
+        self._message(f"warning: {message}")
+
+    def error(self, message):
+        self._message(f"error: {message}")
+
+    def finished(self, path):
+        """Print the path of a finished output."""
+        self.clear()
+        try:
+            print(path, flush=True)
+        except BrokenPipeError:
+            raise ClosedPipe from None
+        except OSError as error:
+            raise OutputError(f"standard output: cannot be written: {error.strerror}") from None
+
+    def clear(self):
+        """Remove the progress from a terminal."""
+        if self._bar:
+            self._print("\r\033[K")
+            self._bar = False
+
+    def _message(self, message):
+        self.clear()
+        self._print(f"{self.tool}: {message}\n")
+
+    @staticmethod
+    def _print(text):
+        """Failing to print a message does not stop the work."""
+        try:
+            sys.stderr.write(text)
+            sys.stderr.flush()
+        except OSError:
+            pass

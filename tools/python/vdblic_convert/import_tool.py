@@ -1,0 +1,218 @@
+"""vdblic_import: flows of other programs into velocity sequences."""
+
+import datetime
+import os
+
+from .errors import InputError, ParameterError
+from .tool import MOST_NUMBER, Tool, number, positive, whole
+from .velocity import check_carried, chosen, contents, names_of
+
+
+def main(version, words):
+    tool = Tool(
+        "vdblic_import",
+        version,
+        (
+            "Convert the flows of other programs into velocity volumes: files of VTK (.vti .vtr .vts "
+            ".vtu .vtm .vtk .pvd), cases of OpenFOAM, EnSight and CGNS, NetCDF (CF, WRF, ROMS), .npz and .npy."
+        ),
+    )
+    tool.add(
+        "input",
+        metavar="INPUT",
+        help=(
+            "Flow. One file, a case's folder, a pattern (name.%%04d.vti, also ####, @@@@, $F4, <F4>), "
+            "or - for paths on standard input."
+        ),
+    )
+    tool.add("-o", "--output", metavar="TEXT", required=True, help="Velocity files, such as v.%%04d.vdb.")
+    tool.add(
+        "--frames",
+        metavar="TEXT",
+        help=(
+            "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default. The steps of a "
+            "file with several count from 1."
+        ),
+    )
+    tool.add(
+        "--times",
+        metavar=("T0", "T1"),
+        nargs=2,
+        type=number,
+        help="Use the steps from time T0 to time T1 only [seconds].",
+    )
+    tool.add(
+        "--renumber",
+        metavar=f"INT:INT in [{-MOST_NUMBER} - {MOST_NUMBER}]",
+        type=whole(-MOST_NUMBER, MOST_NUMBER),
+        help=(
+            "Number the steps of files that hold several, and paths on standard input, from this number on as they"
+            " come."
+        ),
+    )
+    tool.add(
+        "--skip-existing", action="store_true", help="Leave outputs that are there as they are, and print their paths."
+    )
+    tool.add(
+        "--array",
+        metavar="TEXT",
+        help="Array that is the velocity, or two or three that are its components: U or u,v,w.",
+    )
+    tool.add("--carry", metavar="TEXT", help="Further arrays to convert: NAME,NAME.")
+    tool.add("--like", metavar="TEXT", help="Resample to the voxels of a .vdb grid: FILE or FILE:GRID.")
+    tool.add(
+        "--size",
+        metavar=("X", "Y", "Z"),
+        nargs=3,
+        type=whole(1, 131072),
+        help="Resample to so many voxels along x, y and z.",
+    )
+    tool.add(
+        "--voxel-size",
+        metavar="FLOAT",
+        nargs="+",
+        type=positive,
+        help="Resample to voxels of this size, or of three sizes along x, y and z [world].",
+    )
+    tool.add(
+        "--bounds",
+        metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
+        nargs=6,
+        type=number,
+        help="Box that the voxels fill [world]; all of the flow by default.",
+    )
+    tool.add(
+        "--dt",
+        metavar="FLOAT",
+        type=positive,
+        help="Seconds from one frame number to the next, in place of the files' times.",
+    )
+    return tool.run(words, run)
+
+
+def run(options, console, stop):
+    """Convert every selected step."""
+    _check(options)
+    from .sequences import Outputs  # what takes long to load is loaded once the options are right
+    from .series import Series
+
+    outputs = Outputs(options, [".vdb"], console, stop)
+    series = Series(options, stop)
+    if not series.streamed:
+        references = [options.like] if options.like and os.path.exists(options.like) else []
+        outputs.check(series.frames, [*series.inputs(), *references], series.count)
+    conversion = Conversion(options, console)
+    written = 0
+    for step in series.steps():
+        outputs.write(step.frame, step.source.path, lambda path, step=step: conversion.volume(step, series, path))
+        written += 1
+    if not written:
+        raise InputError(f"{options.input}: no step lies within --times {options.times[0]:g} {options.times[1]:g}")
+
+
+def _check(options):
+    """Raise ParameterError for options that exclude each other or have values of the wrong number."""
+    options.array = names_of(options.array) if options.array else ()
+    options.carry = names_of(options.carry) if options.carry else ()
+    if options.voxel_size and len(options.voxel_size) not in (1, 3):
+        raise ParameterError("--voxel-size takes one number or three")
+    if options.like and (options.size or options.voxel_size or options.bounds):
+        raise ParameterError("--like gives size, voxels and bounds; leave out --size, --voxel-size and --bounds")
+    if options.size and options.voxel_size:
+        raise ParameterError("--size and --voxel-size exclude each other")
+    if options.bounds and not all(low < high for low, high in zip(options.bounds[:3], options.bounds[3:])):
+        raise ParameterError("--bounds is an empty box; it takes X0 Y0 Z0 X1 Y1 Z1, the second corner above the first")
+    if options.times and options.times[0] > options.times[1]:
+        raise ParameterError(f"--times {options.times[0]:g} {options.times[1]:g} runs backwards")
+
+
+class Conversion:
+    """Resamples steps to one grid, which the first step of the whole series chooses."""
+
+    def __init__(self, options, console):
+        self._options, self._console = options, console
+        self._names, self._target = (), None
+        self._told = set()
+
+    def volume(self, step, series, path):
+        """The bytes of a step's .vdb file, which will be `path`."""
+        import numpy
+        from .resample import sampled
+        from .volumes import bytes_of_volume, grid_of
+
+        if self._target is None:
+            self._target = self._choose(series)
+        arrays = step.source.arrays(step.index)
+        chosen(arrays, self._names, (), step.source.path)  # every step has them
+        check_carried(arrays, self._options.carry, step.source.path)
+        names = (*self._names, *(name for name in self._options.carry if name not in self._names))
+        data = step.source.read(step.index, names)
+        for note in step.source.notes():
+            self._tell(note)
+        volumes, mask = sampled(data, names, self._target, step.source.path)
+        if not mask.any():
+            self._console.warn(f"{step.source.path}: frame {step.frame} has no values within the voxels")
+        parts = volumes[: len(self._names)]
+        if len(parts) == 2:
+            parts.append(numpy.zeros_like(parts[0]))
+        grids = [grid_of("velocity", numpy.concatenate(parts, axis=3), mask, self._target)]
+        for name in self._options.carry:
+            grids.append(grid_of(name, volumes[names.index(name)], mask, self._target))
+        return bytes_of_volume(path, grids, self._metadata(step, series))
+
+    def _choose(self, series):
+        """The arrays of the velocity and the grid, by the first step."""
+        from .resample import bounds_of, usual_target
+        from .target import filling, like
+
+        options, source = self._options, series.take_first()
+        arrays = source.arrays(0)
+        self._names, guessed = chosen(arrays, options.array, source.velocity(0), source.path)
+        if guessed:
+            self._tell(f"the velocity is {self._names[0]}; --array chooses another of {contents(arrays)}")
+        if len(self._names) == 2:
+            self._tell(
+                f"the vertical velocity is 0: {' and '.join(self._names)} have no third component; --array chooses"
+                " others"
+            )
+        if options.like:
+            target = like(options.like)
+        else:
+            data = source.read(0, self._names)
+            if options.size or options.voxel_size or options.bounds:
+                box = options.bounds or bounds_of(data, self._names, source.path)
+                size = options.size or (
+                    None if options.voxel_size else usual_target(data, self._names, source.path).size
+                )
+                target = filling(box, size, options.voxel_size)
+            else:
+                target = usual_target(data, self._names, source.path)
+        target.check()
+        self._tell(f"{target}")
+        return target
+
+    def _tell(self, message):
+        """Say something once."""
+        if message not in self._told:
+            self._told.add(message)
+            self._console.say(message)
+
+    def _metadata(self, step, series):
+        found = {
+            "creator": self._options.creator,
+            "source": os.fspath(step.source.path),
+            "frame": step.frame,
+            "velocity_array": ",".join(self._names),
+            "velocity_unit": "world/s",
+        }
+        if step.source.unit:
+            found["length_unit"] = step.source.unit
+        if step.time is not None:
+            found["time"] = float(step.time)
+        else:
+            self._tell("the files have no times; --dt gives their spacing, else vdblic_advect takes 1/24 s")
+        if step.dt is not None:
+            found["dt"] = float(step.dt)
+        if series.start is not None and not self._options.dt:
+            found["start"] = (datetime.datetime(1970, 1, 1) + datetime.timedelta(seconds=series.start)).isoformat()
+        return found

@@ -1,0 +1,51 @@
+"""From the Earth's coordinates to metres: longitude and latitude, pressure, vertical velocity in Pa/s."""
+
+import numpy
+
+RADIUS = 6_371_229.0  # m, of the sphere that weather models use
+GRAVITY = 9.80665  # m/s²
+GAS_CONSTANT = 287.05  # J/(kg K), of dry air
+# The standard atmosphere (ISO 2533): pressure [Pa], temperature [K] and
+# height [m] at the base of a layer, and its lapse rate.
+LAYERS = (
+    (101325.0, 288.15, 0.0, -0.0065),
+    (22632.06, 216.65, 11000.0, 0.0),
+    (5474.889, 216.65, 20000.0, 0.001),
+    (868.0187, 228.65, 32000.0, 0.0028),
+)
+
+
+def local_plane(longitude, latitude):
+    """Metres east and north of the middle, from degrees: y follows the meridians, x the parallel through the middle.
+
+    Off the middle, lengths along x are too long by the second result at most (a factor).
+    """
+    longitude = numpy.unwrap(numpy.asarray(longitude, float), period=360, axis=-1)
+    latitude = numpy.asarray(latitude, float)
+    middle = [(value.min() + value.max()) / 2 for value in (longitude, latitude)]
+    scale = numpy.cos(numpy.radians(middle[1]))
+    x = RADIUS * scale * numpy.radians(longitude - middle[0])
+    y = RADIUS * numpy.radians(latitude - middle[1])
+    return x, y, scale / max(numpy.cos(numpy.radians(numpy.abs(latitude).max())), 1e-3)
+
+
+def standard_atmosphere(pressure):
+    """Height [m] and temperature [K] of pressures [Pa] in the standard atmosphere."""
+    pressure = numpy.asarray(pressure, float)
+    height, temperature = numpy.zeros_like(pressure), numpy.zeros_like(pressure)
+    for base, warmth, bottom, lapse in LAYERS:
+        ratio = pressure / base
+        if lapse:
+            here = warmth * ratio ** (-lapse * GAS_CONSTANT / GRAVITY)
+            above = bottom + (here - warmth) / lapse
+        else:
+            here = numpy.full_like(pressure, warmth)
+            above = bottom - GAS_CONSTANT * warmth / GRAVITY * numpy.log(ratio)
+        inside = (pressure <= base) | (bottom == 0)
+        height, temperature = numpy.where(inside, above, height), numpy.where(inside, here, temperature)
+    return height, temperature
+
+
+def upward_velocity(omega, pressure, temperature):
+    """m/s from Pa/s, for air in hydrostatic balance."""
+    return -omega * GAS_CONSTANT * temperature / (pressure * GRAVITY)

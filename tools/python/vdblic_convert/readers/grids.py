@@ -1,0 +1,67 @@
+"""VTK's structured grids from coordinates and fields of NumPy."""
+
+import numpy
+
+from ..resample import hide_cells
+from ..vtk_data import add_array, bridge, core, model
+
+EVEN = 1e-4  # of a spacing: how far apart coordinates may be from even ones; float32 is about as exact
+
+
+def grid_of(x, y, z, fields):
+    """A grid of fields (z, y, x). Its cells without a value at a corner are hidden
+    from probes.
+
+    `x` and `y` are axes or (y, x), `z` is an axis or (z, y, x); axes may fall. Even axes give an image, uneven ones a
+    rectilinear grid, all else a structured grid.
+    """
+    axes = [x, y, z]
+    for i, along in enumerate((-1, -2, -3)):
+        if axes[i].ndim == 1 and axes[i][0] > axes[i][-1]:
+            fields = {name: numpy.flip(field, along) for name, field in fields.items()}
+            axes = [numpy.flip(axis, along) if axis.ndim > 1 and axis.ndim >= -along else axis for axis in axes]
+            axes[i] = axes[i][::-1]
+    shape = next(iter(fields.values())).shape
+    if all(values.ndim == 1 for values in axes):
+        grid = _image(axes) if all(map(_even, axes)) else _rectilinear(axes)
+    else:
+        grid = _structured(axes, shape)
+    for name, field in fields.items():
+        add_array(grid.GetPointData(), name, field.astype(numpy.float32).ravel())
+    valid = numpy.all([numpy.isfinite(field) for field in fields.values()], axis=0)
+    if not valid.all() and min(shape) > 1:
+        hide_cells(grid, valid)
+    return grid
+
+
+def _even(axis):
+    steps = numpy.diff(axis)
+    return len(axis) > 1 and numpy.abs(steps - steps.mean()).max() <= EVEN * abs(steps.mean())
+
+
+def _image(axes):
+    image = model.vtkImageData()
+    image.SetDimensions(*map(len, axes))
+    image.SetOrigin(*(axis[0] for axis in axes))
+    image.SetSpacing(*((axis[-1] - axis[0]) / (len(axis) - 1) for axis in axes))
+    return image
+
+
+def _rectilinear(axes):
+    grid = model.vtkRectilinearGrid()
+    grid.SetDimensions(*map(len, axes))
+    for axis, set_coordinates in zip(axes, (grid.SetXCoordinates, grid.SetYCoordinates, grid.SetZCoordinates)):
+        set_coordinates(bridge.numpy_to_vtk(numpy.ascontiguousarray(axis, float), deep=True))
+    return grid
+
+
+def _structured(axes, shape):
+    x, y, z = axes
+    x = numpy.broadcast_to(x if x.ndim == 2 else x[None, :], shape)
+    y = numpy.broadcast_to(y if y.ndim == 2 else y[:, None], shape)
+    z = numpy.broadcast_to(z if z.ndim == 3 else z[:, None, None], shape)
+    points, grid = core.vtkPoints(), model.vtkStructuredGrid()
+    points.SetData(bridge.numpy_to_vtk(numpy.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), deep=True))
+    grid.SetDimensions(*shape[::-1])
+    grid.SetPoints(points)
+    return grid

@@ -1,0 +1,154 @@
+"""The steps of an input: which files and which times in them become which frames."""
+
+import dataclasses
+
+from .errors import InputError, ParameterError
+from .readers import Source, open_source
+from .sequences import Pattern, numbered, parse_frames, paths_on_standard_input
+
+
+@dataclasses.dataclass
+class Step:
+    """One frame: step `index` of a source; `time` and `dt` are in seconds, None where they are unknown."""
+
+    frame: int
+    source: Source
+    index: int
+    time: float | None
+    dt: float | None
+
+
+class Series:
+    """The frames that a command line selects, in order.
+
+    A file of one step has the frame number of its name. Files of several steps are one series, whose steps are numbered
+    from 1 or from --renumber on. Sources are opened one at a time.
+    """
+
+    def __init__(self, options, stop):
+        self._options, self._stop = options, stop
+        self._chosen = parse_frames(options.frames) if options.frames else None
+        self._first = self._last = None  # sources; the newest one is kept, so that a file is not read twice
+        self.start = None  # the time of the first step of all, if the input has dates: the others count from it
+        self.count, self.frames, self._files = 0, [], []
+        self.streamed = options.input == "-"
+        if not self.streamed:
+            self._find(Pattern(options.input))
+        elif self._chosen:
+            raise ParameterError("--frames cannot select from paths on standard input")
+
+    def _find(self, pattern):
+        """The files and the frames of a pattern."""
+        self._files = pattern.files()
+        self._open_first(self._files[0][1])
+        self._numbered = len(self._first.times) > 1
+        if self._numbered:
+            steps = sum(len(self._open(path).times) for _, path in self._files)
+            self.frames = self._select(range(self._first_number(), self._first_number() + steps))
+        elif self._options.renumber is not None:
+            raise ParameterError(
+                "--renumber is for paths on standard input and for files of several steps; a pattern has the numbers"
+            )
+        else:
+            self.frames = [frame for frame, _ in pattern.select(self._chosen)]
+        self.count = 0 if self._options.times else len(self.frames)
+
+    def inputs(self):
+        """The files, for checks that no output replaces them."""
+        return [path for _, path in self._files]
+
+    def steps(self):
+        """The selected steps one by one."""
+        if self.streamed:
+            yield from self._streamed()
+            return
+        selected, number, before = set(self.frames), self._first_number(), None
+        for frame, path in self._files:
+            if not self._numbered and frame not in selected:
+                continue
+            source = self._open(path)
+            if len(source.times) > 1 and not self._numbered:
+                raise InputError(
+                    f"{path}: it holds {len(source.times)} steps, the files before it one; use files alike"
+                )
+            for index in range(len(source.times)):
+                step = self._step(number if self._numbered else frame, source, index, before)
+                number += 1
+                before = step.time
+                if step.frame in selected and self._within(step):
+                    yield step
+
+    def take_first(self):
+        """The source of the first step, selected or not, once: it is not kept in memory."""
+        first, self._first = self._first, None
+        return first
+
+    def _streamed(self):
+        number, before, taken = self._options.renumber, None, {}
+        for path in paths_on_standard_input(self._stop):
+            if not taken:
+                self._open_first(path)
+            source = self._open(path)
+            if len(source.times) > 1 and number is None:
+                raise InputError(
+                    f"{path}: it holds {len(source.times)} steps; --renumber START numbers the steps as they come"
+                )
+            for index in range(len(source.times)):
+                frame = numbered(path, number, taken)
+                number = None if number is None else number + 1
+                step = self._step(frame, source, index, before)
+                before = step.time
+                if self._within(step):
+                    yield step
+
+    def _step(self, frame, source, index, before):
+        if self._options.dt:
+            return Step(frame, source, index, (frame - 1) * self._options.dt, self._options.dt)
+        times = source.times
+        time = times[index]
+        if time is None:
+            return Step(frame, source, index, None, None)
+        if source.calendar and self.start is not None:
+            time -= self.start
+        if before is not None and not time > before:
+            raise InputError(
+                f"{source.path}: step {index + 1} is at {time:g} s, not after {before:g} s, the step before it; order"
+                " the files by time, or give the spacing with --dt"
+            )
+        if index + 1 < len(times):
+            dt = times[index + 1] - times[index]
+        elif index > 0:
+            dt = times[index] - times[index - 1]
+        else:
+            dt = None if before is None else time - before
+        return Step(frame, source, index, time, dt)
+
+    def _open_first(self, path):
+        self._first = self._open(path)
+        self.start = self._first.times[0] if self._first.calendar else None
+
+    def _open(self, path):
+        if self._last is None or str(self._last.path) != str(path):
+            if self._last is not None:
+                self._last.free()  # its memory, before the next file is read
+            self._last = open_source(path)
+        return self._last
+
+    def _first_number(self):
+        return 1 if self._options.renumber is None else self._options.renumber
+
+    def _select(self, numbers):
+        if self._chosen is None:
+            return list(numbers)
+        present = set(numbers)
+        for frame in self._chosen:
+            if frame not in present:
+                raise InputError(
+                    f"frame {frame} is missing: {self._options.input} has {min(present)} to {max(present)}; "
+                    "--frames can select the others"
+                )
+        return self._chosen
+
+    def _within(self, step):
+        limits = self._options.times
+        return not limits or step.time is not None and limits[0] <= step.time <= limits[1]

@@ -1,0 +1,124 @@
+"""The uniform grid that a flow is resampled to: size, place and voxels."""
+
+import dataclasses
+import os
+
+import numpy
+
+from .errors import InputError, ParameterError, needed
+from .header import check_header
+
+MOST_INDEX = 131072
+BYTES = 80  # taken by a voxel and its coordinates while it is resampled and written
+
+
+@dataclasses.dataclass
+class Target:
+    """`size` voxels from index `first` on; `matrix` (4 × 4, on columns) leads from indices to world space."""
+
+    size: tuple
+    matrix: numpy.ndarray
+    first: tuple = (0, 0, 0)
+
+    @classmethod
+    def of_axes(cls, size, origin, spacing):
+        """Voxels along the world's axes; `origin` is the centre of the first one."""
+        matrix = numpy.diag([*spacing, 1.0])
+        matrix[:3, 3] = origin
+        return cls(tuple(map(int, size)), matrix)
+
+    @property
+    def spacing(self):
+        return numpy.linalg.norm(self.matrix[:3, :3], axis=0)
+
+    def along_axes(self):
+        """Whether the voxels lie along the world's axes, unmirrored."""
+        return numpy.array_equal(self.matrix[:3, :3], numpy.diag(self.spacing))
+
+    def origin(self):
+        """The centre of the first voxel in world space."""
+        return self.matrix[:3, :3] @ self.first + self.matrix[:3, 3]
+
+    def centres(self):
+        """The centres of all voxels, x fastest."""
+        z, y, x = numpy.meshgrid(
+            *(numpy.arange(n) + f for n, f in zip(self.size[::-1], self.first[::-1])), indexing="ij"
+        )
+        indices = numpy.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+        return indices @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+
+    def check(self):
+        """Raise ParameterError if the voxels are more than there can be."""
+        if any(not 1 <= n <= MOST_INDEX for n in self.size):
+            raise ParameterError(
+                f"{_by(self.size)} voxels: each axis has 1 to {MOST_INDEX}; choose others with --size or --voxel-size"
+            )
+        taken = BYTES * float(numpy.prod(numpy.array(self.size, float)))
+        there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        if taken > there:
+            raise ParameterError(
+                f"{_by(self.size)} voxels would take {taken / 2**30:.1f} GiB of memory, the machine has "
+                f"{there / 2**30:.1f} GiB; choose fewer with --size or --voxel-size"
+            )
+
+    def __str__(self):
+        return f"{_by(self.size)} voxels of {_by(self.spacing)}"
+
+
+def like(reference):
+    """The voxels around the active ones of a grid; `reference` is FILE or FILE:GRID."""
+    vdb = needed("pyopenvdb")
+    path, _, name = reference.rpartition(":") if not os.path.exists(reference) else (reference, "", "")
+    path, name = (path, name) if path else (reference, "")
+    check_header(path)
+    try:
+        names = [grid.name for grid in vdb.readAllGridMetadata(path)]
+        if not names or name and name not in names:
+            raise InputError(f"{path}: no grid '{name}'; the file holds {', '.join(names) or 'no grids'}")
+        grid = vdb.read(path, name or names[0])
+    except (OSError, RuntimeError, KeyError) as error:
+        raise InputError(f"{path}: cannot be read as a .vdb file: {str(error)[:200]}") from None
+    if not grid.transform.isLinear:
+        raise InputError(f"{path}: grid '{grid.name}' has voxels that are not alike; choose another grid for --like")
+    if not grid.activeVoxelCount():
+        raise InputError(f"{path}: grid '{grid.name}' has no active voxels; choose another grid for --like")
+    low, high = grid.evalActiveVoxelBoundingBox()
+    matrix = matrix_of(grid.transform)
+    return Target(tuple(b - a + 1 for a, b in zip(low, high)), matrix, tuple(low))
+
+
+def matrix_of(transform):
+    """The 4 × 4 matrix of a transform of pyopenvdb."""
+    matrix = numpy.eye(4)
+    matrix[:3, 3] = transform.indexToWorld((0, 0, 0))
+    for axis in range(3):
+        matrix[:3, axis] = numpy.array(transform.indexToWorld(tuple(numpy.eye(3)[axis]))) - matrix[:3, 3]
+    return matrix
+
+
+def filling(bounds, size=None, voxel_size=None):
+    """Voxels that fill a box (x0, y0, z0, x1, y1, z1); `size` counts them, `voxel_size` has one or three lengths."""
+    low, high = _corners(bounds)
+    if voxel_size is not None:
+        spacing = numpy.broadcast_to(numpy.array(voxel_size, float), 3)
+        size = numpy.minimum(numpy.maximum(numpy.ceil((high - low) / spacing - 1e-6), 1), 10 * MOST_INDEX).astype(int)
+    else:
+        spacing = (high - low) / numpy.array(size)
+    return Target.of_axes(size, low + spacing / 2, spacing)
+
+
+def on_points(bounds, size):
+    """Voxels whose centres are the points of an even grid from one end of a box to the other."""
+    low, high = _corners(bounds)
+    return Target.of_axes(size, low, (high - low) / (numpy.array(size) - 1))
+
+
+def _corners(bounds):
+    low, high = numpy.array(bounds[:3], float), numpy.array(bounds[3:], float)
+    if not (high > low).all():
+        raise InputError(f"the flow's cells are flat: they lie between {_by(low)} and {_by(high)}")
+    return low, high
+
+
+def _by(numbers):
+    return " x ".join(f"{number:.6g}" for number in numbers)

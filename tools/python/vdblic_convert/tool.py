@@ -1,0 +1,166 @@
+"""A command-line tool: the options that all tools share, messages and exit statuses."""
+
+import argparse
+import difflib
+import errno
+import math
+import os
+import re
+import signal
+import sys
+
+from .console import ClosedPipe, Console
+from .errors import OutputError, ParameterError, UserError
+from .stop import Stop, Stopped, die_by
+
+MOST_NUMBER = 1_000_000_000_000  # of a frame
+_STATUS = """Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug; after a
+signal 128 and its number.
+The path of each finished output is printed on standard output, messages on standard error."""
+
+
+class _Help(argparse.HelpFormatter):
+    """Help in the layout of VDBLIC's other tools."""
+
+    def __init__(self, prog):
+        super().__init__(prog, max_help_position=30, width=10_000)
+
+    def _format_action_invocation(self, action):
+        names = ",".join(action.option_strings) or action.metavar
+        value = (
+            "" if action.nargs == 0 else f" {self._format_args(action, 'TEXT')}" if action.option_strings else " TEXT"
+        )
+        value = re.sub(r" \[.* \.\.\.\]", " ...", value) if action.nargs == "+" else value
+        return names + value + (" REQUIRED" if action.required else "")
+
+    def _format_text(self, text):
+        return f"{text}\n\n"
+
+
+class _Parser(argparse.ArgumentParser):
+    def __init__(self, name, description):
+        super().__init__(
+            name,
+            description=description,
+            epilog=_STATUS,
+            formatter_class=_Help,
+            allow_abbrev=False,
+            usage=f"{name} [OPTIONS] ...",
+        )
+        self._negative_number_matcher = re.compile(r"-[.\d]|-inf$|-nan$")  # values, not options
+
+    def error(self, message):
+        raise ParameterError(message)
+
+    def check(self, words):
+        """Name the option that was probably meant, which argparse does not."""
+        if "" in words or any(re.fullmatch(r"--?[a-z-]+=", word) for word in words):
+            raise ParameterError("an argument is empty; leave it out or give it a value")
+        known = [name for action in self._actions for name in action.option_strings if name.startswith("--")]
+        for word in words:
+            if word == "--":
+                return
+            option = word.partition("=")[0]
+            if re.match(r"--[a-zA-Z]", word) and option not in known:
+                near = [name for name in known if name.startswith(option)] or difflib.get_close_matches(option, known)
+                raise ParameterError(f"there is no option {option[:60]}{f'; {near[0]} is one' if near else ''}")
+
+
+def number(text):
+    """A finite number, for options."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or abs(value) > 1e30:
+        raise argparse.ArgumentTypeError(f"'{text[:60]}' is not a number, or out of range")
+    return value
+
+
+def positive(text):
+    value = number(text)
+    if not 1e-30 < value <= 1e12:
+        raise argparse.ArgumentTypeError(f"'{text[:60]}' must be a positive number, at most 1e12")
+    return value
+
+
+def whole(least, most):
+    """The type of options that are whole numbers in a range."""
+
+    def parse(text):
+        if not re.fullmatch(r"-?\d{1,15}", text) or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"'{text[:60]}' is not a whole number from {least} to {most}")
+        return int(text)
+
+    return parse
+
+
+class Tool:
+    """The command line of a tool. `add` takes what argparse's add_argument does."""
+
+    def __init__(self, name, version, description):
+        self.name = name
+        self._parser = _Parser(name, description)
+        self._parser.set_defaults(creator=f"VDBLIC {version}")
+        self.add = self._parser.add_argument
+        self._parser._optionals.title = "Options"
+        self._parser._positionals.title = "Positionals"
+        self.add("--version", action="version", version=version, help="Display program version information and exit")
+        level = self._parser.add_mutually_exclusive_group()
+        level.add_argument(
+            "-q",
+            "--quiet",
+            dest="level",
+            action="store_const",
+            const=0,
+            default=1,
+            help="Print errors and warnings only.",
+        )
+        level.add_argument("-v", "--verbose", dest="level", action="store_const", const=2, help="Print details.")
+
+    def run(self, words, job):
+        """Parse the command line and run `job(options, console, stop)`. Returns the exit status."""
+        stop = Stop()
+        console = Console(self.name, 1)
+        try:
+            self._parser.check(words)
+            options = self._parser.parse_args(words)
+        except ParameterError as error:
+            sys.stderr.write(f"{self.name}: {error}\n{self.name} --help lists the options.\n")
+            return error.status
+        except SystemExit:  # --help, --version
+            return self._told(console)
+        except OSError as error:
+            return self._told(console, error)
+        console = Console(self.name, options.level)
+        try:
+            job(options, console, stop)
+            return 0
+        except ClosedPipe:
+            die_by(stop.signal or signal.SIGPIPE)
+        except Stopped:
+            console.say("stopped")
+            die_by(stop.signal)
+        except UserError as error:
+            console.error(str(error))
+            return error.status
+        except MemoryError:
+            console.error("this takes more memory than there is; choose fewer voxels with --size or --voxel-size")
+            return 3
+        except Exception as error:  # pylint: disable=broad-except
+            console.error(f"internal error, please report it: {type(error).__name__}: {error}")
+        return 5
+
+    def _told(self, console, error=None):
+        """The status after something was printed instead of a job; `error` if that failed."""
+        try:
+            sys.stdout.flush()
+        except OSError as failure:
+            error = failure
+        if not error:
+            return 0
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the interpreter flushes once more
+        if error.errno == errno.EPIPE:
+            die_by(signal.SIGPIPE)
+        console.error(f"standard output: cannot be written: {error.strerror}")
+        return OutputError.status
