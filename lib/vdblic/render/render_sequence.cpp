@@ -237,8 +237,10 @@ class SequenceRenderer {
         ImageHeader header;
         if (task.scene) {
             FramePicture picture(mParams, *task.scene, *frame, solidOf(*frame));
-            for (int sample = 0; sample < mParams.samples; ++sample)
+            for (int sample = 0; sample < mParams.samples; ++sample) {
+                mReporter.checkStop();
                 picture.addSample();
+            }
             image = picture.image();
             result.nothingSeen = picture.whyNothingIsSeen(image);
             header = picture.header();
