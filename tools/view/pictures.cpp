@@ -93,6 +93,7 @@ ShownPicture Pictures::picture(const PictureRequest& request, const std::functio
                        client->last->view.settled,
                        {}};
     shown.nothingSeen = picture.whyNothingIsSeen(shown.image);
+    if (!shown.settled) mViewer.settleLater(client->last->view);
     return shown;
 }
 

@@ -172,8 +172,12 @@ std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const RenderParams& params
     basis->frames = {known.lookFrames.front()};
     basis->settled = known.lookFrames.size() == 1;
     keepBasis(key, basis);
-    if (!basis->settled) mBackground.add([this, params] { (void)settledBasis(params); });
     return basis;
+}
+
+void Viewer::settleLater(const View& view)
+{
+    mBackground.add([this, params = view.params] { (void)basisFor(params, /*settle=*/true); });
 }
 
 std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const RenderParams& params)

@@ -51,6 +51,8 @@ class Viewer {
     /// @param settle wait until the automatic choices are settled
     /// @throws ParameterError on an impossible state or frame, InputError
     [[nodiscard]] View view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
+    /// Read in the background what a view needs to be settled.
+    void settleLater(const View& view);
     /// Read a frame in the background.
     void prefetch(const nlohmann::json& state, std::int64_t frame);
     /// The histograms of the frames that the choices are made from.

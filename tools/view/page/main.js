@@ -163,6 +163,7 @@ async function begin() {
 
     picture.refine();
     await askScene();
+    if (store.isBad) message("The address holds no state that can be read; this is how the viewer begins.");
     follow();
 }
 

@@ -62,6 +62,7 @@ export class Store extends EventTarget {
         this.tell("frame");
     }
 
+    /// Take the state from the address; `isBad` tells that it holds none that can be read.
     readAddress(frames) {
         if (location.hash.length < 2) return;
         try {
@@ -69,7 +70,7 @@ export class Store extends EventTarget {
             if (typeof read.options === "object" && read.options !== null) this.options = read.options;
             if (frames.includes(read.frame)) this.frame = read.frame;
         } catch {
-            this.tell("bad-address");
+            this.isBad = true;
         }
     }
 
