@@ -29,7 +29,8 @@ from viewer import ViewerTest
 def browser():
     options = webdriver.ChromeOptions()
     options.binary_location = "/usr/bin/chromium"
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=900,700"):
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                     "--window-size=900,700"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
@@ -71,7 +72,8 @@ class Page(ViewerTest):
     def wait_for_refined(self):
         """Wait until the picture of the state is there with all its samples."""
         time.sleep(0.4)  # the address follows changes late
-        self.wait_until(lambda: re.match(r"(\d+) of \1 samples", self.element("progress").get_attribute("textContent")), "not refined")
+        progress = lambda: self.element("progress").get_attribute("textContent")
+        self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
 
     def drag(self, element, x, y):
         ActionChains(self.browser, duration=30).click_and_hold(element).move_by_offset(x // 2, y // 2).move_by_offset(

@@ -80,7 +80,8 @@ class ViewerTest(ToolTest):
 
     def picture(self, state, frame=1, **more):
         """The bytes of a picture whose automatic choices are settled."""
-        body = {"client": "test", "state": {"size": [64, 40], **state}, "frame": frame, "format": "png", "settle": True, **more}
+        body = {"client": "test", "state": {"size": [64, 40], **state}, "frame": frame,
+                "format": "png", "settle": True, **more}
         status, _, data = self.request("picture", body)
         self.assertEqual(status, 200, data[:300])
         return data

@@ -19,7 +19,11 @@ async function answerOf(path, options) {
     if (response.ok) return response;
     const text = await response.text();
     let message = text;
-    try { message = JSON.parse(text).error; } catch { /* a plain text */ }
+    try {
+        message = JSON.parse(text).error;
+    } catch {
+        /* a plain text */
+    }
     throw new Refusal(response.status, message);
 }
 
@@ -28,7 +32,12 @@ export async function get(path) {
 }
 
 function post(path, body, signal) {
-    return answerOf(path, { method: "POST", body: JSON.stringify(body), signal, headers: { "Content-Type": "application/json" } });
+    return answerOf(path, {
+        method: "POST",
+        body: JSON.stringify(body),
+        signal,
+        headers: { "Content-Type": "application/json" },
+    });
 }
 
 export async function ask(path, body) {

@@ -14,12 +14,13 @@ export function axes(camera) {
 export function unitsPerPixel(camera, height) {
     if (camera.projection === "orthographic") return camera.height / height;
     const distance = length(subtract(camera.target, camera.eye));
-    return 2 * distance * Math.tan(camera.fov * Math.PI / 360) / height;
+    return (2 * distance * Math.tan((camera.fov * Math.PI) / 360)) / height;
 }
 
 /// @param x, y angles in radians: the volume follows the hand
 export function orbited(camera, x, y) {
-    const up = normalize(camera.up), { right } = axes(camera);
+    const up = normalize(camera.up),
+        { right } = axes(camera);
     const arm = subtract(camera.eye, camera.target);
     const fromUp = Math.acos(Math.max(-1, Math.min(1, dot(normalize(arm), up))));
     const rise = Math.max(kNearestToPole, Math.min(Math.PI - kNearestToPole, fromUp - y)) - fromUp;
@@ -29,7 +30,8 @@ export function orbited(camera, x, y) {
 
 /// @param x, y pixels to the right and down
 export function panned(camera, x, y, height) {
-    const { right, up } = axes(camera), unit = unitsPerPixel(camera, height);
+    const { right, up } = axes(camera),
+        unit = unitsPerPixel(camera, height);
     const shift = add(scale(right, -x * unit), scale(up, y * unit));
     return { ...camera, eye: add(camera.eye, shift), target: add(camera.target, shift) };
 }
@@ -56,9 +58,11 @@ export function optionsOf(camera) {
 /// A point's place in a picture of this size; null behind the eye.
 export function project(camera, point, width, height) {
     const { forward, right, up } = axes(camera);
-    const from = subtract(point, camera.eye), depth = dot(from, forward);
+    const from = subtract(point, camera.eye),
+        depth = dot(from, forward);
     if (camera.projection !== "orthographic" && depth <= 0) return null;
-    const half = camera.projection === "orthographic" ? camera.height / 2 : depth * Math.tan(camera.fov * Math.PI / 360);
+    const half =
+        camera.projection === "orthographic" ? camera.height / 2 : depth * Math.tan((camera.fov * Math.PI) / 360);
     const pixels = height / 2 / half;
     return [width / 2 + dot(from, right) * pixels, height / 2 - dot(from, up) * pixels];
 }

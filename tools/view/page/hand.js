@@ -2,9 +2,9 @@
 
 import { orbited, panned, zoomed } from "./camera.js";
 
-const kTurn = 0.008;   // radians a pixel
+const kTurn = 0.008; // radians a pixel
 const kKeyTurn = 0.09; // radians a key press
-const kKeyMove = 40;   // pixels
+const kKeyMove = 40; // pixels
 
 /// @param look { camera() , change(camera), begin(), end() }: the camera now, a changed one, begin and end of a movement
 export function listenToHand(canvas, look, height) {
@@ -23,7 +23,9 @@ export function listenToHand(canvas, look, height) {
     canvas.addEventListener("pointermove", (event) => {
         const before = pointers.get(event.pointerId);
         if (!before) return;
-        const now = [event.clientX, event.clientY], x = now[0] - before[0], y = now[1] - before[1];
+        const now = [event.clientX, event.clientY],
+            x = now[0] - before[0],
+            y = now[1] - before[1];
         const other = [...pointers.entries()].find(([id]) => id !== event.pointerId)?.[1];
         pointers.set(event.pointerId, now);
         let camera = look.camera();
@@ -46,13 +48,18 @@ export function listenToHand(canvas, look, height) {
         look.change(camera);
         look.end();
     };
-    canvas.addEventListener("wheel", (event) => {
-        event.preventDefault();
-        if (look.camera()) once(zoomed(look.camera(), Math.exp(Math.max(-60, Math.min(60, event.deltaY)) * 0.003)));
-    }, { passive: false });
+    canvas.addEventListener(
+        "wheel",
+        (event) => {
+            event.preventDefault();
+            if (look.camera()) once(zoomed(look.camera(), Math.exp(Math.max(-60, Math.min(60, event.deltaY)) * 0.003)));
+        },
+        { passive: false },
+    );
     canvas.addEventListener("keydown", (event) => {
         const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-        const camera = look.camera(), arrow = arrows[event.key];
+        const camera = look.camera(),
+            arrow = arrows[event.key];
         if (!camera || event.ctrlKey || event.altKey || event.metaKey) return;
         if (arrow && event.shiftKey) once(panned(camera, arrow[0] * kKeyMove, arrow[1] * kKeyMove, height()));
         else if (arrow) once(orbited(camera, arrow[0] * kKeyTurn, arrow[1] * kKeyTurn));

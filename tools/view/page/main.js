@@ -33,22 +33,45 @@ async function begin() {
         return { state, frame: store.frame, next: timeline.next() };
     };
     const picture = new Picture(byId("picture"), shown);
-    const cuts = new Cuts(store, () => view.camera, (held) => picture.hold(held));
-    const keep = new Keep(() => ({ state: { ...store.options, size: picture.size }, frame: store.frame }), picture.client,
-        sequence.folder);
-    byId("panel").append(controls.sections.look, transfer.element, controls.sections.depth, controls.sections.light,
-        cuts.element, cameras.element, controls.sections.scene, controls.sections.sampling, keep.element);
+    const cuts = new Cuts(
+        store,
+        () => view.camera,
+        (held) => picture.hold(held),
+    );
+    const keep = new Keep(
+        () => ({ state: { ...store.options, size: picture.size }, frame: store.frame }),
+        picture.client,
+        sequence.folder,
+    );
+    byId("panel").append(
+        controls.sections.look,
+        transfer.element,
+        controls.sections.depth,
+        controls.sections.light,
+        cuts.element,
+        cameras.element,
+        controls.sections.scene,
+        controls.sections.sampling,
+        keep.element,
+    );
 
-    const message = (text) => { byId("message").textContent = text || ""; };
+    const message = (text) => {
+        byId("message").textContent = text || "";
+    };
 
-    let asking = false, again = false;
+    let asking = false,
+        again = false;
     /// Ask what the server takes for the state, and show it.
     async function askScene() {
-        if (asking) { again = true; return; }
+        if (asking) {
+            again = true;
+            return;
+        }
         asking = true;
         do {
             again = false;
-            const { state, frame } = shown(), options = JSON.stringify(kOfHistograms.map((name) => state[name]));
+            const { state, frame } = shown(),
+                options = JSON.stringify(kOfHistograms.map((name) => state[name]));
             try {
                 const scene = await ask("scene", { state: { ...state, size: picture.size }, frame });
                 const stale = options + scene.settled !== view.histogramsOf;
@@ -86,7 +109,9 @@ async function begin() {
     });
     store.tell("history");
 
-    picture.addEventListener("text", (event) => { byId("progress").textContent = event.detail; });
+    picture.addEventListener("text", (event) => {
+        byId("progress").textContent = event.detail;
+    });
     picture.addEventListener("shown", (event) => {
         picture.canvas.dataset.frame = event.detail.frame;
         if (event.detail.frame === store.frame) timeline.wait();
@@ -95,25 +120,45 @@ async function begin() {
         picture.nothing = event.detail;
         message(event.detail);
     });
-    picture.addEventListener("resize", () => { if (view.scene) askScene(); });
+    picture.addEventListener("resize", () => {
+        if (view.scene) askScene();
+    });
     timeline.addEventListener("play", () => {
         if (timeline.isPlaying && cameras.keys.length) cameras.follows = true;
         picture.hold(timeline.isPlaying);
-        if (!timeline.isPlaying) { picture.update(); askScene(); }
+        if (!timeline.isPlaying) {
+            picture.update();
+            askScene();
+        }
     });
-    const free = () => { if (cameras.follows) cameras.follows = false; };
+    const free = () => {
+        if (cameras.follows) cameras.follows = false;
+    };
     cameras.addEventListener("free", free);
-    cameras.addEventListener("follow", () => { picture.update(); askScene(); });
+    cameras.addEventListener("follow", () => {
+        picture.update();
+        askScene();
+    });
 
-    listenToHand(picture.canvas, {
-        camera: () => view.camera,
-        begin() { free(); view.moving = true; },
-        change(camera) {
-            view.camera = camera;
-            store.change(optionsOf(camera), { commit: false });
+    listenToHand(
+        picture.canvas,
+        {
+            camera: () => view.camera,
+            begin() {
+                free();
+                view.moving = true;
+            },
+            change(camera) {
+                view.camera = camera;
+                store.change(optionsOf(camera), { commit: false });
+            },
+            end() {
+                view.moving = false;
+                store.commit();
+            },
         },
-        end() { view.moving = false; store.commit(); },
-    }, () => picture.height);
+        () => picture.height,
+    );
 
     const showAll = () => {
         free();
@@ -128,7 +173,8 @@ async function begin() {
     });
     addEventListener("keydown", (event) => {
         if (event.target.matches("input[type=number], input[type=text], select, pre")) return;
-        const command = event.ctrlKey || event.metaKey, key = event.key.toLowerCase();
+        const command = event.ctrlKey || event.metaKey,
+            key = event.key.toLowerCase();
         if (command && key === "z") event.shiftKey ? store.redo() : store.undo();
         else if (command && key === "y") store.redo();
         else if (command || event.altKey) return;
@@ -167,4 +213,6 @@ async function begin() {
     follow();
 }
 
-begin().catch((error) => { byId("message").textContent = error.message; });
+begin().catch((error) => {
+    byId("message").textContent = error.message;
+});

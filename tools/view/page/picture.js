@@ -2,10 +2,10 @@
 
 import { askPicture, Refusal } from "./api.js";
 
-const kAim = 55;          // milliseconds for a picture while something moves
-const kSmallest = 0.12;   // scale
-const kMovingStep = 1.5;  // voxels between samples while something moves: rays far apart share little of the cache
-const kRest = 140;        // milliseconds without a change until the picture is refined
+const kAim = 55; // milliseconds for a picture while something moves
+const kSmallest = 0.12; // scale
+const kMovingStep = 1.5; // voxels between samples while something moves: rays far apart share little of the cache
+const kRest = 140; // milliseconds without a change until the picture is refined
 const kMostPixels = 4e6;
 
 export class Picture extends EventTarget {
@@ -20,10 +20,13 @@ export class Picture extends EventTarget {
         new ResizeObserver(() => this.resize()).observe(canvas);
     }
 
-    get height() { return this.canvas.clientHeight; }
+    get height() {
+        return this.canvas.clientHeight;
+    }
     get size() {
         const ratio = Math.min(devicePixelRatio || 1, 2);
-        const width = Math.max(this.canvas.clientWidth, 1), height = Math.max(this.canvas.clientHeight, 1);
+        const width = Math.max(this.canvas.clientWidth, 1),
+            height = Math.max(this.canvas.clientHeight, 1);
         const most = Math.sqrt(kMostPixels / (width * height * ratio * ratio));
         return [width, height].map((side) => Math.max(Math.round(side * ratio * Math.min(most, 1)), 1));
     }
@@ -58,12 +61,16 @@ export class Picture extends EventTarget {
         this.busy = true;
         while (this.wanted) {
             this.wanted = false;
-            const scale = this.scale, before = performance.now();
+            const scale = this.scale,
+                before = performance.now();
             const shown = await this.ask({ scale, samples: 1, quality: 75, step: kMovingStep });
             if (!shown) continue;
             const spent = performance.now() - before;
-            this.rate = 0.8 * (this.rate || 1000 / spent) + 0.2 * 1000 / spent;
-            this.scale = Math.min(1, Math.max(kSmallest, scale * Math.min(1.5, Math.max(0.5, Math.sqrt(kAim / spent)))));
+            this.rate = 0.8 * (this.rate || 1000 / spent) + (0.2 * 1000) / spent;
+            this.scale = Math.min(
+                1,
+                Math.max(kSmallest, scale * Math.min(1.5, Math.max(0.5, Math.sqrt(kAim / spent)))),
+            );
             this.show(shown, `${this.rate.toFixed(0)} pictures/s`);
         }
         this.busy = false;
@@ -76,12 +83,15 @@ export class Picture extends EventTarget {
     }
 
     /// While held, the picture is not refined.
-    hold(held) { this.held = held; }
+    hold(held) {
+        this.held = held;
+    }
 
     async refineNow(coarseFirst) {
         clearTimeout(this.resting);
-        const work = this.refining = new AbortController();
-        const final = this.request().state.samples || 1, begun = performance.now();
+        const work = (this.refining = new AbortController());
+        const final = this.request().state.samples || 1,
+            begun = performance.now();
         const steps = [];
         if (coarseFirst) steps.push({ scale: 0.25, samples: 1 });
         for (let samples = 1; samples < final; samples *= 2) steps.push({ scale: 1, samples });
@@ -133,5 +143,7 @@ export class Picture extends EventTarget {
         context.drawImage(shown.bitmap, 0, 0, this.canvas.width, this.canvas.height);
     }
 
-    tell(type, detail) { this.dispatchEvent(new CustomEvent(type, { detail })); }
+    tell(type, detail) {
+        this.dispatchEvent(new CustomEvent(type, { detail }));
+    }
 }

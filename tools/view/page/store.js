@@ -42,8 +42,12 @@ export class Store extends EventTarget {
         this.tell("history");
     }
 
-    undo() { this.move(this.past, this.future); }
-    redo() { this.move(this.future, this.past); }
+    undo() {
+        this.move(this.past, this.future);
+    }
+    redo() {
+        this.move(this.future, this.past);
+    }
 
     move(from, to) {
         if (from.length === 0) return;

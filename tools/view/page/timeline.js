@@ -18,8 +18,12 @@ export class Timeline extends EventTarget {
         this.setFrames(frames);
     }
 
-    get index() { return Math.max(this.frames.indexOf(this.store.frame), 0); }
-    get isPlaying() { return this.button.getAttribute("aria-pressed") === "true"; }
+    get index() {
+        return Math.max(this.frames.indexOf(this.store.frame), 0);
+    }
+    get isPlaying() {
+        return this.button.getAttribute("aria-pressed") === "true";
+    }
 
     setFrames(frames) {
         const grew = frames.length > this.frames.length;

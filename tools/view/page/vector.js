@@ -10,6 +10,7 @@ export const normalize = (a) => scale(a, 1 / (length(a) || 1));
 
 /// Turn a vector about an axis of length 1 (Rodrigues).
 export function turn(v, axis, angle) {
-    const c = Math.cos(angle), s = Math.sin(angle);
+    const c = Math.cos(angle),
+        s = Math.sin(angle);
     return add(add(scale(v, c), scale(cross(axis, v), s)), scale(axis, dot(axis, v) * (1 - c)));
 }
