@@ -23,6 +23,8 @@ libtbb-dev              header  tbb/parallel_for.h
 libopenexr-dev          header  OpenEXR/ImfOutputFile.h
 libpng-dev              header  png.h
 libcairo2-dev           header  cairo/cairo.h
+libcpp-httplib-dev      header  httplib.h
+libturbojpeg0-dev       header  turbojpeg.h
 libassimp-dev           header  assimp/Importer.hpp
 fonts-dejavu-core       file    /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 libboost-math-dev       header  boost/math/distributions/students_t.hpp
@@ -41,6 +43,9 @@ openexr                 command exrheader
 openimageio-tools       command idiff
 ffmpeg                  command ffmpeg
 blender                 command blender
+chromium                command chromium
+chromium-driver         command chromedriver
+python3-selenium        python  selenium
 clang                   command clang++
 clang-format            command clang-format
 clang-tidy              command run-clang-tidy

@@ -33,7 +33,8 @@ FRAMES = range(1, 5)
 PLACEHOLDERS = {"VELOCITY": "v.0001.vdb", "TEXTURE": "lic.0001.vdb", "IMAGE": "image.png", "A": "a.vdb", "B": "b.vdb",
                 "OPTIONS": ""}
 # The arguments of a command that a document mentions with options only.
-REQUIRED = {"vdblic_advect": "v.0001.vdb -o out.vdb", "vdblic_render": "lic.0001.vdb -o out.png"}
+REQUIRED = {"vdblic_advect": "v.0001.vdb -o out.vdb", "vdblic_render": "lic.0001.vdb -o out.png",
+            "vdblic_view": "lic.0001.vdb"}
 
 
 def shell_lines(document):
@@ -60,7 +61,11 @@ def runnable(command):
     command = re.sub(r"--frames 1-\d+", "--frames 1-4", command)
     command = re.sub(r"(?<= )[A-Z]+(?= |$)", lambda word: PLACEHOLDERS[word[0]], command)
     tool, *words = command.split()
-    return f"{command} {REQUIRED[tool]}" if words[0].startswith("-") else command
+    command = f"{command} {REQUIRED[tool]}" if words[0].startswith("-") else command
+    if tool == "vdblic_view":  # runs until it is interrupted
+        command = re.sub(r"--port \d+", "--port 0", command)
+        return f"timeout --preserve-status -s TERM 2 {command}; test $? = 143"
+    return command
 
 
 def options_in(text):

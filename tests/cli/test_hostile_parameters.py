@@ -21,6 +21,7 @@ COMMANDS = {  # valid without the tried option
     "vdblic_noise": ["-o", "out.vdb", "--size", "4", "4", "4"],
     "vdblic_advect": ["v.0001.vdb", "-o", "out.vdb", "--preroll", "0"],
     "vdblic_render": ["n.vdb", "-o", "out.png", "--texture", "noise", "--size", "8", "8"],
+    "vdblic_view": ["n.vdb", "--texture", "noise"],
     "vdblic_diff": ["n.vdb", "n.vdb", "-o", "out.vdb"],
     "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
     "vdblic_info": ["v.0001.vdb"],
@@ -57,6 +58,7 @@ LEGAL = {
     "--opacity-range": {"99999999999999999999"},
     "--background-alpha": {"0"},
     "--orbit": {"0"},
+    "--port": {"0"},
     "--limb-darkening": {"0"},
     "--depth-cue": {"0"},
     "--shadows": {"0"},
@@ -128,9 +130,12 @@ class HostileParameters(ToolTest):
 
     def test_every_option_of_every_tool(self):
         seen = 0
+        of_pictures = options(self.run_tool("vdblic_render", "--help").stdout)
         for tool in COMMANDS:
             help_text = self.run_tool(tool, "--help").stdout
             for name, (kind, count) in options(help_text).items():
+                if tool == "vdblic_view" and name in of_pictures:
+                    continue  # the same code reads them
                 for value in self.values(name, kind):
                     if value in LEGAL.get(name, ()):
                         continue
@@ -148,7 +153,7 @@ class HostileParameters(ToolTest):
         self.assertEqual([name for name in self.files() if name.startswith("out")], [])
 
     def test_what_is_legal_is_taken(self):
-        for tool in COMMANDS:
+        for tool in COMMANDS.keys() - {"vdblic_view"}:  # it would go on; its options are those of vdblic_render
             for name, (_, count) in options(self.run_tool(tool, "--help").stdout).items():
                 for value in LEGAL.get(name, ()):
                     with self.subTest(tool=tool, option=name, value=value):

@@ -26,15 +26,16 @@ glm::dvec3 vector(const Numbers<N>& numbers, std::size_t first = 0)
 
 } // namespace
 
-LookOptions::LookOptions(Tool& tool, RenderParams& params) : mApp(tool.app()), mParams(params)
+LookOptions::LookOptions(CLI::App& app, RenderParams& params) : mApp(app), mParams(params)
 {
     LookParams& look = params.look;
     TransferParams& transfer = look.transfer;
     Shading& shading = look.shading;
     ClipParams& clip = params.rays.clip;
 
-    tool.option("--look", mLook,
-                fmt::format("Look that all of the following start from: {}.", fmt::join(lookPresetNames(), ", ")));
+    app.add_option("--look", mLook,
+                   fmt::format("Look that all of the following start from: {}.", fmt::join(lookPresetNames(), ", ")))
+        ->capture_default_str();
     option<std::string>("--by", "Float grid whose values choose colour and opacity; magnitude by default.",
                         [&](const auto& name) {
                             params.colorBy = name;

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "cli/tool.h"
 #include "vdblic/render/render_params.h"
+
+#include <CLI/CLI.hpp>
 
 #include <functional>
 #include <string>
@@ -14,7 +15,7 @@ namespace vdblic::cli {
 /// Construct before parsing. This and the parameters must outlive the parsing.
 class LookOptions {
   public:
-    LookOptions(Tool& tool, RenderParams& params);
+    LookOptions(CLI::App& app, RenderParams& params);
 
     /// Set look, cuts and background in the parameters.
     /// @throws ParameterError; InputError naming the file of a transfer function

@@ -1,3 +1,5 @@
+#include "vdblic/render/camera_keys.h"
+
 #include "vdblic/core/errors.h"
 #include "vdblic/render/camera_path.h"
 #include "vdblic/render/json_file.h"
@@ -42,7 +44,9 @@ std::int64_t parseFrame(const Json& key, const std::string& what)
     return frame;
 }
 
-CameraKeys parseKeys(const Json& json)
+} // namespace
+
+CameraKeys parseCameraKeys(const Json& json)
 {
     if (!json.is_object() || json.size() != 1 || !json.contains("keys") || !json["keys"].is_array() ||
         json["keys"].empty()) {
@@ -77,13 +81,13 @@ CameraKeys parseKeys(const Json& json)
     return keys;
 }
 
-} // namespace
-
 CameraKeys readCameraKeys(const std::filesystem::path& path)
 {
     const Json file = readJson(path);
     try {
-        return parseKeys(file);
+        CameraKeys keys = parseCameraKeys(file);
+        keys.file = path;
+        return keys;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     }

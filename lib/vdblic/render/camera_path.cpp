@@ -86,6 +86,11 @@ Value CameraTrack<Value>::at(double frame) const
 template class CameraTrack<double>;
 template class CameraTrack<glm::dvec3>;
 
+bool CameraKeys::empty() const
+{
+    return eye.empty() && target.empty() && up.empty() && fieldOfView.empty() && viewHeight.empty();
+}
+
 CameraParams CameraKeys::applied(CameraParams params, double frame) const
 {
     if (!eye.empty()) params.eye = eye.at(frame);
@@ -112,10 +117,9 @@ void CameraMotion::validate() const
 
 CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box,
                        const glm::ivec2& size, const FrameSpan& span, std::vector<glm::dvec3> subject)
-    : mParams(params), mKeyed(!motion.keys.empty()), mBox(box), mSize(size), mSpan(span), mOrbit(motion.orbit)
+    : mParams(params), mKeys(motion.keys), mBox(box), mSize(size), mSpan(span), mOrbit(motion.orbit)
 {
     motion.validate();
-    if (mKeyed) mKeys = readCameraKeys(motion.keys);
     if (motion.orbitFrames) mSpan.length = *motion.orbitFrames;
 
     // Unset members are chosen for the first frame and stay.
@@ -143,7 +147,7 @@ Camera CameraPath::at(std::int64_t frame) const
     try {
         return {params, mBox, mSize};
     } catch (const ParameterError& error) {
-        if (!mKeyed) throw;
+        if (mKeys.empty()) throw;
         throw ParameterError(fmt::format("frame {}: {}", frame, error.what()));
     }
 }

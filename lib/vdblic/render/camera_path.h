@@ -35,7 +35,9 @@ class CameraTrack {
 struct CameraKeys {
     CameraTrack<glm::dvec3> eye, target, up;
     CameraTrack<double> fieldOfView, viewHeight;
+    std::filesystem::path file{}; ///< that they were read from
 
+    [[nodiscard]] bool empty() const;
     [[nodiscard]] CameraParams applied(CameraParams params, double frame) const;
 };
 
@@ -48,7 +50,7 @@ struct CameraKeys {
 struct CameraMotion {
     double orbit = 0;                          ///< turns around the target, about up; counter-clockwise seen from above
     std::optional<std::int64_t> orbitFrames{}; ///< number of frames for the turns; unset: those of the sequence
-    std::filesystem::path keys{};              ///< file of key frames; empty: none
+    CameraKeys keys{};
 
     /// @throws ParameterError
     void validate() const;
@@ -65,7 +67,7 @@ class CameraPath {
   public:
     /// @param box     around all that is visible in the whole sequence
     /// @param subject points that fill the picture; empty: the box's corners
-    /// @throws ParameterError; InputError if the key frames cannot be read
+    /// @throws ParameterError
     CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box, const glm::ivec2& size,
                const FrameSpan& span, std::vector<glm::dvec3> subject = {});
 
@@ -75,7 +77,6 @@ class CameraPath {
   private:
     CameraParams mParams;
     CameraKeys mKeys;
-    bool mKeyed;
     Corners mBox;
     glm::ivec2 mSize;
     FrameSpan mSpan;

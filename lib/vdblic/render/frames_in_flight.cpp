@@ -8,9 +8,6 @@
 #include <string>
 
 namespace vdblic {
-namespace {
-
-/// Bytes that the system can give without swapping and this process may take.
 double availableMemory()
 {
     const auto limit = double(memoryLimit());
@@ -22,8 +19,6 @@ double availableMemory()
     }
     return limit;
 }
-
-} // namespace
 
 std::size_t framesInFlight(double frameBytes)
 {

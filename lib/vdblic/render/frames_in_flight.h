@@ -4,6 +4,9 @@
 
 namespace vdblic {
 
+/// Bytes that the system can give without swapping and this process may take.
+[[nodiscard]] double availableMemory();
+
 /// Number of frames to render at a time: one for each thread, but no more than half of the free memory holds; at least
 /// one. With fewer frames than threads, the threads share the tiles of each frame.
 /// @param frameBytes memory that one frame takes

@@ -50,7 +50,7 @@ void add(Attributes& attributes, const CameraMotion& motion)
     const auto& [orbit, orbitFrames, keys] = motion;
     attributes.emplace_back("orbit", float(orbit));
     if (orbitFrames) attributes.emplace_back("orbitFrames", int(*orbitFrames));
-    if (!keys.empty()) attributes.emplace_back("cameraKeys", keys.filename().string());
+    if (!keys.empty()) attributes.emplace_back("cameraKeys", keys.file.filename().string());
 }
 
 void add(Attributes& attributes, const TransferFunction& transfer)

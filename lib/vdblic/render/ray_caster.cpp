@@ -1,5 +1,6 @@
 #include "vdblic/render/ray_caster.h"
 
+#include "vdblic/core/reporter.h"
 #include "vdblic/render/camera.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/ray_cast_params.h"
@@ -19,6 +20,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 namespace vdblic {
@@ -66,7 +68,7 @@ void addBehind(const SolidPicture& solid, Image& image)
 } // namespace
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-               const VisibleLeaves& visible, int ray, const Scenery& scenery)
+               const VisibleLeaves& visible, int ray, const Scenery& scenery, const std::stop_token& stop)
 {
     params.validate();
     const glm::ivec2 size = camera.size();
@@ -81,6 +83,7 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     constexpr int kTile = RaySetup::kTile;
     const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
     tbb::parallel_for(0, tilesX * tilesY, [&](int tile) {
+        if (stop.stop_requested()) return;
         std::array<RayTask, RaySetup::kRays> tasks;
         const int count = setup.rays(tile % tilesX * kTile, tile / tilesX * kTile, tasks.data());
         std::array<RaySum, RaySetup::kRays> sums{};
@@ -95,6 +98,7 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
             if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);
         }
     });
+    if (stop.stop_requested()) throw Stopped{};
     if (solid) addBehind(*solid, image);
     return image;
 }

@@ -4,6 +4,8 @@
 
 #include <glm/vec3.hpp>
 
+#include <stop_token>
+
 namespace vdblic {
 
 class Camera;
@@ -32,10 +34,11 @@ struct Scenery {
 /// @param visible leaves that are sampled; the others are skipped
 /// @param ray     index among the pixel's rays, for sampleShift() (ray_setup.h)
 /// @param scenery what else is in the picture: rays end at the solid, which is seen through what they have left
-/// @throws ParameterError
+/// @param stop    asks for the end before the picture is complete
+/// @throws ParameterError; Stopped if a stop was requested
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& params, const VisibleLeaves& visible, int ray = 0,
-                             const Scenery& scenery = {});
+                             const Scenery& scenery = {}, const std::stop_token& stop = {});
 /// The same with the leaves that the look makes visible; an empty volume gives an empty picture.
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& params);

@@ -16,7 +16,7 @@ namespace {
 void checkFurtherOutput(const std::string& report, const RenderParams& params, const std::vector<FrameFile>& files)
 {
     if (report.empty()) return;
-    for (const std::string& input : {params.motion.keys.string(), params.region}) {
+    for (const std::string& input : {params.motion.keys.file.string(), params.region}) {
         if (!input.empty()) checkNotInput(report, parseGridReference(input).path);
     }
     for (const FrameFile& file : files)

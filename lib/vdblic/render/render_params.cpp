@@ -37,6 +37,11 @@ void RenderParams::validate() const
         }
     }
     if (!histogram.empty()) checkHistogramPath(histogram);
+    validatePicture();
+}
+
+void RenderParams::validatePicture() const
+{
     camera.validate();
     motion.validate();
     look.validate();

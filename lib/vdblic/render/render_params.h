@@ -53,6 +53,8 @@ struct RenderParams {
     [[nodiscard]] double imageBytes() const;
     /// @throws ParameterError
     void validate() const;
+    /// As validate(), but for outputs. @throws ParameterError
+    void validatePicture() const;
 };
 
 } // namespace vdblic

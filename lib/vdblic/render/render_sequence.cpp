@@ -6,17 +6,13 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/texture_name.h"
-#include "vdblic/render/annotations.h"
 #include "vdblic/render/film_writer.h"
+#include "vdblic/render/frame_picture.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
-#include "vdblic/render/image_attributes.h"
-#include "vdblic/render/light_grid.h"
-#include "vdblic/render/nothing_seen.h"
 #include "vdblic/render/render_outputs.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/render/solid.h"
-#include "vdblic/render/supersampling.h"
 #include "vdblic/render/transfer_file.h"
 #include "vdblic/render/vector_text.h"
 
@@ -68,7 +64,7 @@ struct RenderedFrame {
 class SequenceRenderer {
   public:
     SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
-        : mParams(params), mRays(params.rays), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
+        : mParams(params), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
     {
         const bool isPiped = params.input.pattern == "-";
         const std::vector<FrameFile> files = isPiped ? std::vector<FrameFile>{} : selectFrames(params.input);
@@ -76,7 +72,6 @@ class SequenceRenderer {
         for (const FrameFile& file : files) {
             if (mParams.texture.empty()) mParams.texture = textureName(file.path, mParams.texture);
         }
-        mRays.clip = params.rays.clip.stretched(params.stretch);
         if (!params.output.empty()) mOutput.emplace(params.output);
         if (!params.film.empty()) mFilm.emplace(params.film, params.scaledSize(), params.framesPerSecond);
     }
@@ -196,7 +191,7 @@ class SequenceRenderer {
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
                 if (!task.loaded->volume.empty())
-                    setScene(chooseScene(mParams, {task.loaded.get(), 1}, task.loaded->volume.corners(), true, {}));
+                    setScene(chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), true, {}));
             }
             if (mScene) task.scene = &*mScene;
         } catch (const InputError&) {
@@ -241,25 +236,14 @@ class SequenceRenderer {
         Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
         ImageHeader header;
         if (task.scene) {
-            const Camera camera = task.scene->cameras.at(task.file.frame);
-            const Look& look = task.scene->look;
-            const auto solid = solidOf(*frame);
-            std::optional<LightGrid> light;
-            if (look.shadows > 0)
-                light.emplace(frame->volume, look, keyLight(look, camera), double(look.shadows), solid.get());
-            image = castSamples(frame->volume, look, camera, mRays, mParams.samples,
-                                {.solid = solid.get(),
-                                 .solidColor = glm::vec3(linearFromDisplay(mParams.solid.color)),
-                                 .light = light ? &*light : nullptr});
-            const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
-            if (std::none_of(image.pixels.begin(), image.pixels.end(), isSeen))
-                result.nothingSeen = whyNothingIsSeen(frame->volume, look, camera, mRays);
-            if (mParams.annotations.any()) {
-                const AnnotationContent content{task.scene->box,       mParams.stretch, mParams.colorBy,
-                                                task.scene->opacityBy, task.file.frame, frame->time};
-                annotate(image, mParams.annotations, content, look, camera, mParams.background.color);
+            FramePicture picture(mParams, *task.scene, *frame, solidOf(*frame));
+            for (int sample = 0; sample < mParams.samples; ++sample) {
+                mReporter.checkStop();
+                picture.addSample();
             }
-            header = imageHeader(mParams, look, camera, task.file);
+            image = picture.image();
+            result.nothingSeen = picture.whyNothingIsSeen(image);
+            header = picture.header();
         } else if (mParams.rays.layers) {
             image.layers.resize(image.pixels.size());
         }
@@ -270,13 +254,12 @@ class SequenceRenderer {
     /// The frame's solid; null if there is none. One that is the same in all frames is made once.
     std::shared_ptr<const Solid> solidOf(const LoadedTexture& frame) const
     {
-        const std::string& source = mParams.solid.source;
-        if (source.empty()) return nullptr;
+        const SolidParams& solid = mParams.solid;
+        if (solid.source.empty()) return nullptr;
         const auto make = [&] {
-            return std::make_shared<const Solid>(
-                makeSolid(mParams.solid, *frame.texture, mParams.stretch, frame.file.frame));
+            return std::make_shared<const Solid>(makeSolid(solid, *frame.texture, mParams.stretch, frame.file.frame));
         };
-        if (source == "domain" || FramePattern(parseGridReference(source).path.string()).hasField()) return make();
+        if (solid.changes()) return make();
         std::call_once(mSolidMade, [&] { mSolid = make(); });
         return mSolid;
     }
@@ -339,7 +322,6 @@ class SequenceRenderer {
     }
 
     RenderParams mParams; // as given, with the texture's name
-    RayCastParams mRays;
     Reporter& mReporter;
     std::size_t mTotal = 0, mTaken = 0, mDone = 0;
     FrameSource mSource;

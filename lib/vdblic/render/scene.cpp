@@ -27,15 +27,6 @@
 namespace vdblic {
 namespace {
 
-double memoryOf(const RenderParams& params, const TextureVolume& volume)
-{
-    constexpr double kGridLeaf =
-        2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
-    const double record = double(sizeof(ValueRecord) + sizeof(GradientRecord) +
-                                 (volume.lines() ? sizeof(LineRecord) : 0) + (volume.colors() ? sizeof(float) : 0));
-    return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record) + params.imageBytes();
-}
-
 /// A scalar grid that a file lacks, and what makes it.
 InputError missingScalar(const VdbFile& file, const std::vector<std::string>& names, std::string choice)
 {
@@ -67,27 +58,16 @@ openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const ope
     return together ? grid : resampled(*grid, texture);
 }
 
-/// What fills the picture: all that is visible of the frames, or the box around it if that is in the picture.
-std::vector<glm::dvec3> subjectOf(const RenderParams& params, const Look& look, std::span<const LoadedTexture> frames,
-                                  const Corners& box, bool steady)
-{
-    std::vector<glm::dvec3> subject;
-    if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject; // nothing to choose
-    if (params.annotations.box || params.annotations.axes || !params.solid.source.empty() || !steady) {
-        // Numbers beside the axes need some room.
-        const double room = params.annotations.axes ? 1.16 : 1;
-        for (const glm::dvec3& corner : box)
-            subject.push_back(glm::mix(middleOf(box), corner, room));
-        return subject;
-    }
-    for (const LoadedTexture& frame : frames) {
-        const auto more = visibleExtent(frame.volume, look, params.rays.clip.stretched(params.stretch));
-        subject.insert(subject.end(), more.begin(), more.end());
-    }
-    return subject;
-}
-
 } // namespace
+
+double LoadedTexture::bytes() const
+{
+    constexpr double kGridLeaf =
+        2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
+    const double record = double(sizeof(ValueRecord) + sizeof(GradientRecord) +
+                                 (volume.lines() ? sizeof(LineRecord) : 0) + (volume.colors() ? sizeof(float) : 0));
+    return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record);
+}
 
 LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
 {
@@ -123,31 +103,63 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
     }
 }
 
-Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box, bool steady,
-                  const FrameSpan& span)
+void LookBasis::add(const LoadedTexture& frame)
 {
-    TextureVolume::Samples samples;
-    double voxels = 0, bytes = 0;
-    for (const LoadedTexture& frame : frames) {
-        const TextureVolume::Samples more = frame.volume.samples();
-        samples.texture.insert(samples.texture.end(), more.texture.begin(), more.texture.end());
-        samples.driver.insert(samples.driver.end(), more.driver.begin(), more.driver.end());
-        samples.color.insert(samples.color.end(), more.color.begin(), more.color.end());
-        voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
-        bytes = std::max(bytes, memoryOf(params, frame.volume));
-    }
+    const TextureVolume::Samples more = frame.volume.samples();
+    samples.texture.insert(samples.texture.end(), more.texture.begin(), more.texture.end());
+    samples.driver.insert(samples.driver.end(), more.driver.begin(), more.driver.end());
+    samples.color.insert(samples.color.end(), more.color.begin(), more.color.end());
+    voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
+    volumeBytes = std::max(volumeBytes, frame.bytes());
+    if (!first.empty()) return;
+    first = frame.file.path;
+    opacityBy = frame.opacityBy;
+}
+
+Look LookBasis::choose(const RenderParams& params) const
+{
     try {
         Look look = chooseLook(params.look, samples, std::cbrt(voxels));
         look.background = glm::vec3(linearFromDisplay(params.background.color));
-        std::vector<glm::dvec3> subject = subjectOf(params, look, frames, box, steady);
-        const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span, std::move(subject));
-        return {std::move(look), frames.front().opacityBy, cameras, box, bytes};
+        return look;
     } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", frames.front().file.path.string(), error.what()));
+        throw InputError(fmt::format("{}: {}", first.string(), error.what()));
     }
 }
 
-std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
+std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
+                                     std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
+                                     bool steady)
+{
+    std::vector<glm::dvec3> subject;
+    if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject;
+    if (params.annotations.box || params.annotations.axes || !params.solid.source.empty() || !steady) {
+        // Numbers beside the axes need some room.
+        const double room = params.annotations.axes ? 1.16 : 1;
+        for (const glm::dvec3& corner : box)
+            subject.push_back(glm::mix(middleOf(box), corner, room));
+        return subject;
+    }
+    for (const auto& frame : frames) {
+        const auto more = visibleExtent(frame->volume, look, params.rays.clip.stretched(params.stretch));
+        subject.insert(subject.end(), more.begin(), more.end());
+    }
+    return subject;
+}
+
+Scene chooseScene(const RenderParams& params, std::span<const std::shared_ptr<const LoadedTexture>> frames,
+                  const Corners& box, bool steady, const FrameSpan& span)
+{
+    LookBasis basis;
+    for (const auto& frame : frames)
+        basis.add(*frame);
+    Look look = basis.choose(params);
+    std::vector<glm::dvec3> subject = sceneSubject(params, look, frames, box, steady);
+    const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span, std::move(subject));
+    return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + params.imageBytes()};
+}
+
+std::optional<SceneSource> sceneSource(const RenderParams& params)
 {
     const FramePattern pattern(params.input.pattern);
     std::vector<FrameFile> files;
@@ -164,29 +176,34 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     if (!bounds) return std::nullopt;
     for (glm::dvec3& corner : bounds->box)
         corner *= params.stretch;
-    // The look is made from a few frames of the whole sequence. A file that cannot be read is reported at its turn.
     constexpr std::size_t kLookFrames = 4;
-    std::vector<LoadedTexture> frames;
-    try {
-        frames.push_back(loadFrame(params, bounds->firstFilled));
-    } catch (const InputError&) {
-        if (!params.keepGoing) throw;
-    }
-    RenderParams rest = params;
-    if (!params.opacityBy.empty() && !frames.empty()) rest.opacityBy = {frames.front().opacityBy};
+    std::vector<FrameFile> lookFrames{bounds->firstFilled};
     for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
         const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
-        if (file.frame == bounds->firstFilled.frame) continue;
+        if (file.frame != bounds->firstFilled.frame) lookFrames.push_back(file);
+    }
+    return SceneSource{files.size(), span, bounds->box, bounds->steady, std::move(lookFrames)};
+}
+
+std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
+{
+    const std::optional<SceneSource> source = sceneSource(params);
+    if (!source) return std::nullopt;
+    std::vector<std::shared_ptr<const LoadedTexture>> frames;
+    RenderParams rest = params;
+    for (const FrameFile& file : source->lookFrames) {
+        const bool first = file.frame == source->lookFrames.front().frame;
         try {
-            frames.push_back(loadFrame(rest, file));
-        } catch (const InputError&) {
-            continue;
+            frames.push_back(std::make_shared<const LoadedTexture>(loadFrame(rest, file)));
+            if (!rest.opacityBy.empty()) rest.opacityBy = {frames.front()->opacityBy};
+        } catch (const InputError&) { // is reported at the frame's turn
+            if (first && !params.keepGoing) throw;
         }
     }
-    std::erase_if(frames, [](const LoadedTexture& frame) { return frame.volume.empty(); });
+    std::erase_if(frames, [](const auto& frame) { return frame->volume.empty(); });
     if (frames.empty()) return std::nullopt;
-    SequenceScene result{chooseScene(params, frames, bounds->box, bounds->steady, span), nullptr};
-    if (files.size() == 1) result.onlyFrame = std::make_shared<const LoadedTexture>(std::move(frames.front()));
+    SequenceScene result{chooseScene(params, frames, source->box, source->steady, source->span), nullptr};
+    if (source->frameCount == 1) result.onlyFrame = frames.front();
     return result;
 }
 

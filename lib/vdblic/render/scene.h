@@ -5,12 +5,16 @@
 #include "vdblic/render/look.h"
 #include "vdblic/render/texture_volume.h"
 
+#include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace vdblic {
 
@@ -24,10 +28,31 @@ struct LoadedTexture {
     std::string opacityBy;                           ///< name of the grid that makes opaque
     TextureVolume volume;
     std::optional<double> time; ///< of the file's metadata [s]
+
+    [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };
 
 /// @throws InputError naming the file
 [[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame);
+
+/// What the look of a sequence is chosen from: samples of some of its frames.
+struct LookBasis {
+    TextureVolume::Samples samples;
+    double voxels = 0, volumeBytes = 0; ///< the most of a frame
+    std::string opacityBy;              ///< name of the grid that makes opaque
+    std::filesystem::path first;        ///< of the files
+
+    /// @param frame not empty
+    void add(const LoadedTexture& frame);
+    /// @throws ParameterError, InputError naming the first file
+    [[nodiscard]] Look choose(const RenderParams& params) const;
+};
+
+/// What fills the picture: all that is visible of the frames, or the box around it if that is in the picture; nothing
+/// if the camera leaves nothing to choose.
+[[nodiscard]] std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
+                                                   std::span<const std::shared_ptr<const LoadedTexture>> frames,
+                                                   const Corners& box, bool steady);
 
 /// What stays the same for the whole animation.
 struct Scene {
@@ -42,8 +67,20 @@ struct Scene {
 /// @param box    around all frames, as far as is known
 /// @param steady whether every frame has these bounds: then what is visible of the frames fills the picture, else the
 /// box
-[[nodiscard]] Scene chooseScene(const RenderParams& params, std::span<const LoadedTexture> frames, const Corners& box,
+[[nodiscard]] Scene chooseScene(const RenderParams& params,
+                                std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
                                 bool steady, const FrameSpan& span);
+
+/// What the scene of a sequence is chosen from.
+struct SceneSource {
+    std::size_t frameCount; ///< on disk
+    FrameSpan span;
+    Corners box;                       ///< around all frames, stretched
+    bool steady;                       ///< whether every frame has these bounds
+    std::vector<FrameFile> lookFrames; ///< a few of them, the first one with an active voxel
+};
+/// By the headers of all files on disk, whichever are selected; nothing if none has an active voxel.
+[[nodiscard]] std::optional<SceneSource> sceneSource(const RenderParams& params);
 
 /// A scene, and the frame that was read to make it if the sequence has no other.
 struct SequenceScene {
@@ -51,7 +88,7 @@ struct SequenceScene {
     std::shared_ptr<const LoadedTexture> onlyFrame;
 };
 
-/// The scene of all frames on disk, whichever are selected; nothing if none has an active voxel.
+/// The scene of sceneSource(); nothing if none of its frames has an active voxel.
 [[nodiscard]] std::optional<SequenceScene> sceneOfSequence(const RenderParams& params);
 
 } // namespace vdblic

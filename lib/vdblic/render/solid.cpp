@@ -153,6 +153,11 @@ void SolidParams::validate() const
     (void)FramePattern(parseGridReference(source).path.string());
 }
 
+bool SolidParams::changes() const
+{
+    return source == "domain" || FramePattern(parseGridReference(source).path.string()).hasField();
+}
+
 Solid makeSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
                 std::int64_t frame)
 {

@@ -14,6 +14,8 @@ struct SolidParams {
     std::string source;
     glm::dvec3 color{0.62, 0.64, 0.67}; ///< display (sRGB) values
 
+    /// Whether each frame has a solid of its own.
+    [[nodiscard]] bool changes() const;
     /// @throws ParameterError
     void validate() const;
 };

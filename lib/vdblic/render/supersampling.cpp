@@ -13,7 +13,8 @@
 #include <glm/vec4.hpp>
 
 #include <cstddef>
-#include <vector>
+#include <stop_token>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -27,6 +28,16 @@ void addLayers(PixelLayers& sum, const PixelLayers& sample, float alpha)
     sum.normal += alpha * sample.normal;
     sum.driver += alpha * sample.driver;
     sum.texture += alpha * sample.texture;
+}
+
+/// Turn the layers of one sample into sums.
+void weighLayers(Image& image)
+{
+    for (std::size_t i = 0; i < image.layers.size(); ++i) {
+        const PixelLayers sample = image.layers[i];
+        image.layers[i] = {.depth = 0};
+        addLayers(image.layers[i], sample, image.pixels[i].a);
+    }
 }
 
 void divideLayers(PixelLayers& sum, float alpha)
@@ -43,27 +54,46 @@ void divideLayers(PixelLayers& sum, float alpha)
 
 } // namespace
 
+SampleSum::SampleSum(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
+                     const Scenery& scenery)
+    : mVolume(volume), mLook(look), mCamera(camera), mParams(params), mScenery(scenery), mVisible(volume, look)
+{
+}
+
+void SampleSum::add(const std::stop_token& stop)
+{
+    constexpr glm::dvec2 kStep(0.7548776662466927, 0.5698402909980532); // inverse powers of the plastic number
+    const glm::dvec2 offset = glm::fract(0.5 + double(mCount) * kStep) - 0.5;
+    Image image = castRays(mVolume, mLook, mCamera.shifted(offset), mParams, mVisible, mCount, mScenery, stop);
+    if (mCount++ == 0) {
+        mSum = std::move(image);
+        return;
+    }
+    if (mCount == 2) weighLayers(mSum);
+    for (std::size_t i = 0; i < mSum.pixels.size(); ++i) {
+        if (mParams.layers) addLayers(mSum.layers[i], image.layers[i], image.pixels[i].a);
+        mSum.pixels[i] += image.pixels[i];
+    }
+}
+
+Image SampleSum::mean() const
+{
+    Image result = mSum;
+    if (mCount == 1) return result;
+    for (std::size_t i = 0; i < result.pixels.size(); ++i) {
+        if (mParams.layers) divideLayers(result.layers[i], result.pixels[i].a);
+        result.pixels[i] /= float(mCount);
+    }
+    return result;
+}
+
 Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
                   int samples, const Scenery& scenery)
 {
-    const VisibleLeaves visible(volume, look);
-    if (samples == 1) return castRays(volume, look, camera, params, visible, 0, scenery);
-    constexpr glm::dvec2 kStep(0.7548776662466927, 0.5698402909980532); // inverse powers of the plastic number
-    Image sum{camera.size(), std::vector<glm::vec4>(std::size_t(camera.size().x) * camera.size().y, glm::vec4(0))};
-    if (params.layers) sum.layers.assign(sum.pixels.size(), {.depth = 0});
-    for (int sample = 0; sample < samples; ++sample) {
-        const glm::dvec2 offset = glm::fract(0.5 + double(sample) * kStep) - 0.5;
-        const Image image = castRays(volume, look, camera.shifted(offset), params, visible, sample, scenery);
-        for (std::size_t i = 0; i < sum.pixels.size(); ++i) {
-            sum.pixels[i] += image.pixels[i];
-            if (params.layers) addLayers(sum.layers[i], image.layers[i], image.pixels[i].a);
-        }
-    }
-    for (std::size_t i = 0; i < sum.pixels.size(); ++i) {
-        if (params.layers) divideLayers(sum.layers[i], sum.pixels[i].a);
-        sum.pixels[i] /= float(samples);
-    }
-    return sum;
+    SampleSum sum(volume, look, camera, params, scenery);
+    for (int sample = 0; sample < samples; ++sample)
+        sum.add();
+    return sum.mean();
 }
 
 } // namespace vdblic

@@ -1,11 +1,40 @@
 #pragma once
 
+#include "vdblic/render/camera.h"
 #include "vdblic/render/image.h"
+#include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/ray_caster.h"
+#include "vdblic/render/visible_leaves.h"
+
+#include <stop_token>
 
 namespace vdblic {
 
 inline constexpr int kMostSamples = 4096; ///< rays per pixel
+
+/// A picture that is cast ray by ray of its pixels.
+class SampleSum {
+  public:
+    /// @param volume, look, scenery must outlive this
+    SampleSum(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
+              const Scenery& scenery);
+
+    /// Cast the next ray of every pixel. @throws Stopped, with the sum as it was, if a stop is requested
+    void add(const std::stop_token& stop = {});
+    [[nodiscard]] int count() const { return mCount; }
+    /// The picture of the rays so far, at least one; that of castSamples().
+    [[nodiscard]] Image mean() const;
+
+  private:
+    const TextureVolume& mVolume;
+    const Look& mLook;
+    Camera mCamera;
+    RayCastParams mParams;
+    Scenery mScenery;
+    VisibleLeaves mVisible;
+    Image mSum; // of the first ray alone its layers are not weighted yet
+    int mCount = 0;
+};
 
 /// As castRays(), with several rays per pixel. A pixel is the mean of its rays, a layer their mean weighted by alpha.
 ///

@@ -128,7 +128,7 @@ TEST(CameraTrack, RestsBetweenEqualKeys)
 
 class CameraKeyFile : public testing::Test {
   protected:
-    CameraMotion motion(const std::string& json) { return {.keys = mFolder.add("keys.json", json)}; }
+    CameraMotion motion(const std::string& json) { return {.keys = readCameraKeys(mFolder.add("keys.json", json))}; }
     std::string refusal(const std::string& json)
     {
         try {
@@ -180,7 +180,7 @@ TEST_F(CameraKeyFile, SaysWhatIsWrongWithIt)
     refusal(R"({"keys": [{"frame": 1, "fov": "wide"}]})");
     refusal(R"({"keys": [{"frame": 1, "target": [1, 2, null]}]})");
     EXPECT_NE(refusal(R"({"keys": [{"frame": 1, "eyes": [1, 2, 3]}]})").find("eyes"), std::string::npos);
-    EXPECT_THROW(CameraPath({}, {.keys = mFolder / "none.json"}, kBox, kSize, {}), InputError);
+    EXPECT_THROW((void)readCameraKeys(mFolder / "none.json"), InputError);
 }
 
 TEST_F(CameraKeyFile, NamesTheFrameInWhichTheCameraSeesNothing)
@@ -203,7 +203,9 @@ TEST(CameraMotion, RefusesWhatHasNoMeaning)
     EXPECT_THROW((CameraMotion{.orbit = HUGE_VAL}.validate()), ParameterError);
     EXPECT_THROW((CameraMotion{.orbit = 1, .orbitFrames = 0}.validate()), ParameterError);
     EXPECT_THROW((CameraMotion{.orbitFrames = 10}.validate()), ParameterError);
-    EXPECT_THROW((CameraMotion{.orbit = 1, .keys = "a.json"}.validate()), ParameterError);
+    CameraKeys keys;
+    keys.fieldOfView.add(1, 35);
+    EXPECT_THROW((CameraMotion{.orbit = 1, .keys = keys}.validate()), ParameterError);
 }
 
 } // namespace

@@ -1,11 +1,13 @@
 #include "vdblic/render/supersampling.h"
 
 #include "render/scene.h"
+#include "vdblic/core/reporter.h"
 #include "vdblic/render/ray_setup.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stop_token>
 
 namespace vdblic {
 namespace {
@@ -45,6 +47,24 @@ TEST(Supersampling, MeansOfLayersAreOfWhatIsSeen)
     EXPECT_NEAR(part.texture, 0.5, 1e-4);
     EXPECT_GT(part.samples, whole.samples);
     EXPECT_TRUE(std::isinf(plate(5).layers.at(3).depth));
+}
+
+TEST(Supersampling, AStopKeepsTheRaysSoFar)
+{
+    const auto grid = boxGrid("density", boxOf(20, 20, 20), [](const Coord& at) { return 0.05f * float(at.x()); });
+    const TextureVolume volume(*grid, *grid);
+    const Look look = plainLook(0.1);
+    const Camera camera({}, volume.corners(), {16, 16});
+    SampleSum sum(volume, look, camera, {.layers = true}, {});
+    sum.add();
+    std::stop_source stopped;
+    stopped.request_stop();
+    EXPECT_THROW(sum.add(stopped.get_token()), Stopped);
+    EXPECT_EQ(sum.count(), 1);
+    sum.add();
+    const Image two = castSamples(volume, look, camera, {.layers = true}, 2, {});
+    EXPECT_EQ(sum.mean().pixels, two.pixels);
+    EXPECT_EQ(sum.mean().layers.at(100).depth, two.layers.at(100).depth);
 }
 
 TEST(Supersampling, ShiftsOfAPixelsRaysAreSpreadEvenly)

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "vdblic/render/image_file.h"
+#include "vdblic/render/light_grid.h"
+#include "vdblic/render/ray_cast_params.h"
+#include "vdblic/render/render_params.h"
+#include "vdblic/render/scene.h"
+#include "vdblic/render/solid.h"
+#include "vdblic/render/supersampling.h"
+
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+namespace vdblic {
+
+/// The picture of a frame, which gets better with every sample. Everything that an image of a sequence shows.
+class FramePicture {
+  public:
+    /// @param params, scene, frame must outlive this
+    /// @param solid  or null
+    FramePicture(const RenderParams& params, const Scene& scene, const LoadedTexture& frame,
+                 std::shared_ptr<const Solid> solid);
+    FramePicture(const FramePicture&) = delete;
+    FramePicture& operator=(const FramePicture&) = delete;
+
+    /// Cast the next ray of every pixel. @throws Stopped, with the picture as it was, if a stop is requested
+    void addSample(const std::stop_token& stop = {}) { mSum->add(stop); }
+    [[nodiscard]] int samples() const { return mSum->count(); }
+
+    /// The picture of at least one sample, with annotations.
+    [[nodiscard]] Image image() const;
+    [[nodiscard]] ImageHeader header() const;
+    /// Why an image of this is empty; nothing if it is not.
+    [[nodiscard]] std::string whyNothingIsSeen(const Image& image) const;
+    [[nodiscard]] const Camera& camera() const { return mCamera; }
+
+  private:
+    const RenderParams& mParams;
+    const Scene& mScene;
+    const LoadedTexture& mFrame;
+    std::shared_ptr<const Solid> mSolid;
+    RayCastParams mRays; // with the cuts in the volume's space
+    Camera mCamera;
+    std::optional<LightGrid> mLight;
+    std::optional<SampleSum> mSum;
+};
+
+} // namespace vdblic

@@ -1,0 +1,280 @@
+"""vdblic_view's server: what it answers, what it keeps, and what it refuses."""
+
+import http.client
+import json
+import os
+import shlex
+import signal
+import socket
+import threading
+import time
+import unittest
+
+from viewer import ViewerTest
+
+
+class Pictures(ViewerTest):
+    def test_the_kept_files_and_the_command_make_the_picture(self):
+        self.start("lic.%04d.vdb", "--samples", 2)
+        states = [
+            {},
+            {"look": "vortex", "eye": [3.1, -4.2, 3.3], "target": [0.5, 0.4, 0.3], "fov": 50.25},
+            {"look": "smoke", "projection": "orthographic", "annotate": "axes,colorbar,time,title=It's a title"},
+            {"color-by": "q", "opacity-by": "magnitude", "opacity": "0:0,0.5:0.123,1:0.8", "range": [-1.5, 2],
+             "clip-plane": [[0.5, 0.5, 0.5, 1, 0.2, 0]], "light": [[1, 0, 2]], "solid": "domain", "stretch": [1, 1, 2]},
+        ]
+        for number, state in enumerate(states):
+            with self.subTest(state=state):
+                state = {"size": [64, 40], "samples": 2, **state}
+                kept = self.ask("keep", {"kind": "picture", "state": state, "frame": 2})["files"][0]
+                shown = self.contents(kept)
+                self.assertEqual(shown, self.picture(state, 2))
+                files = self.ask("keep", {"kind": "files", "state": state, "frame": 2})
+                inline = self.ask("command", {"state": state})["command"]
+                for name, command in ("files", files["command"]), ("command", inline):
+                    tool, *words = shlex.split(command)
+                    image = f"{name}-{number}.png"
+                    words[words.index("-o") + 1] = image
+                    self.outputs(tool, *words, "--frames", 2)
+                    self.assertEqual(self.contents(image), shown, command)
+
+    def test_a_start_state_comes_from_the_command_line(self):
+        (self.folder / "keys.json").write_text('{"keys": [{"frame": 1, "fov": 20}]}', encoding="utf-8")
+        (self.folder / "transfer.json").write_text('{"range": [0, 3], "colors": [[0, 1, 0, 0], [1, 0, 0, 1]]}',
+                                                   encoding="utf-8")
+        self.start("lic.%04d.vdb", "--look", "ink", "--fov", 50, "--light", -1, 0, 2, "--camera", "keys.json",
+                   "--transfer", "transfer.json", "--size", 64, 40)
+        start = self.ask("sequence")["start"]
+        self.assertEqual(start, {"look": "ink", "fov": 50, "light": [[-1, 0, 2]], "keys": [{"frame": 1, "fov": 20}],
+                                 "size": [64, 40]})
+        scene = self.ask("scene", {"state": start, "frame": 1})
+        self.assertEqual((scene["range"], scene["camera"]["fov"], scene["colors"][0]), ([0, 3], 20, [1, 0, 0]))
+        # The colours of the file are in the kept one.
+        kept = self.ask("keep", {"kind": "files", "state": start, "frame": 1})["files"]
+        self.assertEqual(json.loads(self.contents(kept[0]))["colors"], [[0, 1, 0, 0], [1, 0, 0, 1]])
+        self.assertEqual(json.loads(self.contents(kept[1])), {"keys": start["keys"]})
+
+    def test_further_samples_continue_a_picture(self):
+        self.start("lic.%04d.vdb")
+        step_by_step = [self.picture({"samples": samples}) for samples in (1, 3, 5)]
+        self.assertEqual(step_by_step[-1], self.picture({"samples": 5}, client="another"))
+        self.assertNotEqual(step_by_step[0], step_by_step[1])
+
+    def test_a_newer_request_takes_the_place_of_an_older_one(self):
+        self.start("lic.%04d.vdb")
+        self.picture({})
+        slow = {"client": "a", "state": {"size": [1500, 1500], "samples": 500}, "frame": 1}
+        statuses = []
+        older = threading.Thread(target=lambda: statuses.append(self.request("picture", slow)[0]))
+        older.start()
+        time.sleep(0.5)
+        begin = time.monotonic()
+        self.picture({}, client="b")  # somebody else
+        self.assertEqual(statuses, [])
+        self.picture({}, client="a")
+        older.join()
+        self.assertEqual(statuses, [409])
+        self.assertLess(time.monotonic() - begin, 5)
+
+    def test_a_growing_sequence_is_followed(self):
+        self.start("lic.%04d.vdb")
+        self.assertEqual(self.ask("status")["frames"], [1, 2, 3])
+        (self.folder / "lic.0004.vdb").write_bytes(self.contents("lic.0003.vdb"))
+        self.assertEqual(self.ask("status")["frames"], [1, 2, 3, 4])
+        self.assertEqual(self.picture({}, 4), self.picture({}, 3))
+
+    def test_a_film_and_its_end(self):
+        self.start("lic.%04d.vdb")
+        state = {"size": [64, 40]}
+        film = self.ask("keep", {"kind": "film", "state": state, "fps": 12})
+        deadline = time.monotonic() + 30
+        while not self.ask("status")["film"]["finished"] and time.monotonic() < deadline:
+            time.sleep(0.1)
+        self.assertEqual(self.ask("status")["film"]["error"], "")
+        self.assertEqual(self.contents(film["file"])[4:8], b"ftyp")
+        self.ask("keep", {"kind": "film", "state": {**state, "samples": 4000}})
+        self.assertEqual(self.request("keep", {"kind": "film", "state": state})[0], 400)  # one at a time
+        self.assertEqual(self.stop(), -signal.SIGTERM)
+        self.assertEqual([name for name in self.files() if name.startswith("view-")], [film["file"]])
+
+    def test_frames_beyond_the_memory_are_read_again(self):
+        self.start("lic.%04d.vdb", "--max-memory", "128M")
+        shown = [self.picture({}, frame) for frame in (1, 2, 3)]
+        self.assertEqual(shown, [self.picture({}, frame) for frame in (1, 2, 3)])
+        status, _, text = self.request("picture", {"client": "a", "state": {"size": [8000, 8000]}, "frame": 1})
+        self.assertEqual(status, 422, text)
+        self.assertIn(b"memory", text)
+
+    def test_messages_before_any_serving(self):
+        self.assertIn("-", self.fails(2, "vdblic_view", "-"))
+        self.assertIn("none.vdb", self.fails(3, "vdblic_view", "none.vdb"))
+        self.assertIn("--fov", self.fails(2, "vdblic_view", "lic.%04d.vdb", "--fov", "wide"))
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            self.assertIn(f"--port {port}", self.fails(2, "vdblic_view", "lic.%04d.vdb", "--port", port))
+
+    def test_other_hosts_are_warned_of(self):
+        self.start("lic.%04d.vdb", "--host", "0.0.0.0")
+        self.assertIn("warning", self.said)
+
+
+class Attacks(ViewerTest):
+    """No request reads or writes what it should not, ends the server, or makes it take more and more memory."""
+
+    def setUp(self):
+        super().setUp()
+        self.start("lic.%04d.vdb")
+
+    def tearDown(self):
+        if self.viewer.poll() is None:
+            self.picture({})  # the server goes on
+        super().tearDown()
+
+    def status(self, path, body=None, **options):
+        return self.request(path, body, **options)[0]
+
+    def test_the_token_is_needed(self):
+        self.assertEqual(self.status(""), 200)
+        for token in "0" * 32, self.token[:-1], self.token + "0", "", self.token.upper() + "x", "%00", "%C3%A9":
+            with self.subTest(token=token):
+                for path in "", "sequence", "main.js":
+                    self.assertEqual(self.request(path, token=token)[0], 403)
+        self.assertNotEqual(self.token, "0" * 32)
+        self.assertGreaterEqual(len(self.token), 32)
+
+    def test_foreign_hosts_and_origins_get_nothing(self):
+        own = f"127.0.0.1:{self.port}"
+        for headers, status in [({"Host": "evil.example"}, 421), ({"Host": f"evil.example:{self.port}"}, 421),
+                                ({"Host": "127.0.0.1.evil.example"}, 421), ({"Host": ""}, 421),
+                                ({"Origin": "http://evil.example"}, 403), ({"Origin": "null"}, 403),
+                                ({"Origin": f"http://localhost:{self.port}"}, 403), ({"Origin": f"https://{own}"}, 403),
+                                ({"Sec-Fetch-Site": "cross-site"}, 403), ({"Sec-Fetch-Site": "same-site"}, 403),
+                                ({"Origin": f"http://{own}"}, 200), ({"Host": "localhost:9000"}, 200)]:
+            with self.subTest(headers=headers):
+                self.assertEqual(self.status("sequence", headers=headers), status)
+                if status != 200:
+                    self.assertEqual(self.status("picture", {"state": {}, "frame": 1}, headers=headers), status)
+        for headers in {"Content-Type": "text/plain"}, {"Content-Type": "multipart/form-data; boundary=x"}, \
+                {"Content-Encoding": "gzip"}:
+            self.assertEqual(self.status("picture", {"state": {}, "frame": 1}, headers=headers), 415)
+
+    def test_answers_bind_the_browser(self):
+        _, headers, _ = self.request("")
+        self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
+        self.assertEqual((headers["X-Content-Type-Options"], headers["Referrer-Policy"]), ("nosniff", "no-referrer"))
+
+    def test_paths_lead_nowhere(self):
+        for path in ("../../../etc/passwd", "%2e%2e/%2e%2e/etc/passwd", "//etc/passwd", "page/../state.cpp",
+                     "..\\..\\x", "lic.0001.vdb", "main.js/", "main.js%00", "MAIN.JS", "." * 100):
+            with self.subTest(path=path):
+                status, _, text = self.request(path)
+                self.assertIn(status, (400, 403, 404))
+                self.assertNotIn(b"root:", text)
+        self.assertEqual(self.status("x" * 5000), 403)
+        for method in "PUT", "DELETE", "OPTIONS", "HEAD", "TRACE":
+            self.assertIn(self.status("", method=method), (400, 405))
+
+    def test_no_state_names_a_file(self):
+        (self.folder / "secret.json").write_text('{"range": [0, 1]}', encoding="utf-8")
+        for state in ({"transfer": "secret.json"}, {"camera": "secret.json"}, {"roi": "lic.0001.vdb"}, {"texture": "q"},
+                      {"solid": "lic.0001.vdb"}, {"solid": "/etc/passwd"}, {"look": "flow\n--transfer=secret.json"},
+                      {"output": "x.png"}, {"film": "x.mp4"}, {"-o": "x.png"}, {"config": "secret.json"}, {"help": 1},
+                      {"look --transfer": "secret.json"}, {"opacity": "--transfer=secret.json"}):
+            with self.subTest(state=state):
+                for path in "picture", "scene", "command", "histograms":
+                    isText = path == "command" and state.keys() & {"look", "opacity"}  # quoted for the shell, not read
+                    self.assertEqual(self.status(path, {"state": state, "frame": 1}), 200 if isText else 400)
+        for body in {"kind": "picture", "format": "../x.png"}, {"kind": "picture", "format": "sh"}, {"kind": "/etc"}:
+            self.assertEqual(self.status("keep", {**body, "state": {"size": [8, 8]}, "frame": 1}), 400)
+        self.assertEqual([name for name in self.files() if not name.endswith(".vdb")], ["secret.json"])
+
+    def test_broken_and_hostile_json(self):
+        of_state = lambda state: b'{"frame": 1, "state": ' + state + b"}"
+        for body in (b"", b"{", b"[]", b"null", b"\xff\xfe", b'"x"', b"[" * 100000, b'{"a":' * 100000, of_state(b"3"),
+                     of_state(b'{"eye": [1, 2]}'), of_state(b'{"eye": [1, 2, "x"]}'), of_state(b'{"fov": 1e999}'),
+                     of_state(b'{"fov": null}'), of_state(b'{"size": [0, 0]}'), of_state(b'{"size": [100000, 100000]}'),
+                     of_state(b'{"samples": 1000000}'), of_state(b'{"light": []}'), of_state(b'{"keys": 7}'),
+                     of_state(b'{"keys": [{"frame": 1, "eye": [0]}]}'),
+                     of_state(b'{"opacity": "' + b"0:0," * 50000 + b'"}'),
+                     of_state(b'{"clip-plane": [' + b"[1,2,3,4,5,6]," * 9999 + b"[1,2,3,4,5,6]]}"),
+                     b'{"state": {}, "frame": "one"}', b'{"state": {}, "frame": 9}',
+                     b'{"client": "' + b"x" * 100000 + b'", "state": {}, "frame": 1}'):
+            with self.subTest(body=body[:60]):
+                status, _, text = self.request("picture", body)
+                self.assertEqual(status, 400, text[:200])
+                self.assertLess(len(text), 20000)
+                self.assertTrue(json.loads(text)["error"])
+        self.assertIn(self.large(b"x" * (3 << 20)), (400, 413))
+
+    def large(self, body):
+        """The status of a request that the server may end before it has been sent."""
+        with socket.create_connection(("127.0.0.1", self.port), 20) as connection:
+            head = f"POST /{self.token}/picture HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+            try:
+                connection.sendall(head.encode() + f"Content-Length: {len(body)}\r\n\r\n".encode() + body)
+            except OSError:
+                pass
+            try:
+                return int(connection.recv(100).split()[1])
+            except (OSError, IndexError):
+                return 400
+
+    def test_memory_stays_bounded(self):
+        self.picture({})
+        before = self.resident()
+        for head in ((b"X-Header: " + b"y" * 1000 + b"\r\n") * 20000,
+                     b"Transfer-Encoding: chunked\r\n\r\n" + (b"ffff\r\n" + b"x" * 0xffff + b"\r\n") * 400,
+                     b"Range: bytes=" + b"0-1," * 7000 + b"0-1\r\n\r\n",
+                     b"Content-Length: 99999999999999999999\r\n\r\n", b"Cookie: " + b"c" * 30000):
+            with socket.create_connection(("127.0.0.1", self.port), 20) as connection:
+                line = f"POST /{self.token}/picture HTTP/1.1\r\nHost: localhost\r\n".encode()
+                line += b"Content-Type: application/json\r\n"
+                try:
+                    connection.sendall(line + head)
+                except OSError:
+                    continue  # the server has enough
+        for number in range(60):  # clients with pictures of their own
+            self.picture({"fov": 20 + number}, client=f"c{number}")
+        if os.environ.get("VDBLIC_SANITIZED") != "1":  # which keeps freed memory
+            self.assertLess(self.resident() - before, 100 << 20)
+
+    def test_connections_that_stay_open(self):
+        line = f"GET /{self.token}/sequence HTTP/1.1\r\n".encode()
+        held = [socket.create_connection(("127.0.0.1", self.port), 20) for _ in range(200)]
+        for number, connection in enumerate(held):
+            try:
+                connection.sendall([b"", line, line + b"Host: localhost\r\nX: "][number % 3])
+            except OSError:
+                pass  # closed already
+        begin = time.monotonic()
+        for _ in range(5):
+            self.assertEqual(self.status("sequence"), 200)
+        self.assertLess(time.monotonic() - begin, 5)
+        for connection in held:
+            connection.close()
+
+    def test_clients_that_go_away(self):
+        body = json.dumps({"state": {"size": [1200, 1200], "samples": 4000}, "frame": 1, "client": "gone"})
+        for number in range(6):
+            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+            connection.request("POST", f"/{self.token}/picture", body.replace("gone", f"gone{number}"),
+                               {"Content-Type": "application/json"})
+            time.sleep(0.1)
+            connection.sock.close()
+        begin = time.monotonic()
+        self.picture({}, client="here")  # more went away than are cast at a time
+        self.assertLess(time.monotonic() - begin, 10)
+
+    def test_it_ends_at_once(self):
+        held = [socket.create_connection(("127.0.0.1", self.port), 20) for _ in range(5)]
+        begin = time.monotonic()
+        self.assertEqual(self.stop(), -signal.SIGTERM)
+        self.assertLess(time.monotonic() - begin, 3)
+        for connection in held:
+            connection.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

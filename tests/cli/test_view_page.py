@@ -1,0 +1,197 @@
+"""vdblic_view's page in a browser without a screen."""
+
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import time
+import unittest
+
+from support import skip
+
+try:
+    from selenium import webdriver
+except ImportError:
+    skip("python3-selenium is not installed")
+if not shutil.which("chromium") or not shutil.which("chromedriver"):
+    skip("chromium is not installed")
+
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
+
+from viewer import ViewerTest
+
+
+def browser():
+    options = webdriver.ChromeOptions()
+    options.binary_location = "/usr/bin/chromium"
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                     "--window-size=900,700"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+class Page(ViewerTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = browser()
+        cls.addClassCleanup(cls.browser.quit)
+
+    def open(self, *arguments):
+        self.start("lic.%04d.vdb", *arguments)
+        self.browser.get(self.address)
+        self.wait_for_refined()
+
+    def tearDown(self):
+        errors = [entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+        self.assertEqual(errors, [])
+        self.browser.get("about:blank")
+        super().tearDown()
+
+    def element(self, name):
+        return self.browser.find_element(By.ID, name)
+
+    def wait_until(self, condition, what):
+        deadline = time.monotonic() + 20
+        while not condition():
+            if time.monotonic() > deadline:
+                self.fail(f"{what}; the page says: {self.element('message').text}")
+            time.sleep(0.05)
+
+    def options(self):
+        """The options in the address."""
+        text = self.browser.execute_script("return decodeURIComponent(location.hash.slice(1))")
+        return json.loads(text)["options"] if text else {}
+
+    def wait_for_refined(self):
+        """Wait until the picture of the state is there with all its samples."""
+        time.sleep(0.4)  # the address follows changes late
+        progress = lambda: self.element("progress").get_attribute("textContent")
+        self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
+
+    def drag(self, element, x, y):
+        ActionChains(self.browser, duration=30).click_and_hold(element).move_by_offset(x // 2, y // 2).move_by_offset(
+            x - x // 2, y - y // 2).release().perform()
+
+    def pixels(self):
+        return self.browser.execute_script("return document.getElementById('picture').toDataURL()")
+
+    def test_find_a_picture_and_keep_it(self):
+        self.open()
+        first = self.pixels()
+
+        # Drag: the camera is in the state, and the picture differs.
+        self.drag(self.element("picture"), 80, 30)
+        self.wait_for_refined()
+        dragged = self.options()
+        self.assertEqual(len(dragged["eye"]), 3)
+        self.assertNotEqual(self.pixels(), first)
+
+        # Move a point of opacity by hand and by key.
+        points = self.browser.find_elements(By.CSS_SELECTOR, ".curve .point")
+        self.assertGreater(len(points), 3)
+        self.drag(points[3], 0, -25)
+        self.wait_for_refined()
+        moved = self.options()["opacity"]
+        point = self.browser.find_elements(By.CSS_SELECTOR, ".curve .point")[3]
+        self.browser.execute_script("arguments[0].focus()", point)
+        ActionChains(self.browser).send_keys(Keys.ARROW_UP).perform()
+        self.wait_for_refined()
+        self.assertNotEqual(self.options()["opacity"], moved)
+
+        # Undo and redo.
+        self.element("undo").click()
+        self.wait_for_refined()
+        self.assertEqual(self.options()["opacity"], moved)
+        self.element("undo").click()
+        self.wait_for_refined()
+        self.assertEqual(self.options(), dragged)
+        self.element("redo").click()
+        self.wait_for_refined()
+        self.assertEqual(self.options()["opacity"], moved)
+
+        # A reload shows the same.
+        shown, state = self.pixels(), self.options()
+        self.browser.refresh()
+        self.wait_for_refined()
+        self.assertEqual(self.options(), state)
+        self.wait_until(lambda: self.pixels() == shown, "the reloaded picture differs")
+
+        # What is kept makes the same picture.
+        self.element("keep-png").click()
+        self.wait_until(lambda: "Saved" in self.element("kept").text, "no picture was kept")
+        picture = self.element("kept").text.split()[-1]
+        self.element("keep-files").click()
+        self.wait_until(lambda: "and" in self.element("kept").text, "no files were kept")
+        tool, *words = shlex.split(self.element("command").text)
+        words[words.index("-o") + 1] = "again.png"
+        self.outputs(tool, *words, "--frames", 1)
+        subprocess.run(["idiff", "-fail", "0", picture, "again.png"], cwd=self.folder, check=True, capture_output=True)
+
+    def test_time_goes_on(self):
+        self.open()
+        frame = lambda: int(self.element("picture").get_attribute("data-frame"))
+        self.assertEqual(frame(), 1)
+        self.element("on").click()
+        self.wait_until(lambda: frame() == 2, "no step")
+        seen = set()
+        self.element("play").click()
+        self.wait_until(lambda: seen.add(frame()) or seen == {1, 2, 3}, "no play")
+        self.element("picture").send_keys(" ")
+        self.assertEqual(self.element("play").get_attribute("aria-pressed"), "false")
+
+    def test_looks_cuts_and_keys(self):
+        self.open("--look", "xray")
+        self.assertEqual(Select(self.element("option-look")).first_selected_option.text, "xray")
+        Select(self.element("option-look")).select_by_visible_text("vortex")
+        self.wait_for_refined()
+        self.wait_until(lambda: Select(self.element("option-opacity-by")).first_selected_option.text == "q", "not by q")
+        self.assertEqual(len([e for e in self.browser.find_elements(By.CSS_SELECTOR, ".curve") if e.is_displayed()]), 2)
+        for summary in self.browser.find_elements(By.CSS_SELECTOR, "details:not([open]) summary"):
+            self.browser.execute_script("arguments[0].click()", summary)
+        self.element("cut-box").click()
+        handles = lambda: self.browser.find_elements(By.CSS_SELECTOR, "#overlay .handle")
+        self.wait_until(lambda: len(handles()) == 6, "no handles")
+        before = self.options().get("clip-box")
+        self.browser.execute_script("document.querySelector('#overlay .handle').focus()")
+        ActionChains(self.browser).send_keys(Keys.ARROW_RIGHT).perform()
+        self.wait_for_refined()
+        self.assertNotEqual(self.options()["clip-box"], before)
+        self.element("add-key").click()
+        self.wait_for_refined()
+        self.assertEqual([key["frame"] for key in self.options()["keys"]], [1])
+
+    def test_without_a_mouse(self):
+        self.open()
+        self.browser.execute_script("document.getElementById('picture').focus()")
+        ActionChains(self.browser).send_keys(Keys.ARROW_LEFT, "+", ".").perform()
+        self.wait_for_refined()
+        self.assertIn("eye", self.options())
+        self.assertEqual(self.element("picture").get_attribute("data-frame"), "2")
+        ActionChains(self.browser).send_keys("0").perform()
+        self.wait_for_refined()
+        self.assertNotIn("eye", self.options())
+        # Everything that takes the focus has a name.
+        unnamed = self.browser.execute_script("""
+            return [...document.querySelectorAll("button, input, select, [tabindex]")].filter((e) => !(
+                e.getAttribute("aria-label") || e.textContent.trim() || e.labels?.length)).map((e) => e.outerHTML)""")
+        self.assertEqual(unnamed, [])
+
+    def test_narrow_screens(self):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                     {"width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": True})
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.clearDeviceMetricsOverride", {})
+        self.open()
+        widest = self.browser.execute_script("return document.documentElement.scrollWidth")
+        self.assertLessEqual(widest, 360)
+        self.assertGreater(self.element("picture").size["height"], 200)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,87 @@
+"""Shared by the tests of vdblic_view: a viewer that runs, and requests to it."""
+
+import http.client
+import json
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import urllib.parse
+
+from support import BIN, ToolTest
+
+
+class ViewerTest(ToolTest):
+    """A test case with small textures `lic.%04d.vdb`, frames 1 to 3, in its folder."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="vdblic-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.data = pathlib.Path(folder.name)
+        run = lambda *command: subprocess.run(command, cwd=cls.data, check=True, capture_output=True)
+        run(BIN / "vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", "24", "16", "12", "--frames", "1-3")
+        run(BIN / "vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--preroll", "2", "--with", "q")
+
+    def setUp(self):
+        super().setUp()
+        for path in self.data.glob("lic.*.vdb"):
+            shutil.copy(path, self.folder)
+
+    def start(self, *arguments):
+        """Start a viewer; sets `port`, `token` and `viewer`."""
+        self.viewer = subprocess.Popen([str(BIN / "vdblic_view"), *map(str, arguments)], stderr=subprocess.PIPE,
+                                       stdout=subprocess.PIPE, text=True, cwd=self.folder)
+        self.addCleanup(self.stop)
+        self.said = ""
+        for line in self.viewer.stderr:
+            self.said += line
+            found = re.search(r"http://\S+?:(\d+)/(\w+)/", line)
+            if found:
+                self.address, self.port, self.token = found[0], int(found[1]), found[2]
+                return
+        self.fail(f"vdblic_view ended: {self.said}")
+
+    def stop(self):
+        """End the viewer as a shell does; returns its exit status."""
+        if self.viewer.poll() is None:
+            self.viewer.send_signal(signal.SIGTERM)
+        status = self.viewer.wait(10)
+        self.viewer.stderr.close()
+        self.viewer.stdout.close()
+        return status
+
+    def resident(self):
+        """The memory that the viewer holds [bytes]."""
+        with open(f"/proc/{self.viewer.pid}/status", encoding="utf-8") as status:
+            return 1024 * int(re.search(r"VmRSS:\s+(\d+)", status.read())[1])
+
+    def request(self, path, body=None, method=None, headers=None, token=None, timeout=60):
+        """One request. @return status, headers and body of the answer"""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
+        given = {"Content-Type": "application/json"} if body is not None else {}
+        given.update(headers or {})
+        data = body if body is None or isinstance(body, (str, bytes)) else json.dumps(body)
+        try:
+            path = f"/{self.token if token is None else token}/{urllib.parse.quote(path, safe='/.%')}"
+            connection.request(method or ("GET" if body is None else "POST"), path, data, given)
+            answer = connection.getresponse()
+            return answer.status, answer.headers, answer.read()
+        finally:
+            connection.close()
+
+    def ask(self, path, body=None):
+        """The JSON of a request that must succeed."""
+        status, _, text = self.request(path, body)
+        self.assertEqual(status, 200, text)
+        return json.loads(text)
+
+    def picture(self, state, frame=1, **more):
+        """The bytes of a picture whose automatic choices are settled."""
+        body = {"client": "test", "state": {"size": [64, 40], **state}, "frame": frame,
+                "format": "png", "settle": True, **more}
+        status, _, data = self.request("picture", body)
+        self.assertEqual(status, 200, data[:300])
+        return data

@@ -1,0 +1,71 @@
+#include "cli/picture_options.h"
+#include "cli/tool.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/render/frames_in_flight.h"
+#include "view/interface.h"
+#include "view/web_server.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+namespace {
+
+/// Serve until a stop is requested.
+void serve(vdblic::view::WebServer& server, const vdblic::Reporter& reporter)
+{
+    std::thread serving([&] { server.serve(); });
+    while (!reporter.stopRequested())
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    server.stop();
+    serving.join();
+}
+
+bool isLoopback(const std::string& host)
+{
+    return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    vdblic::SequenceParams input;
+    vdblic::RenderParams params;
+    std::string host = "127.0.0.1";
+    int port = 0;
+    bool open = false;
+    vdblic::cli::Tool tool("vdblic_view", "Find the picture of flow textures by hand, in a browser, and keep it.");
+    CLI::App& app = tool.app();
+    tool.inputSequence("TEXTURE", input, "Texture volumes.");
+    tool.option("--port", port, "Port to listen on; 0: any free one.")->check(CLI::Range(0, 65535));
+    tool.option("--host", host,
+                "Address to listen on. Any but the default lets other machines in that know the address with its "
+                "token.");
+    app.add_flag("--open", open, "Open the page in a browser (xdg-open).");
+    const vdblic::cli::PictureOptions picture(app, params);
+    return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
+        if (input.pattern == "-")
+            throw vdblic::ParameterError("a viewer goes back and forth in a sequence; name a file or a pattern, not -");
+        vdblic::view::Viewer viewer(vdblic::view::startOf(app, input), vdblic::availableMemory() / 2);
+        vdblic::view::Interface interface(viewer);
+        const std::string token = vdblic::view::randomToken();
+        vdblic::view::WebServer server(
+            host, port, token, [&](const vdblic::view::WebRequest& request) { return interface.answer(request); });
+        if (!isLoopback(host)) {
+            reporter.warn(fmt::format("whoever reaches {} on port {} and knows the token sees the data and can write "
+                                      "files view-* here; the connection is not encrypted",
+                                      host, server.port()));
+        }
+        const std::string address = fmt::format(
+            "http://{}:{}/{}/", host.find(':') == std::string::npos ? host : "[" + host + "]", server.port(), token);
+        reporter.say(fmt::format("the page is at {}; Ctrl-C ends", address));
+        if (open && std::system(fmt::format("xdg-open '{}' >/dev/null 2>&1 &", address).c_str()) != 0)
+            reporter.warn("xdg-open is not there; open the address by hand");
+        serve(server, reporter);
+        reporter.checkStop();
+    });
+}

@@ -1,0 +1,239 @@
+#include "view/interface.h"
+
+#include "cli/option_names.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/core/reporter.h"
+#include "vdblic/render/color_map.h"
+#include "vdblic/render/look_preset.h"
+#include "vdblic/render/shading.h"
+#include "view/jpeg.h"
+#include "view/page_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic::view {
+namespace {
+
+using Json = nlohmann::json;
+
+WebAnswer jsonAnswer(const Json& json, int status = 200)
+{
+    return {status, "application/json",
+            json.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n"};
+}
+
+WebAnswer errorAnswer(int status, const std::string& message)
+{
+    return jsonAnswer({{"error", cli::withOptionNames(message, "vdblic_view")}}, status);
+}
+
+Json listOf(const glm::dvec3& v)
+{
+    return {v.x, v.y, v.z};
+}
+
+/// Colours at evenly spaced positions from 0 to 1. @param color of a position
+template<typename Color>
+Json ramp(const Color& color)
+{
+    constexpr int kColors = 33;
+    Json colors = Json::array();
+    for (int i = 0; i < kColors; ++i)
+        colors.push_back(listOf(color(double(i) / (kColors - 1))));
+    return colors;
+}
+
+/// A member of a request. @throws ParameterError
+template<typename T>
+T member(const Json& asked, const char* name, const T& fallback)
+{
+    try {
+        return asked.is_object() && asked.contains(name) ? asked.at(name).get<T>() : fallback;
+    } catch (const Json::exception&) {
+        throw ParameterError(fmt::format("\"{}\" has the wrong type", name));
+    }
+}
+
+Json stateIn(const Json& asked)
+{
+    Json state = member(asked, "state", Json(Json::object()));
+    if (!state.is_object()) throw ParameterError("\"state\" must be an object");
+    return state;
+}
+
+Json toJson(const Histogram& histogram)
+{
+    return {{"low", histogram.low}, {"high", histogram.high}, {"counts", histogram.counts}};
+}
+
+/// The numbers of a look as the options that set them, for controls to show.
+Json valuesOf(const RenderParams& params)
+{
+    const LookParams& look = params.look;
+    const Shading& shading = look.shading;
+    return {{"modulate", look.textureStrength},
+            {"limb-darkening", look.limbDarkening},
+            {"halo", look.halo},
+            {"shadows", look.shadows},
+            {"depth-cue", look.depthCue},
+            {"shading", shadingModelName(shading.model)},
+            {"ambient", shading.ambient},
+            {"diffuse", shading.diffuse},
+            {"specular", shading.specular},
+            {"shininess", shading.shininess},
+            {"head-light", shading.headLight},
+            {"step", params.rays.step},
+            {"background", listOf(params.background.color)}};
+}
+
+} // namespace
+
+WebAnswer Interface::answer(const WebRequest& request)
+{
+    try {
+        return answerAsked(request);
+    } catch (const Stopped&) {
+        return errorAnswer(409, "a newer request took the place of this one");
+    } catch (const ParameterError& error) {
+        return errorAnswer(400, error.what());
+    } catch (const InputError& error) {
+        return errorAnswer(422, error.what());
+    } catch (const OutputError& error) {
+        return errorAnswer(507, error.what());
+    } catch (const std::bad_alloc&) {
+        return errorAnswer(503, "this takes more memory than may be used; raise `max_memory` or ask for less");
+    } catch (const std::exception& error) {
+        return errorAnswer(500, fmt::format("internal error, please report it: {}", error.what()));
+    }
+}
+
+WebAnswer Interface::answerAsked(const WebRequest& request)
+{
+    if (request.method == "GET") {
+        if (request.path == "sequence") return jsonAnswer(sequence());
+        if (request.path == "status") return jsonAnswer(status());
+        const auto file = pageFile(request.path.empty() ? "index.html" : request.path);
+        if (!file) return errorAnswer(404, "there is no such page");
+        return {200, std::string(file->type), std::string(file->bytes)};
+    }
+    const Json asked = Json::parse(
+        request.body,
+        [](int depth, Json::parse_event_t, const Json&) {
+            if (depth > 16) throw ParameterError("the request is nested too deeply");
+            return true;
+        },
+        /*allow_exceptions=*/false);
+    if (!asked.is_object()) throw ParameterError("the request is no JSON object");
+    const auto frame = member(asked, "frame", std::int64_t(0));
+    if (request.path == "picture") return picture(asked, request);
+    if (request.path == "scene") return jsonAnswer(scene(stateIn(asked), frame));
+    if (request.path == "keep") return jsonAnswer(keep(asked, request));
+    if (request.path == "histograms") {
+        const TextureHistograms found = mViewer.histograms(stateIn(asked));
+        return jsonAnswer(
+            {{"texture", toJson(found.texture)}, {"color", toJson(found.color)}, {"opacity", toJson(found.opacity)}});
+    }
+    if (request.path == "command")
+        return jsonAnswer({{"command", commandOf(mViewer.start(), stateIn(asked), {"-o", "image.%04d.png"})}});
+    if (request.path == "stop") {
+        mKeeper.stopFilm();
+        return jsonAnswer(Json::object());
+    }
+    return errorAnswer(404, "there is no such page");
+}
+
+Json Interface::sequence()
+{
+    Json maps = Json::object();
+    for (const std::string& name : colorMapNames())
+        maps[name] = ramp([&](double position) { return colorMap(name, position); });
+    return {{"pattern", mViewer.start().input.pattern},
+            {"folder", std::filesystem::current_path().string()},
+            {"frames", mViewer.frames()},
+            {"version", mViewer.version()},
+            {"texture", mViewer.texture()},
+            {"scalars", mViewer.scalars()},
+            {"looks", lookPresetNames()},
+            {"colorMaps", maps},
+            {"solid", mViewer.start().solid},
+            {"start", mViewer.start().state}};
+}
+
+Json Interface::status()
+{
+    return {{"frames", mViewer.frames()}, {"version", mViewer.version()}, {"film", mKeeper.film()}};
+}
+
+Json Interface::scene(const Json& state, std::int64_t frame)
+{
+    const View view = mViewer.view(state, frame);
+    const Camera camera = view.scene.cameras.at(frame);
+    const TransferFunction& transfer = view.scene.look.transfer;
+    Json points = Json::array();
+    for (const OpacityPoint& point : transfer.opacity())
+        points.push_back({point.position, point.opacity});
+    Json corners = Json::array();
+    for (const glm::dvec3& corner : view.scene.box)
+        corners.push_back(listOf(corner));
+    return {{"settled", view.settled},
+            {"time", view.frame->time ? Json(*view.frame->time) : Json()},
+            {"camera",
+             {{"projection", toString(camera.projection())},
+              {"eye", listOf(camera.eye())},
+              {"target", listOf(camera.target())},
+              {"up", listOf(camera.up())},
+              {"fov", camera.fieldOfView()},
+              {"height", 2 * camera.halfExtent().y}}},
+            {"box", corners},
+            {"stretch", listOf(view.params.stretch)},
+            {"colorBy", view.frame->hasColor ? view.params.colorBy : mViewer.texture()},
+            {"opacityBy", view.scene.opacityBy},
+            {"range", transfer.range()},
+            {"opacityRange", transfer.opacityRange()},
+            {"opacity", points},
+            {"colorMap", transfer.colorMapName()},
+            {"colors", ramp([&](double position) { return transfer.displayColor(position); })},
+            {"values", valuesOf(view.params)}};
+}
+
+Json Interface::keep(const Json& asked, const WebRequest& request)
+{
+    const auto kind = member(asked, "kind", std::string());
+    const auto frame = member(asked, "frame", std::int64_t(0));
+    if (kind == "files") return mKeeper.keepFiles(stateIn(asked), frame);
+    if (kind == "film") return mKeeper.beginFilm(stateIn(asked), member(asked, "fps", 24.0));
+    if (kind != "picture") throw ParameterError("\"kind\" must be files, picture or film");
+    return mKeeper.keepPicture({member(asked, "client", std::string()), stateIn(asked), frame, /*settle=*/true},
+                               member(asked, "format", std::string("png")), request.isGone);
+}
+
+WebAnswer Interface::picture(const Json& asked, const WebRequest& request)
+{
+    const PictureRequest wanted{member(asked, "client", std::string()), stateIn(asked),
+                                member(asked, "frame", std::int64_t(0)), member(asked, "settle", false)};
+    if (wanted.client.size() > 64) throw ParameterError("\"client\" is too long");
+    const int quality = std::clamp(member(asked, "quality", 90), 1, 100);
+    const bool lossless = member(asked, "format", std::string("jpeg")) == "png";
+    const ShownPicture shown = mPictures.picture(wanted, request.isGone);
+    for (const auto next : member(asked, "next", std::vector<std::int64_t>()))
+        mViewer.prefetch(wanted.state, next);
+    WebAnswer answer{200, lossless ? "image/png" : "image/jpeg",
+                     lossless ? encodePng(shown.image, shown.background)
+                              : encodeJpeg(displayBytes(shown.image, shown.background), shown.image.size, quality)};
+    answer.headers = {{"Vdblic-Samples", std::to_string(shown.samples)}, {"Vdblic-Settled", shown.settled ? "1" : "0"}};
+    if (!shown.nothingSeen.empty()) {
+        const std::string reason = cli::withOptionNames(shown.nothingSeen, "vdblic_view");
+        answer.headers.emplace_back("Vdblic-Nothing", Json(reason).dump(-1, ' ', /*ensure_ascii=*/true));
+    }
+    return answer;
+}
+
+} // namespace vdblic::view

@@ -1,0 +1,57 @@
+// What the page asks the server; docs/view.md describes the interface.
+
+/// An answer that says why there is no result.
+export class Refusal extends Error {
+    constructor(status, message) {
+        super(message);
+        this.status = status;
+    }
+}
+
+async function answerOf(path, options) {
+    let response;
+    try {
+        response = await fetch(path, options);
+    } catch (error) {
+        if (error.name === "AbortError") throw error;
+        throw new Refusal(0, "The server does not answer; is vdblic_view still running?");
+    }
+    if (response.ok) return response;
+    const text = await response.text();
+    let message = text;
+    try {
+        message = JSON.parse(text).error;
+    } catch {
+        /* a plain text */
+    }
+    throw new Refusal(response.status, message);
+}
+
+export async function get(path) {
+    return (await answerOf(path)).json();
+}
+
+function post(path, body, signal) {
+    return answerOf(path, {
+        method: "POST",
+        body: JSON.stringify(body),
+        signal,
+        headers: { "Content-Type": "application/json" },
+    });
+}
+
+export async function ask(path, body) {
+    return (await post(path, body)).json();
+}
+
+/// A picture as { bitmap, samples, settled, nothing }.
+export async function askPicture(body, signal) {
+    const response = await post("picture", body, signal);
+    const nothing = response.headers.get("Vdblic-Nothing");
+    return {
+        bitmap: await createImageBitmap(await response.blob()),
+        samples: Number(response.headers.get("Vdblic-Samples")),
+        settled: response.headers.get("Vdblic-Settled") === "1",
+        nothing: nothing ? JSON.parse(nothing) : "",
+    };
+}

@@ -1,0 +1,122 @@
+// Projection, views along the axes, and key frames of the camera.
+
+import { lookingAlong, optionsOf } from "./camera.js";
+import { make, makeRow, makeSection } from "./elements.js";
+
+const kViews = [
+    ["+x", [-1, 0, 0]],
+    ["−x", [1, 0, 0]],
+    ["+y", [0, -1, 0]],
+    ["−y", [0, 1, 0]],
+    ["+z", [0, 0, -1]],
+    ["−z", [0, 0, 1]],
+];
+
+export class Cameras extends EventTarget {
+    /// @param camera () => the camera now
+    constructor(store, camera) {
+        super();
+        Object.assign(this, { store, camera });
+        this.projection = make(
+            "select",
+            { id: "option-projection", change: () => this.chooseProjection() },
+            ...["perspective", "orthographic"].map((value) => make("option", { value }, value)),
+        );
+        this.fov = make("input", { id: "option-fov", type: "range", min: 5, max: 100, step: 1 });
+        this.fovNumber = make("output", { for: "option-fov" });
+        this.fov.addEventListener("input", () => store.change({ fov: this.fov.valueAsNumber }, { commit: false }));
+        this.fov.addEventListener("change", () => store.commit());
+        this.follow = make("input", {
+            id: "follow-keys",
+            type: "checkbox",
+            change: () => this.dispatchEvent(new Event("follow")),
+        });
+        this.list = make("div", { class: "line" });
+        this.element = makeSection(
+            "Camera",
+            false,
+            makeRow("Projection", "option-projection", this.projection),
+            makeRow("Field of view", "option-fov", this.fov, this.fovNumber),
+            make(
+                "div",
+                { class: "line" },
+                make("span", { class: "name" }, "From"),
+                ...kViews.map(([name, direction]) => make("button", { click: () => this.lookAlong(direction) }, name)),
+            ),
+            make(
+                "div",
+                { class: "line" },
+                make("button", { id: "add-key", click: () => this.addKey() }, "Set key at this frame"),
+                make("label", {}, this.follow, " follow keys"),
+            ),
+            this.list,
+        );
+    }
+
+    get keys() {
+        return this.store.options.keys || [];
+    }
+    /// Whether pictures are taken from the key frames' camera.
+    get follows() {
+        return this.follow.checked && this.keys.length > 0;
+    }
+    set follows(follows) {
+        this.follow.checked = follows && this.keys.length > 0;
+    }
+
+    show(scene) {
+        this.projection.value = scene.camera.projection;
+        if (!this.fov.matches(":active")) this.fov.value = scene.camera.fov;
+        this.fovNumber.value = `${Math.round(scene.camera.fov)}°`;
+        this.follow.disabled = this.keys.length === 0;
+        this.list.replaceChildren(
+            ...this.keys.map((key) =>
+                make(
+                    "span",
+                    {},
+                    make("button", { title: "Go to this key", click: () => this.goTo(key) }, `frame ${key.frame}`),
+                    make(
+                        "button",
+                        {
+                            "aria-label": `Remove the key of frame ${key.frame}`,
+                            title: "Remove",
+                            click: () => this.remove(key),
+                        },
+                        "✕",
+                    ),
+                ),
+            ),
+        );
+    }
+
+    chooseProjection() {
+        const options = { projection: this.projection.value, "view-height": undefined };
+        this.store.change(options);
+    }
+
+    lookAlong(direction) {
+        this.dispatchEvent(new Event("free"));
+        this.store.change(optionsOf(lookingAlong(this.camera(), direction, direction[2] ? [0, 1, 0] : [0, 0, 1])));
+    }
+
+    addKey() {
+        const camera = this.camera(),
+            { frame } = this.store;
+        const key = { frame, eye: camera.eye, target: camera.target, up: camera.up };
+        if (camera.projection === "orthographic") key.height = camera.height;
+        else key.fov = camera.fov;
+        const keys = [...this.keys.filter((other) => other.frame !== frame), key].sort((a, b) => a.frame - b.frame);
+        this.store.change({ keys });
+    }
+
+    goTo(key) {
+        this.follow.checked = true;
+        this.store.setFrame(key.frame);
+        this.dispatchEvent(new Event("follow"));
+    }
+
+    remove(key) {
+        const keys = this.keys.filter((other) => other !== key);
+        this.store.change({ keys: keys.length ? keys : undefined });
+    }
+}

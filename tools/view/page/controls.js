@@ -1,0 +1,255 @@
+// The controls of single options: lists, sliders and checkboxes. Each shows what the server takes if nothing is chosen.
+
+import { make, makeRow, makeSection, short } from "./elements.js";
+
+/// name: [label, least, most, step]
+const kSliders = {
+    modulate: ["Dark is clear", 0, 1, 0.01],
+    "limb-darkening": ["Dark rims", 0, 1, 0.01],
+    halo: ["Gaps behind", 0, 2, 0.01],
+    "depth-cue": ["Depth fading", 0, 1, 0.01],
+    shadows: ["Shadows", 0, 1, 0.01],
+    ambient: ["Ambient", 0, 2, 0.01],
+    diffuse: ["Diffuse", 0, 2, 0.01],
+    specular: ["Specular", 0, 2, 0.01],
+    shininess: ["Shininess", 1, 100, 1],
+    "head-light": ["Head light", 0, 2, 0.01],
+};
+/// What a look sets, and so what choosing another one gives up.
+const kOfLooks = [
+    ...Object.keys(kSliders),
+    "opacity",
+    "range",
+    "opacity-range",
+    "colormap",
+    "shading",
+    "light",
+    "background",
+    "opacity-by",
+];
+
+export class Controls {
+    constructor(store, sequence) {
+        this.store = store;
+        this.shows = []; // called with the scene
+        const scalars = [...sequence.scalars, sequence.texture];
+        this.sections = {
+            look: makeSection(
+                "Look",
+                true,
+                this.list(
+                    "look",
+                    "Start from",
+                    sequence.looks,
+                    (scene, options) => options.look || "flow",
+                    (look) => store.change({ ...Object.fromEntries(kOfLooks.map((name) => [name, undefined])), look }),
+                ),
+                this.list("colormap", "Colours", Object.keys(sequence.colorMaps), (scene) => scene.colorMap),
+                this.list(
+                    "color-by",
+                    "Coloured by",
+                    scalars,
+                    (scene) => scene.colorBy,
+                    (name) => store.change({ "color-by": name, range: undefined }),
+                ),
+                this.list(
+                    "opacity-by",
+                    "Opaque by",
+                    scalars,
+                    (scene) => scene.opacityBy,
+                    (name) => store.change({ "opacity-by": name, opacity: undefined, "opacity-range": undefined }),
+                ),
+            ),
+            depth: makeSection(
+                "Streaks and depth",
+                false,
+                ...["modulate", "limb-darkening", "halo", "depth-cue", "shadows"].map((name) => this.slider(name)),
+            ),
+            light: makeSection(
+                "Light",
+                false,
+                this.list("shading", "Shading", ["phong", "lines", "none"], (scene) => scene.values.shading),
+                ...["ambient", "diffuse", "specular", "shininess", "head-light"].map((name) => this.slider(name)),
+                this.lights(),
+            ),
+            scene: makeSection(
+                "Scene",
+                false,
+                this.background(),
+                this.solid(sequence),
+                this.annotations(),
+                this.stretch(),
+            ),
+            sampling: makeSection(
+                "Sampling",
+                false,
+                this.list(
+                    "samples",
+                    "Rays a pixel",
+                    ["1", "2", "4", "8", "16", "32"],
+                    (scene, options) => String(options.samples || 1),
+                    (count) => store.change({ samples: Number(count) }),
+                ),
+                this.list(
+                    "step",
+                    "Step in voxels",
+                    ["0.25", "0.5", "1", "2"],
+                    (scene) => String(scene.values.step),
+                    (step) => store.change({ step: Number(step) }),
+                ),
+            ),
+        };
+    }
+
+    /// Show a scene's values, unless a control is being used.
+    show(scene) {
+        for (const show of this.shows) show(scene, this.store.options);
+    }
+
+    list(name, label, values, valueIn, choose = (value) => this.store.change({ [name]: value })) {
+        const select = make(
+            "select",
+            { id: `option-${name}`, change: () => choose(select.value) },
+            ...values.map((value) => make("option", { value }, value)),
+        );
+        this.shows.push((scene, options) => {
+            const value = valueIn(scene, options);
+            if (![...select.options].some((option) => option.value === value))
+                select.append(make("option", { value }, value));
+            select.value = value;
+        });
+        return makeRow(label, select.id, select);
+    }
+
+    slider(name) {
+        const [label, min, max, step] = kSliders[name],
+            id = `option-${name}`;
+        const range = make("input", { id, type: "range", min, max, step });
+        const number = make("input", { type: "number", min, step, "aria-label": label });
+        const change = (from, commit) => {
+            const value = from.valueAsNumber;
+            if (!Number.isFinite(value)) return;
+            for (const other of [range, number]) if (other !== from) other.value = value;
+            this.store.change({ [name]: value }, { commit });
+        };
+        range.addEventListener("input", () => change(range, false));
+        range.addEventListener("change", () => this.store.commit());
+        number.addEventListener("change", () => change(number, true));
+        this.shows.push((scene) => {
+            if (range.matches(":active")) return;
+            range.value = scene.values[name];
+            number.value = short(scene.values[name]);
+        });
+        return makeRow(label, id, range, number);
+    }
+
+    /// One distant light by its direction in the picture's world: height above the horizon and side.
+    lights() {
+        const angle = (id, label, max) =>
+            make("input", { id, type: "range", min: -max, max, step: 1, value: 0, "aria-label": label });
+        const side = angle("light-side", "Side of the light", 180),
+            height = angle("light-height", "Height of the light", 90);
+        const on = make("input", { id: "light-on", type: "checkbox" });
+        const change = (commit) => {
+            const a = (side.valueAsNumber * Math.PI) / 180,
+                h = (height.valueAsNumber * Math.PI) / 180;
+            const direction = [Math.cos(h) * Math.sin(a), -Math.cos(h) * Math.cos(a), Math.sin(h)];
+            this.store.change({ light: on.checked ? [direction] : undefined }, { commit });
+        };
+        for (const slider of [side, height]) {
+            slider.addEventListener("input", () => {
+                on.checked = true;
+                change(false);
+            });
+            slider.addEventListener("change", () => this.store.commit());
+        }
+        on.addEventListener("change", () => change(true));
+        this.shows.push((scene, options) => {
+            on.checked = Boolean(options.light);
+            if (!options.light || side.matches(":active") || height.matches(":active")) return;
+            const [x, y, z] = options.light[0];
+            side.value = (Math.atan2(x, -y) * 180) / Math.PI;
+            height.value = (Math.asin(z / Math.hypot(x, y, z)) * 180) / Math.PI;
+        });
+        return make("div", { class: "line" }, make("label", {}, on, " distant light"), side, height);
+    }
+
+    background() {
+        const hex = (color) =>
+            "#" +
+            color
+                .map((c) =>
+                    Math.round(c * 255)
+                        .toString(16)
+                        .padStart(2, "0"),
+                )
+                .join("");
+        const input = make("input", { id: "option-background", type: "color", class: "wide" });
+        const chosen = () => [1, 3, 5].map((i) => Number((parseInt(input.value.slice(i, i + 2), 16) / 255).toFixed(4)));
+        input.addEventListener("input", () => this.store.change({ background: chosen() }, { commit: false }));
+        input.addEventListener("change", () => this.store.commit());
+        this.shows.push((scene) => {
+            input.value = hex(scene.values.background);
+        });
+        return makeRow("Background", input.id, input);
+    }
+
+    solid(sequence) {
+        const values = ["none", "domain", ...(sequence.solid ? [sequence.solid] : [])];
+        return this.list(
+            "solid",
+            "Solid",
+            values,
+            (scene, options) => options.solid || "none",
+            (solid) => this.store.change({ solid: solid === "none" ? undefined : solid }),
+        );
+    }
+
+    annotations() {
+        const boxes = ["box", "axes", "colorbar", "time"].map((name) =>
+            make("input", { type: "checkbox", value: name }),
+        );
+        const title = make("input", { type: "text", placeholder: "title", "aria-label": "Title", size: 12 });
+        const change = () => {
+            const names = boxes.filter((box) => box.checked).map((box) => box.value);
+            if (title.value) names.push(`title=${title.value}`);
+            this.store.change({ annotate: names.length ? names.join(",") : undefined });
+        };
+        for (const control of [...boxes, title]) control.addEventListener("change", change);
+        this.shows.push((scene, options) => {
+            const [names, text] = (options.annotate || "").split(/,?title=/);
+            for (const box of boxes) box.checked = names.split(",").includes(box.value);
+            title.value = text || "";
+        });
+        return make(
+            "div",
+            { class: "line", role: "group", "aria-label": "Annotations" },
+            ...boxes.map((box) => make("label", {}, box, ` ${box.value}`)),
+            title,
+        );
+    }
+
+    stretch() {
+        const inputs = ["x", "y", "z"].map((axis) =>
+            make("input", { type: "number", min: 0.001, step: "any", "aria-label": `Stretch ${axis}` }),
+        );
+        for (const input of inputs) {
+            input.addEventListener("change", () => {
+                const stretch = inputs.map((other) => other.valueAsNumber || 1);
+                this.store.change({
+                    stretch: stretch.every((factor) => factor === 1) ? undefined : stretch,
+                    eye: undefined,
+                    target: undefined,
+                    up: undefined,
+                    "view-height": undefined,
+                });
+            });
+        }
+        this.shows.push((scene) =>
+            inputs.forEach((input, i) => {
+                input.value = short(scene.stretch[i]);
+            }),
+        );
+        return make("div", { class: "line" }, make("span", { class: "name" }, "Stretch"), ...inputs);
+    }
+}

@@ -1,0 +1,262 @@
+// The panel of one scalar: its histogram, the range, and the opacity points if it makes opaque.
+
+import { make, makeSvg, short } from "./elements.js";
+
+// In units of the drawing.
+const kWidth = 320;
+const kHeight = 168;
+const kTop = 12;
+const kBottom = 132;
+const kRamp = 140;
+const kRampHeight = 10;
+
+export class Curve {
+    /// @param option that sets the range
+    constructor(transfer, option, name) {
+        this.transfer = transfer;
+        this.option = option;
+        this.svg = makeSvg("svg", {
+            class: "curve",
+            viewBox: `0 0 ${kWidth} ${kHeight}`,
+            preserveAspectRatio: "none",
+            role: "group",
+            "aria-label": `${name}: histogram and curve`,
+        });
+        this.ends = [0, 1].map((end) =>
+            make("input", {
+                type: "number",
+                step: "any",
+                "aria-label": end ? "Upper end of the range" : "Lower end of the range",
+                change: () => this.typeRange(),
+            }),
+        );
+        this.title = make("span", { class: "name" });
+        this.element = make("div", {}, this.svg, make("div", { class: "line" }, this.title, ...this.ends));
+        this.svg.addEventListener("pointerdown", (event) => this.press(event));
+        this.svg.addEventListener("dblclick", (event) => event.preventDefault());
+    }
+
+    draw(range, histogram, name, hasPoints) {
+        Object.assign(this, { range, histogram, hasPoints });
+        this.title.textContent = name;
+        this.ends.forEach((input, end) => {
+            if (!input.matches(":focus")) input.value = short(range[end]);
+        });
+        const focused = this.svg.contains(document.activeElement) ? document.activeElement.dataset.index : undefined;
+        this.svg.replaceChildren(
+            ...this.bars(),
+            ...this.ramp(),
+            ...this.rangeEnds(),
+            ...(hasPoints ? this.curve() : []),
+        );
+        if (focused !== undefined) this.svg.querySelector(`[data-index="${focused}"]`)?.focus();
+    }
+
+    xOf(value) {
+        return ((value - this.histogram.low) / (this.histogram.high - this.histogram.low)) * kWidth;
+    }
+    valueAt(x) {
+        return this.histogram.low + (x / kWidth) * (this.histogram.high - this.histogram.low);
+    }
+    xOfPosition(position) {
+        return this.xOf(this.range[0] + position * (this.range[1] - this.range[0]));
+    }
+    positionAt(x) {
+        return (this.valueAt(x) - this.range[0]) / (this.range[1] - this.range[0]);
+    }
+
+    yOf(opacity) {
+        return kBottom + (kTop - kBottom) * this.transfer.heightOf(opacity);
+    }
+
+    opacityAt(y) {
+        return this.transfer.opacityAt((y - kBottom) / (kTop - kBottom));
+    }
+
+    colorAt(position) {
+        const colors = this.transfer.scene.colors,
+            at = Math.max(0, Math.min(1, position)) * (colors.length - 1);
+        const color = colors[Math.round(at)].map((c) => Math.round(c * 255));
+        return this.option === "range" ? `rgb(${color})` : "var(--quiet)";
+    }
+
+    bars() {
+        const { counts } = this.histogram,
+            scaled = (count) => (this.transfer.logCounts.checked ? Math.log1p(count) : count);
+        const most = Math.max(...counts.map(scaled)) || 1,
+            width = kWidth / counts.length;
+        return counts.map((count, i) => {
+            const height = (scaled(count) / most) * (kBottom - kTop);
+            return makeSvg("rect", {
+                class: "bars",
+                x: i * width,
+                y: kBottom - height,
+                width: width + 0.2,
+                height,
+                fill: this.colorAt(this.positionAt((i + 0.5) * width)),
+            });
+        });
+    }
+
+    ramp() {
+        if (this.option !== "range") return [];
+        const count = 64,
+            width = kWidth / count;
+        return Array.from({ length: count }, (_, i) =>
+            makeSvg("rect", {
+                x: i * width,
+                y: kRamp,
+                width: width + 0.3,
+                height: kRampHeight,
+                fill: this.colorAt(this.positionAt((i + 0.5) * width)),
+            }),
+        );
+    }
+
+    rangeEnds() {
+        return [0, 1].flatMap((end) => {
+            const x = this.xOfPosition(end);
+            return [
+                makeSvg("line", { class: "end", x1: x, x2: x, y1: kTop, y2: kRamp + kRampHeight }),
+                makeSvg("circle", {
+                    class: "grip",
+                    "data-end": end,
+                    cx: Math.max(5, Math.min(kWidth - 5, x)),
+                    cy: kRamp + 17,
+                    r: 7,
+                }),
+            ];
+        });
+    }
+
+    curve() {
+        const { points } = this.transfer;
+        const at = points.map(([position, opacity]) => [this.xOfPosition(position), this.yOf(opacity)]);
+        const path = [[0, at[0][1]], ...at, [kWidth, at.at(-1)[1]]]
+            .map((p) => p.map((c) => c.toFixed(1)).join(","))
+            .join(" ");
+        return [
+            makeSvg("polyline", { class: "opacity", points: path }),
+            ...at.map(([cx, cy], index) =>
+                makeSvg("circle", {
+                    class: "point",
+                    "data-index": index,
+                    cx,
+                    cy,
+                    r: 6.5,
+                    tabindex: 0,
+                    role: "slider",
+                    "aria-valuemin": 0,
+                    "aria-valuemax": 1,
+                    "aria-label": `Opacity point ${index + 1} of ${at.length}`,
+                    "aria-valuenow": short(points[index][1]),
+                    "aria-valuetext": `opacity ${short(points[index][1])} at ${short(this.valueAt(cx))}`,
+                    keydown: (event) => this.key(event, index),
+                }),
+            ),
+        ];
+    }
+
+    place(event) {
+        const box = this.svg.getBoundingClientRect();
+        return [((event.clientX - box.left) / box.width) * kWidth, ((event.clientY - box.top) / box.height) * kHeight];
+    }
+
+    press(event) {
+        const { end, index } = event.target.dataset;
+        if (end !== undefined) return this.drag(event, (x) => this.dragEnd(Number(end), x));
+        if (!this.hasPoints) return;
+        const [x, y] = this.place(event);
+        if (index !== undefined && event.button === 2) return this.remove(Number(index));
+        const at = index !== undefined ? Number(index) : y < kRamp ? this.insert(x, y) : -1;
+        if (at >= 0) this.drag(event, (toX, toY) => this.movePoint(at, this.positionAt(toX), this.opacityAt(toY)), at);
+    }
+
+    drag(event, move, index) {
+        event.preventDefault();
+        this.transfer.dragging = true;
+        if (index !== undefined) this.svg.querySelector(`[data-index="${index}"]`)?.focus();
+        this.svg.setPointerCapture(event.pointerId);
+        const onMove = (moved) => move(...this.place(moved));
+        const onEnd = () => {
+            this.svg.removeEventListener("pointermove", onMove);
+            this.transfer.dragging = false;
+            this.transfer.store.commit();
+        };
+        this.svg.addEventListener("pointermove", onMove);
+        for (const type of ["pointerup", "pointercancel"]) this.svg.addEventListener(type, onEnd, { once: true });
+    }
+
+    dragEnd(end, x) {
+        const range = [...this.range],
+            least = (this.histogram.high - this.histogram.low) / 200;
+        const value = this.valueAt(Math.max(0, Math.min(kWidth, x)));
+        range[end] = end ? Math.max(value, range[0] + least) : Math.min(value, range[1] - least);
+        this.setRange(range, false);
+    }
+
+    typeRange() {
+        const range = this.ends.map((input) => input.valueAsNumber);
+        if (range.every(Number.isFinite) && range[0] < range[1]) this.setRange(range, true);
+        else this.transfer.draw();
+    }
+
+    setRange(range, commit) {
+        this.range = range.map((value) => Number(value.toPrecision(6)));
+        const { transfer } = this,
+            changes = { [this.option]: this.range };
+        if (transfer.scene) transfer.scene[this.option === "range" ? "range" : "opacityRange"] = this.range;
+        transfer.draw();
+        if (this.hasPoints && !transfer.store.options.opacity) transfer.setPoints(transfer.points, false);
+        transfer.store.change(changes, { commit });
+    }
+
+    movePoint(index, position, opacity, commit = false) {
+        const points = this.transfer.points.map((point) => [...point]);
+        const before = index > 0 ? points[index - 1][0] + 1e-3 : 0;
+        const after = index + 1 < points.length ? points[index + 1][0] - 1e-3 : 1;
+        points[index] = [Math.max(before, Math.min(after, position)), opacity];
+        this.transfer.setPoints(points, commit);
+    }
+
+    /// @return the new point's index, or -1 where there is no room
+    insert(x, y) {
+        const position = this.positionAt(x),
+            { points } = this.transfer;
+        if (position < 0 || position > 1 || points.some((point) => Math.abs(point[0] - position) < 2e-3)) return -1;
+        const index = points.filter((point) => point[0] < position).length;
+        this.transfer.setPoints(
+            [...points.slice(0, index), [position, this.opacityAt(y)], ...points.slice(index)],
+            false,
+        );
+        return index;
+    }
+
+    remove(index) {
+        if (this.transfer.points.length < 2) return;
+        this.transfer.setPoints(
+            this.transfer.points.filter((_, i) => i !== index),
+            true,
+        );
+    }
+
+    key(event, index) {
+        const [position, opacity] = this.transfer.points[index],
+            small = event.shiftKey ? 0.002 : 0.02;
+        const moves = { ArrowLeft: [-small, 0], ArrowRight: [small, 0], ArrowUp: [0, small], ArrowDown: [0, -small] };
+        if (event.key === "Delete" || event.key === "Backspace") {
+            this.remove(index);
+        } else if (event.key === "Enter" || event.key === "Insert") {
+            const next = this.transfer.points[index + 1]?.[0] ?? 1;
+            if (next - position > 4e-3) this.insert(this.xOfPosition((position + next) / 2), this.yOf(opacity));
+            this.transfer.store.commit();
+        } else if (moves[event.key]) {
+            const y = this.yOf(opacity) - moves[event.key][1] * (kBottom - kTop);
+            this.movePoint(index, position + moves[event.key][0], this.opacityAt(y), true);
+        } else {
+            return;
+        }
+        event.preventDefault();
+        event.stopPropagation();
+    }
+}

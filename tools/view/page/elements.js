@@ -1,0 +1,35 @@
+// Making elements of the page.
+
+/// @param properties attributes; functions listen to the event of their name
+export function make(tag, properties = {}, ...children) {
+    return fill(document.createElement(tag), properties, children);
+}
+
+export function makeSvg(tag, properties = {}, ...children) {
+    return fill(document.createElementNS("http://www.w3.org/2000/svg", tag), properties, children);
+}
+
+function fill(element, properties, children) {
+    for (const [name, value] of Object.entries(properties)) {
+        if (typeof value === "function") element.addEventListener(name, value);
+        else if (value === true) element.setAttribute(name, "");
+        else if (value !== false && value !== undefined) element.setAttribute(name, value);
+    }
+    element.append(...children);
+    return element;
+}
+
+/// A part of the panel that opens and closes.
+export function makeSection(title, open, ...children) {
+    return make("details", { open }, make("summary", {}, title), make("div", {}, ...children));
+}
+
+/// A row with a name. @param id of the control
+export function makeRow(name, id, ...controls) {
+    return make("div", { class: "row" }, make("label", { for: id }, name), ...controls);
+}
+
+/// A number with at most four significant digits.
+export function short(value) {
+    return String(Number(Number(value).toPrecision(4)));
+}

@@ -1,0 +1,218 @@
+// The page: one state, what shows it, and what changes it.
+
+import { ask, get } from "./api.js";
+import { optionsOf } from "./camera.js";
+import { Cameras } from "./cameras.js";
+import { Controls } from "./controls.js";
+import { Cuts } from "./cuts.js";
+import { listenToHand } from "./hand.js";
+import { Keep } from "./keep.js";
+import { Picture } from "./picture.js";
+import { Store } from "./store.js";
+import { Timeline } from "./timeline.js";
+import { Transfer } from "./transfer.js";
+
+const kOfCamera = new Set(["eye", "target", "up", "view-height"]);
+const kOfHistograms = ["look", "by", "color-by", "opacity-by", "range", "opacity-range", "stretch", "shading"];
+const byId = (id) => document.getElementById(id);
+
+async function begin() {
+    const sequence = await get("sequence");
+    document.title = byId("title").textContent = sequence.pattern.split("/").at(-1);
+    const store = new Store({ samples: 4, ...sequence.start }, sequence.frames);
+    const view = { scene: null, camera: null }; // as far as the server has told
+
+    const timeline = new Timeline(store, sequence.frames);
+    const controls = new Controls(store, sequence);
+    const transfer = new Transfer(store);
+    const cameras = new Cameras(store, () => view.camera);
+    /// What the server is asked to show: key frames only while they are followed.
+    const shown = () => {
+        const state = { ...store.options };
+        if (!cameras.follows) delete state.keys;
+        return { state, frame: store.frame, next: timeline.next() };
+    };
+    const picture = new Picture(byId("picture"), shown);
+    const cuts = new Cuts(
+        store,
+        () => view.camera,
+        (held) => picture.hold(held),
+    );
+    const keep = new Keep(
+        () => ({ state: { ...store.options, size: picture.size }, frame: store.frame }),
+        picture.client,
+        sequence.folder,
+    );
+    byId("panel").append(
+        controls.sections.look,
+        transfer.element,
+        controls.sections.depth,
+        controls.sections.light,
+        cuts.element,
+        cameras.element,
+        controls.sections.scene,
+        controls.sections.sampling,
+        keep.element,
+    );
+
+    const message = (text) => {
+        byId("message").textContent = text || "";
+    };
+
+    let asking = false,
+        again = false;
+    /// Ask what the server takes for the state, and show it.
+    async function askScene() {
+        if (asking) {
+            again = true;
+            return;
+        }
+        asking = true;
+        do {
+            again = false;
+            const { state, frame } = shown(),
+                options = JSON.stringify(kOfHistograms.map((name) => state[name]));
+            try {
+                const scene = await ask("scene", { state: { ...state, size: picture.size }, frame });
+                const stale = options + scene.settled !== view.histogramsOf;
+                const histograms = stale ? await ask("histograms", { state }) : null;
+                if (stale) view.histogramsOf = options + scene.settled;
+                view.scene = scene;
+                if (!view.moving) view.camera = scene.camera;
+                controls.show(scene);
+                cameras.show(scene);
+                cuts.show(scene);
+                transfer.show(scene, histograms);
+                if (!picture.nothing) message("");
+            } catch (error) {
+                message(error.message);
+            }
+        } while (again);
+        asking = false;
+    }
+
+    let sceneTimer;
+    store.addEventListener("options", (event) => {
+        const { names } = event.detail;
+        picture.update();
+        if (names && names.every((name) => kOfCamera.has(name)) && view.moving) return cuts.draw();
+        clearTimeout(sceneTimer);
+        sceneTimer = setTimeout(askScene, 60);
+    });
+    store.addEventListener("frame", () => {
+        picture.update();
+        if (!timeline.isPlaying) askScene();
+    });
+    store.addEventListener("history", () => {
+        byId("undo").disabled = store.past.length === 0;
+        byId("redo").disabled = store.future.length === 0;
+    });
+    store.tell("history");
+
+    picture.addEventListener("text", (event) => {
+        byId("progress").textContent = event.detail;
+    });
+    picture.addEventListener("shown", (event) => {
+        picture.canvas.dataset.frame = event.detail.frame;
+        if (event.detail.frame === store.frame) timeline.wait();
+    });
+    picture.addEventListener("message", (event) => {
+        picture.nothing = event.detail;
+        message(event.detail);
+    });
+    picture.addEventListener("resize", () => {
+        if (view.scene) askScene();
+    });
+    timeline.addEventListener("play", () => {
+        if (timeline.isPlaying && cameras.keys.length) cameras.follows = true;
+        picture.hold(timeline.isPlaying);
+        if (!timeline.isPlaying) {
+            picture.update();
+            askScene();
+        }
+    });
+    const free = () => {
+        if (cameras.follows) cameras.follows = false;
+    };
+    cameras.addEventListener("free", free);
+    cameras.addEventListener("follow", () => {
+        picture.update();
+        askScene();
+    });
+
+    listenToHand(
+        picture.canvas,
+        {
+            camera: () => view.camera,
+            begin() {
+                free();
+                view.moving = true;
+            },
+            change(camera) {
+                view.camera = camera;
+                store.change(optionsOf(camera), { commit: false });
+            },
+            end() {
+                view.moving = false;
+                store.commit();
+            },
+        },
+        () => picture.height,
+    );
+
+    const showAll = () => {
+        free();
+        store.change({ eye: undefined, target: undefined, up: undefined, "view-height": undefined });
+    };
+    byId("frame-all").addEventListener("click", showAll);
+    byId("undo").addEventListener("click", () => store.undo());
+    byId("redo").addEventListener("click", () => store.redo());
+    byId("help").addEventListener("click", () => {
+        const hidden = byId("help-text").toggleAttribute("hidden");
+        byId("help").setAttribute("aria-expanded", String(!hidden));
+    });
+    addEventListener("keydown", (event) => {
+        if (event.target.matches("input[type=number], input[type=text], select, pre")) return;
+        const command = event.ctrlKey || event.metaKey,
+            key = event.key.toLowerCase();
+        if (command && key === "z") event.shiftKey ? store.redo() : store.undo();
+        else if (command && key === "y") store.redo();
+        else if (command || event.altKey) return;
+        else if (key === " " && !event.target.matches("button, summary, input")) timeline.toggle();
+        else if (key === ",") timeline.step(-1);
+        else if (key === ".") timeline.step(1);
+        else if (key === "0") showAll();
+        else if (key === "?") byId("help").click();
+        else return;
+        event.preventDefault();
+    });
+
+    /// Follow what happens to the sequence and to the film.
+    async function follow() {
+        let pause = 1500;
+        try {
+            const status = await get("status");
+            if (status.frames.length !== timeline.frames.length) timeline.setFrames(status.frames);
+            keep.showFilm(status.film);
+            if (status.version !== view.version && view.version !== undefined) {
+                await askScene();
+                if (!timeline.isPlaying) picture.refine();
+            }
+            view.version = status.version;
+            if (!view.scene?.settled) pause = 300;
+        } catch (error) {
+            message(error.message);
+            pause = 5000;
+        }
+        setTimeout(follow, pause);
+    }
+
+    picture.refine();
+    await askScene();
+    if (store.isBad) message("The address holds no state that can be read; this is how the viewer begins.");
+    follow();
+}
+
+begin().catch((error) => {
+    byId("message").textContent = error.message;
+});

@@ -1,0 +1,149 @@
+// The picture: small ones while something moves, then better ones step by step.
+
+import { askPicture, Refusal } from "./api.js";
+
+const kAim = 55; // milliseconds for a picture while something moves
+const kSmallest = 0.12; // scale
+const kMovingStep = 1.5; // voxels between samples while something moves: rays far apart share little of the cache
+const kRest = 140; // milliseconds without a change until the picture is refined
+const kMostPixels = 4e6;
+
+export class Picture extends EventTarget {
+    /// @param request () => { state, frame, next }
+    constructor(canvas, request) {
+        super();
+        this.canvas = canvas;
+        this.request = request;
+        this.client = Math.random().toString(36).slice(2);
+        this.scale = 0.5;
+        this.wanted = false; // a picture while something moves
+        new ResizeObserver(() => this.resize()).observe(canvas);
+    }
+
+    get height() {
+        return this.canvas.clientHeight;
+    }
+    get size() {
+        const ratio = Math.min(devicePixelRatio || 1, 2);
+        const width = Math.max(this.canvas.clientWidth, 1),
+            height = Math.max(this.canvas.clientHeight, 1);
+        const most = Math.sqrt(kMostPixels / (width * height * ratio * ratio));
+        return [width, height].map((side) => Math.max(Math.round(side * ratio * Math.min(most, 1)), 1));
+    }
+
+    resize() {
+        const size = this.size;
+        if (this.canvas.width === size[0] && this.canvas.height === size[1]) return;
+        const old = this.canvas.width > 1 ? this.shown : null;
+        [this.canvas.width, this.canvas.height] = size;
+        if (old) this.draw(old);
+        this.refine();
+        this.tell("resize");
+    }
+
+    /// Something moves: show it soon, and refine the picture once it rests.
+    update() {
+        this.wanted = true;
+        this.tell("text", "…");
+        this.abortRefinement();
+        this.refineLater();
+        if (!this.busy) this.follow();
+    }
+
+    /// Show the picture as it is now, first coarse, then refined.
+    refine() {
+        this.tell("text", "…");
+        this.abortRefinement();
+        this.refineNow(true);
+    }
+
+    async follow() {
+        this.busy = true;
+        while (this.wanted) {
+            this.wanted = false;
+            const scale = this.scale,
+                before = performance.now();
+            const shown = await this.ask({ scale, samples: 1, quality: 75, step: kMovingStep });
+            if (!shown) continue;
+            const spent = performance.now() - before;
+            this.rate = 0.8 * (this.rate || 1000 / spent) + (0.2 * 1000) / spent;
+            this.scale = Math.min(
+                1,
+                Math.max(kSmallest, scale * Math.min(1.5, Math.max(0.5, Math.sqrt(kAim / spent)))),
+            );
+            this.show(shown, `${this.rate.toFixed(0)} pictures/s`);
+        }
+        this.busy = false;
+        this.tell("rest");
+    }
+
+    refineLater() {
+        clearTimeout(this.resting);
+        this.resting = setTimeout(() => (this.busy || this.held ? this.refineLater() : this.refineNow(false)), kRest);
+    }
+
+    /// While held, the picture is not refined.
+    hold(held) {
+        this.held = held;
+    }
+
+    async refineNow(coarseFirst) {
+        clearTimeout(this.resting);
+        const work = (this.refining = new AbortController());
+        const final = this.request().state.samples || 1,
+            begun = performance.now();
+        const steps = [];
+        if (coarseFirst) steps.push({ scale: 0.25, samples: 1 });
+        for (let samples = 1; samples < final; samples *= 2) steps.push({ scale: 1, samples });
+        steps.push({ scale: 1, samples: final });
+        for (const step of steps) {
+            const shown = await this.ask({ ...step, quality: 92 }, work.signal);
+            if (this.refining !== work) return;
+            if (!shown) break;
+            const seconds = ((performance.now() - begun) / 1000).toFixed(1);
+            this.show(shown, step.scale < 1 ? "…" : `${step.samples} of ${final} samples, ${seconds} s`);
+            this.settled = shown.settled;
+        }
+        this.refining = null;
+        this.tell("refined");
+    }
+
+    abortRefinement() {
+        this.refining?.abort();
+        this.refining = null;
+    }
+
+    async ask({ scale, samples, quality, step = 0 }, signal) {
+        const { state, frame, next } = this.request();
+        try {
+            const asked = { ...state, size: this.size, samples };
+            if (scale < 1) asked.scale = scale;
+            if (step > 0) asked.step = Math.max(step, state.step || 0);
+            const shown = await askPicture({ client: this.client, state: asked, frame, next, quality }, signal);
+            this.tell("message", shown.nothing && `Nothing is seen: ${shown.nothing}`);
+            return { ...shown, frame };
+        } catch (error) {
+            const isOvertaken = error.name === "AbortError" || (error instanceof Refusal && error.status === 409);
+            if (!isOvertaken) this.tell("message", error.message);
+            return null;
+        }
+    }
+
+    show(shown, text) {
+        this.shown?.bitmap.close();
+        this.shown = shown;
+        this.draw(shown);
+        this.tell("text", text);
+        this.tell("shown", { frame: shown.frame });
+    }
+
+    draw(shown) {
+        const context = this.canvas.getContext("2d");
+        context.imageSmoothingQuality = "high";
+        context.drawImage(shown.bitmap, 0, 0, this.canvas.width, this.canvas.height);
+    }
+
+    tell(type, detail) {
+        this.dispatchEvent(new CustomEvent(type, { detail }));
+    }
+}

@@ -1,0 +1,86 @@
+// The time slider and its buttons.
+
+export class Timeline extends EventTarget {
+    constructor(store, frames) {
+        super();
+        this.store = store;
+        this.frames = frames;
+        this.slider = document.getElementById("frame");
+        this.button = document.getElementById("play");
+        this.slider.addEventListener("input", () => {
+            this.stop();
+            store.setFrame(this.frames[this.slider.valueAsNumber]);
+        });
+        this.button.addEventListener("click", () => this.toggle());
+        document.getElementById("back").addEventListener("click", () => this.step(-1));
+        document.getElementById("on").addEventListener("click", () => this.step(1));
+        store.addEventListener("frame", () => this.show());
+        this.setFrames(frames);
+    }
+
+    get index() {
+        return Math.max(this.frames.indexOf(this.store.frame), 0);
+    }
+    get isPlaying() {
+        return this.button.getAttribute("aria-pressed") === "true";
+    }
+
+    setFrames(frames) {
+        const grew = frames.length > this.frames.length;
+        this.frames = frames;
+        this.slider.max = frames.length - 1;
+        for (const name of ["play", "back", "on", "frame"]) document.getElementById(name).disabled = frames.length < 2;
+        if (grew && document.getElementById("newest").checked && !this.isPlaying) this.store.setFrame(frames.at(-1));
+        this.show();
+    }
+
+    show() {
+        this.slider.value = this.index;
+        this.slider.setAttribute("aria-valuetext", `frame ${this.store.frame}`);
+        document.getElementById("frame-number").value = `frame ${this.store.frame} of ${this.frames.at(-1)}`;
+    }
+
+    /// The frames that are shown next while playing, to be read ahead.
+    next() {
+        if (!this.isPlaying) return [];
+        return [1, 2].map((step) => this.frames[(this.index + step) % this.frames.length]);
+    }
+
+    step(by) {
+        this.stop();
+        this.store.setFrame(this.frames[(this.index + by + this.frames.length) % this.frames.length]);
+    }
+
+    toggle() {
+        if (this.isPlaying) return this.stop();
+        this.press(true);
+        if (this.index === this.frames.length - 1) this.store.setFrame(this.frames[0]);
+        this.due = performance.now();
+        this.wait();
+    }
+
+    stop() {
+        if (!this.isPlaying) return;
+        clearTimeout(this.timer);
+        this.press(false);
+    }
+
+    press(playing) {
+        this.button.setAttribute("aria-pressed", String(playing));
+        this.button.setAttribute("aria-label", playing ? "Pause" : "Play");
+        this.button.textContent = playing ? "❚❚" : "▶";
+        this.dispatchEvent(new Event("play"));
+    }
+
+    /// A frame is on the screen: the next one follows when its time has come.
+    wait() {
+        if (!this.isPlaying) return;
+        clearTimeout(this.timer);
+        const now = performance.now();
+        this.due = Math.max(this.due + 1000 / Number(document.getElementById("speed").value), now);
+        this.timer = setTimeout(() => {
+            if (this.index === this.frames.length - 1 && !document.getElementById("loop").checked) return this.stop();
+            this.store.setFrame(this.frames[(this.index + 1) % this.frames.length]);
+        }, this.due - now);
+    }
+}

@@ -1,0 +1,99 @@
+// The transfer function over the histogram of its scalar: opacity points to drag, and the ends of the range.
+
+import { Curve } from "./curve.js";
+import { make, makeSection } from "./elements.js";
+
+const kLeastOpacity = 0.001; // of the logarithmic scale
+
+export class Transfer {
+    constructor(store) {
+        this.store = store;
+        this.logarithmic = make("input", { id: "log-opacity", type: "checkbox", change: () => this.draw() });
+        this.logCounts = make("input", {
+            id: "log-counts",
+            type: "checkbox",
+            checked: true,
+            change: () => this.draw(),
+        });
+        this.color = new Curve(this, "range", "Colour");
+        this.opacity = new Curve(this, "opacity-range", "Opacity");
+        this.element = makeSection(
+            "Transfer function",
+            true,
+            this.color.element,
+            this.opacity.element,
+            make(
+                "div",
+                { class: "line" },
+                make("button", { id: "thinner", click: () => this.thicken(0.8) }, "Thinner"),
+                make("button", { id: "denser", click: () => this.thicken(1.25) }, "Denser"),
+                make(
+                    "button",
+                    {
+                        id: "automatic",
+                        title: "Range and opacity as chosen from the data",
+                        click: () => store.change({ range: undefined, opacity: undefined, "opacity-range": undefined }),
+                    },
+                    "Automatic",
+                ),
+            ),
+            make(
+                "div",
+                { class: "line" },
+                make("label", {}, this.logCounts, " log counts"),
+                make("label", {}, this.logarithmic, " log opacity"),
+            ),
+            make("p", { class: "note" }, "Click on the curve to add a point; Delete removes it; arrow keys move it."),
+        );
+    }
+
+    show(scene, histograms) {
+        this.scene = scene;
+        this.histograms = histograms || this.histograms;
+        if (!this.dragging) this.points = scene.opacity.map((point) => [...point]);
+        this.isOne = scene.colorBy === scene.opacityBy;
+        this.draw();
+    }
+
+    draw() {
+        if (!this.scene || !this.histograms) return;
+        this.color.element.hidden = false;
+        this.opacity.element.hidden = this.isOne;
+        this.color.draw(this.scene.range, this.histograms.color, this.scene.colorBy, this.isOne);
+        if (!this.isOne)
+            this.opacity.draw(this.scene.opacityRange, this.histograms.opacity, this.scene.opacityBy, true);
+    }
+
+    setPoints(points, commit) {
+        this.points = points;
+        this.draw();
+        const text = points.map(
+            ([position, opacity]) => `${Number(position.toFixed(4))}:${Number(opacity.toPrecision(4))}`,
+        );
+        this.store.change({ opacity: text.join(",") }, { commit });
+    }
+
+    /// @param factor on the optical depth of a voxel
+    thicken(factor) {
+        this.setPoints(
+            this.points.map(([position, opacity]) => [
+                position,
+                opacity >= 1 ? 1 : Math.min(1 - Math.pow(1 - opacity, factor), 0.9999),
+            ]),
+            true,
+        );
+    }
+
+    /// The height of an opacity on the scale, 0 to 1.
+    heightOf(opacity) {
+        if (!this.logarithmic.checked) return opacity;
+        return 1 - Math.log(Math.max(opacity, kLeastOpacity)) / Math.log(kLeastOpacity);
+    }
+
+    /// @param height on the scale; clamped
+    opacityAt(height) {
+        const share = Math.max(0, Math.min(1, height));
+        if (!this.logarithmic.checked) return share;
+        return share === 0 ? 0 : Math.pow(kLeastOpacity, 1 - share);
+    }
+}

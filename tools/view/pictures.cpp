@@ -1,0 +1,100 @@
+#include "view/pictures.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/core/reporter.h"
+#include "vdblic/render/render_params.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace vdblic::view {
+namespace {
+
+constexpr int kMostSide = 8192; // pixels
+constexpr std::size_t kMostClients = 6;
+
+/// A place that is given back.
+class Place {
+  public:
+    explicit Place(std::counting_semaphore<>& places) : mPlaces(places) { mPlaces.acquire(); }
+    ~Place() { mPlaces.release(); }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+
+  private:
+    std::counting_semaphore<>& mPlaces;
+};
+
+/// A text that differs for pictures that differ in more than the number of their samples.
+std::string keyOf(const PictureRequest& request, std::uint64_t version)
+{
+    nlohmann::json state = request.state;
+    state.erase("samples");
+    return fmt::format("{}|{}|{}", version, request.frame, state.dump());
+}
+
+} // namespace
+
+std::shared_ptr<Pictures::Client> Pictures::clientOf(const std::string& name, std::stop_token& stop)
+{
+    const std::lock_guard lock(mMutex);
+    auto found =
+        std::find_if(mClients.begin(), mClients.end(), [&](const auto& client) { return client->name == name; });
+    if (found == mClients.end()) {
+        mClients.push_front(std::make_shared<Client>());
+        mClients.front()->name = name;
+        if (mClients.size() > kMostClients) mClients.pop_back();
+    } else {
+        mClients.splice(mClients.begin(), mClients, found);
+    }
+    Client& client = *mClients.front();
+    client.newest.request_stop();
+    client.newest = {};
+    stop = client.newest.get_token();
+    return mClients.front();
+}
+
+ShownPicture Pictures::picture(const PictureRequest& request, const std::function<bool()>& isGone)
+{
+    std::stop_token stop;
+    const std::shared_ptr<Client> client = clientOf(request.client, stop);
+    const std::lock_guard casting(client->casting);
+    const auto checkStop = [&] {
+        if (stop.stop_requested() || isGone()) throw Stopped{};
+    };
+    checkStop();
+    const Place place(mPlaces);
+    checkStop();
+    const std::string key = keyOf(request, mViewer.version());
+    const RenderParams params = paramsOf(mViewer.start(), request.state);
+    const glm::ivec2 size = params.scaledSize();
+    if (std::max(size.x, size.y) > kMostSide)
+        throw ParameterError(fmt::format("a picture may have {} pixels a side", kMostSide));
+    checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y), "make it smaller");
+    if (!client->last || client->last->key != key || client->last->picture.samples() > params.samples ||
+        (request.settle && !client->last->view.settled)) {
+        client->last.reset();
+        client->last = std::make_unique<Cast>(key, mViewer.view(request.state, request.frame, request.settle));
+    }
+    FramePicture& picture = client->last->picture;
+    while (picture.samples() < params.samples) {
+        checkStop();
+        picture.addSample(stop);
+    }
+    ShownPicture shown{picture.image(),
+                       picture.header(),
+                       params.background,
+                       params.exr,
+                       params.samples,
+                       client->last->view.settled,
+                       {}};
+    shown.nothingSeen = picture.whyNothingIsSeen(shown.image);
+    if (!shown.settled) mViewer.settleLater(client->last->view);
+    return shown;
+}
+
+} // namespace vdblic::view

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "vdblic/render/frame_picture.h"
+#include "vdblic/render/image.h"
+#include "view/viewer.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <semaphore>
+#include <stop_token>
+#include <string>
+
+namespace vdblic::view {
+
+/// A picture that a client asks for.
+struct PictureRequest {
+    std::string client; ///< a name of its own choice
+    nlohmann::json state;
+    std::int64_t frame = 1;
+    bool settle = false; ///< as Viewer::view()
+};
+
+/// A picture and what it is of.
+struct ShownPicture {
+    Image image;
+    ImageHeader header;
+    Background background;
+    ExrParams exr;
+    int samples = 1;
+    bool settled = false;
+    std::string nothingSeen; ///< why it is empty; empty if it is not
+};
+
+/// The pictures of all clients. Of each client the newest request counts: an older one that is being cast ends. The
+/// samples of a client's last picture are kept, so that a picture with more of them continues it.
+class Pictures {
+  public:
+    explicit Pictures(Viewer& viewer) : mViewer(viewer) {}
+
+    /// @param isGone whether the client has gone away
+    /// @throws Stopped if a newer request came or the client has gone away; as Viewer::view()
+    [[nodiscard]] ShownPicture picture(const PictureRequest& request, const std::function<bool()>& isGone);
+
+  private:
+    /// A picture with all that it refers to.
+    struct Cast {
+        std::string key;
+        View view;
+        FramePicture picture;
+
+        Cast(std::string k, View v)
+            : key(std::move(k)), view(std::move(v)), picture(view.params, view.scene, *view.frame, view.solid)
+        {
+        }
+    };
+    struct Client {
+        std::string name;
+        std::stop_source newest; // of its newest request
+        std::mutex casting;
+        std::unique_ptr<Cast> last;
+    };
+
+    /// The client, whose older request is asked to end.
+    [[nodiscard]] std::shared_ptr<Client> clientOf(const std::string& name, std::stop_token& stop);
+
+    Viewer& mViewer;
+    std::mutex mMutex;
+    std::list<std::shared_ptr<Client>> mClients; // the last one that asked first
+    std::counting_semaphore<> mPlaces{4};        // for pictures that are cast at a time
+};
+
+} // namespace vdblic::view

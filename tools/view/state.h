@@ -1,0 +1,39 @@
+#pragma once
+
+#include "vdblic/io/sequence.h"
+#include "vdblic/render/render_params.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace vdblic::view {
+
+/// What the command line determines: the sequence, options that name files, and the state that pages begin with.
+///
+/// A state is an object that holds options of vdblic_render by their names without dashes: numbers, texts, lists of
+/// numbers, and lists of those for options that may be repeated. `keys` holds key frames of the camera.
+struct Start {
+    SequenceParams input;
+    std::vector<std::string> fixed; ///< arguments that no state changes
+    nlohmann::json state;
+    std::string solid; ///< the file that the state may name as `solid`; or empty
+};
+
+/// @param app parsed, with the options of PictureOptions. @throws InputError naming the file of key frames
+[[nodiscard]] Start startOf(const CLI::App& app, const SequenceParams& input);
+
+/// The arguments of vdblic_render for a state; its key frames are left out.
+/// @throws ParameterError on what a state cannot hold; no state names a file that the command line does not
+[[nodiscard]] std::vector<std::string> argumentsOf(const Start& start, const nlohmann::json& state);
+
+/// The parameters that vdblic_render would have for a state. @throws ParameterError, InputError
+[[nodiscard]] RenderParams paramsOf(const Start& start, const nlohmann::json& state);
+
+/// The command for a shell that renders the state. @param last further arguments
+[[nodiscard]] std::string commandOf(const Start& start, const nlohmann::json& state,
+                                    const std::vector<std::string>& last);
+
+} // namespace vdblic::view

@@ -1,0 +1,277 @@
+#include "view/viewer.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/file_stamp.h"
+#include "vdblic/io/grid_reference.h"
+#include "vdblic/io/texture_name.h"
+#include "vdblic/io/vdb_header.h"
+#include "vdblic/render/render_params.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace vdblic::view {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Time without a new frame after which automatic choices follow the frames that came.
+constexpr std::chrono::seconds kPause{5};
+
+/// What loadFrame() depends on besides the file.
+std::string loadKey(const RenderParams& params)
+{
+    const glm::dvec3& stretch = params.stretch;
+    return fmt::format("{}|{}|{} {} {}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x, stretch.y,
+                       stretch.z, params.look.shading.model == ShadingModel::kLine,
+                       params.look.transfer.opacityRange.has_value());
+}
+
+/// A state without what its camera and sampling are.
+std::string choiceKey(Json state)
+{
+    for (const char* name : {"eye", "target", "up", "fov", "view-height", "projection", "size", "scale", "samples",
+                             "step", "orbit", "orbit-frames", "keys"})
+        state.erase(name);
+    return state.dump();
+}
+
+/// Put an entry in front and keep the first few.
+template<typename List, typename Value>
+void keepFirst(List& list, const std::string& key, Value value)
+{
+    constexpr std::size_t kMost = 8;
+    list.remove_if([&](const auto& entry) { return entry.first == key; });
+    list.emplace_front(key, std::move(value));
+    if (list.size() > kMost) list.pop_back();
+}
+
+SceneSource sourceOf(const RenderParams& params)
+{
+    auto source = sceneSource(params);
+    if (!source) throw InputError(fmt::format("{}: no frame has an active voxel", params.input.pattern));
+    return *source;
+}
+
+} // namespace
+
+Viewer::Viewer(Start start, double cacheBytes) : mStart(std::move(start)), mCache(cacheBytes)
+{
+    RenderParams params = paramsOf(mStart, mStart.state);
+    const std::vector<FrameFile> files = selectFrames(mStart.input);
+    mTexture = textureName(files.front().path, params.texture);
+    for (const auto& grid : readVdbHeader(files.front().path).grids) {
+        if (grid->isType<openvdb::FloatGrid>() && grid->getName() != mTexture) mScalars.push_back(grid->getName());
+    }
+    for (const FrameFile& file : files)
+        mFrames.push_back(file.frame);
+    params.texture = mTexture;
+    params.stretch = glm::dvec3(1);
+    mSource = sourceOf(params);
+}
+
+std::vector<std::int64_t> Viewer::frames()
+{
+    std::vector<std::int64_t> found;
+    try {
+        found = selectedFrames(mStart.input);
+    } catch (const Error&) { // a file was taken away: what is left will be found the next time
+        const std::lock_guard lock(mMutex);
+        return mFrames;
+    }
+    const auto now = std::chrono::steady_clock::now();
+    const std::lock_guard lock(mMutex);
+    if (found != mFrames) {
+        mFrames = std::move(found);
+        mChanged = now;
+        ++mVersion;
+    } else if (mFrames.size() != mSource.frameCount && mStart.input.frames.empty() && now - mChanged > kPause) {
+        mChanged = now;
+        mBackground.add([this] { readSource(); });
+    }
+    return mFrames;
+}
+
+void Viewer::readSource()
+{
+    RenderParams params = paramsOf(mStart, Json::object());
+    params.texture = mTexture;
+    const SceneSource found = sourceOf(params);
+    const std::lock_guard lock(mMutex);
+    mSource = found;
+    mBases.clear();
+    mChoices.clear();
+    ++mVersion;
+}
+
+std::uint64_t Viewer::version()
+{
+    const std::lock_guard lock(mMutex);
+    return mVersion;
+}
+
+SceneSource Viewer::source(const glm::dvec3& stretch)
+{
+    const std::lock_guard lock(mMutex);
+    SceneSource result = mSource;
+    for (glm::dvec3& corner : result.box)
+        corner *= stretch;
+    return result;
+}
+
+RenderParams Viewer::paramsFor(const Json& state) const
+{
+    RenderParams params = paramsOf(mStart, state);
+    params.texture = mTexture;
+    const auto known =
+        std::find_first_of(params.opacityBy.begin(), params.opacityBy.end(), mScalars.begin(), mScalars.end());
+    if (known != params.opacityBy.end()) params.opacityBy = {std::string(*known)};
+    return params;
+}
+
+FrameFile Viewer::fileOf(std::int64_t frame)
+{
+    const std::lock_guard lock(mMutex);
+    if (std::find(mFrames.begin(), mFrames.end(), frame) == mFrames.end())
+        throw ParameterError(fmt::format("the sequence has no frame {}", frame));
+    return {frame, FramePattern(mStart.input.pattern).path(frame)};
+}
+
+FrameCache::Frame Viewer::load(const RenderParams& params, const FrameFile& file)
+{
+    const std::string key = fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(params));
+    return mCache.get(key, [&] { return loadFrame(params, file); });
+}
+
+void Viewer::keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis)
+{
+    const std::lock_guard lock(mMutex);
+    keepFirst(mBases, key, basis);
+    ++mVersion;
+}
+
+std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const RenderParams& params, bool settle)
+{
+    const std::string key = loadKey(params);
+    {
+        const std::lock_guard lock(mMutex);
+        for (const auto& [other, basis] : mBases) {
+            if (other == key && (basis->settled || !settle)) return basis;
+        }
+    }
+    if (settle) return settledBasis(params);
+    const SceneSource known = source(params.stretch);
+    const FrameCache::Frame first = load(params, known.lookFrames.front());
+    if (first->volume.empty()) return settledBasis(params);
+    auto basis = std::make_shared<Basis>();
+    basis->look.add(*first);
+    basis->frames = {known.lookFrames.front()};
+    basis->settled = known.lookFrames.size() == 1;
+    keepBasis(key, basis);
+    return basis;
+}
+
+void Viewer::settleLater(const View& view)
+{
+    mBackground.add([this, params = view.params] { (void)basisFor(params, /*settle=*/true); });
+}
+
+std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const RenderParams& params)
+{
+    auto basis = std::make_shared<Basis>();
+    const SceneSource known = source(params.stretch);
+    for (const FrameFile& file : known.lookFrames) {
+        try {
+            const FrameCache::Frame frame = load(params, file);
+            if (frame->volume.empty()) continue;
+            basis->look.add(*frame);
+            basis->frames.push_back(file);
+        } catch (const InputError&) { // is reported at the frame's turn
+            if (file.frame == known.lookFrames.front().frame) throw;
+        }
+    }
+    if (basis->frames.empty()) throw InputError(fmt::format("{}: no frame has an active voxel", mStart.input.pattern));
+    basis->settled = true;
+    keepBasis(loadKey(params), basis);
+    return basis;
+}
+
+Viewer::Choice Viewer::choiceFor(const RenderParams& params, const Json& state,
+                                 const std::shared_ptr<const Basis>& basis, const SceneSource& source)
+{
+    const bool needsSubject = !(params.camera.eye && params.camera.projection == Projection::kPerspective);
+    const std::string key = choiceKey(state);
+    {
+        const std::lock_guard lock(mMutex);
+        for (const auto& [other, found] : mChoices) {
+            const auto& [of, choice] = found;
+            if (other == key && of == basis && (choice.hasSubject || !needsSubject)) return choice;
+        }
+    }
+    Choice choice{basis->look.choose(params), {}, needsSubject};
+    if (needsSubject) {
+        std::vector<FrameCache::Frame> frames;
+        for (const FrameFile& file : basis->frames)
+            frames.push_back(load(params, file));
+        choice.subject = sceneSubject(params, choice.look, frames, source.box, source.steady);
+    }
+    const std::lock_guard lock(mMutex);
+    keepFirst(mChoices, key, std::pair(basis, choice));
+    return choice;
+}
+
+std::shared_ptr<const Solid> Viewer::solidFor(const RenderParams& params, const LoadedTexture& frame)
+{
+    const SolidParams& solid = params.solid;
+    if (solid.source.empty()) return nullptr;
+    const std::string key = fmt::format("{}|{} {} {}|{}", solid.source, params.stretch.x, params.stretch.y,
+                                        params.stretch.z, solid.changes() ? frame.file.frame : 0);
+    {
+        const std::lock_guard lock(mMutex);
+        if (mSolid.first == key) return mSolid.second;
+    }
+    auto made = std::make_shared<const Solid>(makeSolid(solid, *frame.texture, params.stretch, frame.file.frame));
+    const std::lock_guard lock(mMutex);
+    mSolid = {key, made};
+    return made;
+}
+
+View Viewer::view(const Json& state, std::int64_t frame, bool settle)
+{
+    const RenderParams params = paramsFor(state);
+    const FrameFile file = fileOf(frame);
+    const SceneSource known = source(params.stretch);
+    const auto basis = basisFor(params, settle);
+    const Choice choice = choiceFor(params, state, basis, known);
+    const CameraPath cameras(params.camera, params.motion, known.box, params.scaledSize(), known.span, choice.subject);
+    const double bytes = basis->look.volumeBytes + params.imageBytes();
+    const FrameCache::Frame loaded = load(params, file);
+    return {params, Scene{choice.look, basis->look.opacityBy, cameras, known.box, bytes}, loaded,
+            solidFor(params, *loaded), basis->settled};
+}
+
+void Viewer::prefetch(const Json& state, std::int64_t frame)
+{
+    mBackground.add([this, params = paramsFor(state), file = fileOf(frame)] { (void)load(params, file); });
+}
+
+TextureHistograms Viewer::histograms(const Json& state)
+{
+    const RenderParams params = paramsFor(state);
+    const auto basis = basisFor(params, false);
+    const TextureVolume::Samples& samples = basis->look.samples;
+    TextureHistograms result(choiceFor(params, state, basis, source(params.stretch)).look);
+    for (const float value : samples.texture)
+        result.texture.add(double(value));
+    for (const float value : samples.color.empty() ? samples.driver : samples.color)
+        result.color.add(double(value));
+    for (const float value : samples.driver)
+        result.opacity.add(double(value));
+    return result;
+}
+
+} // namespace vdblic::view

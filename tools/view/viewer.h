@@ -1,0 +1,102 @@
+#pragma once
+
+#include "vdblic/render/histogram.h"
+#include "vdblic/render/scene.h"
+#include "vdblic/render/solid.h"
+#include "view/frame_cache.h"
+#include "view/state.h"
+#include "view/worker.h"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic::view {
+
+/// All that a picture of a frame in a state is cast from.
+struct View {
+    RenderParams params;
+    Scene scene;
+    FrameCache::Frame frame;
+    std::shared_ptr<const Solid> solid;
+    bool settled; ///< whether the automatic choices are made from all the frames that vdblic_render takes
+};
+
+/// A sequence that is looked at. Any number of threads may ask at a time.
+///
+/// The automatic choices are those of vdblic_render. At first they are made from one frame, so that a picture is there
+/// early; the others are read in the background. If further frames appear, the choices follow once no frame came for a
+/// while.
+class Viewer {
+  public:
+    /// @throws ParameterError, InputError if the sequence or what the start state says cannot be used
+    Viewer(Start start, double cacheBytes);
+
+    [[nodiscard]] const Start& start() const { return mStart; }
+    /// The numbers of the selected frames on disk, which may become more.
+    [[nodiscard]] std::vector<std::int64_t> frames();
+    /// Rises with every change of frames or of automatic choices.
+    [[nodiscard]] std::uint64_t version();
+    /// Names of the float grids beside the texture, and of the texture.
+    [[nodiscard]] const std::vector<std::string>& scalars() const { return mScalars; }
+    [[nodiscard]] const std::string& texture() const { return mTexture; }
+
+    /// @param settle wait until the automatic choices are settled
+    /// @throws ParameterError on an impossible state or frame, InputError
+    [[nodiscard]] View view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
+    /// Read in the background what a view needs to be settled.
+    void settleLater(const View& view);
+    /// Read a frame in the background.
+    void prefetch(const nlohmann::json& state, std::int64_t frame);
+    /// The histograms of the frames that the choices are made from.
+    [[nodiscard]] TextureHistograms histograms(const nlohmann::json& state);
+
+  private:
+    struct Basis { // of automatic choices
+        LookBasis look;
+        std::vector<FrameFile> frames;
+        bool settled = false;
+    };
+    struct Choice { // for a state without its camera
+        Look look;
+        std::vector<glm::dvec3> subject;
+        bool hasSubject = false;
+    };
+
+    [[nodiscard]] RenderParams paramsFor(const nlohmann::json& state) const;
+    [[nodiscard]] FrameFile fileOf(std::int64_t frame);
+    [[nodiscard]] FrameCache::Frame load(const RenderParams& params, const FrameFile& file);
+    [[nodiscard]] std::shared_ptr<const Basis> basisFor(const RenderParams& params, bool settle);
+    [[nodiscard]] std::shared_ptr<const Basis> settledBasis(const RenderParams& params);
+    void keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis);
+    [[nodiscard]] Choice choiceFor(const RenderParams& params, const nlohmann::json& state,
+                                   const std::shared_ptr<const Basis>& basis, const SceneSource& source);
+    [[nodiscard]] std::shared_ptr<const Solid> solidFor(const RenderParams& params, const LoadedTexture& frame);
+    [[nodiscard]] SceneSource source(const glm::dvec3& stretch);
+    void readSource();
+
+    Start mStart;
+    std::string mTexture;
+    std::vector<std::string> mScalars;
+    FrameCache mCache;
+
+    std::mutex mMutex; // of all that follows
+    SceneSource mSource;
+    std::vector<std::int64_t> mFrames;
+    std::chrono::steady_clock::time_point mChanged; // last change of mFrames
+    std::uint64_t mVersion = 1;
+    std::list<std::pair<std::string, std::shared_ptr<const Basis>>> mBases;                      // the newest first
+    std::list<std::pair<std::string, std::pair<std::shared_ptr<const Basis>, Choice>>> mChoices; // the newest first
+    std::pair<std::string, std::shared_ptr<const Solid>> mSolid;
+
+    Worker mBackground; // ends before what it uses
+};
+
+} // namespace vdblic::view
