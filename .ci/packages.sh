@@ -36,6 +36,8 @@ libgtest-dev            header  gtest/gtest.h
 libbenchmark-dev        header  benchmark/benchmark.h
 python3-openvdb         python  pyopenvdb
 python3-numpy           python  numpy
+pybind11-dev            header  pybind11/pybind11.h
+python3-dev             command python3-config
 python3-vtk9            python  vtkmodules
 python3-netcdf4         python  netCDF4
 libopenvdb-tools        command vdb_print

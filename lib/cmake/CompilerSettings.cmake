@@ -7,7 +7,8 @@ target_compile_options(vdblic_settings INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     -Wno-psabi # vector types cross only inlined calls
     -Wno-missing-field-initializers # parameter structs are filled with designated initialisers
-    -ffp-contract=off -fno-math-errno)
+    -ffp-contract=off -fno-math-errno
+    -fPIC -fno-semantic-interposition) # the Python module is a shared library of the same objects
 if(VDBLIC_WARNINGS_AS_ERRORS)
     target_compile_options(vdblic_settings INTERFACE -Werror)
 endif()

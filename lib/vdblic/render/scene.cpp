@@ -71,7 +71,11 @@ double LoadedTexture::bytes() const
 
 LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
 {
-    const VdbFile file = readVdb(frame.path);
+    return loadFrame(params, readVdb(frame.path), frame);
+}
+
+LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame)
+{
     const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
     const std::vector<std::string>& opacityBy = params.opacityBy;
     const auto storedColor = findScalar(file, {params.colorBy});

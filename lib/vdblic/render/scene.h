@@ -19,6 +19,7 @@
 namespace vdblic {
 
 struct RenderParams;
+struct VdbFile;
 
 /// A frame that was read.
 struct LoadedTexture {
@@ -34,6 +35,8 @@ struct LoadedTexture {
 
 /// @throws InputError naming the file
 [[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame);
+/// The same for what a file holds. @param frame number and name, for masks and messages
+[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame);
 
 /// What the look of a sequence is chosen from: samples of some of its frames.
 struct LookBasis {

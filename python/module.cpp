@@ -1,0 +1,180 @@
+#include "advection.h"
+#include "grid_arrays.h"
+#include "options.h"
+#include "picture.h"
+#include "vdblic/compare/compare.h"
+#include "vdblic/compare/report.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/core/version.h"
+#include "vdblic/field/box_domain.h"
+#include "vdblic/field/synth.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/coherence_report.h"
+#include "vdblic/lic/coherence_sequence.h"
+
+#include <openvdb/openvdb.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic::python {
+namespace {
+
+namespace py = pybind11;
+
+py::tuple readVolume(const std::string& path)
+{
+    VdbFile file;
+    {
+        const py::gil_scoped_release release;
+        file = readVdb(path);
+    }
+    py::list grids;
+    for (openvdb::GridBase::Ptr& grid : file.grids) {
+        py::object arrays = toDictionary(*grid);
+        if (!arrays.is_none()) grids.append(arrays);
+        grid.reset();
+    }
+    return py::make_tuple(grids, toDictionary(file.metadata));
+}
+
+openvdb::GridPtrVec gridsOf(const py::list& dictionaries)
+{
+    openvdb::GridPtrVec grids;
+    for (const py::handle& dictionary : dictionaries)
+        grids.push_back(toGrid(dictionary.cast<py::dict>()));
+    return grids;
+}
+
+void writeVolume(const std::string& path, const py::list& dictionaries, const py::dict& metadata,
+                 const std::string& compression, bool half)
+{
+    const openvdb::GridPtrVec made = gridsOf(dictionaries);
+    openvdb::GridCPtrVec grids(made.begin(), made.end());
+    for (const auto& grid : made)
+        grid->setSaveFloatAsHalf(half);
+    const openvdb::MetaMap fileMetadata = toMetadata(metadata);
+    const VdbCompression kind = parseVdbCompression(compression);
+    const py::gil_scoped_release release;
+    writeVdb(path, grids, fileMetadata, kind);
+}
+
+/// The picture of a volume. The array shares the image's memory.
+py::array_t<float> render(Picture& picture, const py::list& dictionaries, const py::dict& metadata, std::int64_t frame)
+{
+    const VdbFile volume{gridsOf(dictionaries), toMetadata(metadata), "volume"};
+    auto image = std::make_unique<Image>();
+    {
+        const py::gil_scoped_release release;
+        *image = picture.of(volume, frame);
+    }
+    const std::array<py::ssize_t, 3> shape = {image->size.y, image->size.x, 4};
+    const float* pixels = &image->pixels.data()->x;
+    const py::capsule owner(image.release(), [](void* made) { delete static_cast<Image*>(made); });
+    return py::array_t<float>(shape, pixels, owner);
+}
+
+py::object synth(const std::string& flow, const BoxSize& size, double time, double voxelSize)
+{
+    openvdb::Vec3SGrid::Ptr grid;
+    {
+        const py::gil_scoped_release release;
+        checkBoxSize(size);
+        checkVoxelSize(voxelSize);
+        grid = sampleFlow(flowInBox(findAnalyticFlow(flow), size, voxelSize), *boxDomain(size),
+                          *openvdb::math::Transform::createLinearTransform(voxelSize), time);
+    }
+    return toDictionary(*grid);
+}
+
+std::string diff(const std::string& a, const std::string& b, const py::dict& given)
+{
+    const Options options(given);
+    CompareSequencesParams params{a, b, "", "", false, "", {}};
+    options.set("frames", params.frames);
+    options.set("fail", params.compare.fail);
+    options.set("relative", params.compare.relative);
+    options.set("fail_percent", params.compare.failPercent);
+    options.set("warn", params.compare.warn);
+    options.set("ignored_metadata", params.compare.ignoredMetadata);
+    const py::gil_scoped_release release;
+    Reporter silent;
+    return toJson(compareSequences(params, silent), params.compare);
+}
+
+std::string coherence(const std::string& velocity, const std::string& texture, const py::dict& given)
+{
+    const Options options(given);
+    SequenceCoherenceParams params;
+    params.flow.input.pattern = velocity;
+    params.texture = texture;
+    options.set("frames", params.flow.input.frames);
+    options.set("velocity", params.flow.velocity.grid);
+    options.set("velocity_scale", params.flow.velocity.scale);
+    if (options.has("velocity_unit"))
+        params.flow.velocity.unit = parseVelocityUnit(options.get<std::string>("velocity_unit"));
+    options.set("frame_spacing", params.flow.frameSpacing);
+    options.set("texture_name", params.textureName);
+    options.set("samples", params.coherence.samples);
+    const py::gil_scoped_release release;
+    Reporter silent;
+    return toJson(coherenceOfSequence(params, silent), params);
+}
+
+/// The next event of a run as (kind, text). Ctrl-C is noticed while waiting.
+py::tuple nextEvent(AdvectionRun& run)
+{
+    static constexpr const char* kKinds[] = {"nothing", "needs", "finished", "said", "warned", "done"};
+    for (;;) {
+        AdvectionRun::Event event;
+        {
+            const py::gil_scoped_release release;
+            event = run.next();
+        }
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (event.kind != AdvectionRun::Kind::kNothing)
+            return py::make_tuple(kKinds[std::size_t(event.kind)], event.text);
+    }
+}
+
+} // namespace
+} // namespace vdblic::python
+
+PYBIND11_MODULE(_core, module)
+{
+    using namespace vdblic;
+    using namespace vdblic::python;
+    openvdb::initialize();
+    module.attr("__version__") = kVersion;
+    py::register_exception_translator([](std::exception_ptr error) {
+        try {
+            if (error) std::rethrow_exception(error);
+        } catch (const OutputError& output) {
+            PyErr_SetString(PyExc_OSError, output.what());
+        } catch (const Error& other) {
+            PyErr_SetString(PyExc_ValueError, other.what());
+        }
+    });
+    module.def("read", &readVolume);
+    module.def("write", &writeVolume);
+    module.def("synth", &synth);
+    module.def("diff", &diff);
+    module.def("coherence", &coherence);
+    py::class_<AdvectionRun>(module, "AdvectionRun")
+        .def(py::init(
+            [](const py::dict& options) { return std::make_unique<AdvectionRun>(advectParams(Options(options))); }))
+        .def("next", &nextEvent)
+        .def("answer", &AdvectionRun::answer)
+        .def("stop", [](AdvectionRun& run) { run.stop(); });
+    py::class_<Picture>(module, "Picture")
+        .def(
+            py::init([](const py::dict& options) { return std::make_unique<Picture>(renderParams(Options(options))); }))
+        .def("render", &render);
+}

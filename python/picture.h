@@ -1,0 +1,30 @@
+#pragma once
+
+#include "options.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/render/image.h"
+#include "vdblic/render/render_params.h"
+#include "vdblic/render/scene.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace vdblic::python {
+
+[[nodiscard]] RenderParams renderParams(const Options& options); ///< @throws ParameterError, InputError
+
+/// Pictures of volumes in memory. As in vdblic_render of paths on standard input, the first volume with an active voxel
+/// chooses camera and look for all. Not thread-safe.
+class Picture {
+  public:
+    explicit Picture(RenderParams params) : mParams(std::move(params)) {}
+
+    /// @return linear light, premultiplied alpha, without a background
+    [[nodiscard]] Image of(const VdbFile& volume, std::int64_t frame);
+
+  private:
+    RenderParams mParams;
+    std::optional<Scene> mScene;
+};
+
+} // namespace vdblic::python

@@ -1,0 +1,50 @@
+"""Pictures of textures."""
+
+from __future__ import annotations
+
+import numpy
+
+from . import _core
+from .volumes import Volume, as_dictionaries
+
+OPTIONS = frozenset(
+    "look size by color_by opacity_by transfer colormap opacity range opacity_range shadows texture solid samples step"
+    " stretch eye target up projection fov view_height".split()
+)
+
+
+class Renderer:
+    """Ray casts textures. Options are those of `vdblic_render`; what is not given is chosen from the first texture.
+
+    look                          flow, vortex, ink, smoke or xray: what all other options start from
+    size                          (width, height) in pixels
+    by, color_by, opacity_by      grids whose values choose colour and opacity
+    transfer, colormap, opacity, range, opacity_range  of the transfer function
+    eye, target, up, projection, fov, view_height, stretch  of the camera
+    samples, step, shadows, solid, texture
+
+    One renderer keeps camera and colours over a sequence. Not for several threads at a time; each may have its own.
+    """
+
+    def __init__(self, **options):
+        for name in options:
+            if name not in OPTIONS:
+                raise TypeError(f"Renderer() has no option '{name}'; it has {', '.join(sorted(OPTIONS))}")
+        self._picture = _core.Picture({name: value for name, value in options.items() if value is not None})
+
+    def __call__(self, texture: Volume, frame: int | None = None) -> numpy.ndarray:
+        """The picture of a texture: (height, width, 4), rows from the top, linear light, premultiplied alpha.
+
+        It equals the pixels of `vdblic_render`'s .exr files.
+        """
+        number = texture.frame if frame is None else frame
+        return self._picture.render(as_dictionaries(texture.grids), texture.metadata, 1 if number is None else number)
+
+
+def displayed(picture: numpy.ndarray, background: tuple[float, float, float] = (0.04, 0.05, 0.07)) -> numpy.ndarray:
+    """A picture over a background as screens show it: (height, width, 3), sRGB in bytes, for Pillow or Matplotlib."""
+    behind = numpy.array(background, numpy.float32)
+    linear = numpy.where(behind <= 0.04045, behind / 12.92, ((behind + 0.055) / 1.055) ** 2.4)
+    light = numpy.clip(picture[..., :3] + (1 - picture[..., 3:]) * linear, 0, 1)
+    srgb = numpy.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return numpy.round(255 * srgb).astype(numpy.uint8)

@@ -1,0 +1,265 @@
+"""The Python module against the tools: the same textures, pictures and reports; errors, interruptions and threads."""
+
+import json
+import os
+import pathlib
+import resource
+import signal
+import struct
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import numpy
+
+import flows
+from support import BIN, ToolTest, skip
+
+MODULE = BIN.parent / "python"
+SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
+if os.environ.get("VDBLIC_SANITIZED") == "1":
+    skip("a sanitized module needs a sanitized Python")
+if not list(MODULE.glob("vdblic/_core*.so")):
+    skip("the module is not built, because pybind11 is missing")
+sys.path.insert(0, str(MODULE))
+import vdblic  # pylint: disable=wrong-import-position
+
+SIZE = 24, 20, 16
+
+
+def fields(count):
+    """The velocities of a known flow, with their times."""
+    for volume in vdblic.synth("abc", SIZE, range(1, count + 1)):
+        yield volume.time, volume["velocity"].values
+
+
+class Volumes(ToolTest):
+    def test_what_is_written_is_read(self):
+        values = numpy.random.default_rng(1).random((9, 17, 5), numpy.float32)
+        active = values > 0.3
+        active[[0, -1]] = active[:, [0, -1]] = active[..., [0, -1]] = True
+        place = numpy.array([[0, 2, 0, 5], [1, 0, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1.0]])
+        scalar = vdblic.Grid(values, active, place, (-3, 2, 100), "p", {"time": 0.5, "n": 3, "is": True, "of": "air"})
+        vector = vdblic.Grid(values[..., None] * [1, 2, 3], name="v", staggered=True)
+        vdblic.write(self.folder / "a.vdb", [scalar, vector], {"frame": 7})
+        volume = vdblic.read(self.folder / "a.vdb")
+        self.assertEqual((list(volume), volume.frame, volume.time), (["p", "v"], 7, 0.5))
+        back = volume["p"]
+        numpy.testing.assert_array_equal(back.active, active)
+        numpy.testing.assert_array_equal(back.values, numpy.where(active, values, 0))
+        numpy.testing.assert_array_equal(back.transform, place)
+        self.assertEqual((back.origin, back.staggered), ((-3, 2, 100), False))
+        self.assertLessEqual(scalar.metadata.items(), back.metadata.items())
+        numpy.testing.assert_array_equal(back.positions()[1, 2, 3], place[:3, :3] @ (-2, 4, 103) + (5, 6, 7))
+        self.assertTrue(volume["v"].staggered)
+        numpy.testing.assert_allclose(volume["v"].values, vector.values, rtol=1e-7)
+        self.outputs("vdblic_noise", "--verify", "--like", "a.vdb", "-o", "n.vdb")
+        self.assertIn("1 of them by their checksums",
+                      self.run_tool("vdblic_noise", "--verify", "--like", "a.vdb", "-o", "n.vdb").stderr)
+        # Any layout is taken.
+        vdblic.write(self.folder / "b.vdb", vdblic.Grid(numpy.asfortranarray(values)[::-1].astype(float), name="p"))
+        numpy.testing.assert_array_equal(vdblic.read(self.folder / "b.vdb")["p"].values, values[::-1])
+
+    def test_mistakes(self):
+        with self.assertRaisesRegex(ValueError, "nothing.vdb: no such file"):
+            vdblic.read(self.folder / "nothing.vdb")
+        (self.folder / "broken.vdb").write_bytes(b"garbage" * 99)
+        with self.assertRaisesRegex(ValueError, "broken.vdb"):
+            vdblic.read(self.folder / "broken.vdb")
+        with self.assertRaisesRegex(OSError, "make it first"):
+            vdblic.write(self.folder / "no/a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2))))
+        with self.assertRaisesRegex(ValueError, "`values` is no array"):
+            vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2))))
+        with self.assertRaisesRegex(ValueError, "`active` is no mask of 2 x 2 x 2"):
+            vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2)), numpy.ones((2, 2, 3), bool)))
+        with self.assertRaisesRegex(ValueError, "`transform`"):
+            vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2)), transform=numpy.zeros((4, 4))))
+        with self.assertRaisesRegex(KeyError, "no grid 'q'; the volume holds p"):
+            vdblic.Volume([vdblic.Grid(numpy.zeros((2, 2, 2)), name="p")])["q"]
+        with self.assertRaisesRegex(ValueError, "abc, gyre"):
+            next(vdblic.synth("nothing", (8, 8, 8), [1]))
+        self.assertEqual(self.files(), ["broken.vdb"])
+
+
+class Advect(ToolTest):
+    def assert_equal(self, textures, paths):
+        """The textures are those of the files, bit for bit."""
+        self.assertEqual(len(textures), len(paths))
+        for texture, path in zip(textures, paths):
+            expected = vdblic.read(path)
+            self.assertEqual(list(texture), list(expected))
+            self.assertEqual(texture.metadata["time"], expected.metadata["time"])
+            for name in expected:
+                numpy.testing.assert_array_equal(texture[name].values, expected[name].values)
+                numpy.testing.assert_array_equal(texture[name].active, expected[name].active)
+                numpy.testing.assert_array_equal(texture[name].transform, expected[name].transform)
+
+    def test_arrays_and_files_give_the_textures_of_the_tool(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *SIZE, "--frames", "1-5")
+        paths = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--refine", 2, "--substeps", 2,
+                             "--seed", 3, "--with", "q")
+        options = {"refine": 2, "substeps": 2, "seed": 3, "derived": ["q"]}
+        self.assert_equal(list(vdblic.advect(f"{self.folder}/v.%04d.vdb", **options)), paths)
+        self.assert_equal(list(vdblic.advect(fields(5), voxel_size=0.1, **options)), paths)
+        self.assert_equal(list(vdblic.advect(vdblic.synth("abc", SIZE, range(1, 6)), **options)), paths)
+        lic = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "steady.%04d.vdb", "--method", "lic", "--dt", 0.5)
+        arrays = [values for _, values in fields(5)]
+        self.assert_equal(list(vdblic.advect(arrays, frame_spacing=0.5, voxel_size=0.1, method="lic")), lic)
+
+    def test_errors(self):
+        def broken():
+            yield from fields(2)
+            raise RuntimeError("no more")
+
+        run = vdblic.advect(broken())
+        with self.assertRaisesRegex(RuntimeError, "no more"):
+            list(run)
+        for error, words, arguments, options in (
+                (ValueError, "frame 1 has the shape", ([numpy.zeros((4, 4, 4))],), {}),
+                (ValueError, "`life_span`|life", (fields(1),), {"life_span": 0}),
+                (ValueError, "`refine` cannot be", (fields(1),), {"refine": "x"}),
+                (ValueError, "method 'x'", (fields(1),), {"method": "x"}),
+                (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
+                (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
+                (ValueError, "standard input named none", ([],), {})):
+            with self.subTest(words), self.assertRaisesRegex(error, words):
+                list(vdblic.advect(*arguments, **options))
+
+    def test_a_closed_iterator_stops_the_run(self):
+        asked = []
+
+        def endless():
+            for number in range(10**6):
+                asked.append(number)
+                yield number / 24, numpy.ones((*SIZE, 3), numpy.float32)
+
+        run = vdblic.advect(endless())
+        next(run)
+        run.close()
+        self.assertLess(len(asked), 12)
+        self.assertFalse([thread for thread in threading.enumerate() if thread is not threading.main_thread()])
+
+    def test_ctrl_c(self):
+        program = ("import vdblic, numpy\n"
+                   "for t in vdblic.advect((n / 24, numpy.ones((32, 32, 32, 3), 'f4')) for n in range(10**6)):\n"
+                   "    print(t.frame, flush=True)\n")
+        run = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               text=True, env=os.environ | {"PYTHONPATH": str(MODULE), "TMPDIR": str(self.folder)})
+        run.stdout.readline()
+        run.send_signal(signal.SIGINT)
+        _, messages = run.communicate(timeout=30)
+        self.assertIn("KeyboardInterrupt", messages)
+        self.assertEqual(self.files(), [], "scratch files are removed")
+
+    def test_several_runs_at_a_time(self):
+        alone = [texture["density"].values for texture in vdblic.advect(fields(4))]
+        results = [[] for _ in range(3)]
+
+        def work(result):
+            result += [texture["density"].values for texture in vdblic.advect(fields(4))]
+
+        threads = [threading.Thread(target=work, args=(result,)) for result in results]
+        started = time.monotonic()
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(60)
+        self.assertLess(time.monotonic() - started, 60)
+        for result in results:
+            numpy.testing.assert_array_equal(result, alone)
+
+    def test_memory_is_flat_over_100_frames(self):
+        peaks = []
+        for number, _ in enumerate(vdblic.advect((n / 24, numpy.ones((*SIZE, 3), numpy.float32)) for n in range(100))):
+            if number in (30, 99):
+                peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+        self.assertEqual(number, 99)
+        self.assertLess(peaks[1] - peaks[0], 8 << 10)
+
+
+class Pictures(ToolTest):
+    def test_a_picture_is_that_of_the_tool(self):
+        self.outputs("vdblic_synth", "ring", "-o", "v.%04d.vdb", "--size", *SIZE, "--frames", "1-2")
+        paths = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--refine", 2)
+        options = ("--size", 48, 32, "--samples", 2, "--precision", "float", "--eye", 8, 9, 7, "--shadows", 0.5)
+        self.outputs("vdblic_render", "-", "-o", "i.%04d.exr", *options, "--compression", "none",
+                     stdin="\n".join(map(str, paths)))
+        render = vdblic.Renderer(size=(48, 32), samples=2, eye=(8, 9, 7), shadows=0.5)
+        for frame, path in enumerate(paths, 1):
+            picture = render(vdblic.read(path))
+            self.assertEqual((picture.shape, picture.dtype), ((32, 48, 4), numpy.float32))
+            self.assertGreater(picture[..., 3].max(), 0.3)
+            numpy.testing.assert_array_equal(picture, self.pixels(f"i.{frame:04}.exr", (32, 48)))
+        shown = vdblic.displayed(picture)
+        self.assertEqual((shown.shape, shown.dtype), ((32, 48, 3), numpy.uint8))
+
+    def pixels(self, name, shape):
+        """The pixels (y, x, RGBA) of an .exr file of floats in uncompressed rows."""
+        data, at = self.contents(name), 8
+        while data[at]:  # attributes: name, type, size, value
+            at = data.index(0, data.index(0, at) + 1) + 1
+            at += 4 + struct.unpack_from("<i", data, at)[0]
+        rows = []
+        for offset in struct.unpack_from(f"<{shape[0]}Q", data, at + 1):
+            _, size = struct.unpack_from("<ii", data, offset)
+            rows.append(numpy.frombuffer(data, "<f4", size // 4, offset + 8).reshape(4, shape[1])[::-1].T)
+        return numpy.array(rows)
+
+    def test_mistakes(self):
+        with self.assertRaisesRegex(TypeError, "no option 'width'"):
+            vdblic.Renderer(width=3)
+        with self.assertRaisesRegex(ValueError, "flow, vortex"):
+            vdblic.Renderer(look="nice")
+        with self.assertRaisesRegex(ValueError, "no float grid 'density'"):
+            vdblic.Renderer()(vdblic.Volume([vdblic.Grid(numpy.zeros((2, 2, 2)), name="p")]))
+
+
+class Measures(ToolTest):
+    def test_reports_are_those_of_the_tools(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *SIZE, "--frames", "1-3")
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb")
+        velocity, texture = f"{self.folder}/v.%04d.vdb", f"{self.folder}/lic.%04d.vdb"
+        self.assertEqual(vdblic.diff(velocity, velocity)["verdict"], "same")
+        one, two = (vdblic.read(self.folder / f"lic.{frame:04}.vdb") for frame in (1, 2))
+        self.assertEqual((vdblic.diff(one, one)["verdict"], vdblic.diff(one, two)["verdict"]), ("same", "different"))
+        self.outputs("vdblic_coherence", "v.%04d.vdb", "lic.%04d.vdb", "--json", "c.json", "--samples", 2000)
+        report = vdblic.coherence(velocity, texture, samples=2000)
+        expected = json.loads(self.contents("c.json"))
+        self.assertEqual(report["frames"], expected["frames"])
+
+
+class Packaged(ToolTest):
+    def run_python(self, *arguments, path=MODULE):
+        environment = os.environ | {"PYTHONPATH": str(path), "PATH": f"{BIN}:{os.environ['PATH']}"}
+        done = subprocess.run([sys.executable, *map(str, arguments)], cwd=self.folder, env=environment, text=True,
+                              capture_output=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_samples(self):
+        self.run_python(SOURCE / "samples/python/field_to_picture.py", "picture.ppm")
+        picture = numpy.frombuffer(self.contents("picture.ppm")[15:], numpy.uint8).reshape(400, 640, 3)
+        self.assertGreater(picture.std(), 10)
+        flows.write_foam(self.folder / "case", [0, 0.1])
+        self.run_python(SOURCE / "samples/python/import_to_film.py", "case", "film.mp4", "--size", 8, 6, 4)
+        self.assertGreater(len(self.contents("film.mp4")), 1000)
+
+    def test_installed(self):
+        subprocess.run(["cmake", "--install", BIN.parent, "--prefix", self.folder / "prefix"], check=True,
+                       capture_output=True)
+        packages = self.folder / "prefix/lib/python3/dist-packages"
+        program = "import vdblic; print(vdblic.__file__, len(list(vdblic.synth('abc', (4, 4, 4), [1]))))"
+        where = self.run_python("-c", program, path=packages)
+        self.assertEqual(where.split(), [str(packages / "vdblic/__init__.py"), "1"])
+        self.assertTrue((packages / "vdblic/py.typed").is_file())
+        numpy.save(self.folder / "v.npy", numpy.ones((4, 4, 4, 3)))
+        for tool, source, output in ("import", "v.npy", "v.vdb"), ("export", "v.vdb", "v.vti"):
+            command = [self.folder / f"prefix/bin/vdblic_{tool}", source, "-o", output]
+            subprocess.run(command, cwd=self.folder, check=True, capture_output=True)
+            self.assertIn(output, self.files())
+
+
+if __name__ == "__main__":
+    unittest.main()
