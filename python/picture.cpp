@@ -1,18 +1,19 @@
 #include "picture.h"
 
 #include "vdblic/io/texture_name.h"
-#include "vdblic/render/light_grid.h"
+#include "vdblic/render/frame_picture.h"
 #include "vdblic/render/look_preset.h"
-#include "vdblic/render/solid.h"
-#include "vdblic/render/supersampling.h"
 #include "vdblic/render/transfer_file.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic::python {
 namespace {
@@ -74,24 +75,20 @@ Image Picture::of(const VdbFile& volume, std::int64_t frame)
 {
     RenderParams params = mParams;
     params.texture = textureName(volume.metadata, mParams.texture);
-    const LoadedTexture loaded = loadFrame(params, volume, {frame, volume.path});
-    const glm::ivec2 size = params.scaledSize();
+    const auto loaded = std::make_shared<const LoadedTexture>(loadFrame(params, volume, {frame, volume.path}));
     if (!mScene) {
-        if (loaded.volume.empty()) return {size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
-        mScene = chooseScene(params, {&loaded, 1}, loaded.volume.corners(), true, {});
+        const glm::ivec2 size = params.scaledSize();
+        if (loaded->volume.empty()) return {size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
+        mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), true, {});
         if (!mParams.opacityBy.empty()) mParams.opacityBy = {mScene->opacityBy};
     }
-    const Look& look = mScene->look;
-    const Camera camera = mScene->cameras.at(frame);
-    std::unique_ptr<const Solid> solid;
+    std::shared_ptr<const Solid> solid;
     if (!params.solid.source.empty())
-        solid = std::make_unique<const Solid>(makeSolid(params.solid, *loaded.texture, params.stretch, frame));
-    std::optional<LightGrid> light;
-    if (look.shadows > 0) light.emplace(loaded.volume, look, keyLight(look, camera), double(look.shadows), solid.get());
-    return castSamples(loaded.volume, look, camera, params.rays, params.samples,
-                       {.solid = solid.get(),
-                        .solidColor = glm::vec3(linearFromDisplay(params.solid.color)),
-                        .light = light ? &*light : nullptr});
+        solid = std::make_shared<const Solid>(makeSolid(params.solid, *loaded->texture, params.stretch, frame));
+    FramePicture picture(params, *mScene, *loaded, std::move(solid));
+    for (int sample = 0; sample < params.samples; ++sample)
+        picture.addSample();
+    return picture.image();
 }
 
 } // namespace vdblic::python
