@@ -6,7 +6,6 @@
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
-#include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
 #include "vdblic/io/pattern_advice.h"
 #include "vdblic/io/vdb_file.h"
@@ -24,7 +23,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <malloc.h>
 #include <new>
 #include <optional>
 #include <sys/resource.h>
@@ -60,16 +58,6 @@ std::vector<std::filesystem::path> filesOf(const SequenceParams& input)
     for (const std::int64_t frame : frames)
         files.push_back(pattern.path(frame));
     return files;
-}
-
-/// Let few threads share one arena of the allocator: what one thread freed then serves the others, and a step needs no
-/// new memory for the leaves that the step before gave back. With many threads the arena's lock would cost more.
-void shareFreedMemory()
-{
-#ifdef __GLIBC__
-    constexpr std::size_t kThreadsOfAnArena = 4;
-    ::mallopt(M_ARENA_MAX, int(std::max(threadCount() / kThreadsOfAnArena, std::size_t(1))));
-#endif
 }
 
 /// Bytes of this process that count against RLIMIT_DATA.
@@ -234,7 +222,6 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
 
     std::optional<tbb::global_control> threads;
     if (mThreads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(mThreads));
-    shareFreedMemory();
     Console console(mApp.get_name(), mQuiet     ? Console::Level::kQuiet
                                      : mVerbose ? Console::Level::kVerbose
                                                 : Console::Level::kNormal);

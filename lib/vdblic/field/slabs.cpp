@@ -9,9 +9,8 @@
 namespace vdblic {
 namespace {
 
-// The bricks of a slab and its neighbours then are a few megabytes a thread, and are used again while the processor's
-// caches hold them.
-constexpr std::size_t kLeavesForThread = 96;
+// The bricks of a slab and its neighbours are a few megabytes and are used again while the caches hold them.
+constexpr std::size_t kFewestLeaves = 96;
 
 } // namespace
 
@@ -22,7 +21,9 @@ Slabs::Slabs(const Domain& domain, const Refinement& refinement)
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
         box.expand(domain.origin(leaf));
     mAxis = int(box.maxExtent());
-    const std::size_t enough = kLeavesForThread * threadCount();
+    // Threads keep a distance from one another, so a slab for several needs more leaves for each.
+    constexpr std::size_t kLeavesForThread = 512;
+    const std::size_t threads = threadCount(), enough = threads == 1 ? kFewestLeaves : kLeavesForThread * threads;
     sortLeaves(domain);
     for (std::size_t i = 0; i < mLeaves.size(); ++i) {
         const openvdb::Coord origin = domain.origin(mLeaves[i]);
