@@ -49,9 +49,7 @@ class Page(ViewerTest):
         self.wait_for_refined()
 
     def tearDown(self):
-        # Chromium reports a picture that a newer request replaced.
-        errors = [entry for entry in self.browser.get_log("browser")
-                  if entry["level"] in ("SEVERE", "WARNING") and "status of 409" not in entry["message"]]
+        errors = [entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
         self.assertEqual(errors, [])
         self.browser.get("about:blank")
         super().tearDown()
@@ -60,7 +58,7 @@ class Page(ViewerTest):
         return self.browser.find_element(By.ID, name)
 
     def wait_until(self, condition, what):
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 20
         while not condition():
             if time.monotonic() > deadline:
                 self.fail(f"{what}; the page says: {self.element('message').text}")

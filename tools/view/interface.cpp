@@ -15,6 +15,7 @@
 #include <array>
 #include <filesystem>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -211,18 +212,32 @@ Json Interface::keep(const Json& asked, const WebRequest& request)
     if (kind == "files") return mKeeper.keepFiles(stateIn(asked), frame);
     if (kind == "film") return mKeeper.beginFilm(stateIn(asked), member(asked, "fps", 24.0));
     if (kind != "picture") throw ParameterError("\"kind\" must be files, picture or film");
-    return mKeeper.keepPicture({member(asked, "client", std::string()), stateIn(asked), frame, /*settle=*/true},
+    return mKeeper.keepPicture({.client = member(asked, "client", std::string()),
+                                .turn = std::nullopt,
+                                .state = stateIn(asked),
+                                .frame = frame,
+                                .settle = true},
                                member(asked, "format", std::string("png")), request.isGone);
 }
 
 WebAnswer Interface::picture(const Json& asked, const WebRequest& request)
 {
-    const PictureRequest wanted{member(asked, "client", std::string()), stateIn(asked),
-                                member(asked, "frame", std::int64_t(0)), member(asked, "settle", false)};
+    PictureRequest wanted{.client = member(asked, "client", std::string()),
+                          .turn = std::nullopt,
+                          .state = stateIn(asked),
+                          .frame = member(asked, "frame", std::int64_t(0)),
+                          .settle = member(asked, "settle", false)};
+    if (asked.contains("turn")) wanted.turn = member(asked, "turn", std::int64_t(0));
     if (wanted.client.size() > 64) throw ParameterError("\"client\" is too long");
     const int quality = std::clamp(member(asked, "quality", 90), 1, 100);
     const bool lossless = member(asked, "format", std::string("jpeg")) == "png";
-    const ShownPicture shown = mPictures.picture(wanted, request.isGone);
+    std::optional<ShownPicture> made;
+    try {
+        made = mPictures.picture(wanted, request.isGone);
+    } catch (const Stopped&) {
+        return {204, "", ""}; // no error: browsers report those
+    }
+    const ShownPicture& shown = *made;
     for (const auto next : member(asked, "next", std::vector<std::int64_t>()))
         mViewer.prefetch(wanted.state, next);
     WebAnswer answer{200, lossless ? "image/png" : "image/jpeg",

@@ -39,19 +39,22 @@ std::string keyOf(const PictureRequest& request, std::uint64_t version)
 
 } // namespace
 
-std::shared_ptr<Pictures::Client> Pictures::clientOf(const std::string& name, std::stop_token& stop)
+std::shared_ptr<Pictures::Client> Pictures::clientOf(const PictureRequest& request, std::stop_token& stop)
 {
     const std::lock_guard lock(mMutex);
     auto found =
-        std::find_if(mClients.begin(), mClients.end(), [&](const auto& client) { return client->name == name; });
+        std::find_if(mClients.begin(), mClients.end(), [&](const auto& client) { return client->name == request.client; });
     if (found == mClients.end()) {
         mClients.push_front(std::make_shared<Client>());
-        mClients.front()->name = name;
+        mClients.front()->name = request.client;
         if (mClients.size() > kMostClients) mClients.pop_back();
     } else {
         mClients.splice(mClients.begin(), mClients, found);
     }
     Client& client = *mClients.front();
+    const std::int64_t turn = request.turn.value_or(client.turn);
+    if (turn < client.turn) throw Stopped{};
+    client.turn = turn;
     client.newest.request_stop();
     client.newest = {};
     stop = client.newest.get_token();
@@ -61,7 +64,7 @@ std::shared_ptr<Pictures::Client> Pictures::clientOf(const std::string& name, st
 ShownPicture Pictures::picture(const PictureRequest& request, const std::function<bool()>& isGone)
 {
     std::stop_token stop;
-    const std::shared_ptr<Client> client = clientOf(request.client, stop);
+    const std::shared_ptr<Client> client = clientOf(request, stop);
     const std::lock_guard casting(client->casting);
     const auto checkStop = [&] {
         if (stop.stop_requested() || isGone()) throw Stopped{};

@@ -11,6 +11,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <semaphore>
 #include <stop_token>
 #include <string>
@@ -20,6 +21,7 @@ namespace vdblic::view {
 /// A picture that a client asks for.
 struct PictureRequest {
     std::string client; ///< a name of its own choice
+    std::optional<std::int64_t> turn; ///< the client's number of the request; without one it is its newest
     nlohmann::json state;
     std::int64_t frame = 1;
     bool settle = false; ///< as Viewer::view()
@@ -36,7 +38,8 @@ struct ShownPicture {
     std::string nothingSeen; ///< why it is empty; empty if it is not
 };
 
-/// The pictures of all clients. Of each client the newest request counts: an older one that is being cast ends. The
+/// The pictures of all clients. Of each client the newest request counts: an older one ends,
+/// whether it is being cast or arrives late. The
 /// samples of a client's last picture are kept, so that a picture with more of them continues it.
 class Pictures {
   public:
@@ -61,12 +64,14 @@ class Pictures {
     struct Client {
         std::string name;
         std::stop_source newest; // of its newest request
+        std::int64_t turn = 0;   // the request's
         std::mutex casting;
         std::unique_ptr<Cast> last;
     };
 
     /// The client, whose older request is asked to end.
-    [[nodiscard]] std::shared_ptr<Client> clientOf(const std::string& name, std::stop_token& stop);
+    /// @throws Stopped if the request is the older one: requests on different connections may change places
+    [[nodiscard]] std::shared_ptr<Client> clientOf(const PictureRequest& request, std::stop_token& stop);
 
     Viewer& mViewer;
     std::mutex mMutex;

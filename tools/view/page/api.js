@@ -44,9 +44,10 @@ export async function ask(path, body) {
     return (await post(path, body)).json();
 }
 
-/// A picture as { bitmap, samples, settled, nothing }.
+/// A picture as { bitmap, samples, settled, nothing }, or null if a newer request took its place.
 export async function askPicture(body, signal) {
     const response = await post("picture", body, signal);
+    if (response.status === 204) return null;
     const nothing = response.headers.get("Vdblic-Nothing");
     return {
         bitmap: await createImageBitmap(await response.blob()),

@@ -1,6 +1,6 @@
 // The picture: small ones while something moves, then better ones step by step.
 
-import { askPicture, Refusal } from "./api.js";
+import { askPicture } from "./api.js";
 
 const kAim = 55; // milliseconds for a picture while something moves
 const kSmallest = 0.12; // scale
@@ -16,6 +16,7 @@ export class Picture extends EventTarget {
         this.request = request;
         this.client = Math.random().toString(36).slice(2);
         this.scale = 0.5;
+        this.turn = 0; // of the newest request
         this.wanted = false; // a picture while something moves
         new ResizeObserver(() => this.resize()).observe(canvas);
     }
@@ -53,6 +54,7 @@ export class Picture extends EventTarget {
     /// Show the picture as it is now, first coarse, then refined.
     refine() {
         this.tell("text", "…");
+        this.wanted = false;
         this.abortRefinement();
         this.refineNow(true);
     }
@@ -115,21 +117,24 @@ export class Picture extends EventTarget {
 
     async ask({ scale, samples, quality, step = 0 }, signal) {
         const { state, frame, next } = this.request();
+        const turn = ++this.turn;
         try {
             const asked = { ...state, size: this.size, samples };
             if (scale < 1) asked.scale = scale;
             if (step > 0) asked.step = Math.max(step, state.step || 0);
-            const shown = await askPicture({ client: this.client, state: asked, frame, next, quality }, signal);
+            const shown = await askPicture({ client: this.client, turn, state: asked, frame, next, quality }, signal);
+            if (!shown) return null;
             this.tell("message", shown.nothing && `Nothing is seen: ${shown.nothing}`);
-            return { ...shown, frame };
+            return { ...shown, frame, turn };
         } catch (error) {
-            const isOvertaken = error.name === "AbortError" || (error instanceof Refusal && error.status === 409);
-            if (!isOvertaken) this.tell("message", error.message);
+            if (error.name !== "AbortError") this.tell("message", error.message);
             return null;
         }
     }
 
+    /// Show a picture, unless a newer one is there: answers may change places.
     show(shown, text) {
+        if (this.shown?.turn > shown.turn) return;
         this.shown?.bitmap.close();
         this.shown = shown;
         this.draw(shown);
