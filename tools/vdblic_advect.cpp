@@ -1,4 +1,5 @@
 #include "cli/joined_numbers.h"
+#include "cli/ranks.h"
 #include "cli/refinement_option.h"
 #include "cli/tool.h"
 #include "cli/velocity_options.h"
@@ -44,7 +45,9 @@ int main(int argc, char** argv)
                 interpolation("linear"), scalars(toString(params.format.scalars));
     std::vector<int> refine{1};
 
-    cli::Tool tool("vdblic_advect", "Compute flow textures from a velocity sequence.");
+    const cli::Ranks ranks = cli::startRanks(argc, argv);
+    cli::Tool tool(ranks.toolName("vdblic_advect"), "Compute flow textures from a velocity sequence.");
+    tool.share(ranks);
     tool.inputSequence("VELOCITY", params.input, "Velocity sequence.");
     tool.output(params.output, "Texture files, such as lic.%04d.vdb.");
     tool.option("--method", method,
@@ -122,6 +125,6 @@ int main(int argc, char** argv)
         params.domain.refinement = cli::refinementOf(refine);
         params.domain.refinement.interpolation = parseInterpolation(interpolation);
         params.velocity.nonFinite = parseNonFinite(nonFinite);
-        advectSequence(params, tool.standardInput(), reporter);
+        advectSequence(params, tool.standardInput(), reporter, *ranks.exchange);
     });
 }

@@ -60,7 +60,7 @@ class StoppableInput : public std::istream {
 void catchStopSignals()
 {
     if (::pipe2(gWake.data(), O_CLOEXEC | O_NONBLOCK) != 0) gWake = {-1, -1};
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
         struct sigaction before {};
         ::sigaction(signal, nullptr, &before);
         if (before.sa_handler == SIG_IGN) continue;

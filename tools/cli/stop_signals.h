@@ -5,8 +5,8 @@
 
 namespace vdblic::cli {
 
-/// From here on SIGINT (Ctrl-C), SIGTERM and SIGHUP request the job to stop. The same signal a second time ends the
-/// process at once. A signal that was ignored at the start (nohup) stays ignored.
+/// From here on SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGUSR1 request the job to stop. The same signal a second time
+/// ends the process at once. A signal that was ignored at the start (nohup) stays ignored.
 void catchStopSignals();
 
 /// The signal that requested a stop; 0 if none did.

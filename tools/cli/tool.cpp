@@ -125,7 +125,8 @@ void Tool::verifies(std::function<std::vector<SequenceParams>()> inputs)
 void Tool::limitMemory() const
 {
     const std::uint64_t held = dataHeld(), least = std::max(kLeastMemory, held);
-    const std::uint64_t limit = mMaxMemory.empty() ? memoryLimit() : parseMemory(mMaxMemory);
+    const std::uint64_t limit =
+        mMaxMemory.empty() ? memoryLimit() / std::uint64_t(mProcesses) : parseMemory(mMaxMemory);
     if (!mMaxMemory.empty() && limit < least) {
         throw ParameterError(fmt::format("--max-memory {} is too little; a tool needs {}", memoryText(double(limit)),
                                          memoryText(double(least))));
@@ -174,6 +175,19 @@ std::string Tool::expandedPattern() const
         "{} more files are named than the tool takes, as by a pattern that the shell expanded; write the "
         "pattern as {} or in quotes",
         files.size(), meant.empty() ? "name.%04d.vdb" : meant);
+}
+
+void Tool::share(const Ranks& ranks)
+{
+    mProcesses = ranks.onHost;
+    mIsShared = !ranks.exchange->isAlone();
+}
+
+int Tool::endBy(int signal) const
+{
+    if (!mIsShared) dieBy(signal);
+    // Another rank may have got the signal, and this one not yet.
+    return 128 + (signal != 0 ? signal : SIGTERM);
 }
 
 /// Print what was asked for instead of a job. @return the exit status
@@ -230,10 +244,10 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         if (mVerify) verify(console);
         return status(job(console));
     } catch (const ClosedPipe&) {
-        dieBy(stopSignal() != 0 ? stopSignal() : SIGPIPE);
+        return endBy(stopSignal() != 0 ? stopSignal() : SIGPIPE);
     } catch (const Stopped&) {
         console.say("stopped");
-        dieBy(stopSignal());
+        return endBy(stopSignal());
     } catch (const ParameterError& error) {
         console.error(error.what());
         return status(ExitStatus::kUsage);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cli/exit_status.h"
+#include "cli/ranks.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/io/sequence.h"
 
@@ -38,6 +39,10 @@ class Tool {
     /// `--verify`. @param inputs returns the .vdb files that the job will read; called once all options are parsed
     void verifies(std::function<std::vector<SequenceParams>()> inputs);
 
+    /// Share the job with other processes, and this machine's memory with some of them. After a signal all of them end
+    /// by the status 128 and its number: a process that dies by a signal would end the others before they could.
+    void share(const Ranks& ranks);
+
     CLI::App& app() { return mApp; }
     /// Standard input, for the job. It ends when a stop is requested.
     std::istream& standardInput() { return *mInput; }
@@ -51,12 +56,14 @@ class Tool {
     void limitMemory() const;
     void verify(Reporter& reporter) const;
     [[nodiscard]] std::string expandedPattern() const;
+    [[nodiscard]] int endBy(int signal) const;
     [[nodiscard]] int tell(const CLI::Success& asked) const;
 
     CLI::App mApp;
     std::unique_ptr<std::istream> mInput;
     std::function<std::vector<SequenceParams>()> mInputs;
-    int mThreads = 0;
+    int mThreads = 0, mProcesses = 1; // processes on this machine
+    bool mIsShared = false;
     std::string mMaxMemory;
     bool mQuiet = false, mVerbose = false, mVerify = false;
 };

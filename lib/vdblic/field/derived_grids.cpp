@@ -1,12 +1,12 @@
 #include "vdblic/field/derived_grids.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/index_axes.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <openvdb/openvdb.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -73,7 +73,7 @@ std::vector<openvdb::FloatGrid::Ptr> derivedGrids(const std::vector<std::string>
     for (const std::string& name : names) {
         const auto quantity = name == "q" ? &qCriterion : &vorticity;
         const LeafValues<float> values(domain, 0.0f);
-        tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        forLeaves(domain.local(), [&](std::size_t leaf) {
             const openvdb::Vec3SGrid::ConstAccessor accessor = velocities.getConstAccessor();
             for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
                 const Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());

@@ -7,6 +7,7 @@
 #include <openvdb/tools/Prune.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace vdblic {
@@ -24,13 +25,12 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
 {
     checkVoxels(mTopology->activeVoxelCount());
     mTopology->voxelizeActiveTiles();
+    // Leaves without an active voxel need no computation, and nodes without a leaf would be in every output.
+    openvdb::tools::pruneInactive(*mTopology);
     mTopology->getNodes(mLeaves);
-    // Leaves without an active voxel need no computation.
-    if (std::any_of(mLeaves.begin(), mLeaves.end(), [](const Leaf* leaf) { return leaf->isEmpty(); })) {
-        openvdb::tools::pruneInactive(*mTopology);
-        mLeaves.clear();
-        mTopology->getNodes(mLeaves);
-    }
+    mOwn.resize(mLeaves.size());
+    std::iota(mOwn.begin(), mOwn.end(), 0u);
+    mLocal = mOwn;
     if (mLeaves.empty()) return;
 
     openvdb::CoordBBox box;
@@ -56,18 +56,50 @@ Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
     }
 
     mBlocks.assign(blocks, -1);
-    for (std::size_t i = 0; i < mLeaves.size(); ++i) {
-        const openvdb::Coord c = mLeaves[i]->origin();
-        const auto along = [&](int axis) {
-            return std::size_t((c[axis] >> LeafBlock::kLog2Voxels) - mFirstBlock[axis]);
-        };
-        int& block = mBlocks[(along(0) * mBlockDim[1] + along(1)) * mBlockDim[2] + along(2)];
+    placeLeaves();
+}
+
+std::shared_ptr<const Domain> Domain::part(std::vector<std::uint32_t> own, std::vector<std::uint32_t> local) const
+{
+    auto domain = std::make_shared<Domain>(*this);
+    domain->mOwn = std::move(own);
+    domain->mLocal = std::move(local);
+    domain->mIsOwn.assign(mLeaves.size(), 0);
+    for (const std::uint32_t leaf : domain->mOwn)
+        domain->mIsOwn[leaf] = 1;
+    domain->placeLeaves();
+    return domain;
+}
+
+std::uint64_t Domain::firstVoxelNumber(std::size_t leaf) const
+{
+    const openvdb::Coord c = mLeaves[leaf]->origin();
+    const int leafIndex = LeafBlock::leafIndex(c[0], c[1], c[2]);
+    return (std::uint64_t(blockIndex(c)) * LeafBlock::kCount + std::uint64_t(leafIndex)) * kLeafVoxels;
+}
+
+std::size_t Domain::blockIndex(const openvdb::Coord& voxel) const
+{
+    const auto along = [&](int axis) {
+        return std::size_t((voxel[axis] >> LeafBlock::kLog2Voxels) - mFirstBlock[axis]);
+    };
+    return (along(0) * mBlockDim[1] + along(1)) * mBlockDim[2] + along(2);
+}
+
+/// Enter the local leaves into the tables.
+void Domain::placeLeaves()
+{
+    std::fill(mBlocks.begin(), mBlocks.end(), -1);
+    mLeafOfBlock.clear();
+    for (const std::uint32_t leaf : mLocal) {
+        const openvdb::Coord c = mLeaves[leaf]->origin();
+        int& block = mBlocks[blockIndex(c)];
         if (block < 0) {
             block = int(mLeafOfBlock.size() / LeafBlock::kCount);
             mLeafOfBlock.resize(mLeafOfBlock.size() + LeafBlock::kCount, -1);
         }
         const int leafIndex = LeafBlock::leafIndex(c[0], c[1], c[2]);
-        mLeafOfBlock[std::size_t(block) * LeafBlock::kCount + std::size_t(leafIndex)] = int(i);
+        mLeafOfBlock[std::size_t(block) * LeafBlock::kCount + std::size_t(leafIndex)] = int(leaf);
     }
 }
 

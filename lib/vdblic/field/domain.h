@@ -6,7 +6,9 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace vdblic {
@@ -15,25 +17,42 @@ namespace vdblic {
 ///
 /// A leaf is OpenVDB's block of 8³ voxels. Leaves are numbered in the order in which every tree of this topology visits
 /// them, so all grids on a domain share the numbering. Immutable; any number of threads may read.
+///
+/// Of several processes that share the work, each knows the whole domain, computes its *own* leaves, and has values on
+/// its *local* ones: its own and those around them. A process alone owns all.
 class Domain {
   public:
     using Leaf = openvdb::MaskTree::LeafNodeType;
     using Mask = Leaf::NodeMaskType;
     static constexpr int kLeafVoxels = LeafVoxel::kCount;
     static_assert(Leaf::LOG2DIM == LeafVoxel::kLog2Dim);
+    using Leaves = std::span<const std::uint32_t>; ///< numbers of leaves, ascending
 
     /// @param topology active voxels and OpenVDB tiles; tiles are expanded to voxels
     /// @throws InputError if the voxels spread over more index space than the table of leaves spans, or exceed the
     ///         memory
     explicit Domain(openvdb::MaskTree::Ptr topology);
 
+    /// The same domain with other own and local leaves. @param own, local ascending; local ones include the own
+    [[nodiscard]] std::shared_ptr<const Domain> part(std::vector<std::uint32_t> own,
+                                                     std::vector<std::uint32_t> local) const;
+    [[nodiscard]] Leaves own() const { return mOwn; }
+    [[nodiscard]] Leaves local() const { return mLocal; }
+    [[nodiscard]] bool isOwn(std::size_t leaf) const { return mIsOwn.empty() || mIsOwn[leaf]; }
+    [[nodiscard]] bool isWhole() const { return mIsOwn.empty(); } ///< whether all leaves are own ones
+
     [[nodiscard]] const openvdb::MaskTree& topology() const { return *mTopology; }
     [[nodiscard]] std::size_t leafCount() const { return mLeaves.size(); }
     [[nodiscard]] openvdb::Coord origin(std::size_t leaf) const { return mLeaves[leaf]->origin(); }
     [[nodiscard]] const Mask& mask(std::size_t leaf) const { return mLeaves[leaf]->getValueMask(); }
-    [[nodiscard]] std::size_t voxelCount() const { return mVoxelCount; }
+    [[nodiscard]] const Leaf& node(std::size_t leaf) const { return *mLeaves[leaf]; }
+    [[nodiscard]] std::size_t voxelCount() const { return mVoxelCount; } ///< of all leaves, own or not
 
-    /// The number of the leaf that covers a voxel, active or not; −1 if there is none.
+    /// A number for the first voxel of a leaf, from which the others follow by their offsets. It depends on the
+    /// domain's voxels alone, and is below 2⁴³.
+    [[nodiscard]] std::uint64_t firstVoxelNumber(std::size_t leaf) const;
+
+    /// The number of the local leaf that covers a voxel, active or not; −1 if there is none.
     [[nodiscard]] VDBLIC_INLINE int findLeaf(Int4 voxel) const
     {
         const auto x = unsigned((voxel[0] >> LeafBlock::kLog2Voxels) - mFirstBlock[0]);
@@ -67,34 +86,50 @@ class Domain {
 
   private:
     openvdb::MaskTree::Ptr mTopology;
+    void placeLeaves();
+    [[nodiscard]] std::size_t blockIndex(const openvdb::Coord& voxel) const; // in mBlocks
+
     std::vector<const Leaf*> mLeaves;
+    std::vector<std::uint32_t> mOwn, mLocal;
+    std::vector<std::uint8_t> mIsOwn; // of each leaf; empty if all are
     std::size_t mVoxelCount = 0;
     openvdb::Coord mFirstBlock;
     unsigned mBlockDim[3] = {0, 0, 0};
     std::vector<int> mBlocks;      // number of the block at a block coordinate, or −1
-    std::vector<int> mLeafOfBlock; // of each block: numbers of its leaves, or −1
+    std::vector<int> mLeafOfBlock; // of each block: numbers of its local leaves, or −1
 };
 
-/// A grid's values on the leaves of a domain, in the domain's numbering, with direct access to each leaf.
+/// A grid's values on leaves of a domain, in the domain's numbering, with direct access to each leaf.
 template<typename T>
 class LeafValues {
   public:
     using Tree = typename openvdb::tree::Tree4<T, 5, 4, 3>::Type;
 
     LeafValues() = default;
+    /// On the local leaves.
+    LeafValues(const Domain& domain, T value) : LeafValues(domain, value, domain.local()) {}
     /// Every voxel of every leaf starts with `value`; exactly the domain's voxels are active.
-    LeafValues(const Domain& domain, T value)
-        : mTree(std::make_shared<Tree>(domain.topology(), value, openvdb::TopologyCopy()))
+    LeafValues(const Domain& domain, T value, Domain::Leaves on) : mData(domain.leafCount(), nullptr)
     {
-        std::vector<typename Tree::LeafNodeType*> leaves;
+        using Leaf = typename Tree::LeafNodeType;
+        if (on.size() < domain.leafCount()) {
+            mTree = std::make_shared<Tree>(value);
+            for (const std::uint32_t leaf : on) {
+                auto* const node = new Leaf(domain.node(leaf), value, openvdb::TopologyCopy());
+                mTree->addLeaf(node); // takes it over
+                mData[leaf] = node->buffer().data();
+            }
+            return;
+        }
+        mTree = std::make_shared<Tree>(domain.topology(), value, openvdb::TopologyCopy());
+        std::vector<Leaf*> leaves;
         leaves.reserve(domain.leafCount());
         mTree->getNodes(leaves);
-        mData.reserve(leaves.size());
-        for (auto* leaf : leaves)
-            mData.push_back(leaf->buffer().data());
+        for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf)
+            mData[leaf] = leaves[leaf]->buffer().data();
     }
 
-    /// The 512 values of a leaf, x slowest.
+    /// The 512 values of a leaf, x slowest; null if it has none here.
     [[nodiscard]] T* operator[](std::size_t leaf) const { return mData[leaf]; }
     [[nodiscard]] const std::shared_ptr<Tree>& tree() const { return mTree; }
 

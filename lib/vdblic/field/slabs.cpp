@@ -4,7 +4,6 @@
 #include "vdblic/field/leaf_voxel.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace vdblic {
 namespace {
@@ -16,9 +15,9 @@ constexpr std::size_t kFewestLeaves = 96;
 
 Slabs::Slabs(const Domain& domain, const Refinement& refinement)
 {
-    if (domain.leafCount() == 0) return;
+    if (domain.local().empty()) return;
     openvdb::CoordBBox box;
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+    for (const std::uint32_t leaf : domain.local())
         box.expand(domain.origin(leaf));
     mAxis = int(box.maxExtent());
     // Threads keep a distance from one another, so a slab for several needs more leaves for each.
@@ -53,8 +52,7 @@ Slabs::Slabs(const Slabs& refined, const Domain& velocity, const Refinement& ref
 void Slabs::sortLeaves(const Domain& domain)
 {
     const auto layerOf = [&](std::uint32_t leaf) { return domain.origin(leaf)[mAxis]; };
-    mLeaves.resize(domain.leafCount());
-    std::iota(mLeaves.begin(), mLeaves.end(), 0u);
+    mLeaves.assign(domain.local().begin(), domain.local().end());
     std::stable_sort(mLeaves.begin(), mLeaves.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return layerOf(a) < layerOf(b); });
 }

@@ -5,19 +5,18 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace vdblic {
 
-/// A domain's leaves in slabs across its longest axis. Work that reaches no farther than a few leaves can sweep over a
-/// large domain with only the slabs around in memory.
+/// A domain's local leaves in slabs across its longest axis. Work that reaches no farther than a few leaves can sweep
+/// over a large domain with only the slabs around in memory.
 ///
 /// Slabs are as thin as possible with enough leaves for many threads; a small domain is one slab. Immutable; any number
 /// of threads may read.
 class Slabs {
   public:
-    using Leaves = std::span<const std::uint32_t>; ///< numbers of leaves, ascending
+    using Leaves = Domain::Leaves;
 
     /// @param refinement of the domain: no leaf of the velocity lies under two slabs
     explicit Slabs(const Domain& domain, const Refinement& refinement = {});

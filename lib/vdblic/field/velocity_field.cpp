@@ -6,10 +6,7 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <numeric>
 #include <utility>
-#include <vector>
 
 namespace vdblic {
 namespace {
@@ -34,7 +31,8 @@ Float4 largestMagnitude(const openvdb::Vec3STree& tree)
         .lanes;
 }
 
-/// An upper bound of the velocity's magnitude, along each axis [voxels per step].
+} // namespace
+
 Float4 largestVelocity(const VelocityLevel& level)
 {
     const Float4 magnitude = largestMagnitude(level.velocities);
@@ -45,8 +43,6 @@ Float4 largestVelocity(const VelocityLevel& level)
     }
     return most;
 }
-
-} // namespace
 
 void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
 {
@@ -95,9 +91,7 @@ void VelocityField::fill(Slabs::Leaves leaves)
 void VelocityField::build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
 {
     prepare(std::move(domain), start, end);
-    std::vector<std::uint32_t> all(mSampled.velocity->leafCount());
-    std::iota(all.begin(), all.end(), 0u);
-    fill(all);
+    fill(mSampled.velocity->local());
 }
 
 } // namespace vdblic

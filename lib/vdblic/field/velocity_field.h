@@ -17,6 +17,9 @@
 
 namespace vdblic {
 
+/// An upper bound of a velocity's magnitude, along each axis [voxels per step]. Computed in parallel.
+[[nodiscard]] Float4 largestVelocity(const VelocityLevel& level);
+
 /// The velocity over one time step, in texture voxels per step, trilinear in space and linear in time between two
 /// frames. Positions are in the index space of the texture, which may be finer than the velocity's; bricks hold the
 /// velocity's own voxels. With cubic interpolation bricks hold the texture's voxels, and the velocity is trilinear

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
-#include <memory>
 #include <ostream>
 #include <set>
 #include <sstream>
@@ -22,29 +21,21 @@ namespace {
 
 namespace vdb_io = openvdb::io;
 
-/// The leaves of a grid as they are stored, and the list of their kinds and compressed sizes.
-struct StoredLeaves {
-    std::vector<std::string> blocks; ///< records of leaves, in the tree's order
-    std::shared_ptr<vdb_io::DelayedLoadMetadata> list = std::make_shared<vdb_io::DelayedLoadMetadata>();
-};
-
 constexpr std::size_t kLeavesPerBlock = 256;
 
 /// @param stored the flags that the grid is stored with  @param listed those that OpenVDB makes the list with, which
 /// are others for fog volumes and level sets: they are not stored by zip
-template<typename GridT>
-StoredLeaves storeLeaves(const GridT& grid, std::uint32_t stored, std::uint32_t listed)
+template<typename GridT, typename Leaf>
+StoredLeaves storeLeaves(const GridT& grid, const std::vector<const Leaf*>& leaves, std::uint32_t stored,
+                         std::uint32_t listed)
 {
-    using Leaf = typename GridT::TreeType::LeafNodeType;
-    std::vector<const Leaf*> leaves;
-    leaves.reserve(grid.tree().leafCount());
-    grid.tree().getNodes(leaves);
     const bool half = grid.saveFloatAsHalf(), sizes = (listed & LeafFormat::kCompressed) != 0;
     const LeafFormat format = LeafFormat::of<typename GridT::ValueType>(stored, half);
 
     StoredLeaves result;
-    result.list->resizeMask(leaves.size());
-    if (sizes) result.list->resizeCompressedSize(leaves.size());
+    result.lengths.resize(leaves.size());
+    result.kinds.resize(leaves.size());
+    if (sizes) result.sizes.resize(leaves.size());
     result.blocks.resize((leaves.size() + kLeavesPerBlock - 1) / kLeavesPerBlock);
     tbb::parallel_for(std::size_t(0), result.blocks.size(), [&](std::size_t block) {
         std::ostringstream stream;
@@ -58,7 +49,8 @@ StoredLeaves storeLeaves(const GridT& grid, std::uint32_t stored, std::uint32_t 
             leaves[i]->writeBuffers(stream, half);
             const std::string_view record = stream.view().substr(begin);
             const auto kind = static_cast<signed char>(record[LeafFormat::kMaskBytes]);
-            result.list->setMask(i, kind);
+            result.lengths[i] = std::uint32_t(record.size());
+            result.kinds[i] = kind;
             if (!sizes) continue;
             // The list counts 8 bytes for the size even of no values.
             constexpr std::size_t kSize = sizeof(std::int64_t);
@@ -67,16 +59,52 @@ StoredLeaves storeLeaves(const GridT& grid, std::uint32_t stored, std::uint32_t 
                     ? std::max(kSize, record.size() - format.headBytes(kind))
                     : kSize + vdb_io::writeCompressedValuesSize(leaves[i]->buffer().data(), Leaf::SIZE,
                                                                 leaves[i]->valueMask(), kind, half, listed);
-            result.list->setCompressedSize(i, std::int64_t(size));
+            result.sizes[i] = std::int64_t(size);
         }
         result.blocks[block] = std::move(stream).str();
     });
     return result;
 }
 
+template<typename GridT>
+StoredLeaves storeLeaves(const GridT& grid, std::uint32_t stored, std::uint32_t listed)
+{
+    std::vector<const typename GridT::TreeType::LeafNodeType*> leaves;
+    leaves.reserve(grid.tree().leafCount());
+    grid.tree().getNodes(leaves);
+    return storeLeaves(grid, leaves, stored, listed);
+}
+
+vdb_io::DelayedLoadMetadata listOf(const StoredLeaves& leaves)
+{
+    vdb_io::DelayedLoadMetadata list;
+    list.resizeMask(leaves.kinds.size());
+    list.resizeCompressedSize(leaves.sizes.size());
+    for (std::size_t i = 0; i < leaves.kinds.size(); ++i)
+        list.setMask(i, leaves.kinds[i]);
+    for (std::size_t i = 0; i < leaves.sizes.size(); ++i)
+        list.setCompressedSize(i, leaves.sizes[i]);
+    return list;
+}
+
 } // namespace
 
-void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
+/// The flags that a grid is stored with: they depend on its class.
+std::uint32_t VdbAssembly::flagsOf(const openvdb::GridBase& grid) const
+{
+    std::ostringstream scratch;
+    setGridCompression(scratch, grid);
+    return vdb_io::getDataCompression(scratch);
+}
+
+StoredLeaves VdbAssembly::store(const openvdb::FloatGrid& grid,
+                                const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves) const
+{
+    return storeLeaves(grid, leaves, flagsOf(grid), compression());
+}
+
+void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
+                        std::vector<StoredLeaves> stored) const
 {
     vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
     vdb_io::setStreamMetadataPtr(stream, settings, /*transfer=*/false);
@@ -91,6 +119,7 @@ void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids,
         ++names[grid->getName()];
     std::set<std::string> used;
     std::map<const openvdb::TreeBase*, vdb_io::GridDescriptor> written;
+    std::size_t number = 0;
     for (const openvdb::GridBase::ConstPtr& grid : grids) {
         // Grids without a name, and those of one name, are numbered.
         const std::string name = grid->getName();
@@ -105,35 +134,39 @@ void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids,
             descriptor.setInstanceParentName(same->second.uniqueName());
             writeGridInstance(descriptor, grid, stream, /*seekable=*/true);
         } else {
-            writeGrid(descriptor, grid, stream);
+            writeGrid(descriptor, grid, number < stored.size() ? &stored[number] : nullptr, stream);
             written[&grid->baseTree()] = descriptor;
         }
+        ++number;
     }
 }
 
 void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::GridBase::ConstPtr& grid,
-                            std::ostream& stream) const
+                            StoredLeaves* stored, std::ostream& stream) const
 {
-    std::ostringstream scratch; // keeps the flags of this grid's class
-    setGridCompression(scratch, *grid);
-    const std::uint32_t stored = vdb_io::getDataCompression(scratch);
-    StoredLeaves leaves;
-    const bool leafwise =
-        grid->apply<LeafwiseGrids>([&](const auto& typed) { leaves = storeLeaves(typed, stored, compression()); });
-    if (!leafwise) {
+    const std::uint32_t flags = flagsOf(*grid);
+    StoredLeaves own;
+    if (!stored &&
+        !grid->apply<LeafwiseGrids>([&](const auto& typed) { own = storeLeaves(typed, flags, compression()); })) {
         Archive::writeGrid(descriptor, grid, stream, /*seekable=*/true);
         return;
     }
+    StoredLeaves& leaves = stored ? *stored : own;
     descriptor.writeHeader(stream);
     const std::streampos offsets = stream.tellp();
     descriptor.writeStreamPos(stream); // not known yet
     descriptor.setGridPos(stream.tellp());
     setGridCompression(stream, *grid);
     const auto head = openvdb::ConstPtrCast<openvdb::GridBase>(grid->copyGrid()); // of the same tree
-    head->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, *leaves.list);
+    head->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, listOf(leaves));
     head->addStatsMetadata();
+    if (stored) { // OpenVDB counts the values of the nodes, which have none
+        const std::size_t values = leaves.kinds.size() * LeafFormat::kVoxels * sizeof(float);
+        head->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES,
+                         openvdb::Int64Metadata(std::int64_t(grid->memUsage() + values)));
+    }
     head->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION,
-                     openvdb::StringMetadata(vdb_io::compressionToString(stored)));
+                     openvdb::StringMetadata(vdb_io::compressionToString(flags)));
     head->writeMeta(stream);
     grid->writeTransform(stream);
     grid->writeTopology(stream);

@@ -6,8 +6,19 @@
 
 #include <cstdint>
 #include <iosfwd>
+#include <string>
+#include <vector>
 
 namespace vdblic {
+
+/// The leaves of a grid as a file stores them. They depend on their own values only, so several processes can store the
+/// leaves of one grid.
+struct StoredLeaves {
+    std::vector<std::string> blocks;    ///< records of leaves, one after the other, in the tree's order
+    std::vector<std::uint32_t> lengths; ///< of each leaf's record [bytes]
+    std::vector<signed char> kinds;     ///< of each leaf (LeafFormat)
+    std::vector<std::int64_t> sizes;    ///< of each leaf's values, as OpenVDB lists them; empty if it does not
+};
 
 /// Writes the bytes of openvdb::io::File, apart from the random identity, in a fraction of the time: each leaf is
 /// compressed once, by all threads. OpenVDB compresses each leaf twice, the second time by one thread.
@@ -20,11 +31,18 @@ class VdbAssembly : public openvdb::io::Archive {
     explicit VdbAssembly(std::uint32_t compression) { setCompression(compression); }
 
     /// @param stream seekable, and throws; OpenVDB does not check the state of its stream
-    void write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const;
+    /// @param stored leaves of the first grids, in the order of the grids; the nodes of those need no values
+    void write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
+               std::vector<StoredLeaves> stored = {}) const;
+
+    /// Some leaves of a grid, stored as write() would. @param grid gives class, precision and background
+    [[nodiscard]] StoredLeaves store(const openvdb::FloatGrid& grid,
+                                     const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves) const;
 
   private:
+    [[nodiscard]] std::uint32_t flagsOf(const openvdb::GridBase& grid) const;
     void writeGrid(openvdb::io::GridDescriptor& descriptor, const openvdb::GridBase::ConstPtr& grid,
-                   std::ostream& stream) const;
+                   StoredLeaves* stored, std::ostream& stream) const;
 };
 
 } // namespace vdblic

@@ -177,6 +177,18 @@ std::string_view toString(VdbCompression compression)
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
               VdbCompression compression)
 {
+    writeStoredVdb(path, grids, std::move(metadata), compression, {});
+}
+
+StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
+                         const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves, VdbCompression compression)
+{
+    return VdbAssembly(compressionFlags(compression)).store(grid, leaves);
+}
+
+void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
+                    VdbCompression compression, std::vector<StoredLeaves> leaves)
+{
     initializeOnce();
     metadata.removeMeta("creator");
     metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
@@ -188,7 +200,7 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
         std::fstream stream;
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(output.temporary(), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
-        VdbAssembly(compressionFlags(compression)).write(stream, grids, metadata);
+        VdbAssembly(compressionFlags(compression)).write(stream, grids, metadata, std::move(leaves));
         stampChecksums(stream);
         stream.close();
     } catch (const std::bad_alloc&) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace vdblic {
 
@@ -76,6 +77,15 @@ enum class VdbCompression { kBlosc, kZip, kNone };
 /// @throws OutputError naming the file and the reason, such as a full disk; std::bad_alloc
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
               VdbCompression compression = VdbCompression::kBlosc);
+
+struct StoredLeaves;
+/// Some leaves of a grid as writeVdb() stores them.
+[[nodiscard]] StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
+                                       const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves,
+                                       VdbCompression compression);
+/// writeVdb() of grids whose leaves are stored already. @param leaves as VdbAssembly::write() takes them
+void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
+                    VdbCompression compression, std::vector<StoredLeaves> leaves);
 
 /// A number stored as double, float, int32 or int64 metadata, if there is one.
 [[nodiscard]] std::optional<double> numericMetadata(const openvdb::MetaMap& metadata, const std::string& name);

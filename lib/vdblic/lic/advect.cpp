@@ -1,11 +1,16 @@
 #include "vdblic/lic/advect.h"
 
+#include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/stopwatch.h"
+#include "vdblic/distributed/halo_exchange.h"
+#include "vdblic/distributed/leaf_gather.h"
+#include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/frame_between.h"
+#include "vdblic/lic/frame_halo.h"
 #include "vdblic/lic/frame_writer.h"
 #include "vdblic/lic/lead_in.h"
 #include "vdblic/lic/memory_estimate.h"
@@ -14,15 +19,22 @@
 #include "vdblic/lic/run_checkpoint.h"
 #include "vdblic/lic/run_outputs.h"
 #include "vdblic/lic/run_report.h"
+#include "vdblic/lic/scatter.h"
 #include "vdblic/lic/texture_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
+#include <functional>
+#include <istream>
+#include <iterator>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,11 +45,12 @@ namespace {
 /// A run over the frames of a sequence.
 class Advection {
   public:
-    Advection(const AdvectParams& params, std::istream& lines, Reporter& reporter)
-        : mParams(params), mReporter(reporter), mOutputs(params), mCheckpoint(params, mOutputs, reporter),
+    Advection(const AdvectParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
+        : mParams(params), mReporter(reporter), mExchange(exchange), mOutputs(params),
+          mCheckpoint(params, mOutputs, reporter, exchange),
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
-          mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter),
+          mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter, exchange),
           mWriter(reporter,
                   params.textures(mFlow.total() - std::min(mFlow.total(), std::size_t(params.leadInFrames()))),
                   params.format.compression)
@@ -66,11 +79,12 @@ class Advection {
         } else {
             interval = begin(*current, next);
         }
-        mFlow.describe(*current, interval);
+        mFlow.describe(*current, interval, largestDisplacement(*current, interval.seconds));
         checkMemoryFor(current->flow);
 
         Stopwatch watch;
         while (mTexture.steps() < mParams.prerollSteps()) {
+            surround(*current, *current, interval.seconds);
             advance(*current, *current, interval.seconds);
             stepDone(*current);
             saveIfDue();
@@ -95,11 +109,15 @@ class Advection {
     {
         try {
             mWriter.finishWriting();
-            if (!mCheckpoint.isUnsaved() || mWriter.done() != mParams.texturesDone(mTexture.steps())) return;
+            const bool isWritten = !mExchange.isFirst() || mWriter.done() == mParams.texturesDone(mTexture.steps());
+            std::array<double, 2> steps = {double(mTexture.steps()), -double(mTexture.steps())};
+            mExchange.max(steps); // a rank may have failed in the middle of a step
+            if (mExchange.any(!mCheckpoint.isUnsaved() || !isWritten || steps[0] != -steps[1])) return;
             mCheckpoint.write(mTexture);
             mReporter.say(
                 fmt::format("{}: to go on from there, run again with `resume`", mOutputs.checkpoint().string()));
         } catch (...) { // the first error is the one to report
+            mExchange.fail(std::current_exception());
         }
     }
 
@@ -133,7 +151,8 @@ class Advection {
     {
         const double bytes = advectBytes(mParams, first);
         const std::string voxels = fmt::format("{} texture voxels", first.domain->voxelCount());
-        const std::string text = fmt::format("{}: about {} of memory", voxels, memoryText(bytes));
+        const std::string each = mExchange.isAlone() ? "" : fmt::format(" each for {} ranks", mExchange.size());
+        const std::string text = fmt::format("{}: about {} of memory{}", voxels, memoryText(bytes), each);
         first.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
         constexpr double kLeast = 0.75; // of the estimate
         checkMemory(kLeast * bytes, voxels, "lower `refine`, or cut the domain with `box` or `mask`");
@@ -142,6 +161,7 @@ class Advection {
     std::optional<LoadedFrame> nextFrame()
     {
         std::optional<LoadedFrame> frame = mFlow.next();
+        checkSame(frame ? frame->stamp : "");
         if (frame) {
             mCheckpoint.noteInput(frame->velocity.file.path, frame->stamp);
         } else {
@@ -150,9 +170,53 @@ class Advection {
         return frame;
     }
 
-    /// The textures of a frame and of the substeps between it and the next. @param seconds between the frames
-    void compute(const LoadedFrame& frame, const LoadedFrame& next, double seconds)
+    /// Check that all ranks read the same frame. @param stamp of the frame, empty at the end
+    void checkSame(const std::string& stamp)
     {
+        const auto number = double(std::hash<std::string>()(stamp) >> 12); // exact
+        std::array<double, 2> numbers = {number, -number};
+        mExchange.max(numbers);
+        if (mExchange.isAlone() || numbers[0] == -numbers[1]) return;
+        throw InputError("the ranks do not see the same frames, or files of different sizes or times: run again when "
+                         "the file system shows the sequence to all machines");
+    }
+
+    /// Take from the other ranks what the steps between two frames need. @param seconds between the frames
+    void surround(LoadedFrame& start, LoadedFrame& end, double seconds)
+    {
+        if (mExchange.isAlone()) return;
+        const auto largest = [&](const LoadedFrame& frame) {
+            const openvdb::Mat3d toTexture = frame.flow.refinement.toTexture();
+            return largestVelocity(
+                {frame.velocity.values->tree(), toTexture * frame.velocity.toVoxelsPerStep(seconds)});
+        };
+        const Float4 before = largest(start), after = largest(end);
+        const int substeps = mParams.scatter.substeps;
+        const std::array<float, 3> slope = mTexture.largestSlope(seconds / substeps);
+        Farthest farthest{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const float frame = std::max(before[int(axis)], after[int(axis)]);
+            const float step =
+                mParams.steady ? 0.5f * float(mParams.scatter.lifeSpan) * frame : frame / float(substeps);
+            const float finer = float(start.flow.refinement.factors[axis]) - 1;
+            farthest.path[axis] = longestPath(std::max(step, slope[axis])) + finer;
+            farthest.upstream[axis] = frame + 1;
+        }
+        mHaloDepth = vdblic::surround(mExchange, start, end, farthest);
+    }
+
+    /// The largest displacement in a step, at any rank [voxels]. @param interval seconds of the step
+    double largestDisplacement(const LoadedFrame& frame, double interval)
+    {
+        double largest = frame.velocity.largestDisplacement(interval);
+        mExchange.max({&largest, 1});
+        return largest;
+    }
+
+    /// The textures of a frame and of the substeps between it and the next. @param seconds between the frames
+    void compute(LoadedFrame& frame, LoadedFrame& next, double seconds)
+    {
+        surround(frame, next, seconds);
         const int parts = mParams.scatter.substeps;
         const auto at = [&](int part) {
             return part == 0 ? frame : part == parts ? next : frameBetween(frame, next, double(part) / parts);
@@ -179,7 +243,10 @@ class Advection {
         if (mAfter) {
             const int parts = mParams.scatter.substeps;
             interval = mFlow.intervalAfter(frame, &*mAfter);
+            surround(frame, *mAfter, interval.seconds);
             end = parts == 1 ? std::move(*mAfter) : frameBetween(frame, *mAfter, 1.0 / parts);
+        } else {
+            surround(frame, end, interval.seconds);
         }
         write(frame, advance(frame, end, interval.seconds), {mTime, interval.seconds});
     }
@@ -187,13 +254,16 @@ class Advection {
     /// @param interval seconds between the frames that the step is a part of
     FlowTextureStep advance(LoadedFrame& start, const LoadedFrame& end, double interval)
     {
-        mReporter.checkStop();
+        if (mExchange.any(mReporter.stopRequested())) throw Stopped{};
         mCheckpoint.stepBegins();
         mInterval = interval;
         start.flow.toWorldPerSecond = start.velocity.toWorldPerSecond(interval);
         const double part = 1.0 / mParams.scatter.substeps; // of the interval
+        std::optional<HaloExchange> halo;
+        if (!mExchange.isAlone()) halo.emplace(mExchange, *start.partition, *start.flow.domain, mHaloDepth);
         return mTexture.advance({start.flow, end.flow, start.velocity.toVoxelsPerStep(interval) * part,
-                                 end.velocity.toVoxelsPerStep(interval) * part, interval / mParams.scatter.substeps});
+                                 end.velocity.toVoxelsPerStep(interval) * part, interval / mParams.scatter.substeps,
+                                 halo ? &*halo : nullptr});
     }
 
     /// @param frame that the next step starts from
@@ -204,7 +274,7 @@ class Advection {
 
     void saveIfDue()
     {
-        if (!mCheckpoint.isDue()) return;
+        if (!mExchange.any(mExchange.isFirst() && mCheckpoint.isDue())) return;
         mWriter.finish(); // a checkpoint covers only outputs that are on disk
         mCheckpoint.write(mTexture);
     }
@@ -230,7 +300,25 @@ class Advection {
                                            {number, frame.sourceFrame, textureTime, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
-        mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids), file.metadata);
+        std::vector<StoredLeaves> stored;
+        if (!mExchange.isAlone()) stored = gather(frame, file);
+        if (!mExchange.isFirst()) return;
+        mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids), file.metadata,
+                      std::move(stored));
+    }
+
+    /// Store the grids that the ranks computed at rank 0; the file's grids lose their values.
+    std::vector<StoredLeaves> gather(const LoadedFrame& frame, TextureFile& file)
+    {
+        std::vector<StoredLeaves> stored;
+        for (std::size_t i = 0; i < file.computed; ++i) {
+            const auto grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[i]);
+            const bool isFine = i == 0 || mParams.format.scalars == ScalarVoxels::kTexture;
+            const Domain& domain = isFine ? *frame.flow.domain : *frame.flow.velocityDomain();
+            stored.push_back(gatherLeaves(mExchange, domain, *grid, mParams.format.compression));
+            if (mExchange.isFirst()) file.grids[i] = withoutValues(domain, *grid);
+        }
+        return stored;
     }
 
     /// Warn of what is likely wrong with a frame, though its texture can be computed.
@@ -238,13 +326,13 @@ class Advection {
     {
         const std::int64_t number = frame.velocity.file.frame;
         if (frame.flow.domain->voxelCount() == 0) {
-            const bool isCut = frame.velocity.values->activeVoxelCount() > 0;
+            const bool isCut = mExchange.any(frame.velocity.values->activeVoxelCount() > 0);
             mReporter.warn(
                 fmt::format("frame {}: {}: {}; its texture is empty", number, frame.velocity.file.path.string(),
                             isCut ? "no active voxel lies inside `box`, `world_box` and `mask`" : "no active voxels"));
             return;
         }
-        const double largest = frame.velocity.largestDisplacement(seconds);
+        const double largest = largestDisplacement(frame, seconds);
         constexpr double kRest = 1e-3; // voxels a step
         if (largest < kRest && !mWarnedOfRest) {
             mWarnedOfRest = true;
@@ -264,6 +352,7 @@ class Advection {
     /// @param seconds from the first step to the last output
     void report(double seconds)
     {
+        if (!mExchange.isFirst()) return;
         mReport.seconds = seconds;
         for (std::size_t i = 0; i < mReport.frames.size(); ++i)
             mReport.frames[i].write = mWriter.seconds()[i];
@@ -274,6 +363,7 @@ class Advection {
 
     const AdvectParams& mParams;
     Reporter& mReporter;
+    Exchange& mExchange;
     RunOutputs mOutputs;
     RunCheckpoint mCheckpoint;
     FlowTexture mTexture;
@@ -281,22 +371,43 @@ class Advection {
     FrameWriter mWriter;
     RunReport mReport;
     std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
+    openvdb::Coord mHaloDepth;         // of the step to come [texture voxels]
     double mTime = 0;                  // of the frame that the next step starts from or after
     double mInterval = 0;              // between the frames of the last step
     bool mWarnedOfDisplacement = false, mWarnedOfRest = false;
 };
 
+std::string textOf(std::istream& lines)
+{
+    return {std::istreambuf_iterator<char>(lines), std::istreambuf_iterator<char>()};
+}
+
 } // namespace
 
 void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter)
 {
-    params.validate();
-    const AdvectParams whole = withLeadIn(params, reporter);
-    Advection advection(whole, lines, reporter);
+    OneProcess alone;
+    advectSequence(params, lines, reporter, alone);
+}
+
+void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
+{
+    AdvectParams whole;
+    std::istringstream text;
+    std::optional<Advection> advection;
+    bool isRunning = false; // at every rank or at none
     try {
-        advection.run();
+        params.validate();
+        const bool isShared = params.input.pattern == "-" && !exchange.isAlone();
+        if (isShared) text.str(exchange.broadcast(exchange.isFirst() ? textOf(lines) : ""));
+        whole = withLeadIn(params, reporter);
+        advection.emplace(whole, isShared ? text : lines, reporter, exchange);
+        exchange.agree();
+        isRunning = true;
+        advection->run();
     } catch (...) {
-        advection.abandon();
+        exchange.fail(std::current_exception());
+        if (isRunning) advection->abandon();
         throw;
     }
 }

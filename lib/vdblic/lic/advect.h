@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/lic/advect_params.h"
 
@@ -20,5 +21,10 @@ inline constexpr double kLargeDisplacement = 16;
 /// @param lines source of the paths if the input is `-`
 /// @throws ParameterError, InputError, OutputError, Stopped; outputs written before stay
 void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter);
+
+/// The same by several ranks, to the same bytes (docs/distributed.md). Every rank reads the sequence; rank 0 writes.
+/// @param lines    counts at rank 0  @param reporter of this rank: give one that is silent to all but rank 0
+/// @param exchange with the other ranks, which call this with the same parameters
+void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange);
 
 } // namespace vdblic

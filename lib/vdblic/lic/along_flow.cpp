@@ -1,9 +1,8 @@
 #include "vdblic/lic/along_flow.h"
 
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/lic/leaf_velocities.h"
-
-#include <tbb/parallel_for.h>
 
 #include <array>
 #include <cstddef>
@@ -179,8 +178,7 @@ VDBLIC_KERNEL void filterLeafAlong(const AlongFlow& filter, std::size_t leaf, fl
 template<int kTaps>
 void filterAlong(const AlongFlow& filter, const LeafValues<float>& result)
 {
-    tbb::parallel_for(std::size_t(0), filter.domain.leafCount(),
-                      [&](std::size_t leaf) { filterLeafAlong<kTaps>(filter, leaf, result[leaf]); });
+    forLeaves(filter.domain.local(), [&](std::size_t leaf) { filterLeafAlong<kTaps>(filter, leaf, result[leaf]); });
 }
 
 } // namespace

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
+
 namespace vdblic {
 namespace {
 
@@ -13,6 +15,11 @@ constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time"
 std::string inputKey(std::size_t index)
 {
     return fmt::format("input {:06}", index);
+}
+
+std::string partKey(std::size_t index)
+{
+    return fmt::format("part {:06}", index);
 }
 
 std::string textMetadata(const openvdb::MetaMap& metadata, const std::string& key)
@@ -50,6 +57,19 @@ class PositionReader {
     const openvdb::MetaMap& mMetadata;
 };
 
+/// @param text the box's corners, and the name of a file beside the checkpoint
+CheckpointPart partOf(const std::filesystem::path& checkpoint, const std::string& text)
+{
+    std::istringstream words(text);
+    openvdb::Coord low, high;
+    std::string name;
+    words >> low[0] >> low[1] >> low[2] >> high[0] >> high[1] >> high[2] >> std::ws;
+    std::getline(words, name);
+    if (!words || name.empty() || std::filesystem::path(name).has_parent_path())
+        refuseCheckpoint(checkpoint, "lists its parts wrongly: copy it again");
+    return {checkpoint.parent_path() / name, {low, high}};
+}
+
 } // namespace
 
 void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const ParameterTexts& parameters)
@@ -63,8 +83,17 @@ void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
         metadata.insertMeta(inputKey(i), openvdb::StringMetadata(checkpoint.inputs[i]));
     for (const auto& [key, value] : parameters)
         metadata.insertMeta(key, openvdb::StringMetadata(value));
-    const openvdb::GridPtrVec& grids = checkpoint.state.grids;
-    writeVdb(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), metadata);
+    for (std::size_t i = 0; i < checkpoint.parts.size(); ++i) {
+        const auto& [part, box] = checkpoint.parts[i];
+        const openvdb::Coord low = box.min(), high = box.max();
+        const std::string text = fmt::format("{} {} {} {} {} {} {}", low[0], low[1], low[2], high[0], high[1], high[2],
+                                             part.filename().string());
+        metadata.insertMeta(partKey(i), openvdb::StringMetadata(text));
+    }
+    openvdb::GridCPtrVec grids;
+    for (const VdbFile& state : checkpoint.states)
+        grids.insert(grids.end(), state.grids.begin(), state.grids.end());
+    writeVdb(path, grids, metadata);
 }
 
 Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterTexts& parameters)
@@ -73,12 +102,12 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
     bool hasChecksums = false;
     try {
         hasChecksums = verifyVdb(path);
-        checkpoint.state = readVdb(path);
+        checkpoint.states.push_back(readVdb(path));
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}; or {}", error.what(), kMend));
     }
     if (!hasChecksums) refuseCheckpoint(path, "is not as vdblic_advect writes it: its checksums are gone");
-    const openvdb::MetaMap& metadata = checkpoint.state.metadata;
+    const openvdb::MetaMap& metadata = checkpoint.states.front().metadata;
     const PositionReader position(path, metadata);
     checkpoint.position.steps = std::uint64_t(position.get<std::int64_t>(kSteps));
     checkpoint.position.interval = position.get<double>(kInterval);
@@ -97,6 +126,9 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
     }
     for (std::string input; !(input = textMetadata(metadata, inputKey(checkpoint.inputs.size()))).empty();)
         checkpoint.inputs.push_back(input);
+    for (std::string part; !(part = textMetadata(metadata, partKey(checkpoint.parts.size()))).empty();)
+        checkpoint.parts.push_back(partOf(path, part));
+    if (!checkpoint.parts.empty()) checkpoint.states.clear();
     return checkpoint;
 }
 

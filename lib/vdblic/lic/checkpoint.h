@@ -18,11 +18,18 @@ struct RunPosition {
     std::int64_t frameSpacing = 0; ///< FlowSequence::spacing()
 };
 
+/// A checkpoint's state if several ranks saved it: each wrote the state of its own box in a file of its own.
+struct CheckpointPart {
+    std::filesystem::path path; ///< beside the checkpoint
+    openvdb::CoordBBox box;     ///< of the texture
+};
+
 /// A run between two steps, and all it takes to go on from there (docs/survival.md).
 struct Checkpoint {
     RunPosition position;
     std::vector<std::string> inputs; ///< FlowSequence::stampOf() of every frame that the steps depend on, in order
-    VdbFile state;                   ///< FlowTexture::save()
+    std::vector<VdbFile> states;     ///< FlowTexture::save(), unless there are parts
+    std::vector<CheckpointPart> parts{};
 };
 
 /// Write a checkpoint. An older one of that name stays valid until the new one is complete on disk.

@@ -239,7 +239,8 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     checkFurtherOutput(params.plot, params, files);
     if (!params.json.empty() && !params.plot.empty()) checkDistinct(params.json, params.plot);
     std::istringstream noLines;
-    FlowSequence flow(params.flow, noLines, reporter);
+    const OneProcess alone;
+    FlowSequence flow(params.flow, noLines, reporter, alone);
 
     SequenceCoherence result;
     std::optional<LoadedFrame> current = flow.next(), next;
@@ -263,7 +264,8 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         if (next) nextTexture = successorOf(*texture, *next, files, params.textureName);
         const LoadedFrame& end = next ? *next : *current;
         const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
-        if (result.frames.empty()) flow.describe(*current, interval);
+        if (result.frames.empty())
+            flow.describe(*current, interval, current->velocity.largestDisplacement(interval.seconds));
         VelocityField field;
         field.build({texture->texture.sharedDomain(), current->flow.velocityDomain(), texture->refinement},
                     {current->flow.velocities->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},

@@ -1,11 +1,11 @@
 #include "vdblic/lic/convolve.h"
 
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/noise.h"
 
-#include <tbb/parallel_for.h>
-
+#include <algorithm>
 #include <cstddef>
 
 namespace vdblic {
@@ -14,7 +14,7 @@ LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>&
                            const LeafValues<std::int32_t>& input)
 {
     LeafValues<float> texture(domain, 0.0f);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.own(), [&](std::size_t leaf) {
         for (int i = 0; i < LeafVoxel::kCount; ++i) {
             const std::int64_t word = accumulator[leaf][i];
             if (word < 0) continue;
@@ -30,8 +30,8 @@ RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accum
                      const LeafValues<std::int32_t>& input, const RunningMean* before, int substeps)
 {
     const float kept = float(substeps - 1) / float(substeps + 1); // of the older hits' weight
-    RunningMean result{LeafValues<float>(domain, 0.0f), LeafValues<float>(domain, 0.0f)};
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    RunningMean result{LeafValues<float>(domain, 0.0f, domain.own()), LeafValues<float>(domain, 0.0f, domain.own())};
+    forLeaves(domain.own(), [&](std::size_t leaf) {
         for (int i = 0; i < LeafVoxel::kCount; ++i) {
             const std::int64_t word = accumulator[leaf][i];
             if (word < 0) continue;
@@ -49,11 +49,19 @@ RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accum
     return result;
 }
 
+LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own)
+{
+    if (domain.isWhole()) return own;
+    LeafValues<float> local(domain, 0.0f);
+    forLeaves(domain.own(), [&](std::size_t leaf) { std::copy_n(own[leaf], LeafVoxel::kCount, local[leaf]); });
+    return local;
+}
+
 RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,
                      const RunningMean& mean)
 {
-    RunningMean result{LeafValues<float>(to, 0.0f), LeafValues<float>(to, 0.0f)};
-    tbb::parallel_for(std::size_t(0), to.leafCount(), [&](std::size_t leaf) {
+    RunningMean result{LeafValues<float>(to, 0.0f, to.own()), LeafValues<float>(to, 0.0f, to.own())};
+    forLeaves(to.own(), [&](std::size_t leaf) {
         const openvdb::Coord origin = to.origin(leaf);
         const int there = from.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
         for (auto voxel = to.mask(leaf).beginOn(); voxel; ++voxel) {

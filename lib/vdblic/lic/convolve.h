@@ -9,7 +9,8 @@ namespace vdblic {
 /// The texture of a step: mean of the values that hit each voxel, in [0, 1]; a voxel without hits keeps its input.
 ///
 /// @param accumulator Hits words of Scatter::step()
-/// @param input       of the step, fixed-point (kNoiseMax)
+/// @param input       of the step, fixed-point (kNoiseMax), on the own leaves
+/// @return on the own leaves, with room for the other local ones
 /// Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
                                          const LeafValues<std::int32_t>& input);
@@ -28,6 +29,9 @@ struct RunningMean {
 /// Otherwise as convolve(), whose texture it is for one substep.
 [[nodiscard]] RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
                                    const LeafValues<std::int32_t>& input, const RunningMean* before, int substeps);
+
+/// Values on a domain's own leaves with room for its other local ones. Of a process alone, the values themselves.
+[[nodiscard]] LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own);
 
 /// The running mean on another domain: a new voxel has its input, without weight.
 [[nodiscard]] RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,

@@ -1,5 +1,6 @@
 #include "vdblic/lic/feedback.h"
 
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/slabs.h"
@@ -112,7 +113,7 @@ class FullBox {
 std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
 {
     std::vector<std::uint8_t> result(domain.leafCount());
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.local(), [&](std::size_t leaf) {
         const openvdb::Coord origin = domain.origin(leaf);
         bool whole = true;
         for (int corner = 0; whole && corner < 8; ++corner) {
@@ -274,7 +275,7 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
             const Slabs::Leaves leaves = slabs[slab];
             tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
                 const openvdb::Coord origin = domain.origin(leaves[i]);
-                if (!isReleaseTurn(origin, step + 1, substeps)) return;
+                if (!domain.isOwn(leaves[i]) || !isReleaseTurn(origin, step + 1, substeps)) return;
                 const int to = next.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
                 if (to >= 0) filterLeaf(filter, leaves[i], input[std::size_t(to)]);
             });

@@ -23,13 +23,12 @@ namespace vdblic {
 /// an input; the others keep the original noise, which nothing reads.
 ///
 /// @param field    velocity over the step that made the texture
-/// @param texture  in [0, 1], on the field's domain; 0 outside
+/// @param texture  in [0, 1], on the field's domain, its halo included; 0 outside
 /// @param next     domain of the step to come
 /// @param step     number of the step that made the texture
 /// @param substeps steps in a frame
-/// @return values on `next`, fixed-point (kNoiseMax). Computed in parallel; the result does not depend on the number of
-/// threads.
-/// Shen & Kao 1998, section 3.3; Liu & Moorhead 2004, section 1.
+/// @return values on the own leaves of `next`, fixed-point (kNoiseMax). Computed in parallel; the result does not
+/// depend on the number of threads. Shen & Kao 1998, section 3.3; Liu & Moorhead 2004, section 1.
 [[nodiscard]] LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture,
                                                    const Domain& next, const NoiseField& noise,
                                                    const FeedbackParams& params, std::uint64_t step, int substeps = 1);

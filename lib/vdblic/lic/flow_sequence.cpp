@@ -4,6 +4,7 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/lic/frame_halo.h"
 
 #include <fmt/format.h>
 
@@ -48,8 +49,9 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
 
 } // namespace
 
-FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter)
-    : mParams(std::move(params)), mReporter(reporter), mSource(openSequence(mParams.input, lines, mTotal))
+FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange)
+    : mParams(std::move(params)), mReporter(reporter), mExchange(exchange),
+      mSource(openSequence(mParams.input, lines, mTotal))
 {
 }
 
@@ -77,7 +79,7 @@ std::optional<LoadedFrame> FlowSequence::after()
     const std::optional<std::int64_t> number = framesAround(mParams.input).after;
     if (!number) return std::nullopt;
     try {
-        LoadedFrame frame = load({*number, FramePattern(mParams.input.pattern).path(*number)}, mParams);
+        LoadedFrame frame = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)});
         checkSuccession(frame.velocity);
         return frame;
     } catch (const InputError& error) {
@@ -112,7 +114,7 @@ FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const Load
     return {skipped / kDefaultFps, "by default"};
 }
 
-void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& interval)
+void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& interval, double largest)
 {
     const VelocityFrame& velocity = frame.velocity;
     const bool given = mParams.velocity.unit.has_value();
@@ -122,7 +124,21 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
                     given                ? "as given"
                     : velocity.mantaflow ? "a Mantaflow cache"
                                          : "by default",
-                    interval.seconds, interval.source, velocity.largestDisplacement(interval.seconds)));
+                    interval.seconds, interval.source, largest));
+}
+
+/// Read a frame, and keep this rank's part. All ranks cut the first frame's domain in the same way.
+LoadedFrame FlowSequence::loadPart(const FrameFile& file)
+{
+    LoadedFrame frame = load(file, mParams);
+    if (mExchange.isAlone()) return frame;
+    if (!mPartition) {
+        mPartition = std::make_shared<const Partition>(*frame.flow.velocityDomain(), frame.flow.refinement.factors,
+                                                       mExchange.size());
+    }
+    frame.partition = mPartition;
+    keepOwn(frame, mExchange.rank());
+    return frame;
 }
 
 void FlowSequence::readAhead()
@@ -131,7 +147,7 @@ void FlowSequence::readAhead()
     mAhead = std::async(std::launch::async, [this]() -> std::optional<LoadedFrame> {
         const std::optional<FrameFile> file = mSource();
         if (!file) return std::nullopt;
-        return load(*file, mParams);
+        return loadPart(*file);
     });
 }
 

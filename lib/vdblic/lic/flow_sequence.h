@@ -1,6 +1,8 @@
 #pragma once
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/distributed/partition.h"
 #include "vdblic/field/velocity_frame.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/lic/flow_frame.h"
@@ -12,6 +14,7 @@
 #include <cstdint>
 #include <future>
 #include <iosfwd>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -25,6 +28,10 @@ struct LoadedFrame {
     VelocityFrame velocity;
     FlowFrame flow;
     std::string stamp; ///< FlowSequence::stampOf() from just before reading
+
+    // If several ranks share the run, velocity and flow are this rank's part.
+    std::shared_ptr<const Partition> partition{}; ///< null for a process alone
+    openvdb::Coord rim{0, 0, 0};                  ///< how far the velocity goes beyond the rank's box [voxels]
 
     [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
     {
@@ -43,9 +50,10 @@ struct FrameInterval {
 /// Choices made for the user go to the reporter, each once. Not thread-safe.
 class FlowSequence {
   public:
-    /// @param lines source of the paths if the input is `-`
+    /// @param lines    source of the paths if the input is `-`
+    /// @param exchange with the ranks that share the run: each gets its part of every frame
     /// @throws InputError, ParameterError
-    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter);
+    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange);
 
     /// The number of frames; 0 if it is unknown.
     [[nodiscard]] std::size_t total() const { return mTotal; }
@@ -73,16 +81,19 @@ class FlowSequence {
     [[nodiscard]] std::int64_t spacing() const { return mSpacing; }
     void setSpacing(std::int64_t spacing) { mSpacing = spacing; }
 
-    /// Report how the velocity of a frame is understood.
-    void describe(const LoadedFrame& frame, const FrameInterval& interval);
+    /// Report how the velocity of a frame is understood. @param largest displacement in a step [voxels]
+    void describe(const LoadedFrame& frame, const FrameInterval& interval, double largest);
 
   private:
+    [[nodiscard]] LoadedFrame loadPart(const FrameFile& file);
     void readAhead();
     void checkSuccession(const VelocityFrame& velocity) const;
     void sayOnce(const std::string& message);
 
     FlowSequenceParams mParams;
     Reporter& mReporter;
+    const Exchange& mExchange;
+    std::shared_ptr<const Partition> mPartition; // of the first frame, for all
     std::size_t mTotal = 0;
     FrameSource mSource;
     openvdb::Vec3SGrid::ConstPtr mLast; // velocity of the previous frame

@@ -1,6 +1,7 @@
 #include "vdblic/lic/flow_state.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/hits.h"
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointDataGrid.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -39,19 +39,27 @@ openvdb::FloatGrid::Ptr namedGrid(const LeafValues<float>& values, const char* n
     return grid;
 }
 
-/// A grid's values on each leaf of the domain. @throws InputError if its voxels are not exactly the domain's
-std::vector<const float*> leafBuffers(const Domain& domain, const VdbFile& file, const char* name)
+/// A grid's values on each of the domain's own leaves, by their numbers. @throws InputError if its voxels are not the
+/// domain's
+std::vector<const float*> leafBuffers(const Domain& domain, const std::vector<VdbFile>& files, const char* name)
 {
-    const auto grid = file.find<openvdb::FloatGrid>(name);
-    if (!grid) throw InputError(fmt::format("it has no float grid '{}'", name));
-    std::vector<const float*> buffers;
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
-        const auto* found = grid->constTree().probeConstLeaf(domain.origin(leaf));
-        if (found && found->getValueMask() == domain.mask(leaf)) buffers.push_back(found->buffer().data());
+    std::vector<const float*> buffers(domain.leafCount(), nullptr);
+    std::size_t found = 0;
+    bool fits = true;
+    for (const VdbFile& file : files) {
+        const auto grid = file.find<openvdb::FloatGrid>(name);
+        if (!grid) throw InputError(fmt::format("it has no float grid '{}'", name));
+        for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
+            const Coord origin = leaf->origin();
+            const int number = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+            fits = fits && (number >= 0 ? leaf->getValueMask() == domain.mask(std::size_t(number)) : !domain.isWhole());
+            if (number < 0 || !fits || !domain.isOwn(std::size_t(number))) continue;
+            found += buffers[std::size_t(number)] == nullptr;
+            buffers[std::size_t(number)] = leaf->buffer().data();
+        }
     }
-    if (buffers.size() != domain.leafCount() || buffers.size() != grid->constTree().leafCount()) {
+    if (!fits || found != domain.own().size())
         throw InputError(fmt::format("its grid '{}' does not have the voxels of the frame it is for", name));
-    }
     return buffers;
 }
 
@@ -234,19 +242,19 @@ void readLeaf(const PointLeaf& leaf, std::size_t tile, std::size_t generationCou
 
 openvdb::GridBase::Ptr inputGrid(const Domain& domain, const LeafValues<std::int32_t>& input)
 {
-    const LeafValues<float> noise(domain, 0.0f);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    const LeafValues<float> noise(domain, 0.0f, domain.own());
+    forLeaves(domain.own(), [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
             noise[leaf][voxel.pos()] = float(input[leaf][voxel.pos()]) / kScale;
     });
     return namedGrid(noise, kNoise);
 }
 
-LeafValues<std::int32_t> readInput(const Domain& domain, const VdbFile& file)
+LeafValues<std::int32_t> readInput(const Domain& domain, const std::vector<VdbFile>& files)
 {
-    const auto noise = leafBuffers(domain, file, kNoise);
-    LeafValues<std::int32_t> input(domain, 0);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    const auto noise = leafBuffers(domain, files, kNoise);
+    LeafValues<std::int32_t> input(domain, 0, domain.own());
+    forLeaves(domain.own(), [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const auto at = voxel.pos();
             input[leaf][at] = std::int32_t(std::clamp(noise[leaf][at] * kScale, 0.0f, float(kNoiseMax)));
@@ -260,11 +268,11 @@ openvdb::GridPtrVec meanGrids(const RunningMean& mean)
     return {namedGrid(mean.mean, kMean), namedGrid(mean.weight, kWeight)};
 }
 
-RunningMean readMean(const Domain& domain, const VdbFile& file)
+RunningMean readMean(const Domain& domain, const std::vector<VdbFile>& files)
 {
-    const auto mean = leafBuffers(domain, file, kMean), weight = leafBuffers(domain, file, kWeight);
-    RunningMean result{LeafValues<float>(domain, 0.0f), LeafValues<float>(domain, 0.0f)};
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    const auto mean = leafBuffers(domain, files, kMean), weight = leafBuffers(domain, files, kWeight);
+    RunningMean result{LeafValues<float>(domain, 0.0f, domain.own()), LeafValues<float>(domain, 0.0f, domain.own())};
+    forLeaves(domain.own(), [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             result.mean[leaf][voxel.pos()] = mean[leaf][voxel.pos()];
             result.weight[leaf][voxel.pos()] = weight[leaf][voxel.pos()];
@@ -282,7 +290,7 @@ openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<Part
     const auto descriptor =
         openvdb::points::AttributeSet::Descriptor::create(openvdb::points::TypedAttributeArray<Vec3f>::attributeType());
     std::vector<PointLeaf*> leaves(domain.leafCount(), nullptr);
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+    for (const std::uint32_t leaf : domain.own()) {
         openvdb::Index count = 0;
         for (const ParticleBins& some : bins)
             some.forEach(leaf, [&](auto&&...) { ++count; });
@@ -297,22 +305,27 @@ openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<Part
     } else {
         openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kAlive);
     }
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.own(), [&](std::size_t leaf) {
         if (leaves[leaf]) LeafPoints(bins, leaf).write(*leaves[leaf], words);
     });
     return grid;
 }
 
-ParticleBins readParticles(const Domain& domain, const VdbFile& file, std::size_t generations)
+ParticleBins readParticles(const Domain& domain, const std::vector<VdbFile>& files, std::size_t generations)
 {
-    const auto grid = file.find<PointDataGrid>(kParticles);
-    if (!grid) throw InputError(fmt::format("it has no points '{}'", kParticles));
     ParticleBins bins(domain.leafCount(), generations);
-    for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
-        const Coord origin = leaf->origin();
-        const int tile = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-        if (tile < 0) throw InputError("it has particles outside the frame it is for");
-        readLeaf(*leaf, std::size_t(tile), generations, bins);
+    for (const VdbFile& file : files) {
+        const auto grid = file.find<PointDataGrid>(kParticles);
+        if (!grid) throw InputError(fmt::format("it has no points '{}'", kParticles));
+        for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
+            const Coord origin = leaf->origin();
+            const int tile = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+            if (tile >= 0 && domain.isOwn(std::size_t(tile))) {
+                readLeaf(*leaf, std::size_t(tile), generations, bins);
+            } else if (domain.isWhole()) {
+                throw InputError("it has particles outside the frame it is for");
+            }
+        }
     }
     return bins;
 }

@@ -10,6 +10,8 @@
 #include "vdblic/lic/scatter.h"
 #include "vdblic/lic/steady_lic.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -54,18 +56,35 @@ class FlowTexture::Pipeline {
         return grids;
     }
 
-    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain, const VdbFile& state)
+    [[nodiscard]] std::array<float, 3> largestSlope(double interval) const
+    {
+        std::array<float, 3> largest{};
+        for (const ParticleBins& bins : mScatter.particles()) {
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                largest[axis] = std::max(largest[axis], bins.largestSlope()[axis] * slopeScale(interval));
+        }
+        return largest;
+    }
+
+    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                 const std::vector<VdbFile>& states)
     {
         mStep = steps;
         if (mSteady) return;
         mLastInterval = interval;
-        mInput = readInput(*domain, state);
-        if (mParams.substeps > 1) mMean = readMean(*domain, state);
-        mScatter.restore(steps, readParticles(*domain, state, mParams.generations()));
+        mInput = readInput(*domain, states);
+        if (mParams.substeps > 1) mMean = readMean(*domain, states);
+        mScatter.restore(steps, readParticles(*domain, states, mParams.generations()));
         mDomain = std::move(domain);
     }
 
   private:
+    /// Slopes are displacements in a step: of a longer step they are larger.
+    [[nodiscard]] float slopeScale(double interval) const
+    {
+        return mLastInterval > 0 ? float(interval / mLastInterval) : 1;
+    }
+
     FlowTextureStep convolveFrame(const FlowStep& step) const
     {
         Stopwatch watch;
@@ -86,9 +105,9 @@ class FlowTexture::Pipeline {
                        {step.end.velocities->tree(), step.endToStep});
         {
             const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
-            const double slopeScale = mLastInterval > 0 ? step.interval / mLastInterval : 1;
+            result.stats =
+                mScatter.step(mField, *mInput, accumulator, *step.end.domain, slopeScale(step.interval), step.halo);
             mLastInterval = step.interval;
-            result.stats = mScatter.step(mField, *mInput, accumulator, *step.end.domain, float(slopeScale));
             result.times.load = mField.secondsToFill();
             result.times.scatter = watch.lap() - result.times.load;
 
@@ -96,14 +115,16 @@ class FlowTexture::Pipeline {
                 result.texture = convolve(domain, accumulator, *mInput);
             } else {
                 mMean = convolve(domain, accumulator, *mInput, mMean ? &*mMean : nullptr, mParams.substeps);
-                result.texture = mMean->mean;
+                result.texture = onLocal(domain, mMean->mean);
             }
         } // the accumulator and the input make room for what follows
         mInput.reset();
         if (mParams.method == ScatterMethod::kAuflic) {
+            if (step.halo) step.halo->takeFromOwners(result.texture, 1); // as far as the mean reaches
             result.texture =
                 meanAlongFlow(domain, step.start.refinement, mField.start(), result.texture, mFeedback.taps);
         }
+        if (step.halo) step.halo->takeFromOwners(result.texture);
         result.times.convolve = watch.lap();
         mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep, mParams.substeps);
         if (mMean && step.end.domain != step.start.domain) mMean = onDomain(*step.end.domain, *mInput, domain, *mMean);
@@ -139,6 +160,11 @@ FlowTextureStep FlowTexture::advance(const FlowStep& step)
     return mPipeline->advance(step);
 }
 
+std::array<float, 3> FlowTexture::largestSlope(double interval) const
+{
+    return mPipeline->largestSlope(interval);
+}
+
 std::uint64_t FlowTexture::steps() const
 {
     return mPipeline->steps();
@@ -150,9 +176,9 @@ openvdb::GridPtrVec FlowTexture::save() const
 }
 
 void FlowTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
-                          const VdbFile& state)
+                          const std::vector<VdbFile>& states)
 {
-    mPipeline->restore(steps, interval, std::move(domain), state);
+    mPipeline->restore(steps, interval, std::move(domain), states);
 }
 
 } // namespace vdblic

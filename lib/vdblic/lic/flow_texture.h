@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/lic/feedback_params.h"
 #include "vdblic/lic/flow_frame.h"
@@ -10,9 +11,11 @@
 
 #include <openvdb/openvdb.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace vdblic {
 
@@ -24,6 +27,7 @@ struct FlowStep {
     const FlowFrame& end;
     openvdb::Mat3d startToStep, endToStep; ///< stored values of the two frames → voxels per step
     double interval = 1;                   ///< seconds
+    const HaloExchange* halo = nullptr;    ///< of the first frame's domain, if several ranks share the step
 };
 
 /// Seconds spent, in the parts of the paper's Table 2.
@@ -38,7 +42,7 @@ struct StageTimes {
 
 /// The texture of one step, with the work and the time spent on it.
 struct FlowTextureStep {
-    LeafValues<float> texture; ///< in [0, 1], on the domain of the step's first frame
+    LeafValues<float> texture; ///< in [0, 1], on the domain of the step's first frame and in its halo
     ScatterStats stats;
     StageTimes times;
 };
@@ -61,9 +65,14 @@ class FlowTexture {
     FlowTexture& operator=(FlowTexture&&) noexcept;
 
     /// Compute the texture of the frame that a step starts from. Each step must start from the frame that the step
-    /// before it ended at.
+    /// before it ended at. Collective if several ranks share the step.
     /// @throws InputError if a voxel collected 2²³ hits or more
     FlowTextureStep advance(const FlowStep& step);
+
+    /// The largest displacement of a pathline that goes on, along each axis [texture voxels per step]: no more than
+    /// this can be added by pathlines to what the frames of the step to come ask for. @param interval seconds of that
+    /// step
+    [[nodiscard]] std::array<float, 3> largestSlope(double interval) const;
 
     /// The number of steps made.
     [[nodiscard]] std::uint64_t steps() const;
@@ -78,8 +87,10 @@ class FlowTexture {
     /// @param steps    made before the state was saved
     /// @param interval seconds of the last of them
     /// @param domain   of the frame that the next step starts from
+    /// @param states   of the ranks that saved; together they have at least the domain's own leaves
     /// @throws InputError, without the file's name, if the state does not fit these parameters and the domain
-    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain, const VdbFile& state);
+    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                 const std::vector<VdbFile>& states);
 
   private:
     class Pipeline;

@@ -6,15 +6,17 @@
 
 namespace vdblic {
 
-void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata)
+void FrameWriter::write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata,
+                        std::vector<StoredLeaves> stored)
 {
     const std::optional<std::filesystem::path> before = finishFile();
     mPath = std::move(path);
-    mPending = std::async(std::launch::async, [this, grids = std::move(grids), metadata] {
-        Stopwatch watch;
-        writeVdb(mPath, grids, metadata, mCompression);
-        return watch.lap();
-    });
+    mPending = std::async(std::launch::async,
+                          [this, grids = std::move(grids), metadata, stored = std::move(stored)]() mutable {
+                              Stopwatch watch;
+                              writeStoredVdb(mPath, grids, metadata, mCompression, std::move(stored));
+                              return watch.lap();
+                          });
     if (before) report(*before);
 }
 

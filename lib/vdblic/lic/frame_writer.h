@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/core/reporter.h"
+#include "vdblic/io/vdb_assembly.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <openvdb/openvdb.h>
@@ -25,7 +26,9 @@ class FrameWriter {
 
     /// Begin to write a file, after the previous one is finished. @throws OutputError of the previous one; what the
     /// reporter throws, while the file is being written
-    void write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata);
+    /// @param stored leaves of the first grids, as writeStoredVdb() takes them
+    void write(std::filesystem::path path, openvdb::GridCPtrVec grids, const openvdb::MetaMap& metadata,
+               std::vector<StoredLeaves> stored = {});
 
     /// Wait until the file being written is finished. @throws OutputError, what the reporter throws
     void finish();

@@ -1,8 +1,7 @@
 #include "vdblic/lic/local_contrast.h"
 
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_window.h"
-
-#include <tbb/parallel_for.h>
 
 #include <cstddef>
 
@@ -25,7 +24,7 @@ constexpr Enclosing enclosing(int voxel)
 LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& values)
     : mDomain(domain), mMoments(domain.leafCount())
 {
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.local(), [&](std::size_t leaf) {
         Moments& moments = mMoments[leaf];
         moments = {};
         const Domain::Mask& mask = domain.mask(leaf);

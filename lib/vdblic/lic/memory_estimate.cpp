@@ -21,7 +21,7 @@ double advectBytes(const AdvectParams& params, const FlowFrame& first)
     double texture = kTexture;
     if (params.scatter.substeps > 1) texture += 12;
     if (first.refinement.interpolation == Interpolation::kCubic) texture += 25;
-    const auto voxels = [](const Domain& domain) { return double(domain.leafCount()) * Domain::kLeafVoxels; };
+    const auto voxels = [](const Domain& domain) { return double(domain.local().size()) * Domain::kLeafVoxels; };
     return kProcess + kVelocity * voxels(*first.velocityDomain()) + texture * voxels(*first.domain);
 }
 

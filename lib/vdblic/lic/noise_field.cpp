@@ -1,9 +1,8 @@
 #include "vdblic/lic/noise_field.h"
 
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/lic/noise.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -62,9 +61,13 @@ bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, fl
 
 LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise)
 {
-    LeafValues<std::int32_t> input(domain, 0);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(),
-                      [&](std::size_t leaf) { noise.fill(domain.origin(leaf), input[leaf]); });
+    return noiseInput(domain, noise, domain.own());
+}
+
+LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise, Domain::Leaves on)
+{
+    LeafValues<std::int32_t> input(domain, 0, on);
+    forLeaves(on, [&](std::size_t leaf) { noise.fill(domain.origin(leaf), input[leaf]); });
     return input;
 }
 

@@ -40,7 +40,9 @@ class NoiseField {
     openvdb::FloatGrid::ConstPtr mGrid;
 };
 
-/// The input of the first step on a domain: the noise, fixed-point (kNoiseMax). Made in parallel.
+/// The input of the first step: the noise, fixed-point (kNoiseMax), on a domain's own leaves, or on some of its leaves.
+/// Made in parallel.
 [[nodiscard]] LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise);
+[[nodiscard]] LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise, Domain::Leaves on);
 
 } // namespace vdblic

@@ -10,12 +10,12 @@ namespace vdblic {
 
 /// The moving end of a pathline. The values it carries are kept apart, one Generation word for each generation.
 struct Particle {
-    static constexpr int kRankBits = 40; // of the id
+    static constexpr int kVoxelBits = 43; // of the id
 
     std::array<float, 3> position; ///< index space, voxel centres at integers
     std::array<float, 3> slope;    ///< velocity there, voxels per time step
     std::uint64_t alive;           ///< Hits of the values that are still within their life span
-    std::uint64_t id; ///< step of release << kRankBits | rank of the release voxel in the domain's scan order
+    std::uint64_t id;              ///< step of release << kVoxelBits | number of the release voxel in the domain
 };
 
 /// Particles that one thread moved, by the tile they are in now.

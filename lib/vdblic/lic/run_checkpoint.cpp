@@ -19,8 +19,8 @@
 
 namespace vdblic {
 
-RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter)
-    : mParams(params), mOutputs(outputs), mReporter(reporter), mParameters(parameterTexts(params)),
+RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter, Exchange& exchange)
+    : mParams(params), mOutputs(outputs), mReporter(reporter), mExchange(exchange), mParameters(parameterTexts(params)),
       mSchedule(params.checkpointEvery)
 {
 }
@@ -28,6 +28,7 @@ RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Re
 std::optional<Checkpoint> RunCheckpoint::find()
 {
     const bool isThere = isFinished(mOutputs.checkpoint());
+    mExchange.agree(); // before rank 0 removes it
     if (isThere && !mParams.resume && !mParams.restart) {
         throw ParameterError(
             fmt::format("{}: an earlier run left this checkpoint; go on from it with `resume`, or remove "
@@ -92,12 +93,32 @@ void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, 
     flow.setSpacing(position.frameSpacing);
     if (mParams.framesDone(position.steps) >= std::uint64_t(mParams.leadInFrames()))
         addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
+    const std::vector<VdbFile> parts = readParts(before, frame);
     try {
-        texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain, before.state);
+        texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain,
+                        before.parts.empty() ? before.states : parts);
     } catch (const InputError& error) {
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
     }
     mReporter.say(fmt::format("{}: {} textures are done", mOutputs.checkpoint().string(), finished.size()));
+}
+
+/// Read the parts of a checkpoint that this rank needs.
+std::vector<VdbFile> RunCheckpoint::readParts(const Checkpoint& before, const LoadedFrame& frame) const
+{
+    std::vector<VdbFile> states;
+    for (const CheckpointPart& part : before.parts) {
+        if (frame.partition && !frame.partition->textureBox(mExchange.rank()).hasOverlap(part.box)) continue;
+        if (!isFinished(part.path)) {
+            refuseCheckpoint(mOutputs.checkpoint(),
+                             fmt::format("needs {}, which is not there: put it back", part.path.string()));
+        }
+        Checkpoint read = readCheckpoint(part.path, mParameters);
+        if (read.position.steps != before.position.steps || read.states.empty())
+            refuseCheckpoint(mOutputs.checkpoint(), fmt::format("does not belong to {}", part.path.string()));
+        states.push_back(std::move(read.states.front()));
+    }
+    return states;
 }
 
 void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::string& stamp)
@@ -113,24 +134,26 @@ void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::stri
 
 void RunCheckpoint::stepDone(const RunPosition& position, const LoadedFrame& frame)
 {
-    mUnsaved = {position, frame.textureTransform()};
+    mUnsaved = {position, frame.textureTransform(), frame.partition};
     mSchedule.stepDone();
 }
 
 void RunCheckpoint::write(const FlowTexture& texture)
 {
-    const auto [position, transform] = std::move(mUnsaved.value());
+    const auto [position, transform, partition] = std::move(mUnsaved.value());
     mUnsaved.reset();
     const auto start = CheckpointSchedule::Clock::now();
-    Checkpoint checkpoint{position, mInputs, {}};
+    Checkpoint checkpoint{position, mInputs, {{}}};
     // A step depends on the frames at both ends of its interval and on none after them.
     const std::size_t lastStep = std::max(position.steps, std::uint64_t(1)) - 1;
     checkpoint.inputs.resize(std::min<std::size_t>(mParams.framesDone(lastStep) + 2, mInputs.size()));
     try {
-        checkpoint.state.grids = texture.save();
-        for (const auto& grid : checkpoint.state.grids)
+        VdbFile& state = checkpoint.states.front();
+        state.grids = texture.save();
+        for (const auto& grid : state.grids)
             grid->setTransform(transform->copy());
-        writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+        partition ? writePart(std::move(checkpoint), *partition)
+                  : writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
     } catch (const std::bad_alloc&) {
         throw InputError(fmt::format("{}: takes more than the {} of memory that may be used: raise `max_memory`, or "
                                      "give `checkpoint_every` 0 to do without",
@@ -141,11 +164,45 @@ void RunCheckpoint::write(const FlowTexture& texture)
     mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
 }
 
+/// Every rank writes its part, then rank 0 the file that lists them: until then the checkpoint before is valid.
+void RunCheckpoint::writePart(Checkpoint checkpoint, const Partition& partition)
+{
+    const std::uint64_t steps = checkpoint.position.steps;
+    for (int rank = 0; rank < partition.ranks(); ++rank)
+        checkpoint.parts.push_back({mOutputs.checkpointPart(steps, rank), partition.textureBox(rank)});
+    const std::filesystem::path mine = checkpoint.parts[std::size_t(mExchange.rank())].path;
+    try {
+        Checkpoint part = checkpoint;
+        part.parts.clear();
+        writeCheckpoint(mine, part, mParameters);
+        mExchange.agree();
+        checkpoint.states.clear();
+        if (mExchange.isFirst()) writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+        mExchange.agree();
+    } catch (...) {
+        std::error_code ignored;
+        std::filesystem::remove(mine, ignored);
+        throw;
+    }
+    if (mExchange.isFirst()) removeParts(steps);
+}
+
+/// Remove the parts of checkpoints. @param but steps whose parts stay
+void RunCheckpoint::removeParts(std::optional<std::uint64_t> but) const
+{
+    for (const std::filesystem::path& part : mOutputs.checkpointParts(but))
+        std::filesystem::remove(part);
+}
+
 void RunCheckpoint::remove() const
 {
+    if (!mExchange.isFirst()) return;
     std::error_code error;
     std::filesystem::remove(mOutputs.checkpoint(), error);
-    if (!error) return;
+    if (!error) {
+        removeParts({});
+        return;
+    }
     throw OutputError(fmt::format("{}: cannot be removed: {}", mOutputs.checkpoint().string(), error.message()));
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/distributed/partition.h"
 #include "vdblic/lic/checkpoint.h"
 #include "vdblic/lic/checkpoint_schedule.h"
 #include "vdblic/lic/parameter_texts.h"
@@ -8,7 +10,9 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +31,8 @@ class RunOutputs;
 class RunCheckpoint {
   public:
     /// All arguments must outlive this. @throws ParameterError
-    RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter);
+    /// @param exchange with the ranks that share the run; find(), write() and remove() are collective
+    RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter, Exchange& exchange);
 
     // Going on from the checkpoint of an interrupted run, in the order of the calls.
 
@@ -70,16 +75,21 @@ class RunCheckpoint {
     void remove() const;
 
   private:
+    [[nodiscard]] std::vector<VdbFile> readParts(const Checkpoint& before, const LoadedFrame& frame) const;
+    void writePart(Checkpoint checkpoint, const Partition& partition);
+    void removeParts(std::optional<std::uint64_t> but) const;
     void addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const;
 
     struct Unsaved {
         RunPosition position;
         openvdb::math::Transform::Ptr transform; // of the grids in the checkpoint
+        std::shared_ptr<const Partition> partition;
     };
 
     const AdvectParams& mParams;
     RunOutputs& mOutputs;
     Reporter& mReporter;
+    Exchange& mExchange;
     ParameterTexts mParameters;
     CheckpointSchedule mSchedule;
     std::vector<std::string> mInputs, mExpected; // stamps of the frames read by this run and by the interrupted one

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,30 @@ std::int64_t RunOutputs::number(std::int64_t frame, int part) const
                         mParams.scatter.substeps, first));
     }
     return number;
+}
+
+std::filesystem::path RunOutputs::checkpointPart(std::uint64_t steps, int rank) const
+{
+    const std::string stem = mCheckpoint.stem().string();
+    return mCheckpoint.parent_path() / fmt::format("{}.s{}.r{}.vdb", stem, steps, rank);
+}
+
+std::vector<std::filesystem::path> RunOutputs::checkpointParts(std::optional<std::uint64_t> but) const
+{
+    const std::string stem = mCheckpoint.stem().string() + ".s";
+    const std::filesystem::path folder = mCheckpoint.parent_path();
+    std::vector<std::filesystem::path> parts;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder)) {
+        unsigned long long steps = 0;
+        int rank = 0, end = 0;
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with(stem)) continue;
+        if (std::sscanf(name.c_str() + stem.size(), "%llu.r%d.vdb%n", &steps, &rank, &end) != 2 || end == 0 ||
+            name.size() != stem.size() + std::size_t(end) || steps == but)
+            continue;
+        parts.push_back(entry.path());
+    }
+    return parts;
 }
 
 void RunOutputs::check(std::size_t textures)

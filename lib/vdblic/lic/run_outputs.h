@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 namespace vdblic {
 
@@ -28,6 +29,10 @@ class RunOutputs {
         return mTextures.path(number(frame, part));
     }
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
+    /// A rank's part of the checkpoint after some steps.
+    [[nodiscard]] std::filesystem::path checkpointPart(std::uint64_t steps, int rank) const;
+    /// The parts of the checkpoint that are on disk. @param but after these steps
+    [[nodiscard]] std::vector<std::filesystem::path> checkpointParts(std::optional<std::uint64_t> but) const;
 
     /// Check that all outputs have different names and can be written.
     /// @param textures their number, 0 if it is not known

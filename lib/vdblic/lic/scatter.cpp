@@ -2,9 +2,11 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/threads.h"
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lic/particle_exchange.h"
 #include "vdblic/lic/seeding.h"
 #include "vdblic/lic/tile_schedule.h"
 
@@ -19,22 +21,25 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// Totals over an accumulator.
+/// Totals over an accumulator's own leaves.
 struct Collected {
     std::size_t hits = 0, emptyVoxels = 0;
 };
 Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
 {
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, domain.leafCount()), Collected{},
+        tbb::blocked_range<std::size_t>(0, domain.own().size()), Collected{},
         [&](const tbb::blocked_range<std::size_t>& range, Collected sum) {
-            for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
+            for (std::size_t number = range.begin(); number < range.end(); ++number) {
+                const std::size_t leaf = domain.own()[number];
                 for (int i = 0; i < LeafVoxel::kCount; ++i) { // Hits::kOutside has a count of 0
                     sum.hits += Hits::count(std::uint64_t(accumulator[leaf][i]));
                     sum.emptyVoxels += accumulator[leaf][i] == 0;
@@ -48,19 +53,15 @@ Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumu
 }
 
 /// The farthest that a path of this step can lead from its own tile, along each axis [voxels].
-///
-/// A step leads no farther than the largest of its slopes; the Hermite curve swings beyond its ends by at most 4/27 of
-/// the slope at each.
-std::array<float, 3> longestPath(const ScatterScene& scene)
+std::array<float, 3> longestPaths(const ScatterScene& scene)
 {
-    constexpr float kSwing = 1 + 2 * 4.0f / 27, kRounding = 1; // voxels
     std::array<float, 3> longest{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         float slope = scene.field.largest()[int(axis)];
         for (const ParticleBins& bins : scene.arriving)
             slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
         constexpr float kFarAway = 1e6f;
-        longest[axis] = std::min(kSwing * slope + kRounding, kFarAway);
+        longest[axis] = std::min(longestPath(slope), kFarAway);
     }
     return longest;
 }
@@ -107,7 +108,7 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& 
     for (std::size_t thread = 0; thread < threads; ++thread)
         workers.emplace_back(scene);
 
-    const std::array<float, 3> longest = longestPath(scene);
+    const std::array<float, 3> longest = longestPaths(scene);
     const openvdb::Coord reach(inLeaves(longest[0]), inLeaves(longest[1]), inLeaves(longest[2]));
     const FieldDomain& domain = field.sampledDomain();
     const Slabs slabs(*domain.texture, domain.refinement), velocitySlabs(slabs, *domain.velocity, domain.refinement);
@@ -117,8 +118,29 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& 
     slabs.sweep(
         inLeaves(longest[axis] + float(finer)), [&](std::size_t slab) { field.fill(velocitySlabs[slab]); },
         [&](std::size_t slab) { field.release(velocitySlabs[slab]); },
-        [&](std::size_t slab) { scatterSlab(*domain.texture, slabs[slab], reach, workers); });
+        [&](std::size_t slab) {
+            const Domain& texture = *domain.texture;
+            if (texture.isWhole()) return scatterSlab(texture, slabs[slab], reach, workers);
+            std::vector<std::uint32_t> own;
+            std::copy_if(slabs[slab].begin(), slabs[slab].end(), std::back_inserter(own),
+                         [&](std::uint32_t leaf) { return texture.isOwn(leaf); });
+            scatterSlab(texture, own, reach, workers);
+        });
     return workers;
+}
+
+/// Add up what the ranks did.
+void sumOver(Exchange& exchange, ScatterStats& stats, Collected& found)
+{
+    std::size_t* const figures[] = {&stats.particles, &stats.blocked,    &stats.released, &stats.reused,
+                                    &stats.copied,    &stats.steps,      &stats.deposits, &stats.hits,
+                                    &found.hits,      &found.emptyVoxels};
+    std::vector<std::uint64_t> sums;
+    for (const std::size_t* figure : figures)
+        sums.push_back(*figure);
+    exchange.sum(sums);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        *figures[i] = sums[i];
 }
 
 } // namespace
@@ -138,7 +160,7 @@ void Scatter::restore(std::uint64_t steps, ParticleBins particles)
 LeafValues<std::int64_t> makeAccumulator(const Domain& domain)
 {
     LeafValues<std::int64_t> accumulator(domain, 0);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.local(), [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOff(); voxel; ++voxel)
             accumulator[leaf][voxel.pos()] = Hits::kOutside;
     });
@@ -146,14 +168,11 @@ LeafValues<std::int64_t> makeAccumulator(const Domain& domain)
 }
 
 ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>& input,
-                           const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale)
+                           const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale,
+                           const HaloExchange* halo)
 {
     const Domain& domain = field.domain();
-    ScatterScene scene{mParams, mStep, slopeScale, field, input, accumulator, next, mBins, {0}};
-    scene.firstRank.reserve(domain.leafCount() + 1);
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
-        scene.firstRank.push_back(scene.firstRank.back() + domain.mask(leaf).countOn());
-
+    const ScatterScene scene{mParams, mStep, slopeScale, field, input, accumulator, next, mBins};
     std::vector<TileScatter> workers = scatterTiles(scene, field);
 
     ScatterStats stats;
@@ -164,7 +183,12 @@ ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>&
         mBins.push_back(std::move(worker.leaving()));
     }
     ++mStep;
-    const Collected found = collected(domain, accumulator);
+    if (halo) {
+        halo->addToOwners(accumulator);
+        handOn(halo->exchange(), halo->partition(), next, mBins);
+    }
+    Collected found = collected(domain, accumulator);
+    if (halo) sumOver(halo->exchange(), stats, found);
     stats.emptyVoxels = found.emptyVoxels;
     const std::size_t weight = mParams.keepsHistory() ? FadingHits::kWeight : 1;
     if (found.hits != stats.hits) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/hits.h"
@@ -14,6 +15,14 @@ namespace vdblic {
 
 /// An accumulator for a step on a domain: Hits words without a hit.
 [[nodiscard]] LeafValues<std::int64_t> makeAccumulator(const Domain& domain);
+
+/// The farthest that a path of a step leads from its start, along an axis [voxels]. @param slope the largest
+/// displacement in a step: the Hermite curve swings beyond its ends by at most 4/27 of the slope at each.
+[[nodiscard]] constexpr float longestPath(float slope)
+{
+    constexpr float kSwing = 1 + 2 * 4.0f / 27, kRounding = 1; // voxels
+    return kSwing * slope + kRounding;
+}
 
 /// The value scattering of UFLIC and AUFLIC in streaming form (docs/algorithm.md).
 ///
@@ -34,9 +43,12 @@ class Scatter {
     /// @param accumulator of makeAccumulator(), on the field's domain; receives Hits
     /// @param next        domain of the step to come; particles outside it end
     /// @param slopeScale  duration of this step over that of the step before, in which slopes were measured
+    /// @param halo        of the field's domain, if several ranks share the step: each scatters its own tiles, and gets
+    ///                    its own voxels' hits and its own tiles' particles. Collective then.
     /// @throws InputError if a voxel collected 2²³ hits or more
     ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input,
-                      const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale = 1);
+                      const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale = 1,
+                      const HaloExchange* halo = nullptr);
 
     /// The particles that go on, by the tiles of the domain of the step to come.
     [[nodiscard]] const std::vector<ParticleBins>& particles() const { return mBins; }

@@ -63,7 +63,7 @@ TileScatter::TileScatter(const ScatterScene& scene)
 
 VDBLIC_INLINE const GenerationClock& TileScatter::clockOf(const Particle& particle) const
 {
-    return mClocks[std::size_t((particle.id >> Particle::kRankBits) % mClocks.size())];
+    return mClocks[std::size_t((particle.id >> Particle::kVoxelBits) % mClocks.size())];
 }
 
 /// Carry the particle's values along its path, and take up those of open voxels on the way.
@@ -129,7 +129,7 @@ VDBLIC_INLINE bool TileScatter::wasBlocked() const
 VDBLIC_INLINE void TileScatter::keep(int lane)
 {
     if (!mAuflic) {
-        const std::uint64_t age = mScene.step - (mParticle.id >> Particle::kRankBits);
+        const std::uint64_t age = mScene.step - (mParticle.id >> Particle::kVoxelBits);
         if (age + 1 >= std::uint64_t(mScene.params.lifeSpan) * mClocks.size()) return;
     } else if (const GenerationClock& clock = clockOf(mParticle); clock.endsFrame) {
         if (mHistory) {
@@ -166,7 +166,7 @@ void TileScatter::takeArriving()
     for (ParticleBins& bins : mScene.arriving)
         bins.take(mLeaf, mParticles, mParticleGenerations, mLeaving);
     mTurns.clear();
-    const std::uint64_t newestFirst = mHistory ? ~std::uint64_t(0) << Particle::kRankBits : 0;
+    const std::uint64_t newestFirst = mHistory ? ~std::uint64_t(0) << Particle::kVoxelBits : 0;
     for (std::size_t i = 0; i < mParticles.size(); ++i) {
         const unsigned voxel = Domain::offset(voxelOf(toVector(mParticles[i].position)));
         mTurns.push_back({mParticles[i].id ^ newestFirst, std::uint32_t(i), voxel});
@@ -261,18 +261,17 @@ template<bool kShared>
 VDBLIC_INLINE void TileScatter::releaseNew()
 {
     const openvdb::Coord origin = mDomain.origin(mLeaf);
-    const std::uint64_t firstId = mScene.step << Particle::kRankBits | mScene.firstRank[mLeaf];
-    std::uint64_t nextId = firstId;
+    const std::uint64_t firstId = mScene.step << Particle::kVoxelBits | mDomain.firstVoxelNumber(mLeaf);
     auto voxel = mDomain.mask(mLeaf).beginOn();
     while (voxel) {
         std::array<unsigned, kLanes> offsets;
         std::array<std::uint64_t, kLanes> ids;
         int count = 0;
-        for (; voxel && count < kLanes; ++voxel, ++nextId) {
+        for (; voxel && count < kLanes; ++voxel) {
             if (!mOpen.isOn(voxel.pos())) continue;
             const openvdb::Coord at = origin + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             offsets[std::size_t(count)] = voxel.pos();
-            ids[std::size_t(count)] = nextId;
+            ids[std::size_t(count)] = firstId + voxel.pos();
             mBatch.position.setLane(count, Float4{float(at[0]), float(at[1]), float(at[2]), 0});
             ++count;
         }

@@ -33,8 +33,7 @@ struct ScatterScene {
     const LeafValues<std::int32_t>& input;
     const LeafValues<std::int64_t>& accumulator;
     const Domain& next;
-    std::vector<ParticleBins>& arriving;  ///< each tile takes its own particles out of them
-    std::vector<std::uint64_t> firstRank; ///< of each leaf: its first voxel's rank in the domain's scan order
+    std::vector<ParticleBins>& arriving; ///< each tile takes its own particles out of them
 };
 
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).

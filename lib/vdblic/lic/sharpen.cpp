@@ -1,10 +1,9 @@
 #include "vdblic/lic/sharpen.h"
 
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/lic/neighbourhood.h"
-
-#include <tbb/parallel_for.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -38,7 +37,7 @@ LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& textu
                             const ValueRange& range)
 {
     LeafValues<float> result(domain, 0.0f);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.local(), [&](std::size_t leaf) {
         const NeighbourSums sums = sumNeighbours(domain, texture, leaf, 1);
         sharpenLeaf(sums, domain.mask(leaf), texture[leaf], strength, range, result[leaf]);
     });

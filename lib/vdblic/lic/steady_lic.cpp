@@ -1,5 +1,6 @@
 #include "vdblic/lic/steady_lic.h"
 
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/velocity_field.h"
@@ -8,7 +9,6 @@
 #include "vdblic/lic/pathline.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <cstddef>
@@ -98,12 +98,11 @@ LeafValues<float> steadyLic(const FlowFrame& frame, const openvdb::Mat3d& toStep
         return field;
     };
     const VelocityField downstream = along(1), upstream = along(-1);
-    const LeafValues<std::int32_t> input = noiseInput(*frame.domain, noise);
+    const LeafValues<std::int32_t> input = noiseInput(*frame.domain, noise, frame.domain->local());
     LeafValues<float> texture(*frame.domain, 0.0f);
     tbb::enumerable_thread_specific<Convolution> workers([&] { return Convolution{input, kernel, pathline}; });
-    tbb::parallel_for(std::size_t(0), frame.domain->leafCount(), [&](std::size_t leaf) {
-        convolveLeaf(workers.local(), downstream, upstream, leaf, texture[leaf]);
-    });
+    forLeaves(frame.domain->own(),
+              [&](std::size_t leaf) { convolveLeaf(workers.local(), downstream, upstream, leaf, texture[leaf]); });
     return texture;
 }
 

@@ -2,15 +2,15 @@
 
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/resample.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/lic/advect_params.h"
 #include "vdblic/lic/flow_sequence.h"
 
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,7 +22,7 @@ openvdb::FloatTree::Ptr magnitudeOf(const FlowFrame& frame)
     const Domain& domain = *frame.velocityDomain();
     const LeafValues<float> magnitude(domain, 0.0f);
     const openvdb::Mat3s toWorld(frame.toWorldPerSecond);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.local(), [&](std::size_t leaf) {
         const auto values = frame.velocities->getConstAccessor();
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
@@ -40,6 +40,13 @@ openvdb::FloatGrid::Ptr fogVolume(const openvdb::FloatTree::Ptr& tree, const std
     grid->setTransform(transform.copy());
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     return grid;
+}
+
+/// A tree with all of a domain's voxels: the texture's, unless other ranks have parts of it.
+openvdb::FloatTree::Ptr wholeTree(const Domain& domain, const openvdb::FloatTree::Ptr& texture)
+{
+    if (domain.isWhole()) return texture;
+    return std::make_shared<openvdb::FloatTree>(domain.topology(), 0.0f, openvdb::TopologyCopy());
 }
 
 openvdb::MetaMap parameterMetadata(const AdvectParams& params)
@@ -91,9 +98,9 @@ TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame
     if (params.format.scalars == ScalarVoxels::kTexture && !frame.flow.refinement.isNone()) {
         for (openvdb::FloatGrid::Ptr& scalar : scalars)
             scalar = resampled(*scalar, *textureGrid);
+        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*frame.flow.domain, texture), "", transform);
         for (openvdb::GridBase::Ptr& grid : carried) {
-            if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
-                grid = resampled(*scalar, *textureGrid);
+            if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) grid = resampled(*scalar, *like);
         }
     }
     if (params.format.precision == GridPrecision::kHalf) {
@@ -105,6 +112,7 @@ TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame
     TextureFile file;
     file.grids = {textureGrid};
     file.grids.insert(file.grids.end(), scalars.begin(), scalars.end());
+    file.computed = file.grids.size();
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
     file.metadata = parameterMetadata(params);
     if (!velocity.sourceCreator.empty())

@@ -2,6 +2,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace vdblic {
@@ -20,6 +21,7 @@ struct TextureTime {
 /// What one file of a texture sequence holds.
 struct TextureFile {
     openvdb::GridCPtrVec grids;
+    std::size_t computed = 0; ///< the number of grids, the first ones, that are not carried along
     openvdb::MetaMap metadata;
 };
 

@@ -31,7 +31,8 @@ Flow flowOfFiles(const std::string& pattern, const std::string& range)
     params.input.frames = range;
     Reporter silent;
     std::istringstream noLines;
-    FlowSequence sequence(params, noLines, silent);
+    const OneProcess alone;
+    FlowSequence sequence(params, noLines, silent, alone);
     Flow flow;
     std::optional<LoadedFrame> frame = sequence.next();
     while (frame) {

@@ -31,11 +31,11 @@ namespace {
 constexpr int kStateSteps = 9;
 
 /// Grids written to a file and read again.
-VdbFile throughAFile(const openvdb::GridPtrVec& grids)
+std::vector<VdbFile> throughAFile(const openvdb::GridPtrVec& grids)
 {
     const TemporaryFolder folder;
     writeVdb(folder / "state.vdb", openvdb::GridCPtrVec(grids.begin(), grids.end()), {});
-    return readVdb(folder / "state.vdb");
+    return {readVdb(folder / "state.vdb")};
 }
 
 std::size_t differingVoxels(const LeafValues<float>& a, const LeafValues<float>& b)
@@ -127,7 +127,7 @@ TEST(ParticleGrid, KeepsEveryBitOfAParticle)
     std::uint64_t number = 0;
     for (const float x : coordinates) {
         for (const float y : coordinates) {
-            Particle particle{{x, y, -x}, {1e-38f * x, y, -3e30f}, 0, (number + 1) << Particle::kRankBits | number};
+            Particle particle{{x, y, -x}, {1e-38f * x, y, -3e30f}, 0, (number + 1) << Particle::kVoxelBits | number};
             const std::array<std::uint32_t, 2> words = {std::uint32_t(number * 65535) << 8 | 3, ~std::uint32_t(0)};
             particle.alive = Generation::hits(words[0]) + Generation::hits(words[1]);
             const int leaf = domain->findLeaf(voxelOf(Float4{x, y, -x, 0}));
@@ -173,11 +173,11 @@ TEST(InputGrid, KeepsEveryValue)
             input[leaf][i] = std::int32_t(number & 65535);
         }
     }
-    const VdbFile file = throughAFile({inputGrid(*domain, input)});
-    const LeafValues<std::int32_t> read = readInput(*domain, file);
+    const std::vector<VdbFile> files = throughAFile({inputGrid(*domain, input)});
+    const LeafValues<std::int32_t> read = readInput(*domain, files);
     for (std::size_t leaf = 0; leaf < domain->leafCount(); ++leaf)
         ASSERT_TRUE(std::equal(input[leaf], input[leaf] + Domain::kLeafVoxels, read[leaf]));
-    const auto range = openvdb::tools::minMax(file.find<openvdb::FloatGrid>("noise")->tree());
+    const auto range = openvdb::tools::minMax(files.front().find<openvdb::FloatGrid>("noise")->tree());
     EXPECT_GE(range.min(), 0);
     EXPECT_LT(range.max(), 1);
 }
@@ -188,13 +188,13 @@ TEST(SavedStates, ThatDoNotFitAreRefused)
     FlowTexture texture(ScatterParams{}, FeedbackParams{}, NoiseField(7));
     for (std::size_t k = 0; k < 2; ++k)
         (void)texture.advance(test::stepFrom(frames, k));
-    const VdbFile state = throughAFile(texture.save());
+    const std::vector<VdbFile> state = throughAFile(texture.save());
     FlowTexture other(ScatterParams{}, FeedbackParams{}, NoiseField(7));
     EXPECT_NO_THROW(other.restore(2, 1, frames[2].domain, state));
     EXPECT_THROW(other.restore(2, 1, frames[3].domain, state), InputError);
-    for (std::size_t missing = 0; missing < state.grids.size(); ++missing) {
-        VdbFile part = state;
-        part.grids.erase(part.grids.begin() + std::ptrdiff_t(missing));
+    for (std::size_t missing = 0; missing < state.front().grids.size(); ++missing) {
+        std::vector<VdbFile> part = state;
+        part.front().grids.erase(part.front().grids.begin() + std::ptrdiff_t(missing));
         EXPECT_THROW(other.restore(2, 1, frames[2].domain, part), InputError);
     }
     FlowTexture window(params(ScatterMethod::kAuflic, 4, false), FeedbackParams{}, NoiseField(7));

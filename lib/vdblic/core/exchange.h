@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+
+/// What processes that share the work of one run tell each other. Each is a *rank*, numbered from 0.
+///
+/// All functions but rank() and size() are collective: every rank calls them in the same order. If a rank fails
+/// instead, it calls fail(), and the others' call throws the same error; so no rank waits for one that gave up. Not
+/// thread-safe.
+class Exchange {
+  public:
+    using Bytes = std::string;
+
+    virtual ~Exchange() = default;
+    [[nodiscard]] virtual int rank() const = 0;
+    [[nodiscard]] virtual int size() const = 0;
+    [[nodiscard]] bool isFirst() const { return rank() == 0; }
+    [[nodiscard]] bool isAlone() const { return size() == 1; }
+
+    /// Give each rank a message, and take one from each. @param messages one for each rank
+    [[nodiscard]] std::vector<Bytes> swap(std::vector<Bytes> messages);
+    /// All ranks' messages at rank 0; at the others nothing.
+    [[nodiscard]] std::vector<Bytes> gather(Bytes message);
+    /// Rank 0's message at all ranks.
+    [[nodiscard]] Bytes broadcast(Bytes message);
+    /// Replace each number by its sum, or by its largest value, over all ranks.
+    void sum(std::span<std::uint64_t> numbers);
+    void max(std::span<double> numbers);
+    /// Whether something is true at any rank.
+    [[nodiscard]] bool any(bool here);
+    /// Wait for all ranks.
+    void agree();
+
+    /// Tell the other ranks, in place of the collective call that they are in, that this rank gives up. Called once for
+    /// each error; for one that a collective call threw, the others know already.
+    void fail(const std::exception_ptr& why) noexcept;
+
+    /// Bytes that this rank has sent.
+    [[nodiscard]] std::uint64_t sent() const { return mSent; }
+
+  protected:
+    virtual std::vector<Bytes> doSwap(std::vector<Bytes> messages) = 0;
+    virtual std::vector<Bytes> doGather(Bytes message) = 0;
+    /// @param from rank whose message it is
+    virtual Bytes doBroadcast(Bytes message, int from) = 0;
+    virtual void doSum(std::span<std::uint64_t> numbers) = 0;
+    virtual void doMax(std::span<double> numbers) = 0;
+
+  private:
+    std::uint64_t mSent = 0;
+    bool mWasTold = false; // the last error was another rank's
+};
+
+/// A process alone.
+class OneProcess final : public Exchange {
+  public:
+    [[nodiscard]] int rank() const override { return 0; }
+    [[nodiscard]] int size() const override { return 1; }
+
+  protected:
+    std::vector<Bytes> doSwap(std::vector<Bytes> messages) override { return messages; }
+    std::vector<Bytes> doGather(Bytes message) override { return {std::move(message)}; }
+    Bytes doBroadcast(Bytes message, int /*from*/) override { return message; }
+    void doSum(std::span<std::uint64_t> /*numbers*/) override {}
+    void doMax(std::span<double> /*numbers*/) override {}
+};
+
+} // namespace vdblic

@@ -1,0 +1,99 @@
+#include "vdblic/distributed/halo_exchange.h"
+
+#include "vdblic/distributed/message.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+
+namespace vdblic {
+
+HaloExchange::HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain,
+                           const openvdb::Coord& depth)
+    : mExchange(exchange), mPartition(partition), mDomain(domain), mDepth(depth), mGiven(std::size_t(exchange.size())),
+      mTaken(std::size_t(exchange.size()))
+{
+    const openvdb::CoordBBox mine = partition.textureBox(exchange.rank());
+    for (int rank = 0; rank < exchange.size(); ++rank) {
+        const openvdb::CoordBBox around = dilated(partition.textureBox(rank), depth);
+        if (rank == exchange.rank() || !around.hasOverlap(mine)) continue;
+        for (const std::uint32_t leaf : domain.own()) {
+            if (around.isInside(domain.origin(leaf))) mGiven[std::size_t(rank)].push_back(leaf);
+        }
+    }
+    for (const std::uint32_t leaf : domain.local()) {
+        if (!domain.isOwn(leaf)) mTaken[std::size_t(partition.ownerOfTexture(domain.origin(leaf)))].push_back(leaf);
+    }
+}
+
+void HaloExchange::addToOwners(const LeafValues<std::int64_t>& accumulator) const
+{
+    std::vector<Exchange::Bytes> messages(mTaken.size());
+    std::vector<std::int64_t> words;
+    for (std::size_t rank = 0; rank < mTaken.size(); ++rank) {
+        for (const std::uint32_t leaf : mTaken[rank]) {
+            words.clear();
+            bool touched = false;
+            for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel) {
+                words.push_back(accumulator[leaf][voxel.pos()]);
+                touched = touched || words.back() != 0;
+            }
+            put(messages[rank], touched);
+            if (touched) put(messages[rank], words.data(), words.size());
+        }
+    }
+    const std::vector<Exchange::Bytes> received = mExchange.swap(std::move(messages));
+    for (std::size_t rank = 0; rank < mGiven.size(); ++rank) {
+        MessageReader message(received[rank]);
+        for (const std::uint32_t leaf : mGiven[rank]) {
+            if (!message.get<bool>()) continue;
+            words.resize(mDomain.mask(leaf).countOn());
+            message.get(words.data(), words.size());
+            auto word = words.begin();
+            for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
+                accumulator[leaf][voxel.pos()] += *word++;
+        }
+    }
+}
+
+void HaloExchange::takeFromOwners(const LeafValues<float>& values, int leaves) const
+{
+    take(values, openvdb::Coord(leaves * LeafVoxel::kDim));
+}
+
+void HaloExchange::takeFromOwners(const LeafValues<float>& values) const
+{
+    take(values, mDepth);
+}
+
+void HaloExchange::take(const LeafValues<float>& values, const openvdb::Coord& depth) const
+{
+    std::vector<Exchange::Bytes> messages(mGiven.size());
+    std::vector<float> numbers;
+    for (std::size_t rank = 0; rank < mGiven.size(); ++rank) {
+        const openvdb::CoordBBox around = dilated(mPartition.textureBox(int(rank)), depth);
+        for (const std::uint32_t leaf : mGiven[rank]) {
+            if (!around.isInside(mDomain.origin(leaf))) continue;
+            numbers.clear();
+            for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
+                numbers.push_back(values[leaf][voxel.pos()]);
+            put(messages[rank], numbers.data(), numbers.size());
+        }
+    }
+    const std::vector<Exchange::Bytes> received = mExchange.swap(std::move(messages));
+    const openvdb::CoordBBox around = dilated(mPartition.textureBox(mExchange.rank()), depth);
+    for (std::size_t rank = 0; rank < mTaken.size(); ++rank) {
+        MessageReader message(received[rank]);
+        for (const std::uint32_t leaf : mTaken[rank]) {
+            if (!around.isInside(mDomain.origin(leaf))) continue;
+            numbers.resize(mDomain.mask(leaf).countOn());
+            message.get(numbers.data(), numbers.size());
+            auto number = numbers.begin();
+            for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
+                values[leaf][voxel.pos()] = *number++;
+        }
+    }
+}
+
+} // namespace vdblic

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "vdblic/core/exchange.h"
+#include "vdblic/distributed/partition.h"
+#include "vdblic/field/domain.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace vdblic {
+
+/// The leaves around a rank's own ones, its halo, and those of its own that lie in the halos of others. Both sides of
+/// an exchange list the same leaves in the same order, so messages hold values only.
+class HaloExchange {
+  public:
+    /// @param domain with this rank's own leaves, and as local ones those within `depth` of its box; must outlive this,
+    ///               like exchange and partition
+    /// @param depth  of all ranks' halos [texture voxels], whole leaves
+    HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain, const openvdb::Coord& depth);
+
+    [[nodiscard]] Exchange& exchange() const { return mExchange; }
+    [[nodiscard]] const Partition& partition() const { return mPartition; }
+
+    /// Add the hits in the halo to those of the leaves' owners. @param accumulator Hits words. Collective.
+    void addToOwners(const LeafValues<std::int64_t>& accumulator) const;
+
+    /// Take the values in the halo from the leaves' owners. Collective.
+    /// @param leaves up to how far from the own ones
+    void takeFromOwners(const LeafValues<float>& values, int leaves) const;
+    void takeFromOwners(const LeafValues<float>& values) const;
+
+  private:
+    void take(const LeafValues<float>& values, const openvdb::Coord& depth) const;
+
+    Exchange& mExchange;
+    const Partition& mPartition;
+    const Domain& mDomain;
+    openvdb::Coord mDepth;
+    std::vector<std::vector<std::uint32_t>> mGiven, mTaken; // leaves, by rank
+};
+
+} // namespace vdblic

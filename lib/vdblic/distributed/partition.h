@@ -1,0 +1,58 @@
+#pragma once
+
+#include "vdblic/field/domain.h"
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace vdblic {
+
+/// Which rank owns which part of index space: boxes whose faces lie between leaves of the velocity. The outer faces are
+/// far away, so every voxel has one owner, whatever the domain becomes. Immutable; any number of threads may read.
+///
+/// Recursive coordinate bisection: Berger & Bokhari, "A partitioning strategy for nonuniform problems on
+/// multiprocessors", IEEE Transactions on Computers C-36, 1987. Every rank computes the same cuts.
+class Partition {
+  public:
+    /// Cut a domain so that the ranks have about equally many of its voxels, across the longest axis of each part.
+    /// @param factors texture voxels in a voxel of the velocity, along each axis
+    Partition(const Domain& velocity, const std::array<int, 3>& factors, int ranks);
+
+    [[nodiscard]] int ranks() const { return int(mBoxes.size()); }
+    [[nodiscard]] const std::array<int, 3>& factors() const { return mFactors; }
+
+    /// A rank's voxels of the velocity, and of the texture.
+    [[nodiscard]] const openvdb::CoordBBox& box(int rank) const { return mBoxes[std::size_t(rank)]; }
+    [[nodiscard]] openvdb::CoordBBox textureBox(int rank) const;
+
+    /// The rank that owns a voxel of the texture.
+    [[nodiscard]] int ownerOfTexture(const openvdb::Coord& voxel) const;
+
+  private:
+    struct WeightedLeaf {
+        openvdb::Coord at; // in leaves
+        std::uint64_t voxels;
+    };
+    struct Node {
+        int axis, cut;            // the first voxel after the cut
+        int children[2] = {0, 0}; // a node's number; below 0, −1 less a rank
+    };
+
+    int build(std::vector<WeightedLeaf> leaves, const openvdb::CoordBBox& box, int firstRank, int ranks);
+
+    std::array<int, 3> mFactors;
+    std::vector<openvdb::CoordBBox> mBoxes;
+    std::vector<Node> mNodes;
+    int mRoot = -1;
+};
+
+/// A box with a rim. @param voxels of the rim along each axis
+[[nodiscard]] openvdb::CoordBBox dilated(const openvdb::CoordBBox& box, const openvdb::Coord& voxels);
+
+/// The leaves of a domain whose first voxels lie in a box, ascending.
+[[nodiscard]] std::vector<std::uint32_t> leavesIn(const Domain& domain, const openvdb::CoordBBox& box);
+
+} // namespace vdblic

@@ -1,0 +1,138 @@
+#include "vdblic/distributed/velocity_halo.h"
+
+#include "vdblic/distributed/message.h"
+#include "vdblic/field/domain.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3f;
+using openvdb::Vec3STree;
+using VelocityLeaf = Vec3STree::LeafNodeType;
+
+/// Visit what is active in a box: onLeaf(leaf), and onTile(origin, value) for each part of a tile of a leaf's size.
+template<typename OnLeaf, typename OnTile>
+void visit(const Vec3STree& tree, const CoordBBox& box, const OnLeaf& onLeaf, const OnTile& onTile)
+{
+    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+        if (box.isInside(leaf->origin()) && !leaf->isEmpty()) onLeaf(*leaf);
+    }
+    auto tile = tree.cbeginValueOn();
+    tile.setMaxDepth(tile.getLeafDepth() - 1);
+    for (; tile; ++tile) {
+        CoordBBox part = tile.getBoundingBox();
+        part.intersect(box);
+        for (int x = part.min()[0]; x <= part.max()[0]; x += LeafVoxel::kDim) {
+            for (int y = part.min()[1]; y <= part.max()[1]; y += LeafVoxel::kDim) {
+                for (int z = part.min()[2]; z <= part.max()[2]; z += LeafVoxel::kDim)
+                    onTile(Coord(x, y, z), *tile);
+            }
+        }
+    }
+}
+
+constexpr int kTileLevel = 1; // tiles of a leaf's size
+
+void addTo(Vec3STree& result, const Vec3STree& tree, const CoordBBox& box)
+{
+    visit(
+        tree, box, [&](const VelocityLeaf& leaf) { result.addLeaf(new VelocityLeaf(leaf)); },
+        [&](const Coord& origin, const Vec3f& value) { result.addTile(kTileLevel, origin, value, true); });
+}
+
+using MaskWords = std::array<std::uint64_t, LeafVoxel::kCount / 64>;
+
+MaskWords wordsOf(const VelocityLeaf::NodeMaskType& mask)
+{
+    MaskWords words;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        words[i] = mask.getWord<std::uint64_t>(openvdb::Index(i));
+    return words;
+}
+
+VelocityLeaf::NodeMaskType maskOfWords(const MaskWords& words)
+{
+    VelocityLeaf::NodeMaskType mask;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        mask.getWord<std::uint64_t>(openvdb::Index(i)) = words[i];
+    return mask;
+}
+
+/// What is active in a box, as a message.
+Exchange::Bytes velocityMessage(const Vec3STree& tree, const CoordBBox& box)
+{
+    Exchange::Bytes message;
+    std::vector<Vec3f> values;
+    visit(
+        tree, box,
+        [&](const VelocityLeaf& leaf) {
+            put(message, leaf.origin());
+            put(message, wordsOf(leaf.getValueMask()));
+            values.clear();
+            for (auto value = leaf.cbeginValueOn(); value; ++value)
+                values.push_back(*value);
+            put(message, values.data(), values.size());
+        },
+        [&](const Coord& origin, const Vec3f& value) {
+            put(message, origin);
+            put(message, MaskWords{}); // no leaf has an empty mask
+            put(message, value);
+        });
+    return message;
+}
+
+void readInto(Vec3STree& result, const Exchange::Bytes& bytes)
+{
+    std::vector<Vec3f> values;
+    for (MessageReader message(bytes); !message.atEnd();) {
+        const auto origin = message.get<Coord>();
+        const VelocityLeaf::NodeMaskType mask = maskOfWords(message.get<MaskWords>());
+        if (mask.isOff()) {
+            result.addTile(kTileLevel, origin, message.get<Vec3f>(), true);
+            continue;
+        }
+        values.resize(mask.countOn());
+        message.get(values.data(), values.size());
+        auto leaf = std::make_unique<VelocityLeaf>(origin, result.background());
+        auto value = values.begin();
+        for (auto voxel = mask.beginOn(); voxel; ++voxel)
+            leaf->setValueOn(voxel.pos(), *value++);
+        result.addLeaf(leaf.release()); // takes it over
+    }
+}
+
+} // namespace
+
+Vec3STree::Ptr clippedTree(const Vec3STree& tree, const CoordBBox& box)
+{
+    auto result = std::make_shared<Vec3STree>(tree.background());
+    addTo(*result, tree, box);
+    return result;
+}
+
+Vec3STree::Ptr withHalo(const Vec3STree& own, Exchange& exchange, const Partition& partition, const Coord& rim)
+{
+    const CoordBBox& mine = partition.box(exchange.rank());
+    std::vector<Exchange::Bytes> messages(std::size_t(exchange.size()));
+    for (int rank = 0; rank < exchange.size(); ++rank) {
+        CoordBBox common = dilated(partition.box(rank), rim);
+        common.intersect(mine);
+        if (rank != exchange.rank() && common.hasVolume()) messages[std::size_t(rank)] = velocityMessage(own, common);
+    }
+    const std::vector<Exchange::Bytes> received = exchange.swap(std::move(messages));
+    Vec3STree::Ptr result = clippedTree(own, mine);
+    for (const Exchange::Bytes& message : received)
+        readInto(*result, message);
+    return result;
+}
+
+} // namespace vdblic

@@ -1,0 +1,215 @@
+#include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/advect.h"
+
+#include "distributed/thread_ranks.h"
+#include "temporary_folder.h"
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3f;
+
+using VelocityAt = std::function<std::optional<Vec3f>(const Coord&, int frame)>;
+
+constexpr int kFrames = 4;
+
+/// Velocities in voxels a frame, one file a frame.
+void writeSequence(const TemporaryFolder& folder, const CoordBBox& box, const VelocityAt& velocity)
+{
+    for (int frame = 1; frame <= kFrames; ++frame) {
+        auto grid = openvdb::Vec3SGrid::create(Vec3f(0));
+        grid->setName("velocity");
+        auto accessor = grid->getAccessor();
+        for (auto voxel = box.begin(); voxel; ++voxel) {
+            if (const auto value = velocity(*voxel, frame)) accessor.setValue(*voxel, *value);
+        }
+        writeVdb(folder / fmt::format("v.{:04}.vdb", frame), {grid}, {});
+    }
+}
+
+/// A turning and drifting flow of some speed. @param speed voxels a frame
+Vec3f turning(const Coord& at, int frame, float speed)
+{
+    const Vec3f v(float(std::sin(0.07 * at[1] + 0.3 * frame)), float(std::cos(0.05 * at[2])),
+                  float(std::sin(0.06 * at[0] + 1)));
+    return v * speed;
+}
+
+AdvectParams paramsIn(const TemporaryFolder& folder, const std::string& output)
+{
+    AdvectParams params;
+    params.input.pattern = folder / "v.%04d.vdb";
+    params.output = folder / (output + ".%04d.vdb");
+    params.frameSpacing = 1;
+    params.velocity.unit = VelocityUnit::kVoxelPerFrame;
+    params.preroll = 2;
+    params.derived = {"vorticity"};
+    return params;
+}
+
+std::string bytesOf(const std::filesystem::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+void advectBy(int ranks, const AdvectParams& params)
+{
+    test::ThreadRanks(ranks).run([&](Exchange& exchange) {
+        std::istringstream noLines;
+        Reporter silent;
+        advectSequence(params, noLines, silent, exchange);
+    });
+}
+
+/// Check that several ranks write the bytes that one process writes.
+void expectSameFiles(const TemporaryFolder& folder, const std::vector<int>& ranks,
+                     const std::function<void(AdvectParams&)>& change)
+{
+    AdvectParams params = paramsIn(folder, "one");
+    change(params);
+    advectBy(1, params);
+    for (const int number : ranks) {
+        AdvectParams shared = paramsIn(folder, fmt::format("by{}", number));
+        change(shared);
+        advectBy(number, shared);
+        const int textures = (kFrames - 1) * params.scatter.substeps + 1;
+        for (int frame = 1; frame <= textures; ++frame) {
+            const std::string expected = bytesOf(folder / fmt::format("one.{:04}.vdb", frame));
+            ASSERT_GT(expected.size(), 100u) << frame;
+            EXPECT_TRUE(bytesOf(folder / fmt::format("by{}.{:04}.vdb", number, frame)) == expected)
+                << number << " ranks, frame " << frame;
+        }
+    }
+}
+
+const auto kAsItIs = [](AdvectParams&) {};
+
+TEST(Ranks, WriteTheBytesOfOneProcess)
+{
+    const TemporaryFolder folder;
+    writeSequence(folder, {Coord(-20, -4, 0), Coord(43, 27, 30)},
+                  [](const Coord& at, int frame) { return turning(at, frame, 3); });
+    expectSameFiles(folder, {2, 3, 7}, kAsItIs);
+    expectSameFiles(folder, {4}, [](AdvectParams& params) { params.scatter.method = ScatterMethod::kUflic; });
+    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.steady = LicKernel::kHann; });
+    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.scatter.history = false; });
+    expectSameFiles(folder, {2}, [](AdvectParams& params) {
+        params.scatter.substeps = 3;
+        params.feedback.jitter = Jitter::kBits;
+    });
+}
+
+TEST(Ranks, WriteTheBytesOfOneProcessWithRefinedTextures)
+{
+    const TemporaryFolder folder;
+    writeSequence(folder, {Coord(-9, -4, 0), Coord(22, 12, 14)},
+                  [](const Coord& at, int frame) { return turning(at, frame, 1.5f); });
+    expectSameFiles(folder, {2, 5}, [](AdvectParams& params) { params.domain.refinement.factors = {3, 2, 3}; });
+    expectSameFiles(folder, {3}, [](AdvectParams& params) {
+        params.domain.refinement = {{2, 2, 2}, Interpolation::kCubic};
+        params.format.scalars = ScalarVoxels::kTexture;
+        params.scatter.substeps = 2;
+    });
+}
+
+TEST(Ranks, ReachBeyondTheirNeighbours)
+{
+    const TemporaryFolder folder;
+    writeSequence(folder, {Coord(0, 0, 0), Coord(95, 15, 15)},
+                  [](const Coord& at, int frame) { return turning(at, frame, 1) + Vec3f(40, 0, 0); });
+    expectSameFiles(folder, {2, 6}, kAsItIs);
+}
+
+TEST(Ranks, WriteTheBytesOfOneProcessForDomainsOfAnyShape)
+{
+    const auto inBall = [](const Coord& at, const Coord& centre, int radius) {
+        const Coord d = at - centre;
+        return d.asVec3i().lengthSqr() < radius * radius;
+    };
+    const auto onlyIf = [](bool isIn, const Vec3f& value) { return isIn ? std::optional(value) : std::nullopt; };
+    const std::vector<VelocityAt> flows = {
+        // A ball that grows and moves.
+        [=](const Coord& at, int frame) {
+            return onlyIf(inBall(at, Coord(6 * frame, 0, 0), 10 + 3 * frame), turning(at, frame, 4));
+        },
+        // Pieces.
+        [=](const Coord& at, int frame) {
+            return onlyIf(inBall(at, Coord(-15, 0, 0), 7) || inBall(at, Coord(30, 4, 4), 9), turning(at, frame, 2));
+        },
+        // Nothing in one frame.
+        [=](const Coord& at, int frame) {
+            return onlyIf(frame != 2 && inBall(at, Coord(0, 0, 0), 12), turning(at, frame, 2));
+        },
+        // A sheet one voxel thick.
+        [=](const Coord& at, int frame) { return onlyIf(at[2] == 3, turning(at, frame, 2)); },
+        // One leaf at rest.
+        [=](const Coord& at, int) { return onlyIf(CoordBBox(Coord(0), Coord(7)).isInside(at), Vec3f(0)); },
+    };
+    for (const VelocityAt& flow : flows) {
+        const TemporaryFolder folder;
+        writeSequence(folder, {Coord(-24, -22, -22), Coord(48, 22, 22)}, flow);
+        expectSameFiles(folder, {2, 4}, kAsItIs);
+    }
+}
+
+TEST(Ranks, GoOnFromTheCheckpointOfAnyNumberOfRanks)
+{
+    const TemporaryFolder folder;
+    writeSequence(folder, {Coord(-20, -4, 0), Coord(43, 27, 30)},
+                  [](const Coord& at, int frame) { return turning(at, frame, 3); });
+    advectBy(1, paramsIn(folder, "one"));
+    AdvectParams params = paramsIn(folder, "part");
+    params.keepCheckpoint = true;
+    params.checkpointEvery = 1;
+    const int ranks[] = {3, 5, 1, 2};
+    for (int frame = 2; frame <= kFrames; ++frame) { // each run ends a frame later
+        params.input.frames = fmt::format("1-{}", frame);
+        params.resume = frame > 2;
+        params.keepCheckpoint = frame < kFrames;
+        advectBy(ranks[frame - 2], params);
+    }
+    for (int frame = 1; frame <= kFrames; ++frame) {
+        EXPECT_TRUE(bytesOf(folder / fmt::format("one.{:04}.vdb", frame)) ==
+                    bytesOf(folder / fmt::format("part.{:04}.vdb", frame)))
+            << frame;
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        EXPECT_EQ(entry.path().string().find("checkpoint"), std::string::npos) << entry.path();
+}
+
+TEST(Ranks, RefuseADamagedFrameTogether)
+{
+    const TemporaryFolder folder;
+    writeSequence(folder, {Coord(0, 0, 0), Coord(31, 15, 15)},
+                  [](const Coord& at, int frame) { return turning(at, frame, 2); });
+    std::filesystem::resize_file(folder / "v.0003.vdb", 3000);
+    AdvectParams params = paramsIn(folder, "out");
+    params.checkpointEvery = 1;
+    EXPECT_THROW(advectBy(3, params), InputError);
+    EXPECT_TRUE(std::filesystem::exists(folder / "out.0001.vdb"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.0003.vdb"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "checkpoint.out.vdb"));
+}
+
+} // namespace
+} // namespace vdblic
