@@ -26,6 +26,8 @@ libcairo2-dev           header  cairo/cairo.h
 libcpp-httplib-dev      header  httplib.h
 libturbojpeg0-dev       header  turbojpeg.h
 libassimp-dev           header  assimp/Importer.hpp
+libopenmpi-dev          command mpicxx
+openmpi-bin             command mpirun
 fonts-dejavu-core       file    /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 libboost-math-dev       header  boost/math/distributions/students_t.hpp
 libglm-dev              header  glm/glm.hpp

@@ -1,0 +1,145 @@
+"""vdblic_advect_mpi: several ranks under mpirun write what one process writes."""
+
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from support import BIN, ToolTest, skip
+
+if not (BIN / "vdblic_advect_mpi").exists():
+    skip("built without MPI")
+if not shutil.which("mpirun"):
+    skip("mpirun is not installed")
+
+WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%04d.vdb"
+DATA = os.environ.get("VDBLIC_DATA")
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}  # for containers
+
+
+class Ranks(ToolTest):
+    def command(self, ranks, *arguments):
+        return ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), str(BIN / "vdblic_advect_mpi"),
+                "--threads", "1", *map(str, arguments)]
+
+    def by_ranks(self, ranks, *arguments, stdin="", **options):
+        return subprocess.run(self.command(ranks, *arguments), input=stdin, text=True, capture_output=True,
+                              cwd=self.folder, env=ENVIRONMENT, timeout=300, **options)
+
+    def one_process(self, *arguments):
+        self.outputs("vdblic_advect", *arguments, "-o", "one.%04d.vdb", "--threads", 2)
+
+    def assert_same(self, name):
+        """The files of this name and those of one process have the same bytes."""
+        numbers = [path.name.split(".")[1] for path in self.folder.glob("one.*.vdb")]
+        self.assertTrue(numbers)
+        for number in numbers:
+            self.assertEqual(self.contents(f"{name}.{number}.vdb"), self.contents(f"one.{number}.vdb"), number)
+
+    def compare(self, ranks, *arguments):
+        self.one_process(*arguments)
+        for number in ranks:
+            run = self.by_ranks(number, *arguments, "-o", f"by{number}.%04d.vdb", "-q")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assert_same(f"by{number}")
+            self.assertEqual(len(run.stdout.splitlines()), len(list(self.folder.glob("one.*.vdb"))))  # by rank 0 alone
+
+    def test_a_refined_wake(self):
+        self.compare([1, 2, 7], WAKE, "--frames", "1-2", "--refine", 2, "--with", "vorticity,q", "--preroll", 2)
+
+    def test_paths_on_standard_input(self):
+        paths = "".join(f"{str(WAKE) % number}\n" for number in (1, 2))
+        self.outputs("vdblic_advect", "-", "-o", "one.%04d.vdb", "--preroll", 1, stdin=paths)
+        run = self.by_ranks(3, "-", "-o", "in.%04d.vdb", "--preroll", 1, stdin=paths)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assert_same("in")
+
+    @unittest.skipUnless(DATA, "VDBLIC_DATA does not name the folder of the large data sets")
+    def test_real_sequences(self):
+        for pattern, *options in (("era5_west_europe/era5.%04d.vdb", "--frames", "1-3", "--substeps", 2),
+                                  ("mantaflow_drift/fluid_data_%04d.vdb", "--frames", "20-22", "--carry", "density",
+                                   "--texture-name", "texture")):
+            with self.subTest(pattern):
+                for path in self.folder.glob("*.vdb"):
+                    path.unlink()
+                self.compare([3], pathlib.Path(DATA) / pattern, *options)
+
+    def test_one_message_and_the_documented_status(self):
+        for status, words, arguments in (
+                (2, "each factor must be 1 to 16", (WAKE, "-o", "x.%04d.vdb", "--refine", 17)),
+                (2, "frame spacing", (WAKE, "-o", "x.%04d.vdb", "--fps", "-1")),
+                (3, "none.%04d.vdb", ("none.%04d.vdb", "-o", "x.%04d.vdb", "--frames", 1)),
+                (4, "absent", (WAKE, "-o", "absent/x.%04d.vdb"))):
+            with self.subTest(words):
+                run = self.by_ranks(3, *arguments)
+                own = [line for line in run.stderr.splitlines() if "vdblic_advect_mpi: " in line]
+                self.assertEqual(run.returncode, status, run.stderr)
+                self.assertEqual(len(own), 1, run.stderr)
+                self.assertIn(words, own[0])
+                self.assertEqual(self.files(), [])
+
+    def test_a_full_disk(self):
+        small = self.folder / "small"
+        small.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "none", small], check=False).returncode:
+            self.skipTest("cannot mount a small disk")
+        self.addCleanup(subprocess.run, ["umount", small], check=True)
+        run = self.by_ranks(3, WAKE, "--frames", "1-3", "-o", "small/x.%04d.vdb", "--checkpoint-every", 1)
+        self.assertEqual(run.returncode, 4, run.stderr)
+        self.assertIn("No space left on device", run.stderr)
+        self.assertTrue(all(path.suffix == ".vdb" for path in small.iterdir()))
+        parts = {path.name.split(".")[2] for path in small.glob("checkpoint.x.s*.r*.vdb")}
+        self.assertLessEqual(len(parts), 1)  # those of the last checkpoint, if one was complete
+        self.assertEqual(len(parts), len(list(small.glob("checkpoint.x.vdb"))))
+
+    def start(self, ranks, *arguments):
+        run = subprocess.Popen(self.command(ranks, *arguments), cwd=self.folder, env=ENVIRONMENT, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(run.stdout.close)
+        self.addCleanup(run.stderr.close)
+        return run
+
+    def ranks_of(self, run):
+        """The processes of the ranks."""
+        children = pathlib.Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text(encoding="ascii").split()
+        return [int(child) for child in children]
+
+    def test_a_request_to_stop(self):
+        arguments = WAKE, "--frames", "1-3", "--refine", 2
+        self.one_process(*arguments)
+        run = self.start(3, *arguments, "-o", "stop.%04d.vdb", "--checkpoint-every", 1)
+        run.stdout.readline()  # the first texture
+        os.kill(run.pid, signal.SIGUSR1)
+        run.communicate(timeout=120)
+        self.assertEqual(run.returncode, 128 + signal.SIGUSR1)
+        self.assertIn("checkpoint.stop.vdb", self.files())
+        again = self.by_ranks(2, *arguments, "-o", "stop.%04d.vdb", "--resume")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assert_same("stop")
+        self.assertFalse([name for name in self.files() if "checkpoint" in name])
+
+    def test_a_killed_rank(self):
+        arguments = WAKE, "--frames", "1-3", "--refine", 2
+        self.one_process(*arguments)
+        chance = random.Random(3)
+        for ranks in 3, 5, 3:
+            run = self.start(ranks, *arguments, "-o", "kill.%04d.vdb", "--checkpoint-every", 1, "--resume")
+            time.sleep(chance.uniform(0.3, 2))
+            if run.poll() is None:
+                for process in self.ranks_of(run)[-1:]:
+                    os.kill(process, signal.SIGKILL)
+            run.communicate(timeout=60)  # the others do not wait for ever
+        for path in self.folder.glob("kill.*.vdb"):
+            self.assertEqual(path.read_bytes(), self.contents(path.name.replace("kill", "one")))
+        self.outputs("vdblic_advect", *arguments, "-o", "kill.%04d.vdb", "--resume", timeout=300)
+        self.assert_same("kill")
+        self.assertFalse([name for name in self.files() if "checkpoint" in name])
+
+
+if __name__ == "__main__":
+    unittest.main()
