@@ -52,6 +52,9 @@ class Ranks(ToolTest):
     def test_a_refined_wake(self):
         self.compare([1, 2, 7], WAKE, "--frames", "1-2", "--refine", 2, "--with", "vorticity,q", "--preroll", 2)
 
+    def test_carried_grids(self):
+        self.compare([3], WAKE, "--frames", "1-2", "--refine", "2,1,1", "--carry", "velocity", "--preroll", 0)
+
     def test_paths_on_standard_input(self):
         paths = "".join(f"{str(WAKE) % number}\n" for number in (1, 2))
         self.outputs("vdblic_advect", "-", "-o", "one.%04d.vdb", "--preroll", 1, stdin=paths)

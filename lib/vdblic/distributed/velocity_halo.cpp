@@ -42,13 +42,6 @@ void visit(const Vec3STree& tree, const CoordBBox& box, const OnLeaf& onLeaf, co
 
 constexpr int kTileLevel = 1; // tiles of a leaf's size
 
-void addTo(Vec3STree& result, const Vec3STree& tree, const CoordBBox& box)
-{
-    visit(
-        tree, box, [&](const VelocityLeaf& leaf) { result.addLeaf(new VelocityLeaf(leaf)); },
-        [&](const Coord& origin, const Vec3f& value) { result.addTile(kTileLevel, origin, value, true); });
-}
-
 using MaskWords = std::array<std::uint64_t, LeafVoxel::kCount / 64>;
 
 MaskWords wordsOf(const VelocityLeaf::NodeMaskType& mask)
@@ -112,27 +105,29 @@ void readInto(Vec3STree& result, const Exchange::Bytes& bytes)
 
 } // namespace
 
-Vec3STree::Ptr clippedTree(const Vec3STree& tree, const CoordBBox& box)
+Vec3STree::Ptr takenOut(Vec3STree& tree, const CoordBBox& box)
 {
     auto result = std::make_shared<Vec3STree>(tree.background());
-    addTo(*result, tree, box);
+    std::vector<Coord> origins;
+    visit(
+        tree, box, [&](const VelocityLeaf& leaf) { origins.push_back(leaf.origin()); },
+        [&](const Coord& origin, const Vec3f& value) { result->addTile(kTileLevel, origin, value, true); });
+    for (const Coord& origin : origins)
+        result->addLeaf(tree.stealNode<VelocityLeaf>(origin, tree.background(), false));
     return result;
 }
 
-Vec3STree::Ptr withHalo(const Vec3STree& own, Exchange& exchange, const Partition& partition, const Coord& rim)
+void addHalo(Vec3STree& tree, Exchange& exchange, const Partition& partition, const Coord& rim)
 {
     const CoordBBox& mine = partition.box(exchange.rank());
     std::vector<Exchange::Bytes> messages(std::size_t(exchange.size()));
     for (int rank = 0; rank < exchange.size(); ++rank) {
         CoordBBox common = dilated(partition.box(rank), rim);
         common.intersect(mine);
-        if (rank != exchange.rank() && common.hasVolume()) messages[std::size_t(rank)] = velocityMessage(own, common);
+        if (rank != exchange.rank() && common.hasVolume()) messages[std::size_t(rank)] = velocityMessage(tree, common);
     }
-    const std::vector<Exchange::Bytes> received = exchange.swap(std::move(messages));
-    Vec3STree::Ptr result = clippedTree(own, mine);
-    for (const Exchange::Bytes& message : received)
-        readInto(*result, message);
-    return result;
+    for (const Exchange::Bytes& message : exchange.swap(std::move(messages)))
+        readInto(tree, message);
 }
 
 } // namespace vdblic

@@ -8,12 +8,11 @@
 namespace vdblic {
 
 /// The active values of a tree whose leaves lie in a box. Tiles are cut into tiles of a leaf's size.
-/// @param box whole leaves
-[[nodiscard]] openvdb::Vec3STree::Ptr clippedTree(const openvdb::Vec3STree& tree, const openvdb::CoordBBox& box);
+/// @param tree loses those leaves  @param box whole leaves
+[[nodiscard]] openvdb::Vec3STree::Ptr takenOut(openvdb::Vec3STree& tree, const openvdb::CoordBBox& box);
 
-/// A rank's part of a velocity with a rim around it, taken from the ranks that own it. Collective.
-/// @param own at least the values in the rank's own box  @param rim [voxels of the velocity], whole leaves
-[[nodiscard]] openvdb::Vec3STree::Ptr withHalo(const openvdb::Vec3STree& own, Exchange& exchange,
-                                               const Partition& partition, const openvdb::Coord& rim);
+/// Add a rim to a rank's part of a velocity, from the ranks that own it. Collective.
+/// @param tree has at least the values in the rank's own box  @param rim [voxels of the velocity], whole leaves
+void addHalo(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition, const openvdb::Coord& rim);
 
 } // namespace vdblic

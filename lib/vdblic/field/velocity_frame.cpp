@@ -9,12 +9,16 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -34,9 +38,25 @@ bool isFinite(const Vec3f& v)
 /// The number of active voxels that are not finite, and the first of them.
 std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
 {
+    std::vector<const openvdb::Vec3STree::LeafNodeType*> leaves;
+    leaves.reserve(grid.tree().leafCount());
+    grid.tree().getNodes(leaves);
+    const bool all = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, leaves.size()), true,
+        [&](const tbb::blocked_range<std::size_t>& range, bool finite) {
+            for (std::size_t i = range.begin(); finite && i < range.end(); ++i) {
+                if (leaves[i]->buffer().empty()) continue;
+                for (auto value = leaves[i]->cbeginValueOn(); value; ++value)
+                    finite = finite && isFinite(*value);
+            }
+            return finite;
+        },
+        std::logical_and<>());
     std::size_t count = 0;
     Coord first;
-    for (auto value = grid.cbeginValueOn(); value; ++value) {
+    auto value = grid.cbeginValueOn();
+    if (all) value.setMaxDepth(value.getLeafDepth() - 1); // only tiles are left
+    for (; value; ++value) {
         if (isFinite(*value)) continue;
         if (count == 0) first = value.getCoord();
         count += value.getVoxelCount();
@@ -112,9 +132,10 @@ double VelocityFrame::largestDisplacement(double interval) const
     return std::sqrt(double(squared));
 }
 
-VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params)
+VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
+                           const std::optional<openvdb::CoordBBox>& box)
 {
-    const VdbFile contents = readVdb(file.path);
+    const VdbFile contents = readVdb(file.path, box);
     VelocityFrame frame;
     frame.file = file;
     std::string name = params.grid;

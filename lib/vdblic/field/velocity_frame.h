@@ -60,6 +60,8 @@ struct VelocityFrame {
 ///
 /// @throws InputError if there is none, its transform is sheared or a frustum, or a value is not finite; the
 ///         message names file, grid, first voxel and count
-[[nodiscard]] VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params);
+/// @param box whole leaves, the only ones whose values are needed; others may have none, as with readVdb()
+[[nodiscard]] VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
+                                         const std::optional<openvdb::CoordBBox>& box = std::nullopt);
 
 } // namespace vdblic

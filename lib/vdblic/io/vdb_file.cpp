@@ -91,7 +91,7 @@ class GuardedFile {
 
     [[nodiscard]] bool hasChecksums() const { return mHasChecksums; }
 
-    [[nodiscard]] VdbFile read()
+    [[nodiscard]] VdbFile read(const std::optional<openvdb::CoordBBox>& box)
     {
         double memory = 0;
         for (const VdbLayout::Grid& grid : mLayout.grids)
@@ -104,7 +104,7 @@ class GuardedFile {
         try {
             mStream.seekg(0);
             mBuffer.guard(mStream, mLayout);
-            return parseVdb(mStream, mPath, mSize);
+            return parseVdb(mStream, mPath, mSize, box);
         } catch (const std::ios::failure& failure) {
             fail(mStream.eof()                            ? "it ends too early"
                  : failure.code() != std::io_errc::stream ? failure.code().message()
@@ -149,9 +149,9 @@ std::string VdbFile::contents() const
     return text.empty() ? "no grids" : clamped(text);
 }
 
-VdbFile readVdb(const std::filesystem::path& path)
+VdbFile readVdb(const std::filesystem::path& path, const std::optional<openvdb::CoordBBox>& box)
 {
-    VdbFile file = GuardedFile(path).read();
+    VdbFile file = GuardedFile(path).read(box);
     file.metadata.removeMeta("checksum"); // describes the bytes on disk, not the result
     return file;
 }

@@ -60,8 +60,11 @@ struct VdbFile {
 ///
 /// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
 /// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.
+/// @param box whole leaves: of grids of Vec3f on voxel centres only the leaves in it get their values; the others are
+///            there, but have none (LeafBuffer::empty())
 /// @throws InputError naming the file and the reason
-[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path);
+[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path,
+                              const std::optional<openvdb::CoordBBox>& box = std::nullopt);
 
 /// Check a file's header and checksums without reading its grids.
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid

@@ -12,6 +12,7 @@
 #include <istream>
 #include <memory>
 #include <streambuf>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -55,7 +56,11 @@ struct StreamSettings {
 template<typename GridT>
 class LeafwiseGrid : public GridT {
   public:
-    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize) : mPath(std::move(path)), mFileSize(fileSize) {}
+    /// @param box that the values of vectors on voxel centres are kept in
+    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, const std::optional<openvdb::CoordBBox>& box)
+        : mPath(std::move(path)), mFileSize(fileSize), mBox(box)
+    {
+    }
 
     using GridT::readBuffers;
     void readBuffers(std::istream& stream) override
@@ -71,13 +76,19 @@ class LeafwiseGrid : public GridT {
         leaves.reserve(this->tree().leafCount());
         this->tree().getNodes(leaves);
 
+        const bool isCut =
+            mBox && std::is_same_v<GridT, openvdb::Vec3SGrid> && this->getGridClass() != openvdb::GRID_STAGGERED;
+        const auto isKept = [&](std::size_t leaf) { return !isCut || mBox->isInside(leaves[leaf]->origin()); };
+        std::vector<char> unused;
         std::size_t next = 0;
         const auto cut = [&](tbb::flow_control& flow) {
             LeafBatch batch{next, next, {}};
             if (next == leaves.size()) flow.stop();
             batch.bytes.reserve(kBatchBytes + kRecordBytes);
-            for (; next < leaves.size() && batch.bytes.size() < kBatchBytes; batch.end = ++next)
-                appendLeafRecord(stream, format, mFileSize, batch.bytes);
+            for (; next < leaves.size() && batch.bytes.size() < kBatchBytes; batch.end = ++next) {
+                unused.clear();
+                appendLeafRecord(stream, format, mFileSize, isKept(next) ? batch.bytes : unused);
+            }
             return batch;
         };
         const auto parse = [&](LeafBatch batch) {
@@ -86,8 +97,9 @@ class LeafwiseGrid : public GridT {
             std::istream records(&buffer);
             records.exceptions(std::ios::failbit | std::ios::badbit);
             settings.giveTo(records);
-            for (std::size_t i = batch.begin; i < batch.end; ++i)
-                leaves[i]->readBuffers(records, half);
+            for (std::size_t i = batch.begin; i < batch.end; ++i) {
+                if (isKept(i)) leaves[i]->readBuffers(records, half);
+            }
         };
         const std::size_t batches = 2 * std::size_t(tbb::this_task_arena::max_concurrency());
         // A thread that waits here must not take up other work, which would count as parsing.
@@ -102,11 +114,13 @@ class LeafwiseGrid : public GridT {
 
     std::filesystem::path mPath;
     std::uint64_t mFileSize;
+    std::optional<openvdb::CoordBBox> mBox;
 };
 
 class LeafwiseArchive : public openvdb::io::Archive {
   public:
-    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size)
+    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
+                 const std::optional<openvdb::CoordBBox>& box)
     {
         readHeader(stream);
         vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
@@ -120,8 +134,9 @@ class LeafwiseArchive : public openvdb::io::Archive {
         NamedGridMap named;
         for (vdb_io::GridDescriptor& descriptor : descriptors) {
             openvdb::GridBase::Ptr grid = descriptor.read(stream), leafwise;
-            grid->apply<LeafwiseGrids>(
-                [&]<typename GridT>(const GridT&) { leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size); });
+            grid->apply<LeafwiseGrids>([&]<typename GridT>(const GridT&) {
+                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, box);
+            });
             if (leafwise) leafwise->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
             readGrid(leafwise ? leafwise : grid, descriptor, stream);
             if (leafwise) grid = leafwise->copyGrid(); // of the same tree, but of the usual type
@@ -136,9 +151,10 @@ class LeafwiseArchive : public openvdb::io::Archive {
 
 } // namespace
 
-VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size)
+VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
+                 const std::optional<openvdb::CoordBBox>& box)
 {
-    return LeafwiseArchive().read(stream, path, size);
+    return LeafwiseArchive().read(stream, path, size, box);
 }
 
 } // namespace vdblic

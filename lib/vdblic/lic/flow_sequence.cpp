@@ -25,13 +25,14 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
     return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame)));
 }
 
-LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params)
+/// @param box that the values are needed in
+LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, const std::optional<openvdb::CoordBBox>& box)
 {
     Stopwatch watch;
     LoadedFrame frame;
     frame.sourceFrame = double(file.frame);
     frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
-    frame.velocity = readVelocity(file, params.velocity);
+    frame.velocity = readVelocity(file, params.velocity, box);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;
     auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
     frame.flow.velocities = frame.velocity.values;
@@ -130,8 +131,10 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
 /// Read a frame, and keep this rank's part. All ranks cut the first frame's domain in the same way.
 LoadedFrame FlowSequence::loadPart(const FrameFile& file)
 {
-    LoadedFrame frame = load(file, mParams);
-    if (mExchange.isAlone()) return frame;
+    if (mExchange.isAlone()) return load(file, mParams, std::nullopt);
+    // Carried grids, which rank 0 writes, are whole.
+    const bool isPart = mPartition && (mExchange.rank() > 0 || mParams.velocity.carry.empty());
+    LoadedFrame frame = load(file, mParams, isPart ? std::optional(mPartition->box(mExchange.rank())) : std::nullopt);
     if (!mPartition) {
         mPartition = std::make_shared<const Partition>(*frame.flow.velocityDomain(), frame.flow.refinement.factors,
                                                        mExchange.size());

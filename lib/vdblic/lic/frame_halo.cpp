@@ -15,15 +15,6 @@ namespace {
 
 using openvdb::Coord;
 
-void replaceVelocities(LoadedFrame& frame, openvdb::Vec3STree::Ptr tree)
-{
-    auto grid = openvdb::Vec3SGrid::create(std::move(tree));
-    grid->insertMeta(*frame.velocity.values);
-    grid->setTransform(frame.velocity.values->transform().copy());
-    frame.velocity.values = grid;
-    frame.flow.velocities = grid;
-}
-
 /// Let a domain have other local leaves. @param own, local boxes in its index space
 void setPart(std::shared_ptr<const Domain>& domain, const openvdb::CoordBBox& own, const openvdb::CoordBBox& local)
 {
@@ -37,7 +28,7 @@ void surroundFrame(Exchange& exchange, LoadedFrame& frame, const Coord& depth, c
     const openvdb::CoordBBox own = partition.box(exchange.rank()), texture = partition.textureBox(exchange.rank());
     if (Coord::lessThan(frame.rim, rim)) {
         frame.rim.maxComponent(rim);
-        replaceVelocities(frame, withHalo(frame.velocity.values->tree(), exchange, partition, frame.rim));
+        addHalo(frame.velocity.values->tree(), exchange, partition, frame.rim);
     }
     setPart(frame.flow.domain, texture, dilated(texture, depth));
     setPart(frame.flow.refinedFrom, own, dilated(own, rim));
@@ -48,10 +39,17 @@ void surroundFrame(Exchange& exchange, LoadedFrame& frame, const Coord& depth, c
 void keepOwn(LoadedFrame& frame, int rank)
 {
     const openvdb::CoordBBox own = frame.partition->box(rank), texture = frame.partition->textureBox(rank);
-    replaceVelocities(frame, clippedTree(frame.velocity.values->tree(), own));
+    if (rank != 0) frame.velocity.carried.clear();
+    // A carried grid may be the velocity itself.
+    const openvdb::Vec3SGrid::Ptr values =
+        frame.velocity.carried.empty() ? frame.velocity.values : frame.velocity.values->deepCopy();
+    const auto grid = openvdb::Vec3SGrid::create(takenOut(values->tree(), own));
+    grid->insertMeta(*values);
+    grid->setTransform(values->transform().copy());
+    frame.velocity.values = grid;
+    frame.flow.velocities = grid;
     setPart(frame.flow.domain, texture, texture);
     setPart(frame.flow.refinedFrom, own, own);
-    if (rank != 0) frame.velocity.carried.clear();
 }
 
 Coord surround(Exchange& exchange, LoadedFrame& start, LoadedFrame& end, const Farthest& farthest)
