@@ -125,7 +125,8 @@ class Documents(ToolTest):
         seen = 0
         for document in DOCUMENTS:
             for code in inline_code(document) + shell_lines(document):
-                code = re.sub(r"(^|\s)# .*", "", code)
+                code = re.sub(r"(^|\s)#( |SBATCH).*", "", code)
+                code = re.sub(r"^([A-Z_a-z]+=\w+ )*(mpirun|srun) .*?(?=vdblic_|$)", "", code)  # their own options
                 if not code or code.split()[0] in ("cmake", "ctest"):
                     continue
                 program = SOURCE / code.split()[0]

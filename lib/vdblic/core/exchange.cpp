@@ -90,7 +90,6 @@ std::vector<Exchange::Bytes> Exchange::swap(std::vector<Bytes> messages)
 std::vector<Exchange::Bytes> Exchange::gather(Bytes message)
 {
     agree();
-    mSent += isFirst() ? 0 : message.size();
     return doGather(std::move(message));
 }
 

@@ -42,7 +42,7 @@ class Exchange {
     /// each error; for one that a collective call threw, the others know already.
     void fail(const std::exception_ptr& why) noexcept;
 
-    /// Bytes that this rank has sent.
+    /// Bytes that this rank has given in swap().
     [[nodiscard]] std::uint64_t sent() const { return mSent; }
 
   protected:

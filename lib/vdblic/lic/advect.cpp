@@ -352,7 +352,13 @@ class Advection {
     /// @param seconds from the first step to the last output
     void report(double seconds)
     {
+        std::uint64_t sent = mExchange.sent();
+        mExchange.sum({&sent, 1});
         if (!mExchange.isFirst()) return;
+        if (!mExchange.isAlone()) {
+            mReporter.detail(fmt::format("{} ranks exchanged {:.1f} MB in {} steps, outputs not counted",
+                                         mExchange.size(), double(sent) / 1e6, mTexture.steps()));
+        }
         mReport.seconds = seconds;
         for (std::size_t i = 0; i < mReport.frames.size(); ++i)
             mReport.frames[i].write = mWriter.seconds()[i];
