@@ -1,5 +1,8 @@
 #include "cli/picture_options.h"
+#include "cli/ranks.h"
+#include "cli/shared_frames.h"
 #include "cli/tool.h"
+#include "vdblic/core/errors.h"
 #include "vdblic/render/render_sequence.h"
 
 #include <fmt/format.h>
@@ -11,7 +14,9 @@
 int main(int argc, char** argv)
 {
     vdblic::RenderParams params;
-    vdblic::cli::Tool tool("vdblic_render", "Ray cast flow textures into images.");
+    const vdblic::cli::Ranks ranks = vdblic::cli::startRanks(argc, argv);
+    vdblic::cli::Tool tool(ranks.toolName("vdblic_render"), "Ray cast flow textures into images.");
+    tool.share(ranks);
     CLI::App& app = tool.app();
     tool.inputSequence("TEXTURE", params.input, "Texture volumes.");
     tool.skipExisting(params.skipExisting);
@@ -42,6 +47,17 @@ int main(int argc, char** argv)
         picture.apply();
         params.exr.layers = vdblic::parseImageLayers(layers);
         params.rays.layers = !params.exr.layers.empty();
-        vdblic::renderSequence(params, tool.standardInput(), reporter);
+        if (!ranks.exchange->isAlone() && (!params.film.empty() || !params.histogram.empty())) {
+            throw vdblic::ParameterError(
+                "a film or a histogram is of all frames, which no rank has: leave it out here, "
+                "and make it by vdblic_render");
+        }
+        if (!ranks.exchange->isFirst()) params.transferOut.clear();
+        vdblic::cli::shareFrames(*ranks.exchange, params.input, reporter,
+                                 [&](const vdblic::SequenceParams& input, vdblic::Reporter& to) {
+                                     vdblic::RenderParams share = params;
+                                     share.input = input;
+                                     vdblic::renderSequence(share, tool.standardInput(), to);
+                                 });
     });
 }

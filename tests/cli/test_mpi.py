@@ -23,13 +23,18 @@ ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_R
 
 
 class Ranks(ToolTest):
-    def command(self, ranks, *arguments):
-        return ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), str(BIN / "vdblic_advect_mpi"),
-                "--threads", "1", *map(str, arguments)]
+    def command(self, ranks, tool, *arguments):
+        return ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), str(BIN / tool), *map(str, arguments)]
 
-    def by_ranks(self, ranks, *arguments, stdin="", **options):
-        return subprocess.run(self.command(ranks, *arguments), input=stdin, text=True, capture_output=True,
-                              cwd=self.folder, env=ENVIRONMENT, timeout=300, **options)
+    def run_ranks(self, ranks, tool, *arguments, stdin=""):
+        return subprocess.run(self.command(ranks, tool, *arguments), input=stdin, text=True, capture_output=True,
+                              cwd=self.folder, env=ENVIRONMENT, timeout=300, check=False)
+
+    def by_ranks(self, ranks, *arguments, stdin=""):
+        return self.run_ranks(ranks, "vdblic_advect_mpi", "--threads", 1, *arguments, stdin=stdin)
+
+    def render(self, ranks, *arguments):
+        return self.run_ranks(ranks, "vdblic_render_mpi", *arguments)
 
     def one_process(self, *arguments):
         self.outputs("vdblic_advect", *arguments, "-o", "one.%04d.vdb", "--threads", 2)
@@ -54,6 +59,25 @@ class Ranks(ToolTest):
 
     def test_carried_grids(self):
         self.compare([3], WAKE, "--frames", "1-2", "--refine", "2,1,1", "--carry", "velocity", "--preroll", 0)
+
+    def test_pictures(self):
+        self.outputs("vdblic_advect", WAKE, "--frames", "1-3", "--preroll", 0, "-o", "t.%04d.vdb")
+        looks = "t.%04d.vdb", "--size", 96, 64, "--look", "smoke", "--threads", 1
+        self.outputs("vdblic_render", *looks, "-o", "one.%04d.exr")
+        for ranks in 2, 4:  # the fourth has no frame
+            run = self.render(ranks, *looks, "-o", f"by{ranks}.%04d.exr")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            names = [f"by{ranks}.{frame:04}.exr" for frame in (1, 2, 3)]
+            self.assertEqual(sorted(run.stdout.split()), names)
+            for frame, name in enumerate(names, 1):
+                self.assertEqual(self.contents(name), self.contents(f"one.{frame:04}.exr"))
+        (self.folder / "t.0002.vdb").write_bytes(self.contents("t.0002.vdb")[:9000])
+        run = self.render(2, *looks, "-o", "bad.%04d.exr")
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertEqual(len([line for line in run.stderr.splitlines() if "error: " in line]), 1, run.stderr)
+        self.assertIn("t.0002.vdb", run.stderr)
+        run = self.render(2, *looks, "--film", "x.mp4")
+        self.assertEqual(run.returncode, 2, run.stderr)
 
     def test_paths_on_standard_input(self):
         paths = "".join(f"{str(WAKE) % number}\n" for number in (1, 2))
@@ -101,7 +125,7 @@ class Ranks(ToolTest):
         self.assertEqual(len(parts), len(list(small.glob("checkpoint.x.vdb"))))
 
     def start(self, ranks, *arguments):
-        run = subprocess.Popen(self.command(ranks, *arguments), cwd=self.folder, env=ENVIRONMENT, text=True,
+        run = subprocess.Popen(self.command(ranks, "vdblic_advect_mpi", "--threads", 1, *arguments), cwd=self.folder, env=ENVIRONMENT, text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.addCleanup(run.stdout.close)
         self.addCleanup(run.stderr.close)
