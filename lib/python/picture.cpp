@@ -46,6 +46,7 @@ RenderParams renderParams(const Options& options)
         options.set("colormap", transfer.colorMap);
         transfer.colors.clear();
     }
+    if (options.has("colors")) transfer.colors = parseColors(options.get<std::string>("colors"));
     if (options.has("opacity")) transfer.opacity = parseOpacity(options.get<std::string>("opacity"));
     options.set("range", transfer.range);
     options.set("opacity_range", transfer.opacityRange);

@@ -38,6 +38,7 @@ VALUES = {
     "--look": ([], "smoke"),
     "--transfer": ([], "function.json"),
     "--colormap": ([], "viridis"),
+    "--colors": ([], "0:#102030"),
     "--opacity": ([], "0:0.5"),
     "--range": ([], 0, 1),
     "--modulate": ([], 0.5),

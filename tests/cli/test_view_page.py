@@ -134,6 +134,67 @@ class Page(ViewerTest):
         self.outputs(tool, *words, "--frames", 1)
         subprocess.run(["idiff", "-fail", "0", picture, "again.png"], cwd=self.folder, check=True, capture_output=True)
 
+    def assert_kept(self):
+        """The kept files and the copied command make the picture of the page."""
+        self.element("keep-png").click()
+        self.wait_until(lambda: "Saved" in self.element("kept").text, "no picture was kept")
+        picture = self.element("kept").text.split()[-1]
+        commands = []
+        for button, says in ("keep-files", "and"), ("copy-command", "The command is"):
+            self.element(button).click()
+            self.wait_until(lambda: says in self.element("kept").text, "nothing was kept")
+            commands.append(self.element("command").text)
+        for number, command in enumerate(commands):
+            tool, *words = shlex.split(command)
+            words[words.index("-o") + 1] = f"again-{number}.png"
+            self.outputs(tool, *words, "--frames", 1)
+            self.assertEqual(self.contents(f"again-{number}.png"), self.contents(picture), command)
+
+    def assert_undoable(self, name):
+        """Undo gives up an option and redo brings it back, as a reload does."""
+        before = self.options()
+        self.assertIn(name, before)
+        self.element("undo").click()
+        self.wait_until(lambda: self.options().get(name) != before[name], "not undone")
+        self.element("redo").click()
+        self.wait_until(lambda: self.options() == before, "not redone")
+        self.wait_for_refined()
+        shown = self.pixels()
+        self.browser.refresh()
+        self.wait_for_refined()
+        self.assertEqual(self.options(), before)
+        self.wait_until(lambda: self.pixels() == shown, "the reloaded picture differs")
+
+    def test_colour_points(self):
+        self.open("--colormap", "gray")
+        points = lambda: self.browser.find_elements(By.CSS_SELECTOR, ".curve .color")
+        self.assertEqual(len(points()), 2)
+        self.element("add-color").click()
+        self.wait_until(lambda: self.options().get("colors") == "0:#000000,0.5:#808080,1:#ffffff", "no point added")
+        self.assertNotIn("colormap", self.options())
+        self.browser.execute_script("""
+            const input = document.getElementById("point-color");
+            input.value = "#ff8000";
+            for (const type of ["input", "change"]) input.dispatchEvent(new Event(type));""")
+        self.wait_until(lambda: self.options().get("colors") == "0:#000000,0.5:#ff8000,1:#ffffff", "not painted")
+        self.drag(points()[1], 30, 0)
+        position = lambda: float(self.options()["colors"].split(",")[1].split(":")[0])
+        self.wait_until(lambda: 0.52 < position() < 0.9, "not dragged")
+        dragged = position()
+        self.browser.execute_script("arguments[0].focus()", points()[1])
+        ActionChains(self.browser).send_keys(Keys.ARROW_RIGHT).perform()
+        self.wait_until(lambda: abs(position() - dragged - 0.02) < 1e-3, "not moved by a key")
+        self.assert_undoable("colors")
+        self.assert_kept()
+        ActionChains(self.browser).move_to_element_with_offset(
+            self.browser.find_element(By.CSS_SELECTOR, ".curve .color"), 25, 0).click().perform()
+        self.wait_until(lambda: len(points()) == 4, "no point added by a click")
+        self.browser.execute_script("arguments[0].focus()", points()[1])
+        ActionChains(self.browser).send_keys(Keys.DELETE).perform()
+        self.wait_until(lambda: len(points()) == 3, "not removed by a key")
+        Select(self.element("option-colormap")).select_by_visible_text("viridis")
+        self.wait_until(lambda: len(points()) == 9 and "colors" not in self.options(), "no map")
+
     def test_time_goes_on(self):
         self.open()
         frame = lambda: int(self.element("picture").get_attribute("data-frame"))

@@ -52,6 +52,11 @@ LookOptions::LookOptions(CLI::App& app, RenderParams& params) : mApp(app), mPara
                             transfer.colorMap = name;
                             transfer.colors.clear();
                         });
+    option<std::string>("--colors",
+                        "Colours of one's own over the range, e.g. 0:#102040,0.5:#e2581a,1:#fff6d5, as displayed.",
+                        [&](const auto& text) { transfer.colors = parseColors(text); })
+        ->type_name("POSITION:#RRGGBB,...")
+        ->excludes("--colormap");
     option<std::string>("--opacity",
                         "Opacity of one voxel over the range, e.g. 0:0,0.4:0.05,1:0.8. By default it rises with the "
                         "values, scaled so that one sees into the volume.",

@@ -37,10 +37,10 @@ TransferFunction::TransferFunction(const TransferParams& params)
     : mParams(checked(params)), mOpacityScale(opacityRange()), mColorScale(range()), mTable(kEntries),
       mExtinctions(kEntries), mVisibleBefore(kEntries + 1)
 {
-    const std::vector<ColorPoint> colors = params.colors.empty() ? colorMapPoints(params.colorMap) : params.colors;
+    const std::vector<ColorPoint> points = colors();
     for (int i = 0; i < kEntries; ++i) {
         const double position = double(i) / (kEntries - 1);
-        const glm::dvec3 color = linearFromDisplay(colorAt(colors, position));
+        const glm::dvec3 color = linearFromDisplay(colorAt(points, position));
         const double extinction = -std::log1p(-std::min(interpolate(params.opacity, position), kMostOpacity));
         mTable[i] = {float(color.r), float(color.g), float(color.b), float(extinction)};
         mExtinctions[i] = mTable[i].extinction;
@@ -50,8 +50,7 @@ TransferFunction::TransferFunction(const TransferParams& params)
 
 glm::dvec3 TransferFunction::displayColor(double position) const
 {
-    return colorAt(mParams.colors.empty() ? colorMapPoints(mParams.colorMap) : mParams.colors,
-                   std::clamp(position, 0.0, 1.0));
+    return colorAt(colors(), std::clamp(position, 0.0, 1.0));
 }
 
 std::array<int, 2> TransferFunction::entriesBetween(float low, float high) const

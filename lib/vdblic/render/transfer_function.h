@@ -35,6 +35,11 @@ class TransferFunction {
     [[nodiscard]] const TransferParams& params() const { return mParams; }
     /// `points` if the parameters hold colours of their own.
     [[nodiscard]] std::string colorMapName() const { return mParams.colors.empty() ? mParams.colorMap : "points"; }
+    /// The corners of the colour curve, of the parameters or of the colour map.
+    [[nodiscard]] std::vector<ColorPoint> colors() const
+    {
+        return mParams.colors.empty() ? colorMapPoints(mParams.colorMap) : mParams.colors;
+    }
     [[nodiscard]] const std::vector<OpacityPoint>& opacity() const { return mParams.opacity; }
     [[nodiscard]] const std::array<double, 2>& range() const { return *mParams.range; }
     [[nodiscard]] const std::array<double, 2>& opacityRange() const

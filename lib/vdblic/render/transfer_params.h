@@ -20,6 +20,9 @@ struct OpacityPoint {
 [[nodiscard]] std::vector<OpacityPoint> parseOpacity(std::string_view text);
 /// The text that parseOpacity() reads back.
 [[nodiscard]] std::string opacityText(const std::vector<OpacityPoint>& points);
+/// Parse `0:#102040,1:#fff6d5` into points of position and display (sRGB) colour, 8 bits a channel in hexadecimal
+/// digits. @throws ParameterError
+[[nodiscard]] std::vector<ColorPoint> parseColors(std::string_view text);
 
 /// How scalars that grids beside the texture hold become colour and opacity. One scalar may do both.
 struct TransferParams {

@@ -106,6 +106,25 @@ TEST(TransferFunction, ReadsAndWritesOpacityPoints)
     }
 }
 
+TEST(TransferFunction, ReadsColorPoints)
+{
+    const std::vector<ColorPoint> points = parseColors("0:#000000,0.25:#ff8000,1:#0A0bfF");
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_EQ(points[1].position, 0.25);
+    expectColor(points[1].color, 1, 128 / 255., 0, 1e-12);
+    expectColor(points[2].color, 10 / 255., 11 / 255., 1, 1e-12);
+    TransferParams params = grayBetween({{0, 1}}, 0, 1);
+    params.colors = points;
+    const TransferFunction transfer(params);
+    expectColor(transfer.displayColor(0.125), 0.5, 64 / 255., 0, 1e-12);
+    EXPECT_EQ(transfer.colorMapName(), "points");
+    for (const char* bad :
+         {"", "0", "0:", ":#000000", "0:#000000,", "0:000000", "0:#00000", "0:#0000000", "0:#00000g", "0:#+00000",
+          "0:#0x0000", "nan:#000000", "-1:#000000", "0.5:#000000,0.4:#000000", "0:#000000 1:#ffffff"}) {
+        EXPECT_THROW((void)parseColors(bad), ParameterError) << bad;
+    }
+}
+
 TEST(TransferFunction, RefusesARangeThatDoesNotRise)
 {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

@@ -22,6 +22,7 @@ const kOfLooks = [
     "range",
     "opacity-range",
     "colormap",
+    "colors",
     "shading",
     "light",
     "background",
@@ -44,7 +45,13 @@ export class Controls {
                     (scene, options) => options.look || "flow",
                     (look) => store.change({ ...Object.fromEntries(kOfLooks.map((name) => [name, undefined])), look }),
                 ),
-                this.list("colormap", "Colours", Object.keys(sequence.colorMaps), (scene) => scene.colorMap),
+                this.list(
+                    "colormap",
+                    "Colours",
+                    sequence.colorMaps,
+                    (scene) => scene.colorMap,
+                    (colormap) => store.change({ colormap, colors: undefined }),
+                ),
                 this.list(
                     "color-by",
                     "Coloured by",
@@ -114,6 +121,8 @@ export class Controls {
         );
         this.shows.push((scene, options) => {
             const value = valueIn(scene, options);
+            for (const option of [...select.options])
+                if (!values.includes(option.value) && option.value !== value) option.remove();
             if (![...select.options].some((option) => option.value === value))
                 select.append(make("option", { value }, value));
             select.value = value;

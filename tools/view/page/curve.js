@@ -1,14 +1,15 @@
 // The panel of one scalar: its histogram, the range, and the opacity points if it makes opaque.
 
+import { ColorPoints, colorAt } from "./colors.js";
 import { make, makeSvg, short } from "./elements.js";
 
 // In units of the drawing.
 const kWidth = 320;
-const kHeight = 168;
+const kHeight = 184;
 const kTop = 12;
 const kBottom = 132;
-const kRamp = 140;
-const kRampHeight = 10;
+const kRamp = 141;
+const kRampHeight = 16;
 
 export class Curve {
     /// @param option that sets the range
@@ -31,7 +32,14 @@ export class Curve {
             }),
         );
         this.title = make("span", { class: "name" });
-        this.element = make("div", {}, this.svg, make("div", { class: "line" }, this.title, ...this.ends));
+        this.colors = option === "range" ? new ColorPoints(transfer, this) : null;
+        this.element = make(
+            "div",
+            { class: "panel" },
+            this.svg,
+            make("div", { class: "line" }, this.title, ...this.ends),
+            ...(this.colors ? [this.colors.element] : []),
+        );
         this.svg.addEventListener("pointerdown", (event) => this.press(event));
         this.svg.addEventListener("dblclick", (event) => event.preventDefault());
     }
@@ -42,14 +50,24 @@ export class Curve {
         this.ends.forEach((input, end) => {
             if (!input.matches(":focus")) input.value = short(range[end]);
         });
-        const focused = this.svg.contains(document.activeElement) ? document.activeElement.dataset.index : undefined;
+        this.redraw();
+    }
+
+    redraw() {
+        const focused = this.svg.contains(document.activeElement) ? { ...document.activeElement.dataset } : {};
         this.svg.replaceChildren(
             ...this.bars(),
             ...this.ramp(),
             ...this.rangeEnds(),
-            ...(hasPoints ? this.curve() : []),
+            ...(this.hasPoints ? this.curve() : []),
+            ...(this.colors ? this.colors.draw(kRamp + kRampHeight / 2) : []),
         );
-        if (focused !== undefined) this.svg.querySelector(`[data-index="${focused}"]`)?.focus();
+        for (const [name, value] of Object.entries(focused)) this.focus(name, value);
+    }
+
+    /// Focus a point. @param name index of an opacity point or color of a colour point
+    focus(name, value) {
+        this.svg.querySelector(`[data-${name}="${value}"]`)?.focus();
     }
 
     xOf(value) {
@@ -58,11 +76,19 @@ export class Curve {
     valueAt(x) {
         return this.histogram.low + (x / kWidth) * (this.histogram.high - this.histogram.low);
     }
+    valueOfPosition(position) {
+        return this.range[0] + position * (this.range[1] - this.range[0]);
+    }
     xOfPosition(position) {
-        return this.xOf(this.range[0] + position * (this.range[1] - this.range[0]));
+        return this.xOf(this.valueOfPosition(position));
     }
     positionAt(x) {
         return (this.valueAt(x) - this.range[0]) / (this.range[1] - this.range[0]);
+    }
+
+    /// A place at which a handle is not cut off.
+    inside(x) {
+        return Math.max(6, Math.min(kWidth - 6, x));
     }
 
     yOf(opacity) {
@@ -74,10 +100,7 @@ export class Curve {
     }
 
     colorAt(position) {
-        const colors = this.transfer.scene.colors,
-            at = Math.max(0, Math.min(1, position)) * (colors.length - 1);
-        const color = colors[Math.round(at)].map((c) => Math.round(c * 255));
-        return this.option === "range" ? `rgb(${color})` : "var(--quiet)";
+        return this.colors ? colorAt(this.transfer.colors, position) : "var(--quiet)";
     }
 
     bars() {
@@ -99,8 +122,8 @@ export class Curve {
     }
 
     ramp() {
-        if (this.option !== "range") return [];
-        const count = 64,
+        if (!this.colors) return [];
+        const count = 128,
             width = kWidth / count;
         return Array.from({ length: count }, (_, i) =>
             makeSvg("rect", {
@@ -117,12 +140,12 @@ export class Curve {
         return [0, 1].flatMap((end) => {
             const x = this.xOfPosition(end);
             return [
-                makeSvg("line", { class: "end", x1: x, x2: x, y1: kTop, y2: kRamp + kRampHeight }),
+                makeSvg("line", { class: "end", x1: x, x2: x, y1: kTop, y2: kHeight - 9 }),
                 makeSvg("circle", {
                     class: "grip",
                     "data-end": end,
-                    cx: Math.max(5, Math.min(kWidth - 5, x)),
-                    cy: kRamp + 17,
+                    cx: this.inside(x),
+                    cy: kHeight - 9,
                     r: 7,
                 }),
             ];
@@ -141,7 +164,7 @@ export class Curve {
                 makeSvg("circle", {
                     class: "point",
                     "data-index": index,
-                    cx,
+                    cx: this.inside(cx),
                     cy,
                     r: 6.5,
                     tabindex: 0,
@@ -163,19 +186,31 @@ export class Curve {
     }
 
     press(event) {
-        const { end, index } = event.target.dataset;
-        if (end !== undefined) return this.drag(event, (x) => this.dragEnd(Number(end), x));
+        const { end, index, color } = event.target.dataset,
+            [x, y] = this.place(event);
+        if (end !== undefined) return this.drag(event, (toX) => this.dragEnd(Number(end), toX));
+        if (this.colors && index === undefined && y >= kRamp && y <= kRamp + kRampHeight)
+            return this.pressColor(event, x, color);
         if (!this.hasPoints) return;
-        const [x, y] = this.place(event);
         if (index !== undefined && event.button === 2) return this.remove(Number(index));
         const at = index !== undefined ? Number(index) : y < kRamp ? this.insert(x, y) : -1;
-        if (at >= 0) this.drag(event, (toX, toY) => this.movePoint(at, this.positionAt(toX), this.opacityAt(toY)), at);
+        if (at < 0) return;
+        this.drag(event, (toX, toY) => this.movePoint(at, this.positionAt(toX), this.opacityAt(toY)));
+        this.focus("index", at);
     }
 
-    drag(event, move, index) {
+    /// @param color index of the colour point that was hit, if any
+    pressColor(event, x, color) {
+        if (color !== undefined && event.button === 2) return this.colors.remove(Number(color));
+        const at = color !== undefined ? Number(color) : this.colors.insert(this.positionAt(x));
+        if (at < 0) return;
+        this.drag(event, (toX) => this.colors.move(at, this.positionAt(toX)));
+        this.focus("color", at);
+    }
+
+    drag(event, move) {
         event.preventDefault();
         this.transfer.dragging = true;
-        if (index !== undefined) this.svg.querySelector(`[data-index="${index}"]`)?.focus();
         this.svg.setPointerCapture(event.pointerId);
         const onMove = (moved) => move(...this.place(moved));
         const onEnd = () => {

@@ -43,14 +43,21 @@ export class Transfer {
                 make("label", {}, this.logCounts, " log counts"),
                 make("label", {}, this.logarithmic, " log opacity"),
             ),
-            make("p", { class: "note" }, "Click on the curve to add a point; Delete removes it; arrow keys move it."),
+            make(
+                "p",
+                { class: "note" },
+                "Click on the curve or on the colours to add a point; Delete removes it; arrow keys move it.",
+            ),
         );
     }
 
     show(scene, histograms) {
         this.scene = scene;
         this.histograms = histograms || this.histograms;
-        if (!this.dragging) this.points = scene.opacity.map((point) => [...point]);
+        if (!this.dragging) {
+            this.points = scene.opacity.map((point) => [...point]);
+            this.colors = scene.colors.map((point) => [...point]);
+        }
         this.isOne = scene.colorBy === scene.opacityBy;
         this.draw();
     }
@@ -71,6 +78,14 @@ export class Transfer {
             ([position, opacity]) => `${Number(position.toFixed(4))}:${Number(opacity.toPrecision(4))}`,
         );
         this.store.change({ opacity: text.join(",") }, { commit });
+    }
+
+    /// @param colors [position, "#rrggbb"] by rising position
+    setColors(colors, commit) {
+        this.colors = colors;
+        this.draw();
+        const text = colors.map(([position, color]) => `${Number(position.toFixed(4))}:${color}`);
+        this.store.change({ colors: text.join(","), colormap: undefined }, { commit });
     }
 
     /// @param factor on the optical depth of a voxel
