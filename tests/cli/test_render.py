@@ -176,6 +176,18 @@ class Render(RenderTest):
         self.assertIn("--color-by", message)
         self.assertNotIn("--with", message)
 
+    def test_a_logarithmic_scale_needs_positive_values(self):
+        good = ("lic.0003.vdb", "-o", "a.png", "--size", 20, 20)
+        for option in "color", "opacity":
+            of = "" if option == "color" else "opacity-"
+            message = self.refuses(2, *good, f"--{option}-scale", "log", f"--{of}range", 0, 1)
+            self.assertIn(f"--{option}-scale", message)
+            self.assertIn("0 to 1", message)
+            (self.folder / "log.json").write_text(
+                json.dumps({of.replace("-", "_") + "range": [-1, 1], f"{option}_scale": "log"}), encoding="utf-8")
+            self.assertIn("log.json", self.refuses(3, *good, "--transfer", "log.json"))
+        self.assertIn("linear or log", self.refuses(2, *good, "--color-scale", "square"))
+
     def test_options_of_numbers_do_not_swallow_the_input(self):
         for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],
                         ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1], ["--stretch", 1, 2, 1],

@@ -41,6 +41,8 @@ VALUES = {
     "--colors": ([], "0:#102030"),
     "--opacity": ([], "0:0.5"),
     "--range": ([], 0, 1),
+    "--color-scale": ([], "log"),
+    "--opacity-scale": ([], "log"),
     "--modulate": ([], 0.5),
     "--limb-darkening": ([], 0.5),
     "--shading": ([], "none"),

@@ -22,6 +22,8 @@ class Pictures(ViewerTest):
             {"look": "smoke", "projection": "orthographic", "annotate": "axes,colorbar,time,title=It's a title"},
             {"color-by": "q", "opacity-by": "magnitude", "opacity": "0:0,0.5:0.123,1:0.8", "range": [-1.5, 2],
              "clip-plane": [[0.5, 0.5, 0.5, 1, 0.2, 0]], "light": [[1, 0, 2]], "solid": "domain", "stretch": [1, 1, 2]},
+            {"color-scale": "log", "range": [0.1, 3], "annotate": "colorbar"},
+            {"by": "magnitude", "opacity-by": "q", "opacity-scale": "log"},
             {"look": "smoke", "colors": "0:#102040,0.3:#e2581a,1:#fff6d5"},
         ]
         for number, state in enumerate(states):

@@ -195,6 +195,38 @@ class Page(ViewerTest):
         Select(self.element("option-colormap")).select_by_visible_text("viridis")
         self.wait_until(lambda: len(points()) == 9 and "colors" not in self.options(), "no map")
 
+    def test_a_logarithmic_scale(self):
+        self.open()
+        ends = lambda: [float(self.browser.find_element(
+            By.CSS_SELECTOR, f"input[aria-label='{end} end of the range']").get_attribute("value"))
+            for end in ("Lower", "Upper")]
+        linear = ends()
+        bars = lambda: self.browser.execute_script(
+            "return [...document.querySelectorAll('.curve .bars')].map((bar) => bar.getAttribute('height')).join()")
+        before = bars()
+        self.element("option-color-scale").click()
+        self.wait_until(lambda: self.options().get("color-scale") == "log" and bars() != before, "not logarithmic")
+        self.assertGreater(ends()[0], 0)
+        self.assertLess(abs(ends()[1] - linear[1]), 0.05 * linear[1])
+        # The middle of the points lies at the geometric mean.
+        point = self.browser.execute_script("""
+            const points = [...document.querySelectorAll(".curve .point")];
+            return points[(points.length - 1) / 2].getAttribute("aria-valuetext")""")
+        low, high = ends()
+        self.assertAlmostEqual(float(point.split()[-1]) / (low * high) ** 0.5, 1, delta=0.01)
+        lower = self.browser.find_element(By.CSS_SELECTOR, "input[aria-label='Lower end of the range']")
+        lower.clear()
+        lower.send_keys("0", Keys.TAB)  # is not taken
+        lower = self.browser.find_element(By.CSS_SELECTOR, "input[aria-label='Lower end of the range']")
+        lower.clear()
+        lower.send_keys("0.2", Keys.TAB)
+        self.wait_until(lambda: self.options().get("range", [0])[0] == 0.2, "no range")
+        self.wait_for_refined()
+        self.assert_undoable("range")
+        self.assert_kept()
+        self.element("option-color-scale").click()
+        self.wait_until(lambda: self.options().get("color-scale") == "linear", "not linear")
+
     def test_time_goes_on(self):
         self.open()
         frame = lambda: int(self.element("picture").get_attribute("data-frame"))

@@ -69,6 +69,13 @@ LookOptions::LookOptions(CLI::App& app, RenderParams& params) : mApp(app), mPara
                        "The same of the grid that chooses the opacity; --range if it is the one that colours.",
                        [&](const auto& range) { transfer.opacityRange = range; })
         ->type_name("LO HI");
+    option<std::string>("--color-scale",
+                        "linear or log: how the values of the range are spread over positions; linear by default.",
+                        [&](const auto& name) { transfer.colorScale = parseValueScale(name); });
+    option<std::string>("--opacity-scale",
+                        "The same of the grid that chooses the opacity; linear by default, but --color-scale if one "
+                        "grid with one range does both.",
+                        [&](const auto& name) { transfer.opacityScale = parseValueScale(name); });
     number("--modulate", look.textureStrength, "How strongly the texture shows in opacity, 0 to 1.");
     number("--limb-darkening", look.limbDarkening,
            "How strongly the texture shows in colour: dark rims of streaks, 0 to 1.");

@@ -69,7 +69,10 @@ Json stateIn(const Json& asked)
 
 Json toJson(const Histogram& histogram)
 {
-    return {{"low", histogram.low}, {"high", histogram.high}, {"counts", histogram.counts}};
+    return {{"low", histogram.low},
+            {"high", histogram.high},
+            {"scale", valueScaleName(histogram.scale)},
+            {"counts", histogram.counts}};
 }
 
 /// The numbers of a look as the options that set them, for controls to show.
@@ -196,6 +199,8 @@ Json Interface::scene(const Json& state, std::int64_t frame)
             {"opacityBy", view.scene.opacityBy},
             {"range", transfer.range()},
             {"opacityRange", transfer.opacityRange()},
+            {"colorScale", valueScaleName(transfer.colorAxis().scale)},
+            {"opacityScale", valueScaleName(transfer.opacityAxis().scale)},
             {"opacity", points},
             {"colorMap", transfer.colorMapName()},
             {"colors", colors},

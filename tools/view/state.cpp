@@ -20,13 +20,14 @@ using Json = nlohmann::json;
 
 /// The options that a state may hold: all of a picture's that name no file.
 constexpr const char* kOfStates[] = {
-    "size",    "stretch",     "scale",      "samples",          "eye",        "target",
-    "up",      "projection",  "fov",        "view-height",      "orbit",      "orbit-frames",
-    "step",    "look",        "by",         "color-by",         "opacity-by", "colormap",
-    "colors",  "opacity",     "range",      "opacity-range",    "modulate",   "limb-darkening",
-    "shading", "ambient",     "diffuse",    "specular",         "shininess",  "head-light",
-    "light",   "halo",        "shadows",    "depth-cue",        "clip-plane", "clip-box",
-    "solid",   "solid-color", "background", "background-alpha", "annotate"};
+    "size",       "stretch",        "scale",   "samples",       "eye",         "target",
+    "up",         "projection",     "fov",     "view-height",   "orbit",       "orbit-frames",
+    "step",       "look",           "by",      "color-by",      "opacity-by",  "colormap",
+    "colors",     "opacity",        "range",   "opacity-range", "color-scale", "opacity-scale",
+    "modulate",   "limb-darkening", "shading", "ambient",       "diffuse",     "specular",
+    "shininess",  "head-light",     "light",   "halo",          "shadows",     "depth-cue",
+    "clip-plane", "clip-box",       "solid",   "solid-color",   "background",  "background-alpha",
+    "annotate"};
 /// Options that name files; the command line alone sets them.
 constexpr const char* kFixed[] = {"texture", "transfer", "roi"};
 /// Options that may be repeated, and how many numbers each takes.

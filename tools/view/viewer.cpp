@@ -27,8 +27,7 @@ std::string loadKey(const RenderParams& params)
 {
     const glm::dvec3& stretch = params.stretch;
     return fmt::format("{}|{}|{} {} {}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x, stretch.y,
-                       stretch.z, params.look.shading.model == ShadingModel::kLine,
-                       params.look.transfer.opacityRange.has_value());
+                       stretch.z, params.look.shading.model == ShadingModel::kLine, params.look.transfer.sharesRange());
 }
 
 /// A state without what its camera and sampling are.

@@ -55,7 +55,8 @@ void add(Attributes& attributes, const CameraMotion& motion)
 
 void add(Attributes& attributes, const TransferFunction& transfer)
 {
-    const auto& [colorMap, colors, opacity, range, opacityRange, unit, opacityUnit] = transfer.params();
+    const auto& [colorMap, colors, opacity, range, opacityRange, colorScale, opacityScale, unit, opacityUnit] =
+        transfer.params();
     const auto colorText = [](const ColorPoint& point) {
         return fmt::format("{}:{}", point.position, vectorText(point.color));
     };
@@ -64,6 +65,8 @@ void add(Attributes& attributes, const TransferFunction& transfer)
     const auto [low, high] = transfer.opacityRange();
     attributes.emplace_back("colorRange", glm::vec2((*range)[0], (*range)[1]));
     attributes.emplace_back("opacityRange", glm::vec2(low, high));
+    attributes.emplace_back("colorScale", std::string(valueScaleName(colorScale)));
+    attributes.emplace_back("opacityScale", std::string(valueScaleName(transfer.opacityAxis().scale)));
     if (!unit.empty()) attributes.emplace_back("unit", unit);
     if (!opacityUnit.empty()) attributes.emplace_back("opacityUnit", opacityUnit);
 }

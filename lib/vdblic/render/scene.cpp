@@ -94,7 +94,7 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
                              storedOpacity ? storedOpacity->getName() : params.colorBy,
                              TextureVolume(*texture, *opacity, params.stretch),
                              timeOf(file)};
-        if (opacity != color || params.look.transfer.opacityRange) loaded.volume.addColors(*texture, *color);
+        if (opacity != color || !params.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
         if (!params.region.empty()) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
             loaded.volume.cut(

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <system_error>
 
 namespace vdblic {
@@ -58,15 +57,6 @@ void forPoints(std::string_view text, const PointSyntax& syntax, const Visit& vi
         }
         visit(part.substr(0, colon), part.substr(colon + 1));
         begin = end + 1;
-    }
-}
-
-void checkRange(const std::array<double, 2>& range)
-{
-    const auto& [low, high] = range;
-    constexpr double kMost = TransferParams::kMostValue;
-    if (!(std::abs(low) <= kMost) || !(std::abs(high) <= kMost) || !(low < high)) {
-        throw ParameterError(fmt::format("range {} to {} must be two rising numbers of at most {}", low, high, kMost));
     }
 }
 
@@ -140,8 +130,8 @@ void TransferParams::validate() const
     (void)colorMapPoints(colorMap);
     checkOpacity(opacity);
     checkColors(colors);
-    if (range) checkRange(*range);
-    if (opacityRange) checkRange(*opacityRange);
+    if (range) ScalarAxis{*range, colorScale}.validate("color_scale");
+    if (opacityRange) ScalarAxis{*opacityRange, opacityScale.value_or(ValueScale::kLinear)}.validate("opacity_scale");
 }
 
 } // namespace vdblic

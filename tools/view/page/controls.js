@@ -21,6 +21,8 @@ const kOfLooks = [
     "opacity",
     "range",
     "opacity-range",
+    "color-scale",
+    "opacity-scale",
     "colormap",
     "colors",
     "shading",
@@ -57,14 +59,20 @@ export class Controls {
                     "Coloured by",
                     scalars,
                     (scene) => scene.colorBy,
-                    (name) => store.change({ "color-by": name, range: undefined }),
+                    (name) => store.change({ "color-by": name, range: undefined, "color-scale": undefined }),
                 ),
                 this.list(
                     "opacity-by",
                     "Opaque by",
                     scalars,
                     (scene) => scene.opacityBy,
-                    (name) => store.change({ "opacity-by": name, opacity: undefined, "opacity-range": undefined }),
+                    (name) =>
+                        store.change({
+                            "opacity-by": name,
+                            opacity: undefined,
+                            "opacity-range": undefined,
+                            "opacity-scale": undefined,
+                        }),
                 ),
             ),
             depth: makeSection(

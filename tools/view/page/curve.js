@@ -1,5 +1,6 @@
 // The panel of one scalar: its histogram, the range, and the opacity points if it makes opaque.
 
+import { Axis } from "./axis.js";
 import { ColorPoints, colorAt } from "./colors.js";
 import { make, makeSvg, short } from "./elements.js";
 
@@ -12,10 +13,10 @@ const kRamp = 141;
 const kRampHeight = 16;
 
 export class Curve {
-    /// @param option that sets the range
-    constructor(transfer, option, name) {
+    /// @param options { range, scale }: the names of the options that set them
+    constructor(transfer, options, name) {
         this.transfer = transfer;
-        this.option = option;
+        this.options = options;
         this.svg = makeSvg("svg", {
             class: "curve",
             viewBox: `0 0 ${kWidth} ${kHeight}`,
@@ -32,20 +33,29 @@ export class Curve {
             }),
         );
         this.title = make("span", { class: "name" });
-        this.colors = option === "range" ? new ColorPoints(transfer, this) : null;
+        this.log = make("input", {
+            id: `option-${options.scale}`,
+            type: "checkbox",
+            "aria-label": `${name}: logarithmic scale`,
+            change: () => this.setScale(this.log.checked),
+        });
+        this.colors = options.range === "range" ? new ColorPoints(transfer, this) : null;
         this.element = make(
             "div",
             { class: "panel" },
             this.svg,
-            make("div", { class: "line" }, this.title, ...this.ends),
+            make("div", { class: "line" }, this.title, ...this.ends, make("label", {}, this.log, " log")),
             ...(this.colors ? [this.colors.element] : []),
         );
         this.svg.addEventListener("pointerdown", (event) => this.press(event));
         this.svg.addEventListener("dblclick", (event) => event.preventDefault());
     }
 
-    draw(range, histogram, name, hasPoints) {
-        Object.assign(this, { range, histogram, hasPoints });
+    draw(range, scale, histogram, name, hasPoints) {
+        Object.assign(this, { range, scale, histogram, hasPoints });
+        this.axis = new Axis(range, scale);
+        this.view = new Axis([histogram.low, histogram.high], histogram.scale);
+        this.log.checked = scale === "log";
         this.title.textContent = name;
         this.ends.forEach((input, end) => {
             if (!input.matches(":focus")) input.value = short(range[end]);
@@ -71,19 +81,19 @@ export class Curve {
     }
 
     xOf(value) {
-        return ((value - this.histogram.low) / (this.histogram.high - this.histogram.low)) * kWidth;
+        return this.view.placeOf(value) * kWidth;
     }
     valueAt(x) {
-        return this.histogram.low + (x / kWidth) * (this.histogram.high - this.histogram.low);
+        return this.view.valueAt(x / kWidth);
     }
     valueOfPosition(position) {
-        return this.range[0] + position * (this.range[1] - this.range[0]);
+        return this.axis.valueAt(position);
     }
     xOfPosition(position) {
         return this.xOf(this.valueOfPosition(position));
     }
     positionAt(x) {
-        return (this.valueAt(x) - this.range[0]) / (this.range[1] - this.range[0]);
+        return this.axis.placeOf(this.valueAt(x));
     }
 
     /// A place at which a handle is not cut off.
@@ -224,23 +234,32 @@ export class Curve {
 
     dragEnd(end, x) {
         const range = [...this.range],
-            least = (this.histogram.high - this.histogram.low) / 200;
-        const value = this.valueAt(Math.max(0, Math.min(kWidth, x)));
-        range[end] = end ? Math.max(value, range[0] + least) : Math.min(value, range[1] - least);
+            other = this.xOf(range[1 - end]),
+            least = kWidth / 200;
+        const bounded = Math.max(0, Math.min(kWidth, x));
+        range[end] = this.valueAt(end ? Math.max(bounded, other + least) : Math.min(bounded, other - least));
         this.setRange(range, false);
     }
 
     typeRange() {
         const range = this.ends.map((input) => input.valueAsNumber);
-        if (range.every(Number.isFinite) && range[0] < range[1]) this.setRange(range, true);
+        const isPossible = range.every(Number.isFinite) && range[0] < range[1] && (range[0] > 0 || !this.axis.isLog);
+        if (isPossible) this.setRange(range, true);
         else this.transfer.draw();
+    }
+
+    /// Positions stay, so points move to other values; a range that cannot be logarithmic becomes automatic.
+    setScale(isLog) {
+        const changes = { [this.options.scale]: isLog ? "log" : "linear" };
+        if (isLog && !(this.range[0] > 0)) changes[this.options.range] = undefined;
+        this.transfer.store.change(changes);
     }
 
     setRange(range, commit) {
         this.range = range.map((value) => Number(value.toPrecision(6)));
         const { transfer } = this,
-            changes = { [this.option]: this.range };
-        if (transfer.scene) transfer.scene[this.option === "range" ? "range" : "opacityRange"] = this.range;
+            changes = { [this.options.range]: this.range };
+        if (transfer.scene) transfer.scene[this.colors ? "range" : "opacityRange"] = this.range;
         transfer.draw();
         if (this.hasPoints && !transfer.store.options.opacity) transfer.setPoints(transfer.points, false);
         transfer.store.change(changes, { commit });

@@ -15,8 +15,8 @@ export class Transfer {
             checked: true,
             change: () => this.draw(),
         });
-        this.color = new Curve(this, "range", "Colour");
-        this.opacity = new Curve(this, "opacity-range", "Opacity");
+        this.color = new Curve(this, { range: "range", scale: "color-scale" }, "Colour");
+        this.opacity = new Curve(this, { range: "opacity-range", scale: "opacity-scale" }, "Opacity");
         this.element = makeSection(
             "Transfer function",
             true,
@@ -58,7 +58,10 @@ export class Transfer {
             this.points = scene.opacity.map((point) => [...point]);
             this.colors = scene.colors.map((point) => [...point]);
         }
-        this.isOne = scene.colorBy === scene.opacityBy;
+        this.isOne =
+            scene.colorBy === scene.opacityBy &&
+            scene.colorScale === scene.opacityScale &&
+            String(scene.range) === String(scene.opacityRange);
         this.draw();
     }
 
@@ -66,9 +69,10 @@ export class Transfer {
         if (!this.scene || !this.histograms) return;
         this.color.element.hidden = false;
         this.opacity.element.hidden = this.isOne;
-        this.color.draw(this.scene.range, this.histograms.color, this.scene.colorBy, this.isOne);
-        if (!this.isOne)
-            this.opacity.draw(this.scene.opacityRange, this.histograms.opacity, this.scene.opacityBy, true);
+        const { scene, histograms } = this;
+        this.color.draw(scene.range, scene.colorScale, histograms.color, scene.colorBy, this.isOne);
+        if (this.isOne) return;
+        this.opacity.draw(scene.opacityRange, scene.opacityScale, histograms.opacity, scene.opacityBy, true);
     }
 
     setPoints(points, commit) {
