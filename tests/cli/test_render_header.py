@@ -67,6 +67,7 @@ VALUES = {
     "--shadows": ([], 0.5),
     "--annotate": ([], "box"),
     "--roi": ([], "lic.0001.vdb:magnitude"),
+    "--roi-box": ([], 0, 0, 0, 0.5, 0.5, 0.5),
     "--aov": ([], "depth"),
     "--precision": ([], "float"),
     "--compression": ([], "piz"),

@@ -24,6 +24,7 @@ class Pictures(ViewerTest):
              "clip-plane": [[0.5, 0.5, 0.5, 1, 0.2, 0]], "light": [[1, 0, 2]], "solid": "domain", "stretch": [1, 1, 2]},
             {"color-scale": "log", "range": [0.1, 3], "annotate": "colorbar"},
             {"by": "magnitude", "opacity-by": "q", "opacity-scale": "log"},
+            {"roi-box": [0.1, 0.1, 0, 0.7, 0.5, 0.3], "clip-plane": [[0.3, 0.3, 0.2, 0.5, -0.5, 0.7]]},
             {"look": "smoke", "colors": "0:#102040,0.3:#e2581a,1:#fff6d5"},
         ]
         for number, state in enumerate(states):

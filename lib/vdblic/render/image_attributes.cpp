@@ -118,8 +118,8 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
     const auto& [input, skipExisting, keepGoing, output, film, framesPerSecond, annotations, transferOut, histogram,
-                 texture, colorBy, opacityBy, region, solid, stretch, size, scale, samples, cameraParams, motion,
-                 lookParams, rays, background, exr] = params;
+                 texture, colorBy, opacityBy, region, regionBox, solid, stretch, size, scale, samples, cameraParams,
+                 motion, lookParams, rays, background, exr] = params;
     const auto& [transfer, modulation, shading, halo, depthCue, shadows, fading] = look;
     Attributes& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)},
@@ -128,6 +128,7 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
                   {"colorBy", colorBy},
                   {"opacityBy", opacityBy.empty() ? colorBy : opacityBy.front()},
                   {"region", region},
+                  {"regionBox", regionBox ? fmt::format("{}", fmt::join(*regionBox, " ")) : std::string()},
                   {"stretch", glm::vec3(stretch)},
                   {"scale", float(scale)},
                   {"samples", samples},

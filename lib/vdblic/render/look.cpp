@@ -107,7 +107,8 @@ bool Look::contributes(const LeafRange& range) const
 Look chooseLook(const LookParams& params, const TextureVolume::Samples& samples, double thickness)
 {
     params.validate();
-    if (samples.texture.empty()) throw InputError("no active voxel holds a finite number");
+    if (samples.texture.empty())
+        throw InputError("no active voxel that is shown holds a finite number; check the grid, `roi` and `roi_box`");
     TransferParams transfer = params.transfer;
     const bool one = samples.color.empty();
     const ValueScale opacityScale = transfer.opacityScale.value_or(one ? transfer.colorScale : ValueScale::kLinear);

@@ -28,7 +28,7 @@ export class Curve {
             make("input", {
                 type: "number",
                 step: "any",
-                "aria-label": end ? "Upper end of the range" : "Lower end of the range",
+                "aria-label": `${name}: ${end ? "upper" : "lower"} end of the range`,
                 change: () => this.typeRange(),
             }),
         );

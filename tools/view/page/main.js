@@ -22,6 +22,7 @@ const kOfHistograms = [
     "opacity-range",
     "color-scale",
     "opacity-scale",
+    "roi-box",
     "stretch",
     "shading",
 ];
