@@ -179,6 +179,7 @@ class Page(ViewerTest):
 
     def test_colour_points(self):
         self.open("--colormap", "gray")
+        self.assertEqual(len([curve for curve in self.find(".curve") if curve.is_displayed()]), 1)  # one scalar
         points = lambda: self.find(".curve .color")
         self.assertEqual(len(points()), 2)
         self.element("add-color").click()
@@ -208,6 +209,10 @@ class Page(ViewerTest):
         self.wait_until(lambda: len(points()) == 4, "no point added by a click")
         self.press(".curve .color", 1, Keys.DELETE)
         self.wait_until(lambda: len(points()) == 3, "not removed by a key")
+        self.press(".curve .color", 2, Keys.DELETE)
+        self.wait_until(lambda: len(points()) == 2, "not removed by a key")
+        focused = self.browser.execute_script("return document.activeElement.getAttribute('aria-label')")
+        self.assertEqual(focused, "Colour point 2 of 2")  # the keyboard's place is kept
         Select(self.element("option-colormap")).select_by_visible_text("viridis")
         self.wait_until(lambda: len(points()) == 9 and "colors" not in self.options(), "no map")
 
@@ -349,6 +354,11 @@ class Page(ViewerTest):
         widest = self.browser.execute_script("return document.documentElement.scrollWidth")
         self.assertLessEqual(widest, 360)
         self.assertGreater(self.element("picture").size["height"], 200)
+        # The picture stays where it is while the settings below it move.
+        top = "return document.getElementById('picture').getBoundingClientRect().top"
+        before = self.browser.execute_script(top)
+        self.browser.execute_script("document.getElementById('keep-png').scrollIntoView({behavior: 'instant'})")
+        self.assertEqual(self.browser.execute_script(top), before)
 
 
 if __name__ == "__main__":

@@ -76,6 +76,16 @@ export class ColorPoints {
         );
     }
 
+    /// @param index of the point that was hit, if any
+    press(event, x, index) {
+        if (index !== undefined && event.button === 2) return this.remove(index);
+        const { curve } = this,
+            at = index ?? this.insert(curve.positionAt(x));
+        if (at < 0) return;
+        curve.drag(event, (toX) => this.move(at, curve.positionAt(toX)));
+        curve.focus("color", at);
+    }
+
     choose(index) {
         if (index === this.chosen) return;
         this.chosen = index;
@@ -134,8 +144,10 @@ export class ColorPoints {
     key(event, index) {
         const small = event.shiftKey ? 0.002 : 0.02,
             step = { ArrowLeft: -small, ArrowDown: -small, ArrowRight: small, ArrowUp: small }[event.key];
-        if (event.key === "Delete" || event.key === "Backspace") this.remove(index);
-        else if (event.key === "Enter" || event.key === "Insert") this.addAfter(index);
+        if (event.key === "Delete" || event.key === "Backspace") {
+            this.remove(index);
+            this.curve.focus("color", Math.min(index, this.points.length - 1));
+        } else if (event.key === "Enter" || event.key === "Insert") this.addAfter(index);
         else if (step) this.move(index, this.points[index][0] + step, true);
         else return;
         event.preventDefault();

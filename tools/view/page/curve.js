@@ -1,8 +1,9 @@
-// The panel of one scalar: its histogram, the range, and the opacity points if it makes opaque.
+// The panel of one scalar: its histogram and its range, under the points of what it colours and makes opaque.
 
 import { Axis } from "./axis.js";
 import { ColorPoints, colorAt } from "./colors.js";
 import { make, makeSvg, short } from "./elements.js";
+import { OpacityPoints } from "./opacity.js";
 
 // In units of the drawing.
 const kWidth = 320;
@@ -39,6 +40,7 @@ export class Curve {
             "aria-label": `${name}: logarithmic scale`,
             change: () => this.setScale(this.log.checked),
         });
+        this.opacity = new OpacityPoints(transfer, this);
         this.colors = options.range === "range" ? new ColorPoints(transfer, this) : null;
         this.element = make(
             "div",
@@ -69,7 +71,7 @@ export class Curve {
             ...this.bars(),
             ...this.ramp(),
             ...this.rangeEnds(),
-            ...(this.hasPoints ? this.curve() : []),
+            ...(this.hasPoints ? this.opacity.draw(kWidth) : []),
             ...(this.colors ? this.colors.draw(kRamp + kRampHeight / 2) : []),
         );
         for (const [name, value] of Object.entries(focused)) this.focus(name, value);
@@ -162,34 +164,6 @@ export class Curve {
         });
     }
 
-    curve() {
-        const { points } = this.transfer;
-        const at = points.map(([position, opacity]) => [this.xOfPosition(position), this.yOf(opacity)]);
-        const path = [[0, at[0][1]], ...at, [kWidth, at.at(-1)[1]]]
-            .map((p) => p.map((c) => c.toFixed(1)).join(","))
-            .join(" ");
-        return [
-            makeSvg("polyline", { class: "opacity", points: path }),
-            ...at.map(([cx, cy], index) =>
-                makeSvg("circle", {
-                    class: "point",
-                    "data-index": index,
-                    cx: this.inside(cx),
-                    cy,
-                    r: 6.5,
-                    tabindex: 0,
-                    role: "slider",
-                    "aria-valuemin": 0,
-                    "aria-valuemax": 1,
-                    "aria-label": `Opacity point ${index + 1} of ${at.length}`,
-                    "aria-valuenow": short(points[index][1]),
-                    "aria-valuetext": `opacity ${short(points[index][1])} at ${short(this.valueAt(cx))}`,
-                    keydown: (event) => this.key(event, index),
-                }),
-            ),
-        ];
-    }
-
     place(event) {
         const box = this.svg.getBoundingClientRect();
         return [((event.clientX - box.left) / box.width) * kWidth, ((event.clientY - box.top) / box.height) * kHeight];
@@ -199,25 +173,13 @@ export class Curve {
         const { end, index, color } = event.target.dataset,
             [x, y] = this.place(event);
         if (end !== undefined) return this.drag(event, (toX) => this.dragEnd(Number(end), toX));
-        if (this.colors && index === undefined && y >= kRamp && y <= kRamp + kRampHeight)
-            return this.pressColor(event, x, color);
-        if (!this.hasPoints) return;
-        if (index !== undefined && event.button === 2) return this.remove(Number(index));
-        const at = index !== undefined ? Number(index) : y < kRamp ? this.insert(x, y) : -1;
-        if (at < 0) return;
-        this.drag(event, (toX, toY) => this.movePoint(at, this.positionAt(toX), this.opacityAt(toY)));
-        this.focus("index", at);
+        const number = (text) => (text === undefined ? undefined : Number(text)),
+            isOnRamp = y >= kRamp && y <= kRamp + kRampHeight;
+        if (this.colors && isOnRamp && index === undefined) this.colors.press(event, x, number(color));
+        else if (this.hasPoints && (index !== undefined || y < kRamp)) this.opacity.press(event, x, y, number(index));
     }
 
-    /// @param color index of the colour point that was hit, if any
-    pressColor(event, x, color) {
-        if (color !== undefined && event.button === 2) return this.colors.remove(Number(color));
-        const at = color !== undefined ? Number(color) : this.colors.insert(this.positionAt(x));
-        if (at < 0) return;
-        this.drag(event, (toX) => this.colors.move(at, this.positionAt(toX)));
-        this.focus("color", at);
-    }
-
+    /// @param move called with the places to which the hand goes
     drag(event, move) {
         event.preventDefault();
         this.transfer.dragging = true;
@@ -263,54 +225,5 @@ export class Curve {
         transfer.draw();
         if (this.hasPoints && !transfer.store.options.opacity) transfer.setPoints(transfer.points, false);
         transfer.store.change(changes, { commit });
-    }
-
-    movePoint(index, position, opacity, commit = false) {
-        const points = this.transfer.points.map((point) => [...point]);
-        const before = index > 0 ? points[index - 1][0] + 1e-3 : 0;
-        const after = index + 1 < points.length ? points[index + 1][0] - 1e-3 : 1;
-        points[index] = [Math.max(before, Math.min(after, position)), opacity];
-        this.transfer.setPoints(points, commit);
-    }
-
-    /// @return the new point's index, or -1 where there is no room
-    insert(x, y) {
-        const position = this.positionAt(x),
-            { points } = this.transfer;
-        if (position < 0 || position > 1 || points.some((point) => Math.abs(point[0] - position) < 2e-3)) return -1;
-        const index = points.filter((point) => point[0] < position).length;
-        this.transfer.setPoints(
-            [...points.slice(0, index), [position, this.opacityAt(y)], ...points.slice(index)],
-            false,
-        );
-        return index;
-    }
-
-    remove(index) {
-        if (this.transfer.points.length < 2) return;
-        this.transfer.setPoints(
-            this.transfer.points.filter((_, i) => i !== index),
-            true,
-        );
-    }
-
-    key(event, index) {
-        const [position, opacity] = this.transfer.points[index],
-            small = event.shiftKey ? 0.002 : 0.02;
-        const moves = { ArrowLeft: [-small, 0], ArrowRight: [small, 0], ArrowUp: [0, small], ArrowDown: [0, -small] };
-        if (event.key === "Delete" || event.key === "Backspace") {
-            this.remove(index);
-        } else if (event.key === "Enter" || event.key === "Insert") {
-            const next = this.transfer.points[index + 1]?.[0] ?? 1;
-            if (next - position > 4e-3) this.insert(this.xOfPosition((position + next) / 2), this.yOf(opacity));
-            this.transfer.store.commit();
-        } else if (moves[event.key]) {
-            const y = this.yOf(opacity) - moves[event.key][1] * (kBottom - kTop);
-            this.movePoint(index, position + moves[event.key][0], this.opacityAt(y), true);
-        } else {
-            return;
-        }
-        event.preventDefault();
-        event.stopPropagation();
     }
 }
