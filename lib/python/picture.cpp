@@ -46,9 +46,13 @@ RenderParams renderParams(const Options& options)
         options.set("colormap", transfer.colorMap);
         transfer.colors.clear();
     }
+    if (options.has("colors")) transfer.colors = parseColors(options.get<std::string>("colors"));
     if (options.has("opacity")) transfer.opacity = parseOpacity(options.get<std::string>("opacity"));
     options.set("range", transfer.range);
     options.set("opacity_range", transfer.opacityRange);
+    options.parse<ValueScale>("color_scale", transfer.colorScale, parseValueScale);
+    if (options.has("opacity_scale"))
+        transfer.opacityScale = parseValueScale(options.get<std::string>("opacity_scale"));
     options.set("shadows", params.look.shadows);
     options.set("texture", params.texture);
     options.set("solid", params.solid.source);

@@ -82,7 +82,7 @@ def options(help_text):
     found = {}
     for names, rest in re.findall(r"^  (-[\w,-]+)[ \n](.*)", help_text, re.MULTILINE):
         name = max(names.split(","), key=len)
-        kind = re.match(r" *(\[(?:\w+,?)+\]|(?:[A-Z]+ )*[A-Z]{1,6}(?:\b|:)|POSITION:OPACITY)", rest)
+        kind = re.match(r" *(\[(?:\w+,?)+\]|(?:[A-Z]+ )*[A-Z]{1,6}(?:\b|:)|POSITION:(?:OPACITY|#RRGGBB))", rest)
         if not kind or kind.group(1) in ("E", "P", "A", "D"):
             continue
         words = re.findall(r"[A-Z]+", kind.group(1).split(":")[0] if "[" not in kind.group(1) else kind.group(1))

@@ -176,9 +176,21 @@ class Render(RenderTest):
         self.assertIn("--color-by", message)
         self.assertNotIn("--with", message)
 
+    def test_a_logarithmic_scale_needs_positive_values(self):
+        good = ("lic.0003.vdb", "-o", "a.png", "--size", 20, 20)
+        for option in "color", "opacity":
+            of = "" if option == "color" else "opacity-"
+            message = self.refuses(2, *good, f"--{option}-scale", "log", f"--{of}range", 0, 1)
+            self.assertIn(f"--{option}-scale", message)
+            self.assertIn("0 to 1", message)
+            (self.folder / "log.json").write_text(
+                json.dumps({of.replace("-", "_") + "range": [-1, 1], f"{option}_scale": "log"}), encoding="utf-8")
+            self.assertIn("log.json", self.refuses(3, *good, "--transfer", "log.json"))
+        self.assertIn("linear or log", self.refuses(2, *good, "--color-scale", "square"))
+
     def test_options_of_numbers_do_not_swallow_the_input(self):
         for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],
-                        ["--clip-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1], ["--stretch", 1, 2, 1],
+                        ["--clip-box", 0, 0, 0, 1, 1, 1], ["--roi-box", 0, 0, 0, 1, 1, 1], ["--range", 0, 1], ["--stretch", 1, 2, 1],
                         ["--eye", 9, 9, 9], ["--opacity", "0:1"], ["--size", 20, 20]):
             self.renders("-o", "a.png", "--scale", 0.1, *options, "lic.0003.vdb")
 
@@ -191,6 +203,12 @@ class Render(RenderTest):
         view = ["--eye", 0.95, -50, 0.55, "--target", 0.95, 0, 0.55, "--fov", 3, "--size", 40, 40, "--opacity", "0:0.9",
                 "--modulate", 0]
         self.renders("lic.0003.vdb", "-o", "a.exr", *view, "--roi", "region.vdb:region")
+        # The same region as a box: voxels 0 to 9 along x have their centres up to 0.9.
+        self.renders("lic.0003.vdb", "-o", "b.exr", *view, "--roi-box", -1, -1, -1, 0.91, 1.51, 1.11)
+        self.run_peer("idiff", "-fail", 0, "a.exr", "b.exr")
+        message = self.refuses(3, "lic.0003.vdb", "-o", "c.exr", *view, "--roi-box", 5, 5, 5, 6, 6, 6)
+        self.assertIn("--roi-box", message)
+        self.assertIn("corner", self.refuses(2, "lic.0003.vdb", "-o", "c.exr", "--roi-box", 0, 0, 0, 1, 0, 1))
         shown = subprocess.run(["oiiotool", self.folder / "a.exr", "--ch", "A", "--cut", "20x1+0+20", "--printstats"],
                                text=True, capture_output=True, check=True).stdout
         left = float(next(line for line in shown.splitlines() if "Stats Avg" in line).split()[2])

@@ -22,6 +22,10 @@ class Pictures(ViewerTest):
             {"look": "smoke", "projection": "orthographic", "annotate": "axes,colorbar,time,title=It's a title"},
             {"color-by": "q", "opacity-by": "magnitude", "opacity": "0:0,0.5:0.123,1:0.8", "range": [-1.5, 2],
              "clip-plane": [[0.5, 0.5, 0.5, 1, 0.2, 0]], "light": [[1, 0, 2]], "solid": "domain", "stretch": [1, 1, 2]},
+            {"color-scale": "log", "range": [0.1, 3], "annotate": "colorbar"},
+            {"by": "magnitude", "opacity-by": "q", "opacity-scale": "log"},
+            {"roi-box": [0.1, 0.1, 0, 0.7, 0.5, 0.3], "clip-plane": [[0.3, 0.3, 0.2, 0.5, -0.5, 0.7]]},
+            {"look": "smoke", "colors": "0:#102040,0.3:#e2581a,1:#fff6d5"},
         ]
         for number, state in enumerate(states):
             with self.subTest(state=state):
@@ -48,7 +52,8 @@ class Pictures(ViewerTest):
         self.assertEqual(start, {"look": "ink", "fov": 50, "light": [[-1, 0, 2]], "keys": [{"frame": 1, "fov": 20}],
                                  "size": [64, 40]})
         scene = self.ask("scene", {"state": start, "frame": 1})
-        self.assertEqual((scene["range"], scene["camera"]["fov"], scene["colors"][0]), ([0, 3], 20, [1, 0, 0]))
+        self.assertEqual((scene["range"], scene["camera"]["fov"], scene["colors"]),
+                         ([0, 3], 20, [[0, "#ff0000"], [1, "#0000ff"]]))
         # The colours of the file are in the kept one.
         kept = self.ask("keep", {"kind": "files", "state": start, "frame": 1})["files"]
         self.assertEqual(json.loads(self.contents(kept[0]))["colors"], [[0, 1, 0, 0], [1, 0, 0, 1]])

@@ -17,6 +17,7 @@ except ImportError:
 if not shutil.which("chromium") or not shutil.which("chromedriver"):
     skip("chromium is not installed")
 
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -50,8 +51,8 @@ class Page(ViewerTest):
 
     def tearDown(self):
         errors = [entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
-        self.assertEqual(errors, [])
         self.browser.get("about:blank")
+        self.assertEqual(errors, [])
         super().tearDown()
 
     def element(self, name):
@@ -75,9 +76,23 @@ class Page(ViewerTest):
         progress = lambda: self.element("progress").get_attribute("textContent")
         self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
 
-    def drag(self, element, x, y):
-        ActionChains(self.browser, duration=30).click_and_hold(element).move_by_offset(x // 2, y // 2).move_by_offset(
-            x - x // 2, y - y // 2).release().perform()
+    def drag(self, find, x, y):
+        """@param find the element, anew if the page has replaced it meanwhile"""
+        for attempt in range(20):
+            try:
+                return ActionChains(self.browser, duration=30).click_and_hold(find()).move_by_offset(
+                    x // 2, y // 2).move_by_offset(x - x // 2, y - y // 2).release().perform()
+            except StaleElementReferenceException:
+                self.assertLess(attempt, 19)
+
+    def press(self, selector, index, *keys):
+        """Keys on an element."""
+        focus = "document.querySelectorAll(arguments[0])[arguments[1]]?.focus()"
+        self.browser.execute_script(focus, selector, index)
+        ActionChains(self.browser).send_keys(*keys).perform()
+
+    def find(self, selector):
+        return self.browser.find_elements(By.CSS_SELECTOR, selector)
 
     def pixels(self):
         return self.browser.execute_script("return document.getElementById('picture').toDataURL()")
@@ -87,21 +102,18 @@ class Page(ViewerTest):
         first = self.pixels()
 
         # Drag: the camera is in the state, and the picture differs.
-        self.drag(self.element("picture"), 80, 30)
+        self.drag(lambda: self.element("picture"), 80, 30)
         self.wait_for_refined()
         dragged = self.options()
         self.assertEqual(len(dragged["eye"]), 3)
         self.assertNotEqual(self.pixels(), first)
 
         # Move a point of opacity by hand and by key.
-        points = self.browser.find_elements(By.CSS_SELECTOR, ".curve .point")
-        self.assertGreater(len(points), 3)
-        self.drag(points[3], 0, -25)
+        self.assertGreater(len(self.find(".curve .point")), 3)
+        self.drag(lambda: self.find(".curve .point")[3], 0, -25)
         self.wait_for_refined()
         moved = self.options()["opacity"]
-        point = self.browser.find_elements(By.CSS_SELECTOR, ".curve .point")[3]
-        self.browser.execute_script("arguments[0].focus()", point)
-        ActionChains(self.browser).send_keys(Keys.ARROW_UP).perform()
+        self.press(".curve .point", 3, Keys.ARROW_UP)
         self.wait_for_refined()
         self.assertNotEqual(self.options()["opacity"], moved)
 
@@ -134,6 +146,159 @@ class Page(ViewerTest):
         self.outputs(tool, *words, "--frames", 1)
         subprocess.run(["idiff", "-fail", "0", picture, "again.png"], cwd=self.folder, check=True, capture_output=True)
 
+    def assert_kept(self):
+        """The kept files and the copied command make the picture of the page."""
+        self.element("keep-png").click()
+        self.wait_until(lambda: "Saved" in self.element("kept").text, "no picture was kept")
+        picture = self.element("kept").text.split()[-1]
+        commands = []
+        for button, says in ("keep-files", "and"), ("copy-command", "The command is"):
+            self.element(button).click()
+            self.wait_until(lambda: says in self.element("kept").text, "nothing was kept")
+            commands.append(self.element("command").text)
+        for number, command in enumerate(commands):
+            tool, *words = shlex.split(command)
+            words[words.index("-o") + 1] = f"again-{number}.png"
+            self.outputs(tool, *words, "--frames", 1)
+            self.assertEqual(self.contents(f"again-{number}.png"), self.contents(picture), command)
+
+    def assert_undoable(self, name):
+        """Undo gives up an option and redo brings it back, as a reload does."""
+        before = self.options()
+        self.assertIn(name, before)
+        self.element("undo").click()
+        self.wait_until(lambda: self.options().get(name) != before[name], "not undone")
+        self.element("redo").click()
+        self.wait_until(lambda: self.options() == before, "not redone")
+        self.wait_for_refined()
+        shown = self.pixels()
+        self.browser.refresh()
+        self.wait_for_refined()
+        self.assertEqual(self.options(), before)
+        self.wait_until(lambda: self.pixels() == shown, "the reloaded picture differs")
+
+    def test_colour_points(self):
+        self.open("--colormap", "gray")
+        self.assertEqual(len([curve for curve in self.find(".curve") if curve.is_displayed()]), 1)  # one scalar
+        points = lambda: self.find(".curve .color")
+        self.assertEqual(len(points()), 2)
+        self.element("add-color").click()
+        self.wait_until(lambda: self.options().get("colors") == "0:#000000,0.5:#808080,1:#ffffff", "no point added")
+        self.assertNotIn("colormap", self.options())
+        self.browser.execute_script("""
+            const input = document.getElementById("point-color");
+            input.value = "#ff8000";
+            for (const type of ["input", "change"]) input.dispatchEvent(new Event(type));""")
+        self.wait_until(lambda: self.options().get("colors") == "0:#000000,0.5:#ff8000,1:#ffffff", "not painted")
+        self.drag(lambda: points()[1], 30, 0)
+        position = lambda: float(self.options()["colors"].split(",")[1].split(":")[0])
+        self.wait_until(lambda: 0.52 < position() < 0.9, "not dragged")
+        dragged = position()
+        self.press(".curve .color", 1, Keys.ARROW_RIGHT)
+        self.wait_until(lambda: abs(position() - dragged - 0.02) < 1e-3, "not moved by a key")
+        self.assert_undoable("colors")
+        self.assert_kept()
+        ramp = self.browser.execute_script("""
+            const points = [...document.querySelectorAll(".curve .color")];
+            points[0].scrollIntoView({block: "center", behavior: "instant"});
+            const [first, second] = points.map((point) => point.getBoundingClientRect());
+            return [(first.left + second.right) / 2, first.top + first.height / 2]""")
+        pointer = ActionChains(self.browser)
+        pointer.w3c_actions.pointer_action.move_to_location(*map(round, ramp))
+        pointer.click().perform()
+        self.wait_until(lambda: len(points()) == 4, "no point added by a click")
+        self.press(".curve .color", 1, Keys.DELETE)
+        self.wait_until(lambda: len(points()) == 3, "not removed by a key")
+        self.press(".curve .color", 2, Keys.DELETE)
+        self.wait_until(lambda: len(points()) == 2, "not removed by a key")
+        focused = self.browser.execute_script("return document.activeElement.getAttribute('aria-label')")
+        self.assertEqual(focused, "Colour point 2 of 2")  # the keyboard's place is kept
+        Select(self.element("option-colormap")).select_by_visible_text("viridis")
+        self.wait_until(lambda: len(points()) == 9 and "colors" not in self.options(), "no map")
+
+    def test_a_logarithmic_scale(self):
+        self.open()
+        lower, upper = (f"input[aria-label='Colour: {end} end of the range']" for end in ("lower", "upper"))
+        ends = lambda: [float(self.find(end)[0].get_attribute("value")) for end in (lower, upper)]
+        linear = ends()
+        bars = lambda: self.browser.execute_script(
+            "return [...document.querySelectorAll('.curve .bars')].map((bar) => bar.getAttribute('height')).join()")
+        before = bars()
+        self.element("option-color-scale").click()
+        self.wait_until(lambda: self.options().get("color-scale") == "log" and bars() != before, "not logarithmic")
+        self.assertGreater(ends()[0], 0)
+        self.assertLess(abs(ends()[1] - linear[1]), 0.05 * linear[1])
+        # The middle of the points lies at the geometric mean.
+        point = self.browser.execute_script("""
+            const points = [...document.querySelectorAll(".curve .point")];
+            return points[(points.length - 1) / 2].getAttribute("aria-valuetext")""")
+        low, high = ends()
+        self.assertAlmostEqual(float(point.split()[-1]) / (low * high) ** 0.5, 1, delta=0.01)
+        for text in "0", "0.2":  # the first is not taken
+            self.find(lower)[0].send_keys(Keys.CONTROL + "a" + Keys.NULL + text + Keys.TAB)
+        self.wait_until(lambda: self.options().get("range", [0])[0] == 0.2, "no range")
+        self.wait_for_refined()
+        self.assert_undoable("range")
+        self.assert_kept()
+        self.element("option-color-scale").click()
+        self.wait_until(lambda: self.options().get("color-scale") == "linear", "not linear")
+
+    def open_cuts(self):
+        """Open the section of cuts, where handles are drawn."""
+        self.browser.execute_script("document.getElementById('cut-handles').closest('details').open = true")
+
+    def handle(self, name):
+        """The selector of a handle over the picture, once it is there."""
+        selector = f"#overlay [aria-label='{name}']"
+        self.wait_until(lambda: len(self.find(selector)) == 1, f"no handle '{name}'")
+        return selector
+
+    def test_a_region_of_interest(self):
+        self.open()
+        self.open_cuts()
+        self.element("region").click()
+        self.wait_until(lambda: "roi-box" in self.options(), "no region")
+        whole = self.options()["roi-box"]
+        self.wait_for_refined()
+        shown, side = self.pixels(), "Upper x side of the region"
+        self.press(self.handle(side), 0, Keys.ARROW_LEFT)
+        self.wait_until(lambda: self.options()["roi-box"][3] < whole[3], "not moved by a key")
+        self.wait_for_refined()
+        self.wait_until(lambda: self.pixels() != shown, "the picture is the same")
+        pressed = self.options()["roi-box"]
+        self.drag(lambda: self.find(self.handle(side))[0], -60, 20)
+        self.wait_until(lambda: self.options()["roi-box"] != pressed, "not dragged")
+        self.assertEqual(self.options()["roi-box"][:3], whole[:3])
+        self.wait_for_refined()
+        self.assert_undoable("roi-box")
+        self.assert_kept()
+        self.open_cuts()
+        self.element("region").click()
+        self.wait_until(lambda: "roi-box" not in self.options(), "the region stays")
+
+    def test_a_plane_is_tilted(self):
+        self.open()
+        self.open_cuts()
+        normal = lambda: self.options()["clip-plane"][0][3:]
+        length = lambda v: sum(c * c for c in v) ** 0.5
+        self.browser.find_element(By.XPATH, "//details[@open]//button[text()='x']").click()
+        self.wait_until(lambda: "clip-plane" in self.options(), "no plane")
+        point = self.options()["clip-plane"][0][:3]
+        self.assertEqual(normal(), [1, 0, 0])
+        self.press(self.handle("Tilt of plane 1"), 0, Keys.ARROW_UP)
+        self.wait_until(lambda: normal() != [1, 0, 0], "not turned by a key")
+        turned = normal()
+        self.assertAlmostEqual(length(turned), 1, places=4)
+        self.assertGreater(turned[0], 0.99)  # by five degrees
+        self.wait_for_refined()
+        self.drag(lambda: self.find(self.handle("Tilt of plane 1"))[0], -70, -40)
+        self.wait_until(lambda: abs(normal()[0] - turned[0]) > 0.1, "not turned by hand")
+        self.assertAlmostEqual(length(normal()), 1, places=4)
+        self.assertEqual(self.options()["clip-plane"][0][:3], point)
+        self.wait_for_refined()
+        self.assert_undoable("clip-plane")
+        self.assert_kept()
+
     def test_time_goes_on(self):
         self.open()
         frame = lambda: int(self.element("picture").get_attribute("data-frame"))
@@ -152,17 +317,15 @@ class Page(ViewerTest):
         Select(self.element("option-look")).select_by_visible_text("vortex")
         self.wait_for_refined()
         self.wait_until(lambda: Select(self.element("option-opacity-by")).first_selected_option.text == "q", "not by q")
-        self.assertEqual(len([e for e in self.browser.find_elements(By.CSS_SELECTOR, ".curve") if e.is_displayed()]), 2)
-        for summary in self.browser.find_elements(By.CSS_SELECTOR, "details:not([open]) summary"):
+        self.assertEqual(len([curve for curve in self.find(".curve") if curve.is_displayed()]), 2)
+        for summary in self.find("details:not([open]) summary"):
             self.browser.execute_script("arguments[0].click()", summary)
         self.element("cut-box").click()
-        handles = lambda: self.browser.find_elements(By.CSS_SELECTOR, "#overlay .handle")
-        self.wait_until(lambda: len(handles()) == 6, "no handles")
-        before = self.options().get("clip-box")
-        self.browser.execute_script("document.querySelector('#overlay .handle').focus()")
-        ActionChains(self.browser).send_keys(Keys.ARROW_RIGHT).perform()
-        self.wait_for_refined()
-        self.assertNotEqual(self.options()["clip-box"], before)
+        self.wait_until(lambda: len(self.find("#overlay .handle")) == 6, "no handles")
+        self.wait_until(lambda: "clip-box" in self.options(), "no box")
+        before = self.options()["clip-box"]
+        self.press("#overlay .handle", 0, Keys.ARROW_RIGHT)
+        self.wait_until(lambda: self.options()["clip-box"] != before, "not moved")
         self.element("add-key").click()
         self.wait_for_refined()
         self.assertEqual([key["frame"] for key in self.options()["keys"]], [1])
@@ -191,6 +354,11 @@ class Page(ViewerTest):
         widest = self.browser.execute_script("return document.documentElement.scrollWidth")
         self.assertLessEqual(widest, 360)
         self.assertGreater(self.element("picture").size["height"], 200)
+        # The picture stays where it is while the settings below it move.
+        top = "return document.getElementById('picture').getBoundingClientRect().top"
+        before = self.browser.execute_script(top)
+        self.browser.execute_script("document.getElementById('keep-png').scrollIntoView({behavior: 'instant'})")
+        self.assertEqual(self.browser.execute_script(top), before)
 
 
 if __name__ == "__main__":

@@ -52,6 +52,11 @@ void parse(char what, std::string_view text)
             if (!(point.position >= 0 && point.position <= 1 && point.opacity >= 0 && point.opacity <= 1)) std::abort();
         }
         break;
+    case 'c':
+        for (const vdblic::ColorPoint& point : vdblic::parseColors(text)) {
+            if (!(point.position >= 0 && point.position <= 1 && point.color.r >= 0 && point.color.b <= 1)) std::abort();
+        }
+        break;
     case 'm':
         if (vdblic::parseMemory(text) == 0) std::abort();
         break;

@@ -52,6 +52,11 @@ LookOptions::LookOptions(CLI::App& app, RenderParams& params) : mApp(app), mPara
                             transfer.colorMap = name;
                             transfer.colors.clear();
                         });
+    option<std::string>("--colors",
+                        "Colours of one's own over the range, e.g. 0:#102040,0.5:#e2581a,1:#fff6d5, as displayed.",
+                        [&](const auto& text) { transfer.colors = parseColors(text); })
+        ->type_name("POSITION:#RRGGBB,...")
+        ->excludes("--colormap");
     option<std::string>("--opacity",
                         "Opacity of one voxel over the range, e.g. 0:0,0.4:0.05,1:0.8. By default it rises with the "
                         "values, scaled so that one sees into the volume.",
@@ -64,6 +69,13 @@ LookOptions::LookOptions(CLI::App& app, RenderParams& params) : mApp(app), mPara
                        "The same of the grid that chooses the opacity; --range if it is the one that colours.",
                        [&](const auto& range) { transfer.opacityRange = range; })
         ->type_name("LO HI");
+    option<std::string>("--color-scale",
+                        "linear or log: how the values of the range are spread over positions; linear by default.",
+                        [&](const auto& name) { transfer.colorScale = parseValueScale(name); });
+    option<std::string>("--opacity-scale",
+                        "The same of the grid that chooses the opacity; linear by default, but --color-scale if one "
+                        "grid with one range does both.",
+                        [&](const auto& name) { transfer.opacityScale = parseValueScale(name); });
     number("--modulate", look.textureStrength, "How strongly the texture shows in opacity, 0 to 1.");
     number("--limb-darkening", look.limbDarkening,
            "How strongly the texture shows in colour: dark rims of streaks, 0 to 1.");

@@ -64,6 +64,9 @@ PictureOptions::PictureOptions(CLI::App& app, RenderParams& params)
     app.add_option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.")
         ->capture_default_str();
     app.add_option("--roi", params.region, "FILE or FILE:GRID whose active voxels are all that is shown.");
+    app.add_option("--roi-box", params.regionBox,
+                   "Low and high corner of a box; only voxels with their centre inside are shown [world].")
+        ->type_name("X Y Z X Y Z");
     app.add_option(
         "--solid", params.solid.source,
         "Opaque body: FILE or FILE:GRID, a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one "

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <new>
 #include <optional>
@@ -41,15 +42,11 @@ Json listOf(const glm::dvec3& v)
     return {v.x, v.y, v.z};
 }
 
-/// Colours at evenly spaced positions from 0 to 1. @param color of a position
-template<typename Color>
-Json ramp(const Color& color)
+/// A colour as pages have it.
+std::string hexText(const glm::dvec3& color)
 {
-    constexpr int kColors = 33;
-    Json colors = Json::array();
-    for (int i = 0; i < kColors; ++i)
-        colors.push_back(listOf(color(double(i) / (kColors - 1))));
-    return colors;
+    const auto byte = [](double share) { return std::lround(share * 255); };
+    return fmt::format("#{:02x}{:02x}{:02x}", byte(color.r), byte(color.g), byte(color.b));
 }
 
 /// A member of a request. @throws ParameterError
@@ -72,7 +69,10 @@ Json stateIn(const Json& asked)
 
 Json toJson(const Histogram& histogram)
 {
-    return {{"low", histogram.low}, {"high", histogram.high}, {"counts", histogram.counts}};
+    return {{"low", histogram.low},
+            {"high", histogram.high},
+            {"scale", valueScaleName(histogram.scale)},
+            {"counts", histogram.counts}};
 }
 
 /// The numbers of a look as the options that set them, for controls to show.
@@ -153,9 +153,6 @@ WebAnswer Interface::answerAsked(const WebRequest& request)
 
 Json Interface::sequence()
 {
-    Json maps = Json::object();
-    for (const std::string& name : colorMapNames())
-        maps[name] = ramp([&](double position) { return colorMap(name, position); });
     return {{"pattern", mViewer.start().input.pattern},
             {"folder", std::filesystem::current_path().string()},
             {"frames", mViewer.frames()},
@@ -163,7 +160,7 @@ Json Interface::sequence()
             {"texture", mViewer.texture()},
             {"scalars", mViewer.scalars()},
             {"looks", lookPresetNames()},
-            {"colorMaps", maps},
+            {"colorMaps", colorMapNames()},
             {"solid", mViewer.start().solid},
             {"start", mViewer.start().state}};
 }
@@ -181,6 +178,9 @@ Json Interface::scene(const Json& state, std::int64_t frame)
     Json points = Json::array();
     for (const OpacityPoint& point : transfer.opacity())
         points.push_back({point.position, point.opacity});
+    Json colors = Json::array();
+    for (const auto& [position, color] : transfer.colors())
+        colors.push_back({position, hexText(color)});
     Json corners = Json::array();
     for (const glm::dvec3& corner : view.scene.box)
         corners.push_back(listOf(corner));
@@ -199,9 +199,11 @@ Json Interface::scene(const Json& state, std::int64_t frame)
             {"opacityBy", view.scene.opacityBy},
             {"range", transfer.range()},
             {"opacityRange", transfer.opacityRange()},
+            {"colorScale", valueScaleName(transfer.colorAxis().scale)},
+            {"opacityScale", valueScaleName(transfer.opacityAxis().scale)},
             {"opacity", points},
             {"colorMap", transfer.colorMapName()},
-            {"colors", ramp([&](double position) { return transfer.displayColor(position); })},
+            {"colors", colors},
             {"values", valuesOf(view.params)}};
 }
 

@@ -99,8 +99,8 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
     writeTransferFile(transfer, view.scene.look.transfer.params());
     writeTextFile(camera, Json{{"keys", keys}}.dump(2) + '\n');
     Json rest = state; // what the two files do not hold
-    for (const char* held : {"colormap", "opacity", "range", "opacity-range", "eye", "target", "up", "fov",
-                             "view-height", "orbit", "orbit-frames", "keys"})
+    for (const char* held : {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale",
+                             "eye", "target", "up", "fov", "view-height", "orbit", "orbit-frames", "keys"})
         rest.erase(held);
     Start start = mViewer.start();
     std::erase_if(start.fixed, [](const std::string& word) { return word.starts_with("--transfer="); });

@@ -42,8 +42,8 @@ std::string keyOf(const PictureRequest& request, std::uint64_t version)
 std::shared_ptr<Pictures::Client> Pictures::clientOf(const PictureRequest& request, std::stop_token& stop)
 {
     const std::lock_guard lock(mMutex);
-    auto found =
-        std::find_if(mClients.begin(), mClients.end(), [&](const auto& client) { return client->name == request.client; });
+    auto found = std::find_if(mClients.begin(), mClients.end(),
+                              [&](const auto& client) { return client->name == request.client; });
     if (found == mClients.end()) {
         mClients.push_front(std::make_shared<Client>());
         mClients.front()->name = request.client;

@@ -26,9 +26,10 @@ constexpr std::chrono::seconds kPause{5};
 std::string loadKey(const RenderParams& params)
 {
     const glm::dvec3& stretch = params.stretch;
-    return fmt::format("{}|{}|{} {} {}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x, stretch.y,
-                       stretch.z, params.look.shading.model == ShadingModel::kLine,
-                       params.look.transfer.opacityRange.has_value());
+    const std::string region = params.regionBox ? fmt::format("{}", fmt::join(*params.regionBox, " ")) : std::string();
+    return fmt::format("{}|{}|{} {} {}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
+                       stretch.y, stretch.z, params.look.shading.model == ShadingModel::kLine,
+                       params.look.transfer.sharesRange(), region);
 }
 
 /// A state without what its camera and sampling are.

@@ -8,8 +8,8 @@ from . import _core
 from .volumes import Volume, as_dictionaries
 
 OPTIONS = frozenset(
-    "look size by color_by opacity_by transfer colormap opacity range opacity_range shadows texture solid samples step"
-    " stretch eye target up projection fov view_height".split()
+    "look size by color_by opacity_by transfer colormap colors opacity range opacity_range color_scale opacity_scale"
+    " shadows texture solid samples step stretch eye target up projection fov view_height".split()
 )
 
 
@@ -19,7 +19,7 @@ class Renderer:
     look                          flow, vortex, ink, smoke or xray: what all other options start from
     size                          (width, height) in pixels
     by, color_by, opacity_by      grids whose values choose colour and opacity
-    transfer, colormap, opacity, range, opacity_range  of the transfer function
+    transfer, colormap, colors, opacity, range, opacity_range, color_scale, opacity_scale  of the transfer function
     eye, target, up, projection, fov, view_height, stretch  of the camera
     samples, step, shadows, solid, texture
 

@@ -113,6 +113,30 @@ std::string tickText(double value, double step)
     return fmt::format("{:.{}f}", shown, std::max(0, -int(std::floor(std::log10(step) + 1e-9))));
 }
 
+std::vector<Tick> ticks(const ScalarAxis& axis, int wanted)
+{
+    const auto [low, high] = axis.range;
+    std::vector<Tick> result;
+    const double decades = axis.scale == ValueScale::kLogarithmic ? std::log10(high / low) : 0;
+    if (decades < 1) {
+        double step = 0;
+        for (const double value : roundNumbers(low, high, wanted, step))
+            result.push_back({value, tickText(value, step)});
+        return result;
+    }
+    const int every = int(std::ceil(decades / wanted)); // powers
+    for (int power = int(std::floor(std::log10(low))); power <= std::log10(high) + 1e-9; ++power) {
+        if (power % every != 0) continue;
+        for (const double factor : {1.0, 2.0, 5.0}) {
+            const double value = factor * std::pow(10, power);
+            if (factor > 1 && 3 * decades > 1.5 * wanted) continue;
+            if (value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9))
+                result.push_back({value, fmt::format("{:.3g}", value)});
+        }
+    }
+    return result;
+}
+
 void drawBox(const CairoCanvas& canvas, const Corners& box, const Camera& camera, bool far)
 {
     for (const BoxEdge& edge : edgesOf(box, camera)) {

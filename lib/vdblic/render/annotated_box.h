@@ -2,6 +2,7 @@
 
 #include "vdblic/render/annotations.h"
 #include "vdblic/render/cairo_drawing.h"
+#include "vdblic/render/scalar_axis.h"
 
 #include <string>
 #include <vector>
@@ -20,5 +21,14 @@ void drawAxes(const CairoCanvas& canvas, const Corners& box, const glm::dvec3& s
 [[nodiscard]] std::vector<double> roundNumbers(double low, double high, int wanted, double& step);
 /// A number with as many decimals as its step needs.
 [[nodiscard]] std::string tickText(double value, double step);
+
+/// A mark on a scale.
+struct Tick {
+    double value;
+    std::string text;
+};
+/// Marks at round numbers of an axis, about `wanted` of them; on a logarithmic one at powers of ten, or also at 2 and 5
+/// times these, if its range holds a few.
+[[nodiscard]] std::vector<Tick> ticks(const ScalarAxis& axis, int wanted);
 
 } // namespace vdblic

@@ -36,7 +36,7 @@ std::string scalarTitle(const std::string& name, const std::string& unit)
 /// @param corner top right  @param paint sets the colour at a share of the range
 template<typename Paint>
 void drawScale(const CairoCanvas& canvas, const glm::dvec2& corner, double height, double textSize,
-               const std::array<double, 2>& range, const std::string& title, const glm::dvec3& ink, const Paint& paint)
+               const ScalarAxis& axis, const std::string& title, const glm::dvec3& ink, const Paint& paint)
 {
     constexpr int kSteps = 128;
     const double width = 0.9 * textSize, left = corner.x - width;
@@ -51,11 +51,10 @@ void drawScale(const CairoCanvas& canvas, const glm::dvec2& corner, double heigh
     canvas.setColor(ink);
     cairo_rectangle(canvas.context(), left, corner.y, width, height);
     cairo_stroke(canvas.context());
-    double step = 0;
-    for (const double value : roundNumbers(range[0], range[1], 5, step)) {
-        const double y = corner.y + height * (1 - (value - range[0]) / (range[1] - range[0]));
+    for (const auto& [value, text] : ticks(axis, 5)) {
+        const double y = corner.y + height * (1 - axis.position(value));
         canvas.drawLine({left - 0.3 * textSize, y}, {left, y});
-        canvas.drawText({left - 0.5 * textSize, y + 0.35 * textSize}, 1, tickText(value, step));
+        canvas.drawText({left - 0.5 * textSize, y + 0.35 * textSize}, 1, text);
     }
     canvas.drawText({corner.x, corner.y - 0.8 * textSize}, 1, title);
 }
@@ -63,24 +62,21 @@ void drawScale(const CairoCanvas& canvas, const glm::dvec2& corner, double heigh
 void drawColorBars(const CairoCanvas& canvas, const AnnotationContent& content, const TransferFunction& transfer,
                    const glm::dvec2& size, double textSize, const glm::dvec3& ink)
 {
-    const bool one = content.colorBy == content.opacityBy && transfer.range() == transfer.opacityRange();
+    const bool one = content.colorBy == content.opacityBy && transfer.range() == transfer.opacityRange() &&
+                     transfer.colorAxis().scale == transfer.opacityAxis().scale;
     const double height = size.y * (one ? 0.4 : 0.3), right = size.x - 1.2 * textSize;
     const double top = 3.5 * textSize;
-    drawScale(canvas, {right, top}, height, textSize, transfer.range(),
+    drawScale(canvas, {right, top}, height, textSize, transfer.colorAxis(),
               scalarTitle(content.colorBy, transfer.params().unit), ink,
               [&](double share) { canvas.setColor(transfer.displayColor(share)); });
     if (one) return;
     // Opacity as ink on the picture: full where a voxel is most opaque.
     double most = 1e-9;
-    const auto opacity = [&](double share) {
-        const auto entry = std::size_t(std::lround(share * (TransferFunction::kEntries - 1)));
-        return -std::expm1(-double(transfer.extinctions()[entry]));
-    };
     for (int i = 0; i <= 64; ++i)
-        most = std::max(most, opacity(i / 64.0));
-    drawScale(canvas, {right, top + height + 3 * textSize}, height, textSize, transfer.opacityRange(),
+        most = std::max(most, transfer.opacityAt(i / 64.0));
+    drawScale(canvas, {right, top + height + 3 * textSize}, height, textSize, transfer.opacityAxis(),
               scalarTitle(content.opacityBy, transfer.params().opacityUnit), ink,
-              [&](double share) { canvas.setColor(ink, opacity(share) / most); });
+              [&](double share) { canvas.setColor(ink, transfer.opacityAt(share) / most); });
     canvas.drawText({right, top + 2 * height + 4.4 * textSize}, 1, "opacity");
 }
 

@@ -22,19 +22,15 @@ constexpr double kBeyond = 0.25;
 
 nlohmann::json toJson(const Histogram& histogram)
 {
-    return {{"low", histogram.low},
-            {"high", histogram.high},
-            {"below", histogram.below},
-            {"above", histogram.above},
-            {"counts", histogram.counts}};
+    return {{"low", histogram.low},     {"high", histogram.high},   {"scale", valueScaleName(histogram.scale)},
+            {"below", histogram.below}, {"above", histogram.above}, {"counts", histogram.counts}};
 }
 
 /// Bounds around a range of the look.
-Histogram around(const std::array<double, 2>& range)
+Histogram around(const ScalarAxis& axis)
 {
-    const auto [low, high] = range;
-    const double beyond = kBeyond * (high - low);
-    return {.low = low >= 0 ? std::max(low - beyond, 0.0) : low - beyond, .high = high + beyond};
+    const double low = axis.value(-kBeyond);
+    return {.low = axis.range[0] >= 0 ? std::max(low, 0.0) : low, .high = axis.value(1 + kBeyond), .scale = axis.scale};
 }
 
 nlohmann::json toJson(const Histogram& histogram, const std::string& name)
@@ -53,7 +49,7 @@ void Histogram::add(double value)
     } else if (value > high) {
         ++above;
     } else {
-        ++counts[std::min(std::size_t((value - low) / (high - low) * kBins), kBins - 1)];
+        ++counts[std::min(std::size_t(axis().position(value) * kBins), kBins - 1)];
     }
 }
 
@@ -71,7 +67,7 @@ std::uint64_t Histogram::total() const
 }
 
 TextureHistograms::TextureHistograms(const Look& look)
-    : color(around(look.transfer.range())), opacity(around(look.transfer.opacityRange()))
+    : color(around(look.transfer.colorAxis())), opacity(around(look.transfer.opacityAxis()))
 {
 }
 
@@ -113,6 +109,8 @@ std::string histogramJson(const TextureHistograms& histograms, const Look& look,
         {"transferFunction",
          {{"range", transfer.range()},
           {"opacityRange", transfer.opacityRange()},
+          {"colorScale", valueScaleName(transfer.colorAxis().scale)},
+          {"opacityScale", valueScaleName(transfer.opacityAxis().scale)},
           {"colorMap", transfer.colorMapName()},
           {"opacity", points}}},
     };

@@ -17,9 +17,11 @@ struct Histogram {
     static constexpr std::size_t kBins = 256;
 
     double low = 0, high = 1;
-    std::array<std::uint64_t, kBins> counts{}; ///< bin i covers low + (high − low) · [i, i + 1) / kBins
+    ValueScale scale = ValueScale::kLinear;
+    std::array<std::uint64_t, kBins> counts{}; ///< bin i covers positions [i, i + 1) / kBins of the axis
     std::uint64_t below = 0, above = 0;        ///< a value equal to `high` is in the last bin
 
+    [[nodiscard]] ScalarAxis axis() const { return {{low, high}, scale}; }
     void add(double value);
     /// Add the counts of a histogram with the same bounds.
     void add(const Histogram& other);
@@ -28,8 +30,9 @@ struct Histogram {
 
 /// The histograms of texture and scalars, for the design of transfer functions (Liu & Moorhead 2004, Figure 4).
 struct TextureHistograms {
-    Histogram texture;        ///< from 0 to 1
-    Histogram color, opacity; ///< of the scalars: the look's ranges and a quarter on each side, but not beyond 0
+    Histogram texture; ///< from 0 to 1
+    /// Of the scalars: the look's ranges and a quarter on each side, but not beyond 0, on the look's scales.
+    Histogram color, opacity;
 
     /// Empty histograms with the bounds for a look.
     explicit TextureHistograms(const Look& look);

@@ -51,9 +51,9 @@ void drawFrame(const CairoCanvas& canvas, const Panel& panel, const Histogram& h
     canvas.setColor(kAxes);
     cairo_set_line_width(canvas.context(), 1);
     for (int i = 0; i <= kTicks; ++i) {
-        const double share = double(i) / kTicks, value = histogram.low + (histogram.high - histogram.low) * share;
+        const double share = double(i) / kTicks;
         canvas.drawLine({panel.x(share), panel.high.y}, {panel.x(share), panel.high.y + 6});
-        canvas.drawText({panel.x(share), panel.high.y + 26}, 0.5, fmt::format("{:.3g}", value));
+        canvas.drawText({panel.x(share), panel.high.y + 26}, 0.5, fmt::format("{:.3g}", histogram.axis().value(share)));
     }
     canvas.drawLine({panel.low.x, panel.high.y}, panel.high);
     canvas.drawText({panel.x(0.5), panel.low.y - 16}, 0.5, title);
@@ -89,7 +89,7 @@ void drawOpacity(const CairoCanvas& canvas, const Panel& panel, const Histogram&
     const int pixels = int(panel.high.x - panel.low.x);
     for (int i = 0; i <= pixels; ++i) {
         const double share = double(i) / pixels;
-        const double driver = histogram.low + (histogram.high - histogram.low) * share;
+        const double driver = histogram.axis().value(share);
         cairo_line_to(cairo, panel.x(share), panel.y(opacity(driver) / most));
     }
     // A light edge separates the curve from bars of its own colour.
@@ -135,10 +135,9 @@ std::string histogramPng(const TextureHistograms& histograms, const Look& look, 
     drawFrame(canvas, panel(0), histograms.texture, "texture");
 
     const Histogram& colors = histograms.color;
-    const auto [low, high] = look.transfer.range();
-    drawBars(canvas, panel(1), colors, [&, low = low, high = high](std::size_t bin) {
-        const double value = colors.low + (colors.high - colors.low) * (double(bin) + 0.5) / Histogram::kBins;
-        return look.transfer.displayColor((value - low) / (high - low));
+    drawBars(canvas, panel(1), colors, [&](std::size_t bin) {
+        const double value = colors.axis().value((double(bin) + 0.5) / Histogram::kBins);
+        return look.transfer.displayColor(look.transfer.colorAxis().position(value));
     });
     const Panel opaque = panel(one ? 1 : 2);
     if (!one) {

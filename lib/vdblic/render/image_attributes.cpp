@@ -55,7 +55,8 @@ void add(Attributes& attributes, const CameraMotion& motion)
 
 void add(Attributes& attributes, const TransferFunction& transfer)
 {
-    const auto& [colorMap, colors, opacity, range, opacityRange, unit, opacityUnit] = transfer.params();
+    const auto& [colorMap, colors, opacity, range, opacityRange, colorScale, opacityScale, unit, opacityUnit] =
+        transfer.params();
     const auto colorText = [](const ColorPoint& point) {
         return fmt::format("{}:{}", point.position, vectorText(point.color));
     };
@@ -64,6 +65,8 @@ void add(Attributes& attributes, const TransferFunction& transfer)
     const auto [low, high] = transfer.opacityRange();
     attributes.emplace_back("colorRange", glm::vec2((*range)[0], (*range)[1]));
     attributes.emplace_back("opacityRange", glm::vec2(low, high));
+    attributes.emplace_back("colorScale", std::string(valueScaleName(colorScale)));
+    attributes.emplace_back("opacityScale", std::string(valueScaleName(transfer.opacityAxis().scale)));
     if (!unit.empty()) attributes.emplace_back("unit", unit);
     if (!opacityUnit.empty()) attributes.emplace_back("opacityUnit", opacityUnit);
 }
@@ -115,8 +118,8 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
     const auto& [input, skipExisting, keepGoing, output, film, framesPerSecond, annotations, transferOut, histogram,
-                 texture, colorBy, opacityBy, region, solid, stretch, size, scale, samples, cameraParams, motion,
-                 lookParams, rays, background, exr] = params;
+                 texture, colorBy, opacityBy, region, regionBox, solid, stretch, size, scale, samples, cameraParams,
+                 motion, lookParams, rays, background, exr] = params;
     const auto& [transfer, modulation, shading, halo, depthCue, shadows, fading] = look;
     Attributes& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)},
@@ -125,6 +128,7 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
                   {"colorBy", colorBy},
                   {"opacityBy", opacityBy.empty() ? colorBy : opacityBy.front()},
                   {"region", region},
+                  {"regionBox", regionBox ? fmt::format("{}", fmt::join(*regionBox, " ")) : std::string()},
                   {"stretch", glm::vec3(stretch)},
                   {"scale", float(scale)},
                   {"samples", samples},

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kMostChosenOpacity = 0.95; // of a voxel, where chosen automatically
 
+constexpr double kMostRatio = 1e4; // of the ends of a logarithmic range, where chosen automatically
+
 // The automatic opacity has a point every tenth of the range.
 constexpr int kPoints = 11;
 constexpr double kSlow = 0.1;    // positions up to this are transparent
@@ -28,22 +30,31 @@ float percentile(std::vector<float>& values, double share)
     return *found;
 }
 
-std::array<double, 2> rangeOf(std::vector<float> drivers)
+std::array<double, 2> rangeOf(std::vector<float> drivers, ValueScale scale)
 {
+    const bool isLog = scale == ValueScale::kLogarithmic;
+    if (isLog) {
+        std::erase_if(drivers, [](float value) { return !(value >= float(ScalarAxis::kLeastValue)); });
+        if (drivers.empty()) {
+            throw InputError(fmt::format("a logarithmic scale shows values of {} or more, and there is none; make "
+                                         "`color_scale` or `opacity_scale` linear",
+                                         ScalarAxis::kLeastValue));
+        }
+    }
     const double low = percentile(drivers, 0.02), high = percentile(drivers, 0.99);
-    if (!(std::max(std::abs(low), std::abs(high)) <= TransferParams::kMostValue)) {
+    if (!(std::max(std::abs(low), std::abs(high)) <= ScalarAxis::kMostValue)) {
         throw InputError(
             fmt::format("the values {} to {} are too large to be shown; choose some with `range`", low, high));
     }
     // A driver of one value is at the top of the range, or at its bottom if it is 0.
-    if (!(low < high)) return {0, high > 0 ? high : 1};
-    return {low, high};
+    if (!(low < high)) return {isLog ? high / 10 : 0, high > 0 ? high : 1};
+    return {isLog ? std::max(low, high / kMostRatio) : low, high};
 }
 
 /// A scalar of both signs, such as q, makes opaque from 0 on.
-std::array<double, 2> opacityRangeOf(const std::vector<float>& drivers)
+std::array<double, 2> opacityRangeOf(const std::vector<float>& drivers, ValueScale scale)
 {
-    const auto [low, high] = rangeOf(drivers);
+    const auto [low, high] = rangeOf(drivers, scale);
     return {low < 0 && high > 0 ? 0 : low, high};
 }
 
@@ -57,13 +68,13 @@ TextureModulation stretch(std::vector<float> textures, const LookParams& params)
 
 /// Opacity rises with the driver and with the rarity of its value: common values would hide the others.
 std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, double voxelDepth,
-                                        std::array<double, 2> range, const TextureModulation& texture)
+                                        const ScalarAxis& axis, const TextureModulation& texture)
 {
     // Amount of texture near each point.
     std::array<double, kPoints> amounts{};
     double total = 0;
     for (std::size_t i = 0; i < samples.texture.size(); ++i) {
-        const double position = (double(samples.driver[i]) - range[0]) / (range[1] - range[0]);
+        const double position = axis.position(double(samples.driver[i]));
         const double density = double(texture.density(texture.stretched(broadcast8(samples.texture[i])))[0]);
         amounts[std::size_t(std::lround(std::clamp(position, 0.0, 1.0) * (kPoints - 1)))] += density;
         total += density;
@@ -96,15 +107,17 @@ bool Look::contributes(const LeafRange& range) const
 Look chooseLook(const LookParams& params, const TextureVolume::Samples& samples, double thickness)
 {
     params.validate();
-    if (samples.texture.empty()) throw InputError("no active voxel holds a finite number");
+    if (samples.texture.empty())
+        throw InputError("no active voxel that is shown holds a finite number; check the grid, `roi` and `roi_box`");
     TransferParams transfer = params.transfer;
     const bool one = samples.color.empty();
-    if (!transfer.range) transfer.range = rangeOf(one ? samples.driver : samples.color);
-    if (!one && !transfer.opacityRange) transfer.opacityRange = opacityRangeOf(samples.driver);
+    const ValueScale opacityScale = transfer.opacityScale.value_or(one ? transfer.colorScale : ValueScale::kLinear);
+    if (!transfer.range) transfer.range = rangeOf(one ? samples.driver : samples.color, transfer.colorScale);
+    if (!one && !transfer.opacityRange) transfer.opacityRange = opacityRangeOf(samples.driver, opacityScale);
     const TextureModulation texture = stretch(samples.texture, params);
     if (transfer.opacity.empty()) {
         transfer.opacity = chooseOpacity(samples, params.opticalDepth / thickness,
-                                         transfer.opacityRange.value_or(*transfer.range), texture);
+                                         {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture);
     }
     return {.transfer = TransferFunction(transfer),
             .texture = texture,

@@ -48,7 +48,7 @@ std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, cons
                              const RayCastParams& rays)
 {
     const TextureVolume::Samples samples = volume.samples();
-    if (samples.driver.empty()) return "no active voxel is left to show; check the grid and `roi`";
+    if (samples.driver.empty()) return "no active voxel is left to show; check the grid, `roi` and `roi_box`";
     const Corners box = volume.corners();
     if (isCutAway(box, rays.clip.allPlanes())) {
         return fmt::format("`clip_box` or `clip_plane` cut everything away, which lies from {} to {}",

@@ -5,6 +5,7 @@
 #include "vdblic/render/supersampling.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glm/vec4.hpp>
 
 #include <algorithm>
@@ -51,6 +52,12 @@ void RenderParams::validatePicture() const
     exr.validate();
     if (motion.orbit != 0 && !motion.orbitFrames && (input.pattern == "-" || !FramePattern(input.pattern).hasField())) {
         throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
+    }
+    if (regionBox) {
+        const auto& b = *regionBox;
+        const bool isFinite = std::all_of(b.begin(), b.end(), [](double c) { return std::isfinite(c); });
+        if (!isFinite || !(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))
+            throw ParameterError(fmt::format("region box {} must be a low and a high corner", fmt::join(b, " ")));
     }
     for (const double factor : {stretch.x, stretch.y, stretch.z}) {
         if (!(factor >= 1 / kMostStretch && factor <= kMostStretch)) {

@@ -12,6 +12,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,8 @@ struct RenderParams {
     /// Grid whose values make opaque: the first of these that the sequence has; empty: the one that colours.
     std::vector<std::string> opacityBy{};
     std::string region; ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
+    /// Lower and upper corner in world space: only voxels with their centre inside are shown.
+    std::optional<std::array<double, 6>> regionBox{};
     SolidParams solid;
     /// Factors on the axes of world space for all that is shown, such as 1 1 20 for weather. Camera and lights are in
     /// the stretched space, cuts and region in the grids' own.

@@ -313,10 +313,11 @@ class SequenceRenderer {
         mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, toString(camera.projection()),
                                      vectorText(camera.eye()), vectorText(camera.target()), vectorText(camera.up())));
         const TransferFunction& transfer = look.transfer;
-        mReporter.detail(fmt::format("{} {} to {}, opacity by {} {} to {}: {}, texture {} to {}", mParams.colorBy,
-                                     transfer.range()[0], transfer.range()[1], scene.opacityBy,
-                                     transfer.opacityRange()[0], transfer.opacityRange()[1],
-                                     opacityText(transfer.opacity()), look.texture.low, look.texture.high));
+        mReporter.detail(fmt::format(
+            "{} {} to {} ({}), opacity by {} {} to {} ({}): {}, texture {} to {}", mParams.colorBy, transfer.range()[0],
+            transfer.range()[1], valueScaleName(transfer.colorAxis().scale), scene.opacityBy,
+            transfer.opacityRange()[0], transfer.opacityRange()[1], valueScaleName(transfer.opacityAxis().scale),
+            opacityText(transfer.opacity()), look.texture.low, look.texture.high));
         mReporter.detail(fmt::format("{} frames at once, about {:.0f} MB each", framesInFlight(scene.frameBytes),
                                      scene.frameBytes / 1e6));
     }

@@ -94,11 +94,11 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
                              storedOpacity ? storedOpacity->getName() : params.colorBy,
                              TextureVolume(*texture, *opacity, params.stretch),
                              timeOf(file)};
-        if (opacity != color || params.look.transfer.opacityRange) loaded.volume.addColors(*texture, *color);
-        if (!params.region.empty()) {
+        if (opacity != color || !params.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
+        if (!params.region.empty() || params.regionBox) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
-            loaded.volume.cut(
-                *makeDomain(topology, texture->transform(), {.mask = params.region}, frame.frame).texture);
+            const DomainParams region{.mask = params.region, .worldBox = params.regionBox};
+            loaded.volume.cut(*makeDomain(topology, texture->transform(), region, frame.frame).texture);
         }
         if (params.look.shading.model == ShadingModel::kLine) loaded.volume.addLines();
         return loaded;

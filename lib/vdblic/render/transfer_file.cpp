@@ -55,6 +55,10 @@ void readKey(const std::string& key, const Json& value, TransferParams& params)
         params.unit = parseText(value, key);
     } else if (key == "opacity_unit") {
         params.opacityUnit = parseText(value, key);
+    } else if (key == "color_scale") {
+        params.colorScale = parseValueScale(parseText(value, key));
+    } else if (key == "opacity_scale") {
+        params.opacityScale = parseValueScale(parseText(value, key));
     } else if (key == "colormap") {
         params.colorMap = parseText(value, key);
         params.colors.clear();
@@ -67,8 +71,9 @@ void readKey(const std::string& key, const Json& value, TransferParams& params)
         for (const auto& row : rows(value, key, 2))
             params.opacity.push_back({row[0], row[1]});
     } else {
-        throw ParameterError(
-            fmt::format("'{}' is none of range, unit, colormap, colors, opacity, opacity_range, opacity_unit", key));
+        throw ParameterError(fmt::format("'{}' is none of range, unit, color_scale, colormap, colors, opacity, "
+                                         "opacity_range, opacity_unit, opacity_scale",
+                                         key));
     }
 }
 
@@ -92,7 +97,7 @@ void readTransferFile(const std::filesystem::path& path, TransferParams& params)
 
 bool writeTransferFile(const std::filesystem::path& path, const TransferParams& params)
 {
-    Json file = {{"range", params.range.value()}};
+    Json file = {{"range", params.range.value()}, {"color_scale", valueScaleName(params.colorScale)}};
     if (params.colors.empty()) file["colormap"] = params.colorMap;
     for (const auto& [position, color] : params.colors)
         file["colors"].push_back({position, color[0], color[1], color[2]});
@@ -100,6 +105,7 @@ bool writeTransferFile(const std::filesystem::path& path, const TransferParams& 
         file["opacity"].push_back({position, opacity});
     if (!params.unit.empty()) file["unit"] = params.unit;
     if (params.opacityRange) file["opacity_range"] = *params.opacityRange;
+    if (params.opacityScale) file["opacity_scale"] = valueScaleName(*params.opacityScale);
     if (!params.opacityUnit.empty()) file["opacity_unit"] = params.opacityUnit;
     return writeReport(path, file.dump(2) + '\n');
 }

@@ -4,6 +4,7 @@
 #include "vdblic/render/color_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace vdblic {
@@ -31,17 +32,39 @@ const TransferParams& checked(const TransferParams& params)
     return params;
 }
 
+const ScalarAxis& checked(const ScalarAxis& axis)
+{
+    axis.validate("opacity_scale");
+    return axis;
+}
+
 } // namespace
 
+TransferFunction::Scale::Scale(const ScalarAxis& axis)
+    : mAxis(axis), mLow(float(axis.range[0])), mLowBits(std::bit_cast<int>(mLow)),
+      mIsLog(axis.scale == ValueScale::kLogarithmic)
+{
+    const int bits = std::bit_cast<int>(float(axis.range[1])) - mLowBits;
+    mPerEntry = float((kEntries - 1) / (mIsLog ? std::max(bits, 1) : axis.range[1] - axis.range[0]));
+}
+
+double TransferFunction::Scale::position(int entry) const
+{
+    const double share = double(entry) / (kEntries - 1);
+    if (!mIsLog) return share;
+    constexpr int kMantissa = 1 << 23, kBias = 127;
+    const double bits = (mLowBits + entry / double(mPerEntry)) / kMantissa, power = std::floor(bits);
+    return std::clamp(mAxis.position(std::ldexp(1 + bits - power, int(power) - kBias)), 0.0, 1.0);
+}
+
 TransferFunction::TransferFunction(const TransferParams& params)
-    : mParams(checked(params)), mOpacityScale(opacityRange()), mColorScale(range()), mTable(kEntries),
+    : mParams(checked(params)), mOpacityScale(checked(opacityAxis())), mColorScale(colorAxis()), mTable(kEntries),
       mExtinctions(kEntries), mVisibleBefore(kEntries + 1)
 {
-    const std::vector<ColorPoint> colors = params.colors.empty() ? colorMapPoints(params.colorMap) : params.colors;
+    const std::vector<ColorPoint> points = colors();
     for (int i = 0; i < kEntries; ++i) {
-        const double position = double(i) / (kEntries - 1);
-        const glm::dvec3 color = linearFromDisplay(colorAt(colors, position));
-        const double extinction = -std::log1p(-std::min(interpolate(params.opacity, position), kMostOpacity));
+        const glm::dvec3 color = linearFromDisplay(colorAt(points, mColorScale.position(i)));
+        const double extinction = -std::log1p(-std::min(opacityAt(mOpacityScale.position(i)), kMostOpacity));
         mTable[i] = {float(color.r), float(color.g), float(color.b), float(extinction)};
         mExtinctions[i] = mTable[i].extinction;
         mVisibleBefore[i + 1] = mVisibleBefore[i] + (mTable[i].extinction > 0);
@@ -50,8 +73,12 @@ TransferFunction::TransferFunction(const TransferParams& params)
 
 glm::dvec3 TransferFunction::displayColor(double position) const
 {
-    return colorAt(mParams.colors.empty() ? colorMapPoints(mParams.colorMap) : mParams.colors,
-                   std::clamp(position, 0.0, 1.0));
+    return colorAt(colors(), std::clamp(position, 0.0, 1.0));
+}
+
+double TransferFunction::opacityAt(double position) const
+{
+    return interpolate(mParams.opacity, std::clamp(position, 0.0, 1.0));
 }
 
 std::array<int, 2> TransferFunction::entriesBetween(float low, float high) const

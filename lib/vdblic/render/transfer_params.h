@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/render/color_map.h"
+#include "vdblic/render/scalar_axis.h"
 
 #include <array>
 #include <optional>
@@ -20,11 +21,12 @@ struct OpacityPoint {
 [[nodiscard]] std::vector<OpacityPoint> parseOpacity(std::string_view text);
 /// The text that parseOpacity() reads back.
 [[nodiscard]] std::string opacityText(const std::vector<OpacityPoint>& points);
+/// Parse `0:#102040,1:#fff6d5` into points of position and display (sRGB) colour, 8 bits a channel in hexadecimal
+/// digits. @throws ParameterError
+[[nodiscard]] std::vector<ColorPoint> parseColors(std::string_view text);
 
 /// How scalars that grids beside the texture hold become colour and opacity. One scalar may do both.
 struct TransferParams {
-    static constexpr double kMostValue = 1e30; ///< of the scalars, which are kept in single precision
-
     std::string colorMap = "ember";
     std::vector<ColorPoint> colors{}; ///< by rising position, in place of the colour map
     /// Opacity of one voxel of full texture, by rising position; empty: chosen from the frames.
@@ -33,8 +35,14 @@ struct TransferParams {
     std::optional<std::array<double, 2>> range{};
     /// The same for the scalar that makes opaque; unset: `range` if one scalar does both, else percentiles.
     std::optional<std::array<double, 2>> opacityRange{};
+    /// Of the scalar that colours, and of the one that makes opaque; unset: linear, but colorScale if they share a
+    /// range.
+    ValueScale colorScale = ValueScale::kLinear;
+    std::optional<ValueScale> opacityScale{};
     std::string unit{}, opacityUnit{}; ///< of the two scalars, as pictures show them
 
+    /// Whether a scalar that both colours and makes opaque has one range for both.
+    [[nodiscard]] bool sharesRange() const { return !opacityRange && !opacityScale; }
     /// @throws ParameterError
     void validate() const;
 };

@@ -30,6 +30,21 @@ TEST(Annotations, TicksAreRound)
     EXPECT_EQ(tickText(5.5e6, 5e5), "5.5e+06");
 }
 
+TEST(Annotations, TicksOfALogarithmicScaleArePowersOfTen)
+{
+    const auto texts = [](double low, double high) {
+        std::string all;
+        for (const Tick& tick : ticks({{low, high}, ValueScale::kLogarithmic}, 5))
+            all += tick.text + " ";
+        return all;
+    };
+    EXPECT_EQ(texts(0.02, 30), "0.1 1 10 ");
+    EXPECT_EQ(texts(0.01, 100), "0.01 0.1 1 10 100 ");
+    EXPECT_EQ(texts(1.5, 40), "2 5 10 20 ");
+    EXPECT_EQ(texts(1e-10, 1e10), "1e-08 0.0001 1 1e+04 1e+08 ");
+    EXPECT_EQ(texts(2, 6), "2 3 4 5 6 ");
+}
+
 class AnnotatedPicture : public testing::Test {
   protected:
     Image annotated(const AnnotationParams& params)

@@ -32,6 +32,23 @@ TEST(Histogram, CountsWhatIsInEachBin)
     EXPECT_EQ(histogram.total(), 8u);
 }
 
+TEST(Histogram, BinsOfALogarithmicScaleAreEvenInPowers)
+{
+    Histogram histogram{.low = 0.25, .high = 4, .scale = ValueScale::kLogarithmic};
+    for (const double value : {0.26, 1.01, 2.02, 4.0, 0.2, 0.0, -3.0, 5.0})
+        histogram.add(value);
+    for (const std::size_t bin : {std::size_t(3), Histogram::kBins / 2, Histogram::kBins * 3 / 4, Histogram::kBins - 1})
+        EXPECT_EQ(histogram.counts[bin] + histogram.counts[bin - 1] + histogram.counts[bin == 255 ? 0 : bin + 1], 1u)
+            << bin;
+    EXPECT_EQ(histogram.below, 3u);
+    EXPECT_EQ(histogram.above, 1u);
+    // Around a look's range by a quarter of its powers.
+    TransferParams params{.opacity = {{0, 1}}, .range = {{0.01, 100}}, .colorScale = ValueScale::kLogarithmic};
+    const TextureHistograms histograms(Look{TransferFunction(params), {}, {}});
+    EXPECT_NEAR(histograms.color.low, 0.001, 1e-9);
+    EXPECT_NEAR(histograms.color.high, 1000, 1e-3);
+}
+
 TEST(Histogram, OfAVolumeHoldsEveryActiveVoxelThatIsANumber)
 {
     const auto texture = boxGrid("density", boxOf(20, 10, 5), [](const Coord& c) { return float(c.x()) / 20; });

@@ -1,8 +1,11 @@
 #include "vdblic/render/look.h"
 
 #include "render/scene.h"
+#include "vdblic/core/errors.h"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace vdblic {
 namespace {
@@ -47,6 +50,56 @@ TEST(Look, IsChosenFromRobustPercentiles)
     EXPECT_NEAR(look.transfer.range()[1], 0.99 * 1000, 3);
     EXPECT_NEAR(look.texture.low, 0.1, 0.01);
     EXPECT_NEAR(look.texture.high, 0.98, 0.01);
+}
+
+TEST(Look, ALogarithmicRangeIsChosenFromPositiveValues)
+{
+    const openvdb::CoordBBox box = boxOf(50, 20, 10);
+    const auto texture = boxGrid("density", box, scattered);
+    // A third is negative; the rest are powers of ten from −2 to 1.
+    const auto driver = boxGrid("q", box, [](const Coord& c) {
+        return c.x() % 3 == 0 ? -1.0f : float(std::pow(10, -2 + 3 * (c.y() + 0.5) / 20));
+    });
+    LookParams params;
+    params.transfer.colorScale = ValueScale::kLogarithmic;
+    const auto [low, high] = chooseLook(params, TextureVolume(*texture, *driver)).transfer.range();
+    EXPECT_NEAR(std::log10(low), -2, 0.2);
+    EXPECT_NEAR(std::log10(high), 1, 0.2);
+    // At most four decades.
+    const auto wide = boxGrid("q", box, [](const Coord& c) { return c.x() % 2 == 0 ? 1e-20f : 5.0f; });
+    const auto ends = chooseLook(params, TextureVolume(*texture, *wide)).transfer.range();
+    EXPECT_NEAR(ends[0], 5e-4, 1e-9);
+    EXPECT_NEAR(ends[1], 5, 1e-6);
+    const auto none = boxGrid("q", box, [](const Coord&) { return -1.0f; });
+    EXPECT_THROW((void)chooseLook(params, TextureVolume(*texture, *none)), InputError);
+}
+
+TEST(Look, ALogarithmicPictureIsTheLinearOneOfLogarithms)
+{
+    // On a driver of steps, nothing is interpolated but at the steps.
+    const auto texture = boxGrid("density", boxOf(24, 24, 24), [](const Coord&) { return 1.0f; });
+    const auto powers = boxGrid("p", boxOf(24, 24, 24), [](const Coord& c) { return float(std::pow(10, c.y() / 6)); });
+    const auto logarithms = boxGrid("l", boxOf(24, 24, 24), [](const Coord& c) { return float(c.y() / 6); });
+    TransferParams params{.colorMap = "gray", .opacity = {{0, 0}, {1, 0.1}}, .range = {{0, 3}}};
+    const Look linear{TransferFunction(params), {0, 1, 0, 0}, {.model = ShadingModel::kNone}};
+    params.range = {{1, 1000}};
+    params.colorScale = ValueScale::kLogarithmic;
+    const Look logarithmic{TransferFunction(params), {0, 1, 0, 0}, {.model = ShadingModel::kNone}};
+    const TextureVolume ofPowers(*texture, *powers), ofLogarithms(*texture, *logarithms);
+    const Camera camera = cameraAlong(ofPowers, {1, 0, 0}, 1e5, 0.01, {40, 40});
+    const Image a = castRays(ofPowers, logarithmic, camera, {}), b = castRays(ofLogarithms, linear, camera, {});
+    int seen = 0;
+    for (int row = 0; row < 40; ++row) {
+        for (int x = 0; x < 40; ++x) {
+            const Ray ray = camera.ray({x + 0.5, row + 0.5});
+            const double y = ray.origin.y + ray.direction.y * (11.5 - ray.origin.x) / ray.direction.x;
+            if (y < 0 || y > 23 || std::abs(std::fmod(y + 0.5, 6) - 3) > 2) continue; // beside a step
+            ++seen;
+            EXPECT_NEAR(a.at(x, row).a, b.at(x, row).a, 3e-3);
+            EXPECT_NEAR(a.at(x, row).g, b.at(x, row).g, 3e-3);
+        }
+    }
+    EXPECT_GT(seen, 100);
 }
 
 TEST(Look, WhatIsGivenIsKept)

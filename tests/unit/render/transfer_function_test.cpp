@@ -106,6 +106,25 @@ TEST(TransferFunction, ReadsAndWritesOpacityPoints)
     }
 }
 
+TEST(TransferFunction, ReadsColorPoints)
+{
+    const std::vector<ColorPoint> points = parseColors("0:#000000,0.25:#ff8000,1:#0A0bfF");
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_EQ(points[1].position, 0.25);
+    expectColor(points[1].color, 1, 128 / 255., 0, 1e-12);
+    expectColor(points[2].color, 10 / 255., 11 / 255., 1, 1e-12);
+    TransferParams params = grayBetween({{0, 1}}, 0, 1);
+    params.colors = points;
+    const TransferFunction transfer(params);
+    expectColor(transfer.displayColor(0.125), 0.5, 64 / 255., 0, 1e-12);
+    EXPECT_EQ(transfer.colorMapName(), "points");
+    for (const char* bad :
+         {"", "0", "0:", ":#000000", "0:#000000,", "0:000000", "0:#00000", "0:#0000000", "0:#00000g", "0:#+00000",
+          "0:#0x0000", "nan:#000000", "-1:#000000", "0.5:#000000,0.4:#000000", "0:#000000 1:#ffffff"}) {
+        EXPECT_THROW((void)parseColors(bad), ParameterError) << bad;
+    }
+}
+
 TEST(TransferFunction, RefusesARangeThatDoesNotRise)
 {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -113,6 +132,61 @@ TEST(TransferFunction, RefusesARangeThatDoesNotRise)
         EXPECT_THROW((TransferParams{.range = range}.validate()), ParameterError) << range[0] << " " << range[1];
     }
     EXPECT_THROW((TransferParams{.colorMap = "rainbow"}.validate()), ParameterError);
+}
+
+TEST(TransferFunction, SpreadsPowersEvenlyOnALogarithmicScale)
+{
+    TransferParams params = grayBetween({{0, 0}, {1, 0.9}}, 0.01, 10);
+    params.colorScale = ValueScale::kLogarithmic;
+    const TransferFunction transfer(params);
+    const auto at = [&](float driver) { return transfer.table()[transfer.entries(broadcast8(driver))[0]]; };
+    for (const auto& [value, position] :
+         {std::pair{0.01f, 0.0}, {0.1f, 1 / 3.}, {0.316228f, 0.5}, {1, 2 / 3.}, {10, 1.0}}) {
+        EXPECT_NEAR(displayFromLinear(at(value).red), position, 1e-3) << value;
+        EXPECT_NEAR(-std::expm1(-at(value).extinction), 0.9 * position, 1e-3) << value;
+    }
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const Int8 entries = transfer.entries(Float8{-kInfinity, -1, -0.0f, 0, 1e-38f, 11, 1e30f, kInfinity});
+    const int expected[] = {0, 0, 0, 0, 0, 1023, 1023, 1023};
+    for (int i = 0; i < 8; ++i)
+        EXPECT_EQ(entries[i], expected[i]) << i;
+    EXPECT_GE(transfer.entries(broadcast8(std::numeric_limits<float>::quiet_NaN()))[0], 0);
+    params.opacity = {{0.5, 0}, {1, 0.9}};
+    EXPECT_FALSE(TransferFunction(params).contributes(-5, 0.3f));
+    EXPECT_TRUE(TransferFunction(params).contributes(-5, 0.33f));
+    // The widest range that there may be.
+    params.range = {{ScalarAxis::kLeastValue, ScalarAxis::kMostValue}};
+    const TransferFunction wide(params);
+    EXPECT_NEAR(displayFromLinear(wide.table()[wide.entries(broadcast8(1))[0]].red), 0.5, 1e-3);
+}
+
+TEST(TransferFunction, ScalesOfColourAndOpacityAreTwo)
+{
+    TransferParams params = grayBetween({{0, 0}, {1, 0.9}}, 1, 100);
+    params.opacityRange = {{-5, 5}};
+    params.colorScale = ValueScale::kLogarithmic;
+    const TransferFunction transfer(params);
+    EXPECT_EQ(transfer.opacityAxis().scale, ValueScale::kLinear);
+    EXPECT_NEAR(displayFromLinear(transfer.table()[transfer.colorEntries(broadcast8(10))[0]].red), 0.5, 1e-3);
+    EXPECT_NEAR(-std::expm1(-transfer.table()[transfer.entries(broadcast8(0))[0]].extinction), 0.45, 1e-3);
+    params.opacityRange.reset();
+    EXPECT_EQ(TransferFunction(params).opacityAxis().scale, ValueScale::kLogarithmic);
+}
+
+TEST(TransferFunction, ALogarithmicRangeBeginsAboveZero)
+{
+    for (const double low : {-1.0, 0.0, 1e-31}) {
+        TransferParams params{.range = {{low, 1}}, .colorScale = ValueScale::kLogarithmic};
+        EXPECT_THROW(params.validate(), ParameterError) << low;
+        params = {.opacityRange = {{low, 1}}, .opacityScale = ValueScale::kLogarithmic};
+        EXPECT_THROW(params.validate(), ParameterError) << low;
+        params = grayBetween({{0, 1}}, low, 1);
+        params.opacityScale = ValueScale::kLogarithmic;
+        EXPECT_THROW((void)TransferFunction(params), ParameterError) << low;
+    }
+    EXPECT_EQ(parseValueScale("log"), ValueScale::kLogarithmic);
+    for (const char* bad : {"", "Log", "logarithmic", "linear "})
+        EXPECT_THROW((void)parseValueScale(bad), ParameterError) << bad;
 }
 
 /// CIE lightness, 0 to 100.

@@ -21,7 +21,10 @@ const kOfLooks = [
     "opacity",
     "range",
     "opacity-range",
+    "color-scale",
+    "opacity-scale",
     "colormap",
+    "colors",
     "shading",
     "light",
     "background",
@@ -44,20 +47,32 @@ export class Controls {
                     (scene, options) => options.look || "flow",
                     (look) => store.change({ ...Object.fromEntries(kOfLooks.map((name) => [name, undefined])), look }),
                 ),
-                this.list("colormap", "Colours", Object.keys(sequence.colorMaps), (scene) => scene.colorMap),
+                this.list(
+                    "colormap",
+                    "Colours",
+                    sequence.colorMaps,
+                    (scene) => scene.colorMap,
+                    (colormap) => store.change({ colormap, colors: undefined }),
+                ),
                 this.list(
                     "color-by",
                     "Coloured by",
                     scalars,
                     (scene) => scene.colorBy,
-                    (name) => store.change({ "color-by": name, range: undefined }),
+                    (name) => store.change({ "color-by": name, range: undefined, "color-scale": undefined }),
                 ),
                 this.list(
                     "opacity-by",
                     "Opaque by",
                     scalars,
                     (scene) => scene.opacityBy,
-                    (name) => store.change({ "opacity-by": name, opacity: undefined, "opacity-range": undefined }),
+                    (name) =>
+                        store.change({
+                            "opacity-by": name,
+                            opacity: undefined,
+                            "opacity-range": undefined,
+                            "opacity-scale": undefined,
+                        }),
                 ),
             ),
             depth: makeSection(
@@ -114,6 +129,8 @@ export class Controls {
         );
         this.shows.push((scene, options) => {
             const value = valueIn(scene, options);
+            for (const option of [...select.options])
+                if (!values.includes(option.value) && option.value !== value) option.remove();
             if (![...select.options].some((option) => option.value === value))
                 select.append(make("option", { value }, value));
             select.value = value;

@@ -1,17 +1,34 @@
-// Planes and a box that cut the volume, with handles over the picture.
+// Planes and a box that cut the volume, and the region of interest, with handles over the picture.
 
-import { axes, project, unitsPerPixel } from "./camera.js";
-import { make, makeSection, makeSvg, short } from "./elements.js";
+import { Box } from "./box.js";
+import { axes } from "./camera.js";
+import { make, makeSection, short } from "./elements.js";
+import { Overlay } from "./overlay.js";
 import { add, cross, dot, length, normalize, scale, subtract } from "./vector.js";
+
+const kCutBox = {
+    option: "clip-box",
+    name: "box",
+    id: "cut-box",
+    title: "What is outside is cut away",
+    isLive: true,
+};
+const kRegion = {
+    option: "roi-box",
+    name: "region",
+    id: "region",
+    title: "Only voxels inside are shown; range, opacity and view are chosen from them",
+    isLive: false, // each one is read anew
+};
 
 export class Cuts {
     /// @param camera () => the camera now
     constructor(store, camera, hold) {
-        Object.assign(this, { store, camera, hold });
-        this.svg = document.getElementById("overlay");
+        Object.assign(this, { store, camera });
+        this.overlay = new Overlay(camera, hold);
+        this.boxes = [kCutBox, kRegion].map((kind) => new Box(store, this.overlay, kind, () => this.draw()));
         this.list = make("div", { class: "line" });
-        const planeButton = (name, normal) => make("button", { click: () => this.addPlane(normal()) }, name);
-        this.box = make("input", { id: "cut-box", type: "checkbox", change: () => this.toggleBox() });
+        const planeButton = (name, normal) => make("button", { click: () => this.scene && this.addPlane(normal()) }, name);
         this.handles = make("input", { id: "cut-handles", type: "checkbox", checked: true, change: () => this.draw() });
         this.element = makeSection(
             "Cuts",
@@ -23,13 +40,13 @@ export class Cuts {
                 planeButton("x", () => [1, 0, 0]),
                 planeButton("y", () => [0, 1, 0]),
                 planeButton("z", () => [0, 0, 1]),
-                planeButton("view", () => axes(this.camera()).forward),
+                planeButton("view", () => this.viewNormal()),
             ),
             this.list,
             make(
                 "div",
                 { class: "line" },
-                make("label", {}, this.box, " box"),
+                ...this.boxes.map((box) => box.element),
                 make("label", {}, this.handles, " handles"),
             ),
         );
@@ -45,13 +62,12 @@ export class Cuts {
         const corners = scene.box.map((corner) => corner.map((c, i) => c / scene.stretch[i])); // the data's own space
         this.low = [0, 1, 2].map((i) => Math.min(...corners.map((c) => c[i])));
         this.high = [0, 1, 2].map((i) => Math.max(...corners.map((c) => c[i])));
-        this.box.checked = Boolean(this.store.options["clip-box"]);
+        for (const box of this.boxes) box.show(this.low, this.high);
         this.listPlanes();
         this.draw();
     }
 
     addPlane(normal) {
-        if (!this.scene) return;
         const middle = scale(add(this.low, this.high), 0.5);
         this.store.change({
             "clip-plane": [...this.planes, [...middle, ...normal].map((c) => Number(c.toPrecision(6)))],
@@ -59,13 +75,13 @@ export class Cuts {
         this.listPlanes();
     }
 
-    setPlanes(planes, commit) {
-        this.store.change({ "clip-plane": planes.length ? planes : undefined }, { commit });
-        this.draw();
+    /// The normal, in the data's own space, of a plane across the view.
+    viewNormal() {
+        return normalize(axes(this.camera()).forward.map((c, i) => c * this.scene.stretch[i]));
     }
 
-    toggleBox() {
-        this.store.change({ "clip-box": this.box.checked ? [...this.low, ...this.high] : undefined });
+    setPlanes(planes, commit) {
+        this.store.change({ "clip-plane": planes.length ? planes : undefined }, { commit });
         this.draw();
     }
 
@@ -141,33 +157,21 @@ export class Cuts {
         );
     }
 
-    moveFace(axis, high, value, commit) {
-        const box = [...this.store.options["clip-box"]],
-            least = (this.high[axis] - this.low[axis]) / 100;
-        const bounded = Math.max(this.low[axis], Math.min(this.high[axis], value));
-        box[axis + 3 * high] = high ? Math.max(bounded, box[axis] + least) : Math.min(bounded, box[axis + 3] - least);
-        this.store.change({ "clip-box": box.map((c) => Number(c.toPrecision(6))) }, { commit });
-        this.draw();
+    turnPlane(index, normal, commit) {
+        const turned = normal.map((c) => Number(c.toFixed(5)));
+        this.setPlanes(
+            this.planes.map((p, i) => (i === index ? [...p.slice(0, 3), ...turned] : p)),
+            commit,
+        );
     }
 
     draw() {
-        const focused = this.svg.contains(document.activeElement) && document.activeElement.getAttribute("aria-label");
-        this.svg.replaceChildren();
-        if (!this.scene || !this.element.open || !this.handles.checked || !this.camera()) return;
-        this.planes.forEach((plane, index) => this.drawPlane(plane, index));
-        if (this.store.options["clip-box"]) this.drawBox(this.store.options["clip-box"]);
-        if (focused) this.svg.querySelector(`[aria-label="${focused}"]`)?.focus();
-    }
-
-    onScreen(point) {
-        const stretched = point.map((c, i) => c * this.scene.stretch[i]);
-        return project(this.camera(), stretched, this.svg.clientWidth, this.svg.clientHeight);
-    }
-
-    outline(points) {
-        const places = points.map((point) => this.onScreen(point));
-        if (places.some((place) => !place)) return;
-        this.svg.append(makeSvg("polygon", { class: "outline", points: places.map((p) => p.join(",")).join(" ") }));
+        const isShown = this.scene && this.element.open && this.handles.checked && this.camera();
+        this.overlay.show(this.scene?.stretch, () => {
+            if (!isShown) return;
+            this.planes.forEach((plane, index) => this.drawPlane(plane, index));
+            for (const box of this.boxes) box.draw();
+        });
     }
 
     drawPlane(plane, index) {
@@ -176,78 +180,22 @@ export class Cuts {
         const side = normalize(cross(normal, Math.abs(normal[2]) > 0.9 ? [1, 0, 0] : [0, 0, 1])),
             other = cross(normal, side);
         const reach = length(subtract(this.high, this.low)) / 3;
-        this.outline(
+        this.overlay.outline(
             [
                 [1, 1],
                 [1, -1],
                 [-1, -1],
                 [-1, 1],
             ].map(([a, b]) => add(point, add(scale(side, a * reach), scale(other, b * reach)))),
+            "plane",
         );
-        this.handle(point, normal, `Plane ${index + 1}`, (moved, commit) => this.movePlane(index, moved, commit));
-    }
-
-    drawBox(box) {
-        const corner = (bits) => [0, 1, 2].map((i) => box[i + 3 * ((bits >> i) & 1)]);
-        for (const face of [
-            [0, 1, 3, 2],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 3, 7, 6],
-        ])
-            this.outline(face.map(corner));
-        for (let axis = 0; axis < 3; ++axis) {
-            for (const high of [0, 1]) {
-                const point = [0, 1, 2].map((i) => (i === axis ? box[i + 3 * high] : (box[i] + box[i + 3]) / 2));
-                const direction = [0, 1, 2].map((i) => (i === axis ? 1 : 0));
-                this.handle(
-                    point,
-                    direction,
-                    `${high ? "Upper" : "Lower"} ${"xyz"[axis]} side of the box`,
-                    (moved, commit) => this.moveFace(axis, high, moved[axis], commit),
-                );
-            }
-        }
-    }
-
-    /// A handle that moves along a line. @param move (point, commit)
-    handle(point, direction, name, move) {
-        const at = this.onScreen(point);
-        if (!at) return;
-        const unit = 40 * unitsPerPixel(this.camera(), this.svg.clientHeight);
-        const further = this.onScreen(add(point, scale(direction, unit)));
-        const along = further ? [further[0] - at[0], further[1] - at[1]] : [1, 0];
-        const square = Math.max(along[0] ** 2 + along[1] ** 2, 25);
-        const circle = makeSvg("circle", {
-            class: "handle",
-            cx: at[0],
-            cy: at[1],
-            r: 8,
-            tabindex: 0,
-            role: "slider",
-            "aria-label": name,
-            "aria-valuenow": short(dot(point, direction)),
-        });
-        const moved = (x, y) => add(point, scale(direction, (unit * (x * along[0] + y * along[1])) / square));
-        circle.addEventListener("keydown", (event) => {
-            const sign = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
-            if (!sign) return;
-            event.preventDefault();
-            move(add(point, scale(direction, (sign * unit) / 4)), true);
-        });
-        circle.addEventListener("pointerdown", (event) => {
-            event.preventDefault();
-            this.hold(true);
-            const onMove = (now) => move(moved(now.clientX - event.clientX, now.clientY - event.clientY), false);
-            const onEnd = () => {
-                removeEventListener("pointermove", onMove);
-                this.hold(false);
-                this.store.commit();
-                this.listPlanes();
-            };
-            addEventListener("pointermove", onMove);
-            for (const type of ["pointerup", "pointercancel"]) addEventListener(type, onEnd, { once: true });
-        });
-        this.svg.append(circle);
+        const end = () => {
+            this.store.commit();
+            this.listPlanes();
+        };
+        const move = (moved, commit) => this.movePlane(index, moved, commit);
+        this.overlay.slider(point, normal, `Plane ${index + 1}`, "plane", move, end);
+        const tilt = (turned, commit) => this.turnPlane(index, turned, commit);
+        this.overlay.tip(point, normal, `Tilt of plane ${index + 1}`, tilt, end);
     }
 }

@@ -13,7 +13,19 @@ import { Timeline } from "./timeline.js";
 import { Transfer } from "./transfer.js";
 
 const kOfCamera = new Set(["eye", "target", "up", "view-height"]);
-const kOfHistograms = ["look", "by", "color-by", "opacity-by", "range", "opacity-range", "stretch", "shading"];
+const kOfHistograms = [
+    "look",
+    "by",
+    "color-by",
+    "opacity-by",
+    "range",
+    "opacity-range",
+    "color-scale",
+    "opacity-scale",
+    "roi-box",
+    "stretch",
+    "shading",
+];
 const byId = (id) => document.getElementById(id);
 
 async function begin() {

@@ -15,8 +15,8 @@ export class Transfer {
             checked: true,
             change: () => this.draw(),
         });
-        this.color = new Curve(this, "range", "Colour");
-        this.opacity = new Curve(this, "opacity-range", "Opacity");
+        this.color = new Curve(this, { range: "range", scale: "color-scale" }, "Colour");
+        this.opacity = new Curve(this, { range: "opacity-range", scale: "opacity-scale" }, "Opacity");
         this.element = makeSection(
             "Transfer function",
             true,
@@ -43,15 +43,25 @@ export class Transfer {
                 make("label", {}, this.logCounts, " log counts"),
                 make("label", {}, this.logarithmic, " log opacity"),
             ),
-            make("p", { class: "note" }, "Click on the curve to add a point; Delete removes it; arrow keys move it."),
+            make(
+                "p",
+                { class: "note" },
+                "Click on the curve or on the colours to add a point; Delete removes it; arrow keys move it.",
+            ),
         );
     }
 
     show(scene, histograms) {
         this.scene = scene;
         this.histograms = histograms || this.histograms;
-        if (!this.dragging) this.points = scene.opacity.map((point) => [...point]);
-        this.isOne = scene.colorBy === scene.opacityBy;
+        if (!this.dragging) {
+            this.points = scene.opacity.map((point) => [...point]);
+            this.colors = scene.colors.map((point) => [...point]);
+        }
+        this.isOne =
+            scene.colorBy === scene.opacityBy &&
+            scene.colorScale === scene.opacityScale &&
+            String(scene.range) === String(scene.opacityRange);
         this.draw();
     }
 
@@ -59,9 +69,10 @@ export class Transfer {
         if (!this.scene || !this.histograms) return;
         this.color.element.hidden = false;
         this.opacity.element.hidden = this.isOne;
-        this.color.draw(this.scene.range, this.histograms.color, this.scene.colorBy, this.isOne);
-        if (!this.isOne)
-            this.opacity.draw(this.scene.opacityRange, this.histograms.opacity, this.scene.opacityBy, true);
+        const { scene, histograms } = this;
+        this.color.draw(scene.range, scene.colorScale, histograms.color, scene.colorBy, this.isOne);
+        if (this.isOne) return;
+        this.opacity.draw(scene.opacityRange, scene.opacityScale, histograms.opacity, scene.opacityBy, true);
     }
 
     setPoints(points, commit) {
@@ -71,6 +82,14 @@ export class Transfer {
             ([position, opacity]) => `${Number(position.toFixed(4))}:${Number(opacity.toPrecision(4))}`,
         );
         this.store.change({ opacity: text.join(",") }, { commit });
+    }
+
+    /// @param colors [position, "#rrggbb"] by rising position
+    setColors(colors, commit) {
+        this.colors = colors;
+        this.draw();
+        const text = colors.map(([position, color]) => `${Number(position.toFixed(4))}:${color}`);
+        this.store.change({ colors: text.join(","), colormap: undefined }, { commit });
     }
 
     /// @param factor on the optical depth of a voxel
