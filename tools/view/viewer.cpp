@@ -26,9 +26,9 @@ constexpr std::chrono::seconds kPause{5};
 std::string loadKey(const RenderParams& params)
 {
     const glm::dvec3& stretch = params.stretch;
-    return fmt::format("{}|{}|{} {} {}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x, stretch.y,
-                       stretch.z, params.look.shading.model == ShadingModel::kLine,
-                       params.look.transfer.opacityRange.has_value());
+    return fmt::format("{}|{}|{} {} {}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
+                       stretch.y, stretch.z, params.look.shading.model == ShadingModel::kLine,
+                       params.look.transfer.opacityRange.has_value(), needsGradients(params));
 }
 
 /// A state without what its camera and sampling are.
