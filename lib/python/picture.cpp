@@ -75,8 +75,7 @@ Image Picture::of(const VdbFile& volume, std::int64_t frame)
 {
     RenderParams params = mParams;
     params.texture = textureName(volume.metadata, mParams.texture);
-    const Look* look = mScene ? &mScene->look : nullptr;
-    const auto loaded = std::make_shared<const LoadedTexture>(loadFrame(params, volume, {frame, volume.path}, look));
+    const auto loaded = std::make_shared<const LoadedTexture>(loadFrame(params, volume, {frame, volume.path}));
     if (!mScene) {
         const glm::ivec2 size = params.scaledSize();
         if (loaded->volume.empty()) return {size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
