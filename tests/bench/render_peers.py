@@ -3,14 +3,18 @@
 volumes, in 1080p.
 
     xvfb-run -a /usr/bin/python3 tests/bench/render_peers.py TOOLS [SECTION...]      e.g. build/release/tools vtk
+    /usr/bin/python3 tests/bench/render_peers.py TOOLS files --before OTHER
 
-Sections: vtk, vdb_render, threads, sparse, video; all by default. Needs pyopenvdb; vtk also needs python3-vtk9 and
+Sections: vtk, vdb_render, threads, sparse, video; all by default. `files` compares with the tools of another build, in the
+folder OTHER, from file to file. Needs pyopenvdb; vtk also needs python3-vtk9 and
 xvfb-run, vdb_render also needs vdb_render. A section whose peer is missing is named and left out. Peers get the same
 volume, camera and step, 512² pixels, one thread. The compared programs run in turn. Times are medians: processor time with
 one thread, elapsed time with two. Our time for a picture is that of one more ray for each pixel (--samples), without
 reading and building bricks; VTK's excludes its gradients, vdb_render's excludes reading.
 """
 
+import argparse
+import functools
 import importlib.util
 import math
 import pathlib
@@ -31,6 +35,12 @@ SIZE, ROUNDS, SAMPLES = 512, 5, 4
 
 def cpu_time():
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+
+
+def whole_cpu_time():
+    """With the system's share: new memory is its work."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 class Bench:
@@ -217,13 +227,37 @@ def bench_video(bench):
         print(f"| 1080p of 256³, {look} | casting {picture:.2f} s | file to file {whole:.2f} s | |", flush=True)
 
 
+def bench_files(bench, before):
+    """File to file beside another build, processor time of one thread."""
+    bench.run("vdblic_synth", "abc", "-o", "big.%04d.vdb", "--size", 256, 256, 256, "--frames", "1-2", "-q")
+    bench.run("vdblic_advect", "big.%04d.vdb", "-o", "texture.%04d.vdb", "--frames", "1", "--preroll", 2, "-q")
+    bench.run("vdblic_synth", "abc", "-o", "small.%04d.vdb", "--size", 128, 128, 128, "--frames", "1-8", "-q")
+    bench.run("vdblic_advect", "small.%04d.vdb", "-o", "film.%04d.vdb", "-q")
+    both = lambda *arguments: [functools.partial(tools.render, *arguments, clock=whole_cpu_time) for tools in (bench, before)]
+    for look in "flow", "ink", "smoke", "xray":
+        compare(f"1080p of 256³, {look}", ["now", "before"],
+                both("texture.0001.vdb", "--size", 1920, 1080, "--look", look), rounds=3)
+    compare("256³ small, flow", ["now", "before"], both("texture.0001.vdb", "--size", 192, 108))
+    compare("256³ small, xray", ["now", "before"], both("texture.0001.vdb", "--size", 192, 108, "--look", "xray"))
+    command = ["film.%04d.vdb", "-o", "film.%04d.exr", "--size", 480, 270, "--opacity", "0:0,0.9:0,1:0.5"]
+    film = lambda tools: lambda: tools.run("vdblic_render", *command, "--threads", 1, "-q", clock=whole_cpu_time)
+    compare("8 frames of 128³, the fastest flow alone", ["now", "before"], [film(bench), film(before)])
+
+
 def main():
+    parser = argparse.ArgumentParser(description="Measure the tables of docs/render.md and docs/performance.md anew.")
+    parser.add_argument("tools", type=pathlib.Path)
+    parser.add_argument("sections", nargs="*", metavar="section")
+    parser.add_argument("--before", type=pathlib.Path, help="the tools of another build, for the section files")
+    given = parser.parse_args()
     sections = {"vtk": bench_vtk, "vdb_render": bench_vdb_render, "threads": bench_threads, "sparse": bench_sparse,
                 "video": bench_video}
     with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        bench = Bench(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(folder))
+        bench = Bench(given.tools.resolve(), pathlib.Path(folder))
+        if given.before:
+            sections["files"] = lambda bench: bench_files(bench, Bench(given.before.resolve(), bench.folder))
         print("| | | | ratio |\n|---|---|---|---|", flush=True)
-        for section in sys.argv[2:] or sections:
+        for section in given.sections or sections:
             if section == "vtk" and not importlib.util.find_spec("vtkmodules") or \
                     section == "vdb_render" and not shutil.which("vdb_render"):
                 print(f"{section} is missing: left out", file=sys.stderr, flush=True)

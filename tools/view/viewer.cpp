@@ -27,9 +27,9 @@ std::string loadKey(const RenderParams& params)
 {
     const glm::dvec3& stretch = params.stretch;
     const std::string region = params.regionBox ? fmt::format("{}", fmt::join(*params.regionBox, " ")) : std::string();
-    return fmt::format("{}|{}|{} {} {}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
+    return fmt::format("{}|{}|{} {} {}|{}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
                        stretch.y, stretch.z, params.look.shading.model == ShadingModel::kLine,
-                       params.look.transfer.sharesRange(), region);
+                       params.look.transfer.sharesRange(), needsGradients(params), region);
 }
 
 /// A state without what its camera and sampling are.

@@ -18,6 +18,6 @@ namespace vdblic {
 /// @param box    as that of readVdb()
 /// @throws InputError with the reason, but not the file; what the stream and OpenVDB throw
 [[nodiscard]] VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
-                               const std::optional<openvdb::CoordBBox>& box);
+                               const std::optional<openvdb::CoordBBox>& box = std::nullopt);
 
 } // namespace vdblic

@@ -5,6 +5,8 @@
 #include <glm/vec4.hpp>
 
 #include <algorithm>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace vdblic {
@@ -47,8 +49,15 @@ bool isCutAway(const Corners& box, const std::vector<ClipPlane>& planes)
 std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& rays)
 {
-    const TextureVolume::Samples samples = volume.samples();
-    if (samples.driver.empty()) return "no active voxel is left to show; check the grid, `roi` and `roi_box`";
+    float low = std::numeric_limits<float>::infinity(), high = -low;
+    bool anyShown = false;
+    for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf) {
+        if (volume.shown(leaf).isOff()) continue;
+        anyShown = true;
+        low = std::min(low, volume.leafRange(leaf).lowDriver);
+        high = std::max(high, volume.leafRange(leaf).highDriver);
+    }
+    if (!anyShown) return "no active voxel is left to show; check the grid, `roi` and `roi_box`";
     const Corners box = volume.corners();
     if (isCutAway(box, rays.clip.allPlanes())) {
         return fmt::format("`clip_box` or `clip_plane` cut everything away, which lies from {} to {}",
@@ -59,10 +68,9 @@ std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, cons
                            "`target`, or leave them out",
                            textOf(camera.eye()), textOf(camera.target()), textOf(box.front()), textOf(box.back()));
     }
-    const auto [low, high] = std::minmax_element(samples.driver.begin(), samples.driver.end());
     const auto& range = look.transfer.opacityRange();
-    if (*high < range[0] || *low > range[1]) {
-        return fmt::format("the values, {:.6g} to {:.6g}, lie outside of `{}` {:.6g} to {:.6g}", *low, *high,
+    if (high < range[0] || low > range[1]) {
+        return fmt::format("the values, {:.6g} to {:.6g}, lie outside of `{}` {:.6g} to {:.6g}", low, high,
                            range == look.transfer.range() ? "range" : "opacity_range", range[0], range[1]);
     }
     return "every sample is transparent; raise `opacity`";

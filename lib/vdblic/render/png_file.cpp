@@ -6,6 +6,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 #include <png.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,16 +39,15 @@ std::string encodeRgb(const glm::ivec2& imageSize, const std::string& bytes)
 std::string displayBytes(const Image& image, const Background& background)
 {
     const glm::vec4 back(linearFromDisplay(background.color), 1);
-    std::string bytes;
-    bytes.reserve(image.pixels.size() * 3);
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    std::string bytes(image.pixels.size() * 3, '\0');
+    tbb::parallel_for(std::size_t(0), image.pixels.size(), [&](std::size_t i) {
         glm::vec4 pixel = image.pixels[i] + back * (1 - image.pixels[i].a);
         if (!image.annotations.empty()) pixel = image.annotations[i] + pixel * (1 - image.annotations[i].a);
         for (int channel = 0; channel < 3; ++channel) {
             const double value = displayFromLinear(std::clamp(double(pixel[channel]), 0.0, 1.0));
-            bytes.push_back(char(std::lround(value * 255)));
+            bytes[3 * i + std::size_t(channel)] = char(std::lround(value * 255));
         }
-    }
+    });
     return bytes;
 }
 

@@ -223,8 +223,9 @@ class SequenceRenderer {
 
     void render(const FrameTask& task, RenderedFrame& result) const
     {
+        const Look* look = task.scene ? &task.scene->look : nullptr;
         const auto frame =
-            task.loaded ? task.loaded : std::make_shared<const LoadedTexture>(loadFrame(mParams, task.file));
+            task.loaded ? task.loaded : std::make_shared<const LoadedTexture>(loadFrame(mParams, task.file, look));
         result.hasColor = frame->hasColor;
         result.unusableVoxels = frame->volume.unusableVoxels();
         if (!mParams.histogram.empty() && task.scene) {

@@ -64,17 +64,22 @@ double LoadedTexture::bytes() const
 {
     constexpr double kGridLeaf =
         2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
-    const double record = double(sizeof(ValueRecord) + sizeof(GradientRecord) +
+    const double record = double(sizeof(ValueRecord) + (volume.gradients() ? sizeof(GradientRecord) : 0) +
                                  (volume.lines() ? sizeof(LineRecord) : 0) + (volume.colors() ? sizeof(float) : 0));
     return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record);
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame)
+bool needsGradients(const RenderParams& params)
 {
-    return loadFrame(params, readVdb(frame.path), frame);
+    return params.look.shading.model != ShadingModel::kNone || params.look.halo > 0 || params.rays.layers;
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame)
+LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look)
+{
+    return loadFrame(params, readVdb(frame.path), frame, look);
+}
+
+LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame, const Look* look)
 {
     const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
     const std::vector<std::string>& opacityBy = params.opacityBy;
@@ -86,13 +91,16 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
     try {
         const auto color = storedColor ? onTexture(storedColor, *texture) : texture;
         const auto opacity = storedOpacity && storedOpacity != storedColor ? onTexture(storedOpacity, *texture) : color;
+        const bool hasLines = params.look.shading.model == ShadingModel::kLine;
+        // The lines at a leaf's rim are those of its neighbours.
+        const RecordUse use{.gradients = needsGradients(params), .look = hasLines ? nullptr : look};
         LoadedTexture loaded{frame,
                              texture,
                              color,
                              opacity,
                              bool(storedColor),
                              storedOpacity ? storedOpacity->getName() : params.colorBy,
-                             TextureVolume(*texture, *opacity, params.stretch),
+                             TextureVolume(*texture, *opacity, params.stretch, use),
                              timeOf(file)};
         if (opacity != color || !params.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
         if (!params.region.empty() || params.regionBox) {
@@ -100,7 +108,7 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
             const DomainParams region{.mask = params.region, .worldBox = params.regionBox};
             loaded.volume.cut(*makeDomain(topology, texture->transform(), region, frame.frame).texture);
         }
-        if (params.look.shading.model == ShadingModel::kLine) loaded.volume.addLines();
+        if (hasLines) loaded.volume.addLines();
         return loaded;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", frame.path.string(), error.what()));

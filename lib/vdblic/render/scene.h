@@ -33,10 +33,16 @@ struct LoadedTexture {
     [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };
 
+/// Whether a picture reads the gradients of its volume. A frame that was loaded without them serves only parameters of
+/// which this is false.
+[[nodiscard]] bool needsGradients(const RenderParams& params);
+
+/// @param look what the frame is to be shown in, if that is known: leaves that it hides are not prepared
 /// @throws InputError naming the file
-[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame);
+[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look = nullptr);
 /// The same for what a file holds. @param frame number and name, for masks and messages
-[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame);
+[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame,
+                                      const Look* look = nullptr);
 
 /// What the look of a sequence is chosen from: samples of some of its frames.
 struct LookBasis {

@@ -7,9 +7,36 @@
 namespace vdblic {
 namespace {
 
+/// Copy the rows of a block that lie in one leaf or tile: those from `begin` to `end` along x and y, and as many voxels
+/// along z as a block has of that leaf.
+/// @param leaf   or null: then all voxels are as the tile
+/// @param active receives 1 for active voxels, else 0; may be null
+template<int kCount>
+VDBLIC_INLINE void copyRows(const openvdb::FloatTree::LeafNodeType* leaf, float tile, bool tileActive,
+                            const openvdb::Coord& begin, int endX, int endY, float* values, int* active)
+{
+    const float* source = leaf ? leaf->buffer().data() : nullptr;
+    for (int x = begin[0]; x < endX; ++x) {
+        for (int y = begin[1]; y < endY; ++y) {
+            const int i = TextureBlock::index(x, y, begin[2]);
+            const auto offset = unsigned(LeafVoxel::offset(x, y, begin[2]));
+            if (source) {
+                std::copy_n(source + offset, kCount, values + i);
+            } else {
+                std::fill_n(values + i, kCount, tile);
+            }
+            if (!active) continue;
+            unsigned bits = tileActive ? ~0u : 0;
+            if (leaf) bits = unsigned(leaf->getValueMask().getWord<openvdb::Index64>(offset >> 6) >> (offset & 63));
+            for (int z = 0; z < kCount; ++z)
+                active[i + z] = int(bits >> z & 1);
+        }
+    }
+}
+
 /// Copy the values of a block from the 27 leaves or tiles that it overlaps.
 /// @param active receives 1 for active voxels, else 0; may be null
-void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values, int* active)
+VDBLIC_INLINE void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values, int* active)
 {
     constexpr int kLeafDim = LeafVoxel::kDim, kBegin[] = {-2, 0, kLeafDim}, kEnd[] = {0, kLeafDim, kLeafDim + 2};
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
@@ -19,23 +46,8 @@ void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, fl
         const openvdb::FloatTree::LeafNodeType* leaf = accessor.probeConstLeaf(origin + begin);
         float tile = 0;
         const bool tileActive = !leaf && accessor.probeValue(origin + begin, tile);
-        const int count = kEnd[p[2]] - begin[2];
-        for (int x = begin[0]; x < kEnd[p[0]]; ++x) {
-            for (int y = begin[1]; y < kEnd[p[1]]; ++y) {
-                const int i = TextureBlock::index(x, y, begin[2]);
-                const unsigned offset = Domain::offset(Int4{x, y, begin[2], 0});
-                if (leaf) {
-                    std::copy_n(leaf->buffer().data() + offset, count, values + i);
-                } else {
-                    std::fill_n(values + i, count, tile);
-                }
-                if (!active) continue;
-                std::uint64_t bits = tileActive ? ~std::uint64_t{0} : 0;
-                if (leaf) bits = leaf->getValueMask().getWord<openvdb::Index64>(offset >> 6) >> (offset & 63);
-                for (int z = 0; z < count; ++z)
-                    active[i + z] = int(bits >> z & 1);
-            }
-        }
+        const auto copy = p[2] == 1 ? copyRows<kLeafDim> : copyRows<2>;
+        copy(leaf, tile, tileActive, begin, kEnd[p[0]], kEnd[p[1]], values, active);
     }
 }
 
@@ -153,6 +165,7 @@ void TextureBlock::writeDrivers(float* drivers) const
     }
 }
 
+VDBLIC_KERNEL
 void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientRecord* records) const
 {
     constexpr int kStrides[] = {kDim * kDim, kDim, 1};

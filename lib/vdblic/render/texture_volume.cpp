@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/affine_transform.h"
+#include "vdblic/render/look.h"
 #include "vdblic/render/texture_block.h"
 
 #include <glm/ext/matrix_transform.hpp>
@@ -32,7 +33,7 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
 } // namespace
 
 TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
-                             const glm::dvec3& stretch)
+                             const glm::dvec3& stretch, const RecordUse& use)
     : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) *
                     affineMatrix(texture.transform(), "grid " + texture.getName())),
       mWorldToIndex(glm::inverse(mIndexToWorld))
@@ -48,8 +49,9 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     }
     mRanges.resize(leaves);
     mShown.resize(leaves);
+    mHasRecords.resize(leaves);
     mValues = std::make_unique_for_overwrite<ValueRecord[]>(leaves * kPaddedSize);
-    mGradients = std::make_unique_for_overwrite<GradientRecord[]>(leaves * kPaddedSize);
+    if (use.gradients) mGradients = std::make_unique_for_overwrite<GradientRecord[]>(leaves * kPaddedSize);
 
     // Gradients are covectors. The factor makes them independent of the unit of length.
     const glm::dmat3 linear(mIndexToWorld);
@@ -64,9 +66,12 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
             mRanges[leaf] = block->range();
             mShown[leaf] = domain().mask(leaf);
             if (const std::size_t found = block->removeInactive(mShown[leaf]); found > 0) unusable += found;
+            // Lanes of the ray caster that have no ray read the first leaf.
+            mHasRecords[leaf] = leaf == 0 || !use.look || use.look->contributes(mRanges[leaf]);
+            if (!mHasRecords[leaf]) continue;
             block->extend();
             block->writeValues(mValues.get() + leaf * kPaddedSize);
-            block->writeGradients(gradientToWorld, mGradients.get() + leaf * kPaddedSize);
+            if (mGradients) block->writeGradients(gradientToWorld, mGradients.get() + leaf * kPaddedSize);
         }
     });
     mUnusable = unusable;
@@ -88,6 +93,7 @@ void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
+            if (!mHasRecords[leaf]) continue;
             block->copy(texture.tree(), colors.tree(), domain().origin(leaf));
             block->extend();
             block->writeDrivers(mColors.get() + leaf * kPaddedSize);
@@ -123,16 +129,28 @@ TextureVolume::Samples TextureVolume::samples() const
     constexpr std::size_t kMost = 1 << 18;
     const std::size_t stride = domain().voxelCount() / kMost + 1;
     Samples result;
-    std::size_t voxel = 0;
+    const auto add = [&](std::size_t leaf, unsigned offset) {
+        const LeafVoxel at = LeafVoxel::at(offset);
+        const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
+        result.texture.push_back(mValues[record].texture);
+        result.driver.push_back(mValues[record].driver);
+        if (mColors) result.color.push_back(mColors[record]);
+    };
+    std::size_t next = 0; // number of voxels shown up to the next sample
     for (std::size_t leaf = 0; leaf < domain().leafCount(); ++leaf) {
-        for (auto i = mShown[leaf].beginOn(); i; ++i) {
-            if (voxel++ % stride != 0) continue;
-            const LeafVoxel at = LeafVoxel::at(i.pos());
-            const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
-            result.texture.push_back(mValues[record].texture);
-            result.driver.push_back(mValues[record].driver);
-            if (mColors) result.color.push_back(mColors[record]);
+        const std::size_t shown = mShown[leaf].countOn();
+        if (shown == LeafVoxel::kCount) {
+            for (; next < shown; next += stride)
+                add(leaf, unsigned(next));
+        } else if (next < shown) {
+            std::size_t voxel = 0;
+            for (auto i = mShown[leaf].beginOn(); i; ++i) {
+                if (voxel++ != next) continue;
+                add(leaf, i.pos());
+                next += stride;
+            }
         }
+        next -= shown;
     }
     return result;
 }

@@ -9,14 +9,23 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace vdblic {
 
+struct Look;
+
 /// Bounds of the active values in a padded leaf, and so of all samples in the leaf.
 struct LeafRange {
     float lowDriver, highDriver, highTexture;
+};
+
+/// What a volume's records are for; all there are unless that is known.
+struct RecordUse {
+    bool gradients = true;      ///< whether gradients are read
+    const Look* look = nullptr; ///< the only look that the volume is shown in: leaves that it hides get no records
 };
 
 /// A texture and the scalars that drive its colour and opacity (TransferParams), prepared for ray casting.
@@ -31,15 +40,17 @@ class TextureVolume {
 
     /// @param driver the scalar that makes opaque and, unless there is addColors(), colours; may be the texture itself
     /// @param stretch factors along the axes from the grids' world space to the volume's
+    /// @param use     what it leaves out must not be read; samples() and addLines() need the records of all leaves
     /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ
     TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
-                  const glm::dvec3& stretch = glm::dvec3(1));
+                  const glm::dvec3& stretch = glm::dvec3(1), const RecordUse& use = {});
 
     [[nodiscard]] const Domain& domain() const { return *mDomain; }
     [[nodiscard]] bool empty() const { return domain().leafCount() == 0; }
 
     /// Records of all leaves, kPaddedSize for each, by paddedIndex().
     [[nodiscard]] const ValueRecord* values() const { return mValues.get(); }
+    /// Null if RecordUse has none.
     [[nodiscard]] const GradientRecord* gradients() const { return mGradients.get(); }
     /// Null unless addLines() was called.
     [[nodiscard]] const LineRecord* lines() const { return mLines.get(); }
@@ -87,6 +98,7 @@ class TextureVolume {
     std::unique_ptr<float[]> mColors;
     std::vector<Mask> mShown;
     std::vector<LeafRange> mRanges;
+    std::vector<std::uint8_t> mHasRecords; // by leaf; 0: hidden by RecordUse::look
     glm::dvec3 mLow{0}, mHigh{0};
     glm::dmat4 mIndexToWorld{1}, mWorldToIndex{1};
     std::size_t mUnusable = 0;

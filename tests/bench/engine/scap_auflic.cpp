@@ -113,7 +113,7 @@ void ScapAuflic::seedTile(std::size_t k, const std::vector<VelocityField>& field
         if (!mOpen.isOn(voxel.pos())) continue;
         const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
         Path path;
-        path.id = std::uint64_t(k) << Particle::kRankBits | rank;
+        path.id = std::uint64_t(k) << Particle::kVoxelBits | rank;
         path.position = Float4{float(at[0]), float(at[1]), float(at[2]), 0};
         path.slope = field.sample(path.position, 0, Float4{});
         extend(field, path);

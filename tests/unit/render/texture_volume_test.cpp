@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -199,6 +201,56 @@ TEST(TextureVolume, RefusesTransformsItCannotRender)
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("fog"), std::string::npos) << error.what();
     }
+}
+
+TEST(TextureVolume, SamplesAreEveryNthVoxelShown)
+{
+    const openvdb::CoordBBox box = boxOf(81, 80, 80); // more than the samples there can be, and partly filled leaves
+    const auto grid = boxGrid("density", box, scattered);
+    grid->tree().addTile(1, Coord(16, 24, 32), 0, false); // a leaf without a voxel
+    const TextureVolume volume(*grid, *grid);
+    std::vector<float> expected;
+    int voxel = 0;
+    for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf) {
+        for (auto i = volume.shown(leaf).beginOn(); i; ++i) {
+            if (voxel++ % 2 != 0) continue;
+            const LeafVoxel at = LeafVoxel::at(i.pos());
+            expected.push_back(scattered(volume.domain().origin(leaf).offsetBy(at.x, at.y, at.z)));
+        }
+    }
+    EXPECT_EQ(voxel, 81 * 80 * 80 - 512);
+    EXPECT_EQ(volume.samples().texture, expected);
+    EXPECT_EQ(volume.samples().driver, expected);
+}
+
+TEST(TextureVolume, ForOneLookMakesTheSamePicture)
+{
+    // The look hides a part of the leaves: those in which the driver, which rises along x, is low.
+    const auto texture = boxGrid("density", boxOf(48, 24, 24), scattered);
+    const auto driver = boxGrid("magnitude", boxOf(48, 24, 24), [](const Coord& c) { return float(c.x()) / 48; });
+    const auto colors = boxGrid("speed", boxOf(48, 24, 24), [](const Coord& c) { return float(c.y()) / 24; });
+    Look look = fullLook();
+    look.halo.strength = 1;
+    TextureVolume whole(*texture, *driver), part(*texture, *driver, glm::dvec3(1), {.look = &look});
+    const Camera camera = cameraAlong(whole, {1, 0.4, -0.3}, 200, 18, {40, 40});
+    const Image image = castRays(whole, look, camera, {.layers = true});
+    EXPECT_GT(image.at(20, 20).a, 0.1f);
+    EXPECT_EQ(difference(image, castRays(part, look, camera, {.layers = true})), 0);
+    for (TextureVolume* volume : {&whole, &part})
+        volume->addColors(*texture, *colors);
+    EXPECT_EQ(difference(castRays(whole, look, camera, {}), castRays(part, look, camera, {})), 0);
+}
+
+TEST(TextureVolume, HasNoGradientsWhereNoneAreRead)
+{
+    const auto grid = boxGrid("density", boxOf(24, 24, 24), scattered);
+    const TextureVolume whole(*grid, *grid), part(*grid, *grid, glm::dvec3(1), {.gradients = false});
+    EXPECT_NE(whole.gradients(), nullptr);
+    EXPECT_EQ(part.gradients(), nullptr);
+    Look flat = fullLook();
+    flat.shading.model = ShadingModel::kNone;
+    const Camera camera = cameraAlong(whole, {1, 0.4, -0.3}, 200, 12, {40, 40});
+    EXPECT_EQ(difference(castRays(whole, flat, camera, {}), castRays(part, flat, camera, {})), 0);
 }
 
 } // namespace
