@@ -60,7 +60,7 @@ Console::~Console()
 
 void Console::progress(std::size_t done, std::size_t total)
 {
-    if (mLevel == Level::kQuiet) return;
+    if (mLevel <= Level::kQuiet) return;
     const auto now = std::chrono::steady_clock::now();
     const double elapsed = Seconds(now - mStart).count();
     if (!mBefore) mBefore = done > 0 ? done - 1 : 0;
@@ -95,7 +95,7 @@ void Console::detail(std::string_view message)
 
 void Console::say(std::string_view message)
 {
-    if (mLevel != Level::kQuiet) print("", message);
+    if (mLevel > Level::kQuiet) print("", message);
 }
 
 void Console::warn(std::string_view message)
@@ -125,6 +125,7 @@ void Console::finished(const std::filesystem::path& output)
 
 void Console::print(std::string_view kind, std::string_view message)
 {
+    if (mLevel == Level::kSilent) return;
     clearBar();
     toStandardError(fmt::format("{}: {}{}\n", mTool, kind, withOptionNames(message, mTool)));
 }

@@ -22,7 +22,7 @@ struct ClosedPipe {};
 /// that share a terminal print a line every ten seconds at most.
 class Console : public Reporter {
   public:
-    enum class Level { kQuiet, kNormal, kVerbose };
+    enum class Level { kSilent, kQuiet, kNormal, kVerbose }; ///< kSilent: nothing at all
 
     Console(std::string tool, Level level);
     ~Console() override;

@@ -181,6 +181,7 @@ void Tool::share(const Ranks& ranks)
 {
     mProcesses = ranks.onHost;
     mIsShared = !ranks.exchange->isAlone();
+    mPrints = ranks.exchange->isFirst();
 }
 
 int Tool::endBy(int signal) const
@@ -229,6 +230,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         return tell(asked);
     } catch (const CLI::ParseError& error) {
         const std::string expanded = expandedPattern();
+        if (!mPrints) return status(ExitStatus::kUsage);
         fmt::print(stderr, "{}: {}\n{} --help lists the options.\n", mApp.get_name(),
                    expanded.empty() ? error.what() : expanded, mApp.get_name());
         return status(ExitStatus::kUsage);
@@ -236,7 +238,8 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
 
     std::optional<tbb::global_control> threads;
     if (mThreads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(mThreads));
-    Console console(mApp.get_name(), mQuiet     ? Console::Level::kQuiet
+    Console console(mApp.get_name(), !mPrints   ? Console::Level::kSilent
+                                     : mQuiet   ? Console::Level::kQuiet
                                      : mVerbose ? Console::Level::kVerbose
                                                 : Console::Level::kNormal);
     try {

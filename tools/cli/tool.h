@@ -40,7 +40,8 @@ class Tool {
     void verifies(std::function<std::vector<SequenceParams>()> inputs);
 
     /// Share the job with other processes, and this machine's memory with some of them. After a signal all of them end
-    /// by the status 128 and its number: a process that dies by a signal would end the others before they could.
+    /// by the status 128 and its number: a process that dies by a signal would end the others before they could. Only
+    /// rank 0 prints, but for crashes.
     void share(const Ranks& ranks);
 
     CLI::App& app() { return mApp; }
@@ -63,7 +64,7 @@ class Tool {
     std::unique_ptr<std::istream> mInput;
     std::function<std::vector<SequenceParams>()> mInputs;
     int mThreads = 0, mProcesses = 1; // processes on this machine
-    bool mIsShared = false;
+    bool mIsShared = false, mPrints = true;
     std::string mMaxMemory;
     bool mQuiet = false, mVerbose = false, mVerify = false;
 };

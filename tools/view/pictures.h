@@ -20,7 +20,7 @@ namespace vdblic::view {
 
 /// A picture that a client asks for.
 struct PictureRequest {
-    std::string client; ///< a name of its own choice
+    std::string client;               ///< a name of its own choice
     std::optional<std::int64_t> turn; ///< the client's number of the request; without one it is its newest
     nlohmann::json state;
     std::int64_t frame = 1;

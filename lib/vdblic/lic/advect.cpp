@@ -3,14 +3,10 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/stopwatch.h"
-#include "vdblic/distributed/halo_exchange.h"
-#include "vdblic/distributed/leaf_gather.h"
-#include "vdblic/field/velocity_field.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/frame_between.h"
-#include "vdblic/lic/frame_halo.h"
 #include "vdblic/lic/frame_writer.h"
 #include "vdblic/lic/lead_in.h"
 #include "vdblic/lic/memory_estimate.h"
@@ -19,7 +15,7 @@
 #include "vdblic/lic/run_checkpoint.h"
 #include "vdblic/lic/run_outputs.h"
 #include "vdblic/lic/run_report.h"
-#include "vdblic/lic/scatter.h"
+#include "vdblic/lic/shared_run.h"
 #include "vdblic/lic/texture_file.h"
 
 #include <fmt/format.h>
@@ -30,7 +26,6 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <istream>
 #include <iterator>
 #include <optional>
@@ -46,7 +41,7 @@ namespace {
 class Advection {
   public:
     Advection(const AdvectParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
-        : mParams(params), mReporter(reporter), mExchange(exchange), mOutputs(params),
+        : mParams(params), mReporter(reporter), mExchange(exchange), mShared(params, exchange), mOutputs(params),
           mCheckpoint(params, mOutputs, reporter, exchange),
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
@@ -79,12 +74,12 @@ class Advection {
         } else {
             interval = begin(*current, next);
         }
-        mFlow.describe(*current, interval, largestDisplacement(*current, interval.seconds));
+        mFlow.describe(*current, interval, mShared.largestDisplacement(*current, interval.seconds));
         checkMemoryFor(current->flow);
 
         Stopwatch watch;
         while (mTexture.steps() < mParams.prerollSteps()) {
-            surround(*current, *current, interval.seconds);
+            mShared.surround(*current, *current, interval.seconds, mTexture);
             advance(*current, *current, interval.seconds);
             stepDone(*current);
             saveIfDue();
@@ -161,62 +156,20 @@ class Advection {
     std::optional<LoadedFrame> nextFrame()
     {
         std::optional<LoadedFrame> frame = mFlow.next();
-        checkSame(frame ? frame->stamp : "");
+        mShared.checkSame(frame ? frame->stamp : "");
         if (frame) {
             mCheckpoint.noteInput(frame->velocity.file.path, frame->stamp);
         } else {
             mAfter = mFlow.after();
+            mShared.checkSame(mAfter ? mAfter->stamp : "");
         }
         return frame;
-    }
-
-    /// Check that all ranks read the same frame. @param stamp of the frame, empty at the end
-    void checkSame(const std::string& stamp)
-    {
-        const auto number = double(std::hash<std::string>()(stamp) >> 12); // exact
-        std::array<double, 2> numbers = {number, -number};
-        mExchange.max(numbers);
-        if (mExchange.isAlone() || numbers[0] == -numbers[1]) return;
-        throw InputError("the ranks do not see the same frames, or files of different sizes or times: run again when "
-                         "the file system shows the sequence to all machines");
-    }
-
-    /// Take from the other ranks what the steps between two frames need. @param seconds between the frames
-    void surround(LoadedFrame& start, LoadedFrame& end, double seconds)
-    {
-        if (mExchange.isAlone()) return;
-        const auto largest = [&](const LoadedFrame& frame) {
-            const openvdb::Mat3d toTexture = frame.flow.refinement.toTexture();
-            return largestVelocity(
-                {frame.velocity.values->tree(), toTexture * frame.velocity.toVoxelsPerStep(seconds)});
-        };
-        const Float4 before = largest(start), after = largest(end);
-        const int substeps = mParams.scatter.substeps;
-        const std::array<float, 3> slope = mTexture.largestSlope(seconds / substeps);
-        Farthest farthest{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const float frame = std::max(before[int(axis)], after[int(axis)]);
-            const float step =
-                mParams.steady ? 0.5f * float(mParams.scatter.lifeSpan) * frame : frame / float(substeps);
-            const float finer = float(start.flow.refinement.factors[axis]) - 1;
-            farthest.path[axis] = longestPath(std::max(step, slope[axis])) + finer;
-            farthest.upstream[axis] = frame + 1;
-        }
-        mHaloDepth = vdblic::surround(mExchange, start, end, farthest);
-    }
-
-    /// The largest displacement in a step, at any rank [voxels]. @param interval seconds of the step
-    double largestDisplacement(const LoadedFrame& frame, double interval)
-    {
-        double largest = frame.velocity.largestDisplacement(interval);
-        mExchange.max({&largest, 1});
-        return largest;
     }
 
     /// The textures of a frame and of the substeps between it and the next. @param seconds between the frames
     void compute(LoadedFrame& frame, LoadedFrame& next, double seconds)
     {
-        surround(frame, next, seconds);
+        mShared.surround(frame, next, seconds, mTexture);
         const int parts = mParams.scatter.substeps;
         const auto at = [&](int part) {
             return part == 0 ? frame : part == parts ? next : frameBetween(frame, next, double(part) / parts);
@@ -243,10 +196,10 @@ class Advection {
         if (mAfter) {
             const int parts = mParams.scatter.substeps;
             interval = mFlow.intervalAfter(frame, &*mAfter);
-            surround(frame, *mAfter, interval.seconds);
+            mShared.surround(frame, *mAfter, interval.seconds, mTexture);
             end = parts == 1 ? std::move(*mAfter) : frameBetween(frame, *mAfter, 1.0 / parts);
         } else {
-            surround(frame, end, interval.seconds);
+            mShared.surround(frame, end, interval.seconds, mTexture);
         }
         write(frame, advance(frame, end, interval.seconds), {mTime, interval.seconds});
     }
@@ -259,8 +212,7 @@ class Advection {
         mInterval = interval;
         start.flow.toWorldPerSecond = start.velocity.toWorldPerSecond(interval);
         const double part = 1.0 / mParams.scatter.substeps; // of the interval
-        std::optional<HaloExchange> halo;
-        if (!mExchange.isAlone()) halo.emplace(mExchange, *start.partition, *start.flow.domain, mHaloDepth);
+        const std::optional<HaloExchange> halo = mShared.haloOf(start);
         return mTexture.advance({start.flow, end.flow, start.velocity.toVoxelsPerStep(interval) * part,
                                  end.velocity.toVoxelsPerStep(interval) * part, interval / mParams.scatter.substeps,
                                  halo ? &*halo : nullptr});
@@ -300,25 +252,10 @@ class Advection {
                                            {number, frame.sourceFrame, textureTime, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
-        std::vector<StoredLeaves> stored;
-        if (!mExchange.isAlone()) stored = gather(frame, file);
+        std::vector<StoredLeaves> stored = mShared.gather(frame, file);
         if (!mExchange.isFirst()) return;
         mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids), file.metadata,
                       std::move(stored));
-    }
-
-    /// Store the grids that the ranks computed at rank 0; the file's grids lose their values.
-    std::vector<StoredLeaves> gather(const LoadedFrame& frame, TextureFile& file)
-    {
-        std::vector<StoredLeaves> stored;
-        for (std::size_t i = 0; i < file.computed; ++i) {
-            const auto grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[i]);
-            const bool isFine = i == 0 || mParams.format.scalars == ScalarVoxels::kTexture;
-            const Domain& domain = isFine ? *frame.flow.domain : *frame.flow.velocityDomain();
-            stored.push_back(gatherLeaves(mExchange, domain, *grid, mParams.format.compression));
-            if (mExchange.isFirst()) file.grids[i] = withoutValues(domain, *grid);
-        }
-        return stored;
     }
 
     /// Warn of what is likely wrong with a frame, though its texture can be computed.
@@ -332,7 +269,7 @@ class Advection {
                             isCut ? "no active voxel lies inside `box`, `world_box` and `mask`" : "no active voxels"));
             return;
         }
-        const double largest = largestDisplacement(frame, seconds);
+        const double largest = mShared.largestDisplacement(frame, seconds);
         constexpr double kRest = 1e-3; // voxels a step
         if (largest < kRest && !mWarnedOfRest) {
             mWarnedOfRest = true;
@@ -370,6 +307,7 @@ class Advection {
     const AdvectParams& mParams;
     Reporter& mReporter;
     Exchange& mExchange;
+    SharedRun mShared;
     RunOutputs mOutputs;
     RunCheckpoint mCheckpoint;
     FlowTexture mTexture;
@@ -377,7 +315,6 @@ class Advection {
     FrameWriter mWriter;
     RunReport mReport;
     std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
-    openvdb::Coord mHaloDepth;         // of the step to come [texture voxels]
     double mTime = 0;                  // of the frame that the next step starts from or after
     double mInterval = 0;              // between the frames of the last step
     bool mWarnedOfDisplacement = false, mWarnedOfRest = false;

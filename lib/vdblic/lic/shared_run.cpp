@@ -1,0 +1,76 @@
+#include "vdblic/lic/shared_run.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/distributed/leaf_gather.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/advect_params.h"
+#include "vdblic/lic/flow_texture.h"
+#include "vdblic/lic/frame_halo.h"
+#include "vdblic/lic/scatter.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+
+namespace vdblic {
+
+void SharedRun::checkSame(const std::string& stamp) const
+{
+    if (mExchange.isAlone()) return;
+    const auto number = double(std::hash<std::string>()(stamp) >> 12); // exact
+    std::array<double, 2> numbers = {number, -number};
+    mExchange.max(numbers);
+    if (numbers[0] == -numbers[1]) return;
+    throw InputError("the ranks do not see the same frames, or files of different sizes or times: run again when the "
+                     "file system shows the sequence to all machines");
+}
+
+double SharedRun::largestDisplacement(const LoadedFrame& frame, double interval) const
+{
+    double largest = frame.velocity.largestDisplacement(interval);
+    mExchange.max({&largest, 1});
+    return largest;
+}
+
+void SharedRun::surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture)
+{
+    if (mExchange.isAlone()) return;
+    const auto largest = [&](const LoadedFrame& frame) {
+        const openvdb::Mat3d toTexture = frame.flow.refinement.toTexture();
+        return largestVelocity({frame.velocity.values->tree(), toTexture * frame.velocity.toVoxelsPerStep(seconds)});
+    };
+    const Float4 before = largest(start), after = largest(end);
+    const int substeps = mParams.scatter.substeps;
+    const std::array<float, 3> slope = texture.largestSlope(seconds / substeps);
+    Farthest farthest{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float frame = std::max(before[int(axis)], after[int(axis)]);
+        const float step = mParams.steady ? 0.5f * float(mParams.scatter.lifeSpan) * frame : frame / float(substeps);
+        const float finer = float(start.flow.refinement.factors[axis]) - 1;
+        farthest.path[axis] = longestPath(std::max(step, slope[axis])) + finer;
+        farthest.upstream[axis] = frame + 1;
+    }
+    mDepth = vdblic::surround(mExchange, start, end, farthest);
+}
+
+std::optional<HaloExchange> SharedRun::haloOf(const LoadedFrame& start) const
+{
+    if (mExchange.isAlone()) return std::nullopt;
+    return std::make_optional<HaloExchange>(mExchange, *start.partition, *start.flow.domain, mDepth);
+}
+
+std::vector<StoredLeaves> SharedRun::gather(const LoadedFrame& frame, TextureFile& file) const
+{
+    std::vector<StoredLeaves> stored;
+    for (std::size_t i = 0; !mExchange.isAlone() && i < file.computed; ++i) {
+        const auto grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[i]);
+        const bool isFine = i == 0 || mParams.format.scalars == ScalarVoxels::kTexture;
+        const Domain& domain = isFine ? *frame.flow.domain : *frame.flow.velocityDomain();
+        stored.push_back(gatherLeaves(mExchange, domain, *grid, mParams.format.compression));
+        if (mExchange.isFirst()) file.grids[i] = withoutValues(domain, *grid);
+    }
+    return stored;
+}
+
+} // namespace vdblic

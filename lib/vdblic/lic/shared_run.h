@@ -1,0 +1,50 @@
+#pragma once
+
+#include "vdblic/core/exchange.h"
+#include "vdblic/distributed/halo_exchange.h"
+#include "vdblic/io/vdb_assembly.h"
+#include "vdblic/lic/flow_sequence.h"
+#include "vdblic/lic/texture_file.h"
+
+#include <openvdb/openvdb.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+struct AdvectParams;
+class FlowTexture;
+
+/// What the ranks of a run tell each other about its frames. All functions are collective; for a process alone they do
+/// nothing. Not thread-safe.
+class SharedRun {
+  public:
+    /// Both must outlive this.
+    SharedRun(const AdvectParams& params, Exchange& exchange) : mParams(params), mExchange(exchange) {}
+
+    /// Check that all ranks read the same frame. @param stamp of the frame, empty if there is none. @throws InputError
+    void checkSame(const std::string& stamp) const;
+
+    /// The largest displacement in a step, at any rank [voxels]. @param interval seconds of the step
+    [[nodiscard]] double largestDisplacement(const LoadedFrame& frame, double interval) const;
+
+    /// Take from the other ranks what the steps between two frames need.
+    /// @param seconds between the frames  @param texture that makes the steps
+    void surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture);
+
+    /// The exchange of a step that starts from a frame, whose surroundings are there; nothing for a process alone.
+    [[nodiscard]] std::optional<HaloExchange> haloOf(const LoadedFrame& start) const;
+
+    /// Store the grids of a frame that the ranks computed, at rank 0; the file's grids lose their values there.
+    /// @return leaves for FrameWriter::write()
+    [[nodiscard]] std::vector<StoredLeaves> gather(const LoadedFrame& frame, TextureFile& file) const;
+
+  private:
+    const AdvectParams& mParams;
+    Exchange& mExchange;
+    openvdb::Coord mDepth; // of the halos [texture voxels]
+};
+
+} // namespace vdblic
