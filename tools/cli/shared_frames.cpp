@@ -77,9 +77,9 @@ void shareFrames(Exchange& exchange, const SequenceParams& input, Reporter& repo
     } catch (...) {
         error = std::current_exception();
     }
-    for (const Exchange::Bytes& text : exchange.gather(kept.text()))
-        KeptReports::replay(text, reporter);
     try {
+        for (const Exchange::Bytes& text : exchange.gather(kept.text()))
+            KeptReports::replay(text, reporter);
         if (error) std::rethrow_exception(error);
         exchange.agree();
     } catch (...) {

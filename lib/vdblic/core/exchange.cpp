@@ -31,8 +31,8 @@ std::string described(const std::exception_ptr& why)
         return std::string(1, kMemory);
     } catch (const std::exception& error) {
         return std::string(1, kOther) + error.what();
-    } catch (...) {
-        return std::string(1, kOther);
+    } catch (...) { // a reporter's own: its reader has gone away
+        return std::string(1, kStopped);
     }
 }
 

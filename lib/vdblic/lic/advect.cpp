@@ -348,6 +348,7 @@ void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& r
         exchange.agree();
         isRunning = true;
         advection->run();
+        exchange.agree(); // also that rank 0 could write its report
     } catch (...) {
         exchange.fail(std::current_exception());
         if (isRunning) advection->abandon();

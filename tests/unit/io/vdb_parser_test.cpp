@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <ios>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -33,11 +34,11 @@ std::string written(const openvdb::GridCPtrVec& grids, std::uint32_t compression
     return stream.str();
 }
 
-VdbFile parsed(const std::string& bytes)
+VdbFile parsed(const std::string& bytes, const std::optional<openvdb::CoordBBox>& box = std::nullopt)
 {
     std::istringstream stream(bytes);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
-    return parseVdb(stream, "a.vdb", bytes.size());
+    return parseVdb(stream, "a.vdb", bytes.size(), box);
 }
 
 /// Parsing gives the grid that OpenVDB reads, to the bit: of a type, with its metadata, nodes and values.
@@ -73,6 +74,35 @@ TEST(VdbParser, ReadsWhatOpenVdbReads)
     expectTheGridOfOpenVdb<openvdb::Int64Grid>(variedGrid<openvdb::Int64Grid>("int64"));
     expectTheGridOfOpenVdb<openvdb::BoolGrid>(variedGrid<openvdb::BoolGrid>("bool"));
     expectTheGridOfOpenVdb<openvdb::FloatGrid>(openvdb::FloatGrid::create(2));
+}
+
+TEST(VdbParser, ReadsVectorsInABoxOnly)
+{
+    const auto vectors = variedGrid<openvdb::Vec3SGrid>("vectors");
+    const auto staggered = variedGrid<openvdb::Vec3SGrid>("staggered");
+    staggered->setGridClass(openvdb::GRID_STAGGERED);
+    const auto numbers = variedGrid<openvdb::FloatGrid>("numbers");
+    const std::string bytes = written({vectors, staggered, numbers}, io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK);
+    const VdbFile whole = parsed(bytes);
+    const openvdb::CoordBBox box(openvdb::Coord(-8, 16, 0), openvdb::Coord(31, 47, 4095));
+    const VdbFile part = parsed(bytes, box);
+    const auto all = whole.find<openvdb::Vec3SGrid>("vectors"), some = part.find<openvdb::Vec3SGrid>("vectors");
+    ASSERT_TRUE(some->tree().hasSameTopology(all->tree()));
+    std::size_t inside = 0;
+    for (auto leaf = some->tree().cbeginLeaf(); leaf; ++leaf) {
+        const bool isInside = box.isInside(leaf->origin());
+        inside += isInside;
+        EXPECT_EQ(leaf->buffer().empty(), !isInside);
+        if (!isInside) continue;
+        EXPECT_EQ(*leaf, *all->tree().probeConstLeaf(leaf->origin()));
+    }
+    EXPECT_GT(inside, 20u);
+    EXPECT_LT(inside, some->tree().leafCount() / 2);
+    // Others are needed beyond their box.
+    for (auto leaf = part.find<openvdb::Vec3SGrid>("staggered")->tree().cbeginLeaf(); leaf; ++leaf)
+        EXPECT_FALSE(leaf->buffer().empty());
+    for (auto leaf = part.find<openvdb::FloatGrid>("numbers")->tree().cbeginLeaf(); leaf; ++leaf)
+        EXPECT_FALSE(leaf->buffer().empty());
 }
 
 TEST(VdbParser, ReadsWhatOpenVdbReadsOfHalfFloats)
