@@ -34,7 +34,7 @@ class MessageReader {
     {
         static_assert(std::is_trivially_copyable_v<T>);
         if (count > (mMessage.size() - mAt) / sizeof(T)) throw std::logic_error("a message between ranks is too short");
-        std::memcpy(static_cast<void*>(values), mMessage.data() + mAt, count * sizeof(T));
+        if (count > 0) std::memcpy(static_cast<void*>(values), mMessage.data() + mAt, count * sizeof(T));
         mAt += count * sizeof(T);
     }
     template<typename T>
