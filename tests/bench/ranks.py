@@ -54,8 +54,11 @@ def shell(size, ranks, depth):
 
 
 def traffic(size, ranks, depth, steps, particles):
-    """Bytes of all swaps of a run: hits and textures in every step, velocities of three frames, particles."""
-    a_step = shell(size, ranks, depth) * (8 + 4) + shell(size, ranks, 1) * 4
+    """Bytes of all swaps of a run: hits and textures in every step, velocities of three frames, particles.
+
+    Paths reach one leaf of the halo; leaves without hits are not sent.
+    """
+    a_step = shell(size, ranks, 1) * (8 + 4) + shell(size, ranks, depth) * 4
     faces = shell(size, ranks, 1) / LEAF / 2  # voxels of the cuts
     return steps * (a_step + faces * particles * 40) + 3 * shell(size, ranks, depth + 1) * 12
 
