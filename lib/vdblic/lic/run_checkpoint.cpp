@@ -152,8 +152,7 @@ void RunCheckpoint::write(const FlowTexture& texture)
         state.grids = texture.save();
         for (const auto& grid : state.grids)
             grid->setTransform(transform->copy());
-        partition ? writePart(std::move(checkpoint), *partition)
-                  : writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+        partition ? writePart(std::move(checkpoint), *partition) : writeWhole(checkpoint);
     } catch (const std::bad_alloc&) {
         throw InputError(fmt::format("{}: takes more than the {} of memory that may be used: raise `max_memory`, or "
                                      "give `checkpoint_every` 0 to do without",
@@ -162,6 +161,12 @@ void RunCheckpoint::write(const FlowTexture& texture)
         throw OutputError(fmt::format("{}; `checkpoint_every` 0 does without checkpoints", error.what()));
     }
     mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
+}
+
+void RunCheckpoint::writeWhole(const Checkpoint& checkpoint) const
+{
+    writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+    removeParts({}); // of a run by ranks that this one goes on from
 }
 
 /// Every rank writes its part, then rank 0 the file that lists them: until then the checkpoint before is valid.

@@ -76,6 +76,7 @@ class RunCheckpoint {
 
   private:
     [[nodiscard]] std::vector<VdbFile> readParts(const Checkpoint& before, const LoadedFrame& frame) const;
+    void writeWhole(const Checkpoint& checkpoint) const;
     void writePart(Checkpoint checkpoint, const Partition& partition);
     void removeParts(std::optional<std::uint64_t> but) const;
     void addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const;
