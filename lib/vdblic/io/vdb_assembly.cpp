@@ -104,7 +104,7 @@ StoredLeaves VdbAssembly::store(const openvdb::FloatGrid& grid,
 }
 
 void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
-                        std::vector<StoredLeaves> stored) const
+                        LeafSource* source) const
 {
     vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
     vdb_io::setStreamMetadataPtr(stream, settings, /*transfer=*/false);
@@ -134,7 +134,7 @@ void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids,
             descriptor.setInstanceParentName(same->second.uniqueName());
             writeGridInstance(descriptor, grid, stream, /*seekable=*/true);
         } else {
-            writeGrid(descriptor, grid, number < stored.size() ? &stored[number] : nullptr, stream);
+            writeGrid(descriptor, grid, source && number < source->grids() ? source : nullptr, stream);
             written[&grid->baseTree()] = descriptor;
         }
         ++number;
@@ -142,16 +142,17 @@ void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids,
 }
 
 void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::GridBase::ConstPtr& grid,
-                            StoredLeaves* stored, std::ostream& stream) const
+                            LeafSource* source, std::ostream& stream) const
 {
     const std::uint32_t flags = flagsOf(*grid);
-    StoredLeaves own;
-    if (!stored &&
-        !grid->apply<LeafwiseGrids>([&](const auto& typed) { own = storeLeaves(typed, flags, compression()); })) {
+    StoredLeaves leaves;
+    if (source) {
+        leaves = source->leaves();
+    } else if (!grid->apply<LeafwiseGrids>(
+                   [&](const auto& typed) { leaves = storeLeaves(typed, flags, compression()); })) {
         Archive::writeGrid(descriptor, grid, stream, /*seekable=*/true);
         return;
     }
-    StoredLeaves& leaves = stored ? *stored : own;
     descriptor.writeHeader(stream);
     const std::streampos offsets = stream.tellp();
     descriptor.writeStreamPos(stream); // not known yet
@@ -160,7 +161,7 @@ void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::G
     const auto head = openvdb::ConstPtrCast<openvdb::GridBase>(grid->copyGrid()); // of the same tree
     head->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, listOf(leaves));
     head->addStatsMetadata();
-    if (stored) { // OpenVDB counts the values of the nodes, which have none
+    if (source) { // OpenVDB counts the values of the nodes, which have none
         const std::size_t values = leaves.kinds.size() * LeafFormat::kVoxels * sizeof(float);
         head->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES,
                          openvdb::Int64Metadata(std::int64_t(grid->memUsage() + values)));
@@ -175,6 +176,8 @@ void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::G
         stream.write(block.data(), std::streamsize(block.size()));
         block = {};
     }
+    for (std::string block; source && !(block = source->block()).empty();)
+        stream.write(block.data(), std::streamsize(block.size()));
     descriptor.setEndPos(stream.tellp());
     stream.seekp(offsets);
     descriptor.writeStreamPos(stream);

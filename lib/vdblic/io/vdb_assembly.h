@@ -4,6 +4,7 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <iosfwd>
 #include <string>
@@ -20,6 +21,18 @@ struct StoredLeaves {
     std::vector<std::int64_t> sizes;    ///< of each leaf's values, as OpenVDB lists them; empty if it does not
 };
 
+/// Gives VdbAssembly::write() the leaves of the first grids of a file, while the file is being written.
+class LeafSource {
+  public:
+    virtual ~LeafSource() = default;
+    /// The number of those grids.
+    [[nodiscard]] virtual std::size_t grids() const = 0;
+    /// The leaves of the next grid, without blocks. Called once for each grid.
+    virtual StoredLeaves leaves() = 0;
+    /// The next block of that grid's leaves; empty after the last one.
+    virtual std::string block() = 0;
+};
+
 /// Writes the bytes of openvdb::io::File, apart from the random identity, in a fraction of the time: each leaf is
 /// compressed once, by all threads. OpenVDB compresses each leaf twice, the second time by one thread.
 ///
@@ -31,9 +44,9 @@ class VdbAssembly : public openvdb::io::Archive {
     explicit VdbAssembly(std::uint32_t compression) { setCompression(compression); }
 
     /// @param stream seekable, and throws; OpenVDB does not check the state of its stream
-    /// @param stored leaves of the first grids, in the order of the grids; the nodes of those need no values
+    /// @param source of leaves; the nodes of those grids need no values
     void write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
-               std::vector<StoredLeaves> stored = {}) const;
+               LeafSource* source = nullptr) const;
 
     /// Some leaves of a grid, stored as write() would. @param grid gives class, precision and background
     [[nodiscard]] StoredLeaves store(const openvdb::FloatGrid& grid,
@@ -42,7 +55,7 @@ class VdbAssembly : public openvdb::io::Archive {
   private:
     [[nodiscard]] std::uint32_t flagsOf(const openvdb::GridBase& grid) const;
     void writeGrid(openvdb::io::GridDescriptor& descriptor, const openvdb::GridBase::ConstPtr& grid,
-                   StoredLeaves* stored, std::ostream& stream) const;
+                   LeafSource* source, std::ostream& stream) const;
 };
 
 } // namespace vdblic

@@ -177,7 +177,7 @@ std::string_view toString(VdbCompression compression)
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
               VdbCompression compression)
 {
-    writeStoredVdb(path, grids, std::move(metadata), compression, {});
+    writeStoredVdb(path, grids, std::move(metadata), compression, nullptr);
 }
 
 StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
@@ -187,7 +187,7 @@ StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
 }
 
 void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
-                    VdbCompression compression, std::vector<StoredLeaves> leaves)
+                    VdbCompression compression, LeafSource* source)
 {
     initializeOnce();
     metadata.removeMeta("creator");
@@ -200,7 +200,7 @@ void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVe
         std::fstream stream;
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(output.temporary(), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
-        VdbAssembly(compressionFlags(compression)).write(stream, grids, metadata, std::move(leaves));
+        VdbAssembly(compressionFlags(compression)).write(stream, grids, metadata, source);
         stampChecksums(stream);
         stream.close();
     } catch (const std::bad_alloc&) {

@@ -82,13 +82,15 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
               VdbCompression compression = VdbCompression::kBlosc);
 
 struct StoredLeaves;
+class LeafSource;
 /// Some leaves of a grid as writeVdb() stores them.
 [[nodiscard]] StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
                                        const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves,
                                        VdbCompression compression);
-/// writeVdb() of grids whose leaves are stored already. @param leaves as VdbAssembly::write() takes them
+/// writeVdb() of grids whose leaves are stored already. @param source of the leaves of the first grids, or null
+/// @throws what the source throws, if that is no std::exception
 void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
-                    VdbCompression compression, std::vector<StoredLeaves> leaves);
+                    VdbCompression compression, LeafSource* source);
 
 /// A number stored as double, float, int32 or int64 metadata, if there is one.
 [[nodiscard]] std::optional<double> numericMetadata(const openvdb::MetaMap& metadata, const std::string& name);

@@ -37,6 +37,9 @@
 namespace vdblic {
 namespace {
 
+/// Ranks that write files at the same time. Carried grids are at rank 0 only, which then writes all.
+constexpr int kMostWriters = 4;
+
 /// A run over the frames of a sequence.
 class Advection {
   public:
@@ -46,9 +49,9 @@ class Advection {
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
           mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter, exchange),
-          mWriter(reporter,
+          mWriter(reporter, exchange,
                   params.textures(mFlow.total() - std::min(mFlow.total(), std::size_t(params.leadInFrames()))),
-                  params.format.compression)
+                  params.format.compression, params.velocity.carry.empty() ? kMostWriters : 1)
     {
         mOutputs.check(mWriter.total());
     }
@@ -104,7 +107,7 @@ class Advection {
     {
         try {
             mWriter.finishWriting();
-            const bool isWritten = !mExchange.isFirst() || mWriter.done() == mParams.texturesDone(mTexture.steps());
+            const bool isWritten = mWriter.done() == mParams.texturesDone(mTexture.steps());
             std::array<double, 2> steps = {double(mTexture.steps()), -double(mTexture.steps())};
             mExchange.max(steps); // a rank may have failed in the middle of a step
             if (mExchange.any(!mCheckpoint.isUnsaved() || !isWritten || steps[0] != -steps[1])) return;
@@ -252,10 +255,8 @@ class Advection {
                                            {number, frame.sourceFrame, textureTime, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
-        std::vector<StoredLeaves> stored = mShared.gather(frame, file);
-        if (!mExchange.isFirst()) return;
-        mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file.grids), file.metadata,
-                      std::move(stored));
+        std::vector<OwnLeaves> own = mShared.store(frame, file, mWriter.isMineNext());
+        mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file), std::move(own));
     }
 
     /// Warn of what is likely wrong with a frame, though its texture can be computed.
@@ -289,12 +290,13 @@ class Advection {
     /// @param seconds from the first step to the last output
     void report(double seconds)
     {
-        std::uint64_t sent = mExchange.sent();
-        mExchange.sum({&sent, 1});
+        std::array<std::uint64_t, 2> sent = {mExchange.sent() - mWriter.sent(), mWriter.sent()};
+        mExchange.sum(sent);
         if (!mExchange.isFirst()) return;
         if (!mExchange.isAlone()) {
-            mReporter.detail(fmt::format("{} ranks exchanged {:.1f} MB in {} steps, outputs not counted",
-                                         mExchange.size(), double(sent) / 1e6, mTexture.steps()));
+            mReporter.detail(fmt::format("{} ranks exchanged {:.1f} MB in {} steps, and {:.1f} MB of outputs",
+                                         mExchange.size(), double(sent[0]) / 1e6, mTexture.steps(),
+                                         double(sent[1]) / 1e6));
         }
         mReport.seconds = seconds;
         for (std::size_t i = 0; i < mReport.frames.size(); ++i)

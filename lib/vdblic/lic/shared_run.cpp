@@ -1,7 +1,6 @@
 #include "vdblic/lic/shared_run.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/distributed/leaf_gather.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/advect_params.h"
 #include "vdblic/lic/flow_texture.h"
@@ -60,15 +59,15 @@ std::optional<HaloExchange> SharedRun::haloOf(const LoadedFrame& start) const
     return std::make_optional<HaloExchange>(mExchange, *start.partition, *start.flow.domain, mDepth);
 }
 
-std::vector<StoredLeaves> SharedRun::gather(const LoadedFrame& frame, TextureFile& file) const
+std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const
 {
-    std::vector<StoredLeaves> stored;
+    std::vector<OwnLeaves> stored;
     for (std::size_t i = 0; !mExchange.isAlone() && i < file.computed; ++i) {
         const auto grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[i]);
         const bool isFine = i == 0 || mParams.format.scalars == ScalarVoxels::kTexture;
         const Domain& domain = isFine ? *frame.flow.domain : *frame.flow.velocityDomain();
-        stored.push_back(gatherLeaves(mExchange, domain, *grid, mParams.format.compression));
-        if (mExchange.isFirst()) file.grids[i] = withoutValues(domain, *grid);
+        stored.push_back(storeOwn(domain, *grid, mParams.format.compression));
+        if (isWriter) file.grids[i] = withoutValues(domain, *grid);
     }
     return stored;
 }

@@ -2,7 +2,7 @@
 
 #include "vdblic/core/exchange.h"
 #include "vdblic/distributed/halo_exchange.h"
-#include "vdblic/io/vdb_assembly.h"
+#include "vdblic/distributed/leaf_delivery.h"
 #include "vdblic/lic/flow_sequence.h"
 #include "vdblic/lic/texture_file.h"
 
@@ -17,8 +17,8 @@ namespace vdblic {
 struct AdvectParams;
 class FlowTexture;
 
-/// What the ranks of a run tell each other about its frames. All functions are collective; for a process alone they do
-/// nothing. Not thread-safe.
+/// What the ranks of a run tell each other about its frames. All functions but store() are collective; for a
+/// process alone they do nothing. Not thread-safe.
 class SharedRun {
   public:
     /// Both must outlive this.
@@ -37,9 +37,9 @@ class SharedRun {
     /// The exchange of a step that starts from a frame, whose surroundings are there; nothing for a process alone.
     [[nodiscard]] std::optional<HaloExchange> haloOf(const LoadedFrame& start) const;
 
-    /// Store the grids of a frame that the ranks computed, at rank 0; the file's grids lose their values there.
-    /// @return leaves for FrameWriter::write()
-    [[nodiscard]] std::vector<StoredLeaves> gather(const LoadedFrame& frame, TextureFile& file) const;
+    /// Store the leaves of a frame's grids that this rank computed, for FrameWriter::write(). Not collective.
+    /// @param isWriter whether this rank writes the file: its grids then get all leaves, without values
+    [[nodiscard]] std::vector<OwnLeaves> store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const;
 
   private:
     const AdvectParams& mParams;

@@ -1,0 +1,161 @@
+#include "vdblic/distributed/leaf_delivery.h"
+
+#include "vdblic/distributed/message.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace vdblic {
+namespace {
+
+using FloatLeaf = openvdb::FloatTree::LeafNodeType;
+
+constexpr std::size_t kLeavesPerChunk = std::size_t(1) << 15; // some 30 MB
+
+/// What a writer must know of a rank's leaves before they come.
+Exchange::Bytes listOf(const OwnLeaves& leaves)
+{
+    Exchange::Bytes message;
+    put(message, std::uint64_t(leaves.numbers.size()));
+    put(message, std::uint64_t(leaves.stored.sizes.size()));
+    put(message, leaves.numbers.data(), leaves.numbers.size());
+    put(message, leaves.stored.lengths.data(), leaves.stored.lengths.size());
+    put(message, leaves.stored.kinds.data(), leaves.stored.kinds.size());
+    put(message, leaves.stored.sizes.data(), leaves.stored.sizes.size());
+    return message;
+}
+
+/// Takes the records of a rank's own leaves, one after the other, and frees those taken.
+class RecordReader {
+  public:
+    explicit RecordReader(OwnLeaves leaves) : mLeaves(std::move(leaves)) {}
+
+    [[nodiscard]] std::size_t all() const { return mLeaves.all; }
+
+    /// The records of the next leaves. @param end number of the first leaf after them
+    Exchange::Bytes takeUpTo(std::size_t end)
+    {
+        Exchange::Bytes records;
+        for (; mLeaf < mLeaves.numbers.size() && mLeaves.numbers[mLeaf] < end; ++mLeaf) {
+            std::string& block = mLeaves.stored.blocks[mBlock];
+            const std::uint32_t length = mLeaves.stored.lengths[mLeaf];
+            records.append(block, mAt, length);
+            mAt += length;
+            if (mAt < block.size()) continue;
+            block = {};
+            ++mBlock;
+            mAt = 0;
+        }
+        return records;
+    }
+
+  private:
+    OwnLeaves mLeaves;
+    std::size_t mLeaf = 0, mBlock = 0, mAt = 0; // mAt in the block
+};
+
+/// Puts the leaves of one grid into order, as they come from the ranks.
+class ChunkWriter {
+  public:
+    /// @param lists of all ranks  @param all leaves of the grid
+    ChunkWriter(const std::vector<Exchange::Bytes>& lists, std::size_t all, LeafStream& stream)
+        : mStream(stream), mLengths(all), mOwners(all)
+    {
+        StoredLeaves leaves;
+        leaves.lengths.resize(all);
+        leaves.kinds.resize(all);
+        for (std::size_t rank = 0; rank < lists.size(); ++rank) {
+            MessageReader message(lists[rank]);
+            std::vector<std::uint32_t> numbers(message.get<std::uint64_t>()), lengths(numbers.size());
+            std::vector<signed char> kinds(numbers.size());
+            std::vector<std::int64_t> sizes(message.get<std::uint64_t>());
+            message.get(numbers.data(), numbers.size());
+            message.get(lengths.data(), lengths.size());
+            message.get(kinds.data(), kinds.size());
+            message.get(sizes.data(), sizes.size());
+            if (!sizes.empty()) leaves.sizes.resize(all);
+            for (std::size_t i = 0; i < numbers.size(); ++i) {
+                const std::size_t leaf = numbers[i];
+                leaves.lengths[leaf] = lengths[i];
+                leaves.kinds[leaf] = kinds[i];
+                if (!sizes.empty()) leaves.sizes[leaf] = sizes[i];
+                mOwners[leaf] = std::uint32_t(rank);
+            }
+        }
+        mLengths = leaves.lengths;
+        mStream.begin(std::move(leaves));
+    }
+
+    /// @param records of the next chunk's leaves, from each rank
+    void write(const std::vector<Exchange::Bytes>& records)
+    {
+        const std::size_t end = std::min(mLeaf + kLeavesPerChunk, mLengths.size());
+        std::vector<std::size_t> at(records.size());
+        std::string block;
+        for (; mLeaf < end; ++mLeaf) {
+            const std::size_t rank = mOwners[mLeaf];
+            block.append(records[rank], at[rank], mLengths[mLeaf]);
+            at[rank] += mLengths[mLeaf];
+        }
+        mStream.give(std::move(block));
+    }
+
+  private:
+    LeafStream& mStream;
+    std::vector<std::uint32_t> mLengths, mOwners; // of each leaf; its rank
+    std::size_t mLeaf = 0;
+};
+
+} // namespace
+
+OwnLeaves storeOwn(const Domain& domain, const openvdb::FloatGrid& grid, VdbCompression compression)
+{
+    std::vector<const FloatLeaf*> own;
+    own.reserve(domain.own().size());
+    for (const std::uint32_t leaf : domain.own())
+        own.push_back(grid.constTree().probeConstLeaf(domain.origin(leaf)));
+    return {domain.leafCount(), {domain.own().begin(), domain.own().end()}, storeLeaves(grid, own, compression)};
+}
+
+void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* stream)
+{
+    std::vector<Exchange::Bytes> messages(std::size_t(exchange.size()));
+    std::vector<RecordReader> readers;
+    std::size_t most = 0; // leaves of a grid
+    for (OwnLeaves& grid : grids) {
+        messages[readers.size()] = listOf(grid);
+        most = std::max(most, grid.all);
+        readers.emplace_back(std::move(grid));
+    }
+    const std::vector<Exchange::Bytes> lists = exchange.swap(std::move(messages));
+    std::optional<ChunkWriter> writer;
+    if (stream) writer.emplace(lists, readers[std::size_t(exchange.rank())].all(), *stream);
+    for (std::size_t chunk = 0; chunk * kLeavesPerChunk < most; ++chunk) {
+        messages = std::vector<Exchange::Bytes>(std::size_t(exchange.size()));
+        for (std::size_t rank = 0; rank < readers.size(); ++rank)
+            messages[rank] = readers[rank].takeUpTo((chunk + 1) * kLeavesPerChunk);
+        const std::vector<Exchange::Bytes> records = exchange.swap(std::move(messages));
+        if (writer) writer->write(records);
+    }
+    if (stream) stream->end();
+}
+
+openvdb::FloatGrid::Ptr withoutValues(const Domain& domain, const openvdb::FloatGrid& grid)
+{
+    auto tree = std::make_shared<openvdb::FloatTree>(grid.background());
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+        auto node = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), domain.origin(leaf), grid.background());
+        node->setValueMask(domain.mask(leaf));
+        tree->addLeaf(node.release()); // takes it over
+    }
+    auto result = openvdb::FloatGrid::create(tree);
+    result->insertMeta(grid);
+    result->setTransform(grid.transform().copy());
+    result->setSaveFloatAsHalf(grid.saveFloatAsHalf());
+    return result;
+}
+
+} // namespace vdblic
