@@ -10,13 +10,13 @@
 namespace vdblic {
 
 HaloExchange::HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain,
-                           const openvdb::Coord& depth)
-    : mExchange(exchange), mPartition(partition), mDomain(domain), mDepth(depth), mGiven(std::size_t(exchange.size())),
-      mTaken(std::size_t(exchange.size()))
+                           std::vector<openvdb::Coord> depths)
+    : mExchange(exchange), mPartition(partition), mDomain(domain), mDepths(std::move(depths)),
+      mGiven(std::size_t(exchange.size())), mTaken(std::size_t(exchange.size()))
 {
     const openvdb::CoordBBox mine = partition.textureBox(exchange.rank());
     for (int rank = 0; rank < exchange.size(); ++rank) {
-        const openvdb::CoordBBox around = dilated(partition.textureBox(rank), depth);
+        const openvdb::CoordBBox around = dilated(partition.textureBox(rank), mDepths[std::size_t(rank)]);
         if (rank == exchange.rank() || !around.hasOverlap(mine)) continue;
         for (const std::uint32_t leaf : domain.own()) {
             if (around.isInside(domain.origin(leaf))) mGiven[std::size_t(rank)].push_back(leaf);
@@ -59,20 +59,20 @@ void HaloExchange::addToOwners(const LeafValues<std::int64_t>& accumulator) cons
 
 void HaloExchange::takeFromOwners(const LeafValues<float>& values, int leaves) const
 {
-    take(values, openvdb::Coord(leaves * LeafVoxel::kDim));
+    take(values, std::vector<openvdb::Coord>(mDepths.size(), openvdb::Coord(leaves * LeafVoxel::kDim)));
 }
 
 void HaloExchange::takeFromOwners(const LeafValues<float>& values) const
 {
-    take(values, mDepth);
+    take(values, mDepths);
 }
 
-void HaloExchange::take(const LeafValues<float>& values, const openvdb::Coord& depth) const
+void HaloExchange::take(const LeafValues<float>& values, const std::vector<openvdb::Coord>& depths) const
 {
     std::vector<Exchange::Bytes> messages(mGiven.size());
     std::vector<float> numbers;
     for (std::size_t rank = 0; rank < mGiven.size(); ++rank) {
-        const openvdb::CoordBBox around = dilated(mPartition.textureBox(int(rank)), depth);
+        const openvdb::CoordBBox around = dilated(mPartition.textureBox(int(rank)), depths[rank]);
         for (const std::uint32_t leaf : mGiven[rank]) {
             if (!around.isInside(mDomain.origin(leaf))) continue;
             numbers.clear();
@@ -82,7 +82,8 @@ void HaloExchange::take(const LeafValues<float>& values, const openvdb::Coord& d
         }
     }
     const std::vector<Exchange::Bytes> received = mExchange.swap(std::move(messages));
-    const openvdb::CoordBBox around = dilated(mPartition.textureBox(mExchange.rank()), depth);
+    const openvdb::CoordBBox around =
+        dilated(mPartition.textureBox(mExchange.rank()), depths[std::size_t(mExchange.rank())]);
     for (std::size_t rank = 0; rank < mTaken.size(); ++rank) {
         MessageReader message(received[rank]);
         for (const std::uint32_t leaf : mTaken[rank]) {

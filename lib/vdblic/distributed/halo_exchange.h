@@ -15,10 +15,11 @@ namespace vdblic {
 /// an exchange list the same leaves in the same order, so messages hold values only.
 class HaloExchange {
   public:
-    /// @param domain with this rank's own leaves, and as local ones those within `depth` of its box; must outlive this,
-    ///               like exchange and partition
-    /// @param depth  of all ranks' halos [texture voxels], whole leaves
-    HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain, const openvdb::Coord& depth);
+    /// @param domain with this rank's own leaves, and as local ones those in its halo; must outlive this, like exchange
+    ///               and partition
+    /// @param depths of each rank's halo [texture voxels], whole leaves
+    HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain,
+                 std::vector<openvdb::Coord> depths);
 
     [[nodiscard]] Exchange& exchange() const { return mExchange; }
     [[nodiscard]] const Partition& partition() const { return mPartition; }
@@ -32,12 +33,12 @@ class HaloExchange {
     void takeFromOwners(const LeafValues<float>& values) const;
 
   private:
-    void take(const LeafValues<float>& values, const openvdb::Coord& depth) const;
+    void take(const LeafValues<float>& values, const std::vector<openvdb::Coord>& depths) const;
 
     Exchange& mExchange;
     const Partition& mPartition;
     const Domain& mDomain;
-    openvdb::Coord mDepth;
+    std::vector<openvdb::Coord> mDepths;                    // of each rank's halo
     std::vector<std::vector<std::uint32_t>> mGiven, mTaken; // leaves, by rank
 };
 

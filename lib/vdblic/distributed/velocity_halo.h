@@ -5,6 +5,8 @@
 
 #include <openvdb/openvdb.h>
 
+#include <vector>
+
 namespace vdblic {
 
 /// The active values of a tree whose leaves lie in a box. Tiles are cut into tiles of a leaf's size.
@@ -12,7 +14,9 @@ namespace vdblic {
 [[nodiscard]] openvdb::Vec3STree::Ptr takenOut(openvdb::Vec3STree& tree, const openvdb::CoordBBox& box);
 
 /// Add a rim to a rank's part of a velocity, from the ranks that own it. Collective.
-/// @param tree has at least the values in the rank's own box  @param rim [voxels of the velocity], whole leaves
-void addHalo(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition, const openvdb::Coord& rim);
+/// @param tree has at least the values in the rank's own box  @param rims of all ranks [voxels of the velocity], whole
+///             leaves
+void addHalo(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition,
+             const std::vector<openvdb::Coord>& rims);
 
 } // namespace vdblic

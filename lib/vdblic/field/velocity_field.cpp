@@ -16,8 +16,9 @@ VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
     return a > b ? a : b;
 }
 
-/// The largest magnitude of an active value, along each axis.
-Float4 largestMagnitude(const openvdb::Vec3STree& tree)
+} // namespace
+
+Float4 largestMagnitude(const openvdb::Vec3STree& values)
 {
     struct Amount { // as a template argument, a vector type alone would lose its alignment
         Float4 lanes{};
@@ -26,20 +27,17 @@ Float4 largestMagnitude(const openvdb::Vec3STree& tree)
         const Float4 v = {value[0], value[1], value[2], 0};
         return Amount{v < 0 ? -v : v};
     };
-    return largestValue(tree, Amount{}, amount,
+    return largestValue(values, Amount{}, amount,
                         [](const Amount& a, const Amount& b) { return Amount{larger(a.lanes, b.lanes)}; })
         .lanes;
 }
 
-} // namespace
-
-Float4 largestVelocity(const VelocityLevel& level)
+Float4 largestVelocity(Float4 magnitude, const openvdb::Mat3d& toStep)
 {
-    const Float4 magnitude = largestMagnitude(level.velocities);
     Float4 most{};
     for (int to = 0; to < 3; ++to) {
         for (int from = 0; from < 3; ++from)
-            most[to] += float(std::abs(level.toStep(to, from))) * magnitude[from];
+            most[to] += float(std::abs(toStep(to, from))) * magnitude[from];
     }
     return most;
 }
@@ -58,7 +56,8 @@ void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, cons
     mStart.emplace(VelocityLevel{start.velocities, toTexture * start.toStep});
     mEnd.emplace(VelocityLevel{end.velocities, toTexture * end.toStep});
     mBricks.cover(mSampled.velocity);
-    mLargest = larger(largestVelocity(*mStart), largestVelocity(*mEnd));
+    mLargest = larger(largestVelocity(largestMagnitude(mStart->velocities), mStart->toStep),
+                      largestVelocity(largestMagnitude(mEnd->velocities), mEnd->toStep));
     mSeconds = watch.lap();
 }
 

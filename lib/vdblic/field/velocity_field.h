@@ -17,8 +17,12 @@
 
 namespace vdblic {
 
-/// An upper bound of a velocity's magnitude, along each axis [voxels per step]. Computed in parallel.
-[[nodiscard]] Float4 largestVelocity(const VelocityLevel& level);
+/// The largest magnitude of an active value, along each axis. Computed in parallel.
+[[nodiscard]] Float4 largestMagnitude(const openvdb::Vec3STree& values);
+
+/// An upper bound of a velocity's magnitude, along each axis [voxels per step].
+/// @param magnitude largestMagnitude() of the stored values  @param toStep stored values → voxels per step
+[[nodiscard]] Float4 largestVelocity(Float4 magnitude, const openvdb::Mat3d& toStep);
 
 /// The velocity over one time step, in texture voxels per step, trilinear in space and linear in time between two
 /// frames. Positions are in the index space of the texture, which may be finer than the velocity's; bricks hold the

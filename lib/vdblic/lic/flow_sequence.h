@@ -3,6 +3,7 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/distributed/partition.h"
+#include "vdblic/field/vector.h"
 #include "vdblic/field/velocity_frame.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/lic/flow_frame.h"
@@ -18,6 +19,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace vdblic {
 
@@ -31,7 +33,8 @@ struct LoadedFrame {
 
     // If several ranks share the run, velocity and flow are this rank's part.
     std::shared_ptr<const Partition> partition{}; ///< null for a process alone
-    openvdb::Coord rim{0, 0, 0};                  ///< how far the velocity goes beyond the rank's box [voxels]
+    std::vector<openvdb::Coord> rims{};           ///< how far each rank's velocity goes beyond its box [voxels]
+    Float4 largest{};                             ///< largestMagnitude() of the velocity in the rank's box
 
     [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
     {

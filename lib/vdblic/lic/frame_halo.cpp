@@ -2,6 +2,7 @@
 
 #include "vdblic/distributed/velocity_halo.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/velocity_field.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,17 +22,18 @@ void setPart(std::shared_ptr<const Domain>& domain, const openvdb::CoordBBox& ow
     if (domain) domain = domain->part(leavesIn(*domain, own), leavesIn(*domain, local));
 }
 
-/// @param depth of the halo [texture voxels] @param rim the same for the velocity [its voxels]
-void surroundFrame(Exchange& exchange, LoadedFrame& frame, const Coord& depth, const Coord& rim)
+constexpr int kLeaf = LeafVoxel::kDim, kFewest = 2; // leaves: mean along the flow and sharpening reach one each
+
+/// The depth of a halo in which paths of some length stay. @param farthest along each axis [texture voxels]
+Coord depthFor(const std::array<double, 3>& farthest)
 {
-    const Partition& partition = *frame.partition;
-    const openvdb::CoordBBox own = partition.box(exchange.rank()), texture = partition.textureBox(exchange.rank());
-    if (Coord::lessThan(frame.rim, rim)) {
-        frame.rim.maxComponent(rim);
-        addHalo(frame.velocity.values->tree(), exchange, partition, frame.rim);
+    constexpr double kFarAway = 1e6;
+    Coord depth;
+    for (int axis = 0; axis < 3; ++axis) { // A cell reaches into the next leaf.
+        const double leaves = std::ceil(std::min(farthest[std::size_t(axis)], kFarAway) / kLeaf) + 1;
+        depth[axis] = std::max(int(leaves), kFewest) * kLeaf;
     }
-    setPart(frame.flow.domain, texture, dilated(texture, depth));
-    setPart(frame.flow.refinedFrom, own, dilated(own, rim));
+    return depth;
 }
 
 } // namespace
@@ -48,29 +50,61 @@ void keepOwn(LoadedFrame& frame, int rank)
     grid->setTransform(values->transform().copy());
     frame.velocity.values = grid;
     frame.flow.velocities = grid;
+    frame.largest = largestMagnitude(grid->tree());
     setPart(frame.flow.domain, texture, texture);
     setPart(frame.flow.refinedFrom, own, own);
 }
 
-Coord surround(Exchange& exchange, LoadedFrame& start, LoadedFrame& end, const Farthest& farthest)
+std::vector<Coord> haloDepths(Exchange& exchange, const Partition& partition, const Farthest& farthest)
 {
-    constexpr int kLeaf = LeafVoxel::kDim, kFewest = 2; // leaves: mean along the flow and sharpening reach one each
-    constexpr double kFarAway = 1e6;
-    std::array<double, 3> most{};
+    const auto ranks = std::size_t(partition.ranks()), mine = std::size_t(exchange.rank());
+    std::vector<double> paths(3 * ranks, 0); // along three axes, from each rank's voxels
     for (std::size_t axis = 0; axis < 3; ++axis)
-        most[axis] = std::min(double(std::max(farthest.path[axis], farthest.upstream[axis])), kFarAway);
-    exchange.max(most);
-    Coord depth, rim;
-    for (int axis = 0; axis < 3; ++axis) {
-        const int factor = start.flow.refinement.factors[std::size_t(axis)];
-        // A cell reaches into the next leaf.
-        const int leaves = std::max(int(std::ceil(most[std::size_t(axis)] / kLeaf)) + 1, kFewest);
-        depth[axis] = leaves * kLeaf;
-        rim[axis] = ((leaves + factor - 1) / factor + 1) * kLeaf;
+        paths[3 * mine + axis] = std::max(farthest.path[axis], farthest.upstream[axis]);
+    exchange.max(paths);
+
+    Coord depth;
+    for (Coord next = depthFor({}); next != depth;) {
+        depth = next;
+        const openvdb::CoordBBox around = dilated(partition.textureBox(int(mine)), depth);
+        std::array<double, 3> most{};
+        for (std::size_t rank = 0; rank < ranks; ++rank) {
+            if (!around.hasOverlap(partition.textureBox(int(rank)))) continue;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                most[axis] = std::max(most[axis], paths[3 * rank + axis]);
+        }
+        next = depthFor(most);
     }
-    surroundFrame(exchange, start, depth, rim);
-    if (&end != &start) surroundFrame(exchange, end, depth, rim);
-    return depth;
+
+    std::vector<double> shared(3 * ranks, 0);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        shared[3 * mine + axis] = depth[int(axis)];
+    exchange.max(shared);
+    std::vector<Coord> depths;
+    for (std::size_t rank = 0; rank < ranks; ++rank)
+        depths.emplace_back(int(shared[3 * rank]), int(shared[3 * rank + 1]), int(shared[3 * rank + 2]));
+    return depths;
+}
+
+void surround(Exchange& exchange, LoadedFrame& frame, const std::vector<Coord>& depths)
+{
+    const Partition& partition = *frame.partition;
+    const auto mine = std::size_t(exchange.rank());
+    frame.rims.resize(depths.size(), Coord(0, 0, 0));
+    bool isDeeper = false; // at any rank
+    for (std::size_t rank = 0; rank < depths.size(); ++rank) {
+        Coord rim;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int factor = frame.flow.refinement.factors[std::size_t(axis)];
+            rim[axis] = ((depths[rank][axis] / kLeaf + factor - 1) / factor + 1) * kLeaf;
+        }
+        isDeeper = isDeeper || Coord::lessThan(frame.rims[rank], rim);
+        frame.rims[rank].maxComponent(rim);
+    }
+    if (isDeeper) addHalo(frame.velocity.values->tree(), exchange, partition, frame.rims);
+    const openvdb::CoordBBox own = partition.box(int(mine)), texture = partition.textureBox(int(mine));
+    setPart(frame.flow.domain, texture, dilated(texture, depths[mine]));
+    setPart(frame.flow.refinedFrom, own, dilated(own, frame.rims[mine]));
 }
 
 } // namespace vdblic

@@ -6,6 +6,7 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <vector>
 
 namespace vdblic {
 
@@ -13,14 +14,20 @@ namespace vdblic {
 /// which writes them.
 void keepOwn(LoadedFrame& frame, int rank);
 
-/// How far paths lead that no step between two frames exceeds.
+/// How far paths lead that no step between two frames exceeds, from a rank's own voxels.
 struct Farthest {
     std::array<float, 3> path;     ///< of a pathline in a step, along each axis [texture voxels]
     std::array<float, 3> upstream; ///< from where the feedback takes its texture, along each axis [texture voxels]
 };
 
-/// Give both frames of a step what lies around a rank's part, as far as the step can reach. Collective.
-/// @return depth of the halo [texture voxels], the same at every rank
-openvdb::Coord surround(Exchange& exchange, LoadedFrame& start, LoadedFrame& end, const Farthest& farthest);
+/// How deep each rank's halo must be [texture voxels], whole leaves. Fast voxels make those halos deeper that paths can
+/// lead to them from, or from them: no path leaves the ranks that its halo touches. Collective; all ranks return the
+/// same.
+[[nodiscard]] std::vector<openvdb::Coord> haloDepths(Exchange& exchange, const Partition& partition,
+                                                     const Farthest& farthest);
+
+/// Give a frame what lies around a rank's part. Collective.
+/// @param depths of all ranks' halos
+void surround(Exchange& exchange, LoadedFrame& frame, const std::vector<openvdb::Coord>& depths);
 
 } // namespace vdblic

@@ -37,7 +37,7 @@ void SharedRun::surround(LoadedFrame& start, LoadedFrame& end, double seconds, c
     if (mExchange.isAlone()) return;
     const auto largest = [&](const LoadedFrame& frame) {
         const openvdb::Mat3d toTexture = frame.flow.refinement.toTexture();
-        return largestVelocity({frame.velocity.values->tree(), toTexture * frame.velocity.toVoxelsPerStep(seconds)});
+        return largestVelocity(frame.largest, toTexture * frame.velocity.toVoxelsPerStep(seconds));
     };
     const Float4 before = largest(start), after = largest(end);
     const int substeps = mParams.scatter.substeps;
@@ -50,13 +50,15 @@ void SharedRun::surround(LoadedFrame& start, LoadedFrame& end, double seconds, c
         farthest.path[axis] = longestPath(std::max(step, slope[axis])) + finer;
         farthest.upstream[axis] = frame + 1;
     }
-    mDepth = vdblic::surround(mExchange, start, end, farthest);
+    mDepths = haloDepths(mExchange, *start.partition, farthest);
+    vdblic::surround(mExchange, start, mDepths);
+    if (&end != &start) vdblic::surround(mExchange, end, mDepths);
 }
 
 std::optional<HaloExchange> SharedRun::haloOf(const LoadedFrame& start) const
 {
     if (mExchange.isAlone()) return std::nullopt;
-    return std::make_optional<HaloExchange>(mExchange, *start.partition, *start.flow.domain, mDepth);
+    return std::make_optional<HaloExchange>(mExchange, *start.partition, *start.flow.domain, mDepths);
 }
 
 std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const

@@ -44,7 +44,7 @@ class SharedRun {
   private:
     const AdvectParams& mParams;
     Exchange& mExchange;
-    openvdb::Coord mDepth; // of the halos [texture voxels]
+    std::vector<openvdb::Coord> mDepths; // of the ranks' halos [texture voxels]
 };
 
 } // namespace vdblic

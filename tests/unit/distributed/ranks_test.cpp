@@ -141,6 +141,16 @@ TEST(Ranks, ReachBeyondTheirNeighbours)
     expectSameFiles(folder, {2, 6}, kAsItIs);
 }
 
+TEST(Ranks, ReachFartherNearAJet)
+{
+    const TemporaryFolder folder;
+    writeSequence(folder, {Coord(0, 0, 0), Coord(127, 15, 15)}, [](const Coord& at, int frame) {
+        const bool isJet = at[0] > 90 && at[1] < 8;
+        return turning(at, frame, 1) + Vec3f(isJet ? -25.0f : 0.0f, 0, 0);
+    });
+    expectSameFiles(folder, {4, 7}, kAsItIs);
+}
+
 TEST(Ranks, WriteTheBytesOfOneProcessForDomainsOfAnyShape)
 {
     const auto inBall = [](const Coord& at, const Coord& centre, int radius) {
