@@ -90,6 +90,20 @@ openvdb::CoordBBox Partition::textureBox(int rank) const
     return result;
 }
 
+double Partition::imbalance(const Domain& velocity) const
+{
+    std::vector<std::uint64_t> voxels(mBoxes.size(), 0);
+    for (std::size_t leaf = 0; leaf < velocity.leafCount(); ++leaf) {
+        openvdb::Coord origin = velocity.origin(leaf);
+        for (int axis = 0; axis < 3; ++axis)
+            origin[axis] *= mFactors[std::size_t(axis)];
+        voxels[std::size_t(ownerOfTexture(origin))] += velocity.mask(leaf).countOn();
+    }
+    if (velocity.voxelCount() == 0) return 1;
+    const std::uint64_t most = *std::max_element(voxels.begin(), voxels.end());
+    return double(most) * double(voxels.size()) / double(velocity.voxelCount());
+}
+
 int Partition::ownerOfTexture(const openvdb::Coord& voxel) const
 {
     int node = mRoot;

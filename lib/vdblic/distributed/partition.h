@@ -28,6 +28,9 @@ class Partition {
     [[nodiscard]] const openvdb::CoordBBox& box(int rank) const { return mBoxes[std::size_t(rank)]; }
     [[nodiscard]] openvdb::CoordBBox textureBox(int rank) const;
 
+    /// The voxels of the rank that has most, over the mean of all ranks; 1 for an empty domain.
+    [[nodiscard]] double imbalance(const Domain& velocity) const;
+
     /// The rank that owns a voxel of the texture.
     [[nodiscard]] int ownerOfTexture(const openvdb::Coord& voxel) const;
 

@@ -117,12 +117,12 @@ Vec3STree::Ptr takenOut(Vec3STree& tree, const CoordBBox& box)
     return result;
 }
 
-void addHalo(Vec3STree& tree, Exchange& exchange, const Partition& partition, const std::vector<Coord>& rims)
+void addParts(Vec3STree& tree, Exchange& exchange, const Partition& partition, const std::vector<CoordBBox>& wanted)
 {
     const CoordBBox& mine = partition.box(exchange.rank());
     std::vector<Exchange::Bytes> messages(std::size_t(exchange.size()));
     for (int rank = 0; rank < exchange.size(); ++rank) {
-        CoordBBox common = dilated(partition.box(rank), rims[std::size_t(rank)]);
+        CoordBBox common = wanted[std::size_t(rank)];
         common.intersect(mine);
         if (rank != exchange.rank() && common.hasVolume()) messages[std::size_t(rank)] = velocityMessage(tree, common);
     }

@@ -13,10 +13,10 @@ namespace vdblic {
 /// @param tree loses those leaves  @param box whole leaves
 [[nodiscard]] openvdb::Vec3STree::Ptr takenOut(openvdb::Vec3STree& tree, const openvdb::CoordBBox& box);
 
-/// Add a rim to a rank's part of a velocity, from the ranks that own it. Collective.
-/// @param tree has at least the values in the rank's own box  @param rims of all ranks [voxels of the velocity], whole
-///             leaves
-void addHalo(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition,
-             const std::vector<openvdb::Coord>& rims);
+/// Add to a rank's part of a velocity what other ranks own. Collective.
+/// @param tree   has at least the values in the rank's own box
+/// @param wanted the box that each rank is to have the values in, whole leaves
+void addParts(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition,
+              const std::vector<openvdb::CoordBBox>& wanted);
 
 } // namespace vdblic

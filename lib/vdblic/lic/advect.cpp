@@ -172,6 +172,7 @@ class Advection {
     /// The textures of a frame and of the substeps between it and the next. @param seconds between the frames
     void compute(LoadedFrame& frame, LoadedFrame& next, double seconds)
     {
+        balance(frame);
         mShared.surround(frame, next, seconds, mTexture);
         const int parts = mParams.scatter.substeps;
         const auto at = [&](int part) {
@@ -190,6 +191,16 @@ class Advection {
             saveIfDue();
             start = std::move(end);
         }
+    }
+
+    /// Give the ranks about equal shares of a frame, before a step starts from it.
+    void balance(LoadedFrame& frame)
+    {
+        const std::optional<std::string> how = mShared.balance(frame, mTexture);
+        if (!how) return;
+        mCheckpoint.moved(frame.partition);
+        mFlow.cutAs(frame.partition);
+        mReporter.detail(fmt::format("frame {}: {}", frame.velocity.file.frame, *how));
     }
 
     /// The texture of the last frame. Without a frame after it the flow is taken to stay as it is.

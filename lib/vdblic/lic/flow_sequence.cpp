@@ -67,6 +67,7 @@ std::optional<LoadedFrame> FlowSequence::next()
     if (!mAhead.valid()) return std::nullopt;
     std::optional<LoadedFrame> frame = mAhead.get();
     if (!frame) return frame;
+    if (!mPartition) mPartition = frame->partition;
     readAhead();
     checkSuccession(frame->velocity);
     mLast = frame->velocity.values;
@@ -80,7 +81,7 @@ std::optional<LoadedFrame> FlowSequence::after()
     const std::optional<std::int64_t> number = framesAround(mParams.input).after;
     if (!number) return std::nullopt;
     try {
-        LoadedFrame frame = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)});
+        LoadedFrame frame = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)}, mPartition);
         checkSuccession(frame.velocity);
         return frame;
     } catch (const InputError& error) {
@@ -129,17 +130,17 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
 }
 
 /// Read a frame, and keep this rank's part. All ranks cut the first frame's domain in the same way.
-LoadedFrame FlowSequence::loadPart(const FrameFile& file)
+LoadedFrame FlowSequence::loadPart(const FrameFile& file, std::shared_ptr<const Partition> partition) const
 {
     if (mExchange.isAlone()) return load(file, mParams, std::nullopt);
     // Carried grids, which rank 0 writes, are whole.
-    const bool isPart = mPartition && (mExchange.rank() > 0 || mParams.velocity.carry.empty());
-    LoadedFrame frame = load(file, mParams, isPart ? std::optional(mPartition->box(mExchange.rank())) : std::nullopt);
-    if (!mPartition) {
-        mPartition = std::make_shared<const Partition>(*frame.flow.velocityDomain(), frame.flow.refinement.factors,
-                                                       mExchange.size());
+    const bool isPart = partition && (mExchange.rank() > 0 || mParams.velocity.carry.empty());
+    LoadedFrame frame = load(file, mParams, isPart ? std::optional(partition->box(mExchange.rank())) : std::nullopt);
+    if (!partition) {
+        partition = std::make_shared<const Partition>(*frame.flow.velocityDomain(), frame.flow.refinement.factors,
+                                                      mExchange.size());
     }
-    frame.partition = mPartition;
+    frame.partition = std::move(partition);
     keepOwn(frame, mExchange.rank());
     return frame;
 }
@@ -147,10 +148,10 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file)
 void FlowSequence::readAhead()
 {
     mStarted = true;
-    mAhead = std::async(std::launch::async, [this]() -> std::optional<LoadedFrame> {
+    mAhead = std::async(std::launch::async, [this, partition = mPartition]() -> std::optional<LoadedFrame> {
         const std::optional<FrameFile> file = mSource();
         if (!file) return std::nullopt;
-        return loadPart(*file);
+        return loadPart(*file, partition);
     });
 }
 

@@ -19,6 +19,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -84,11 +85,14 @@ class FlowSequence {
     [[nodiscard]] std::int64_t spacing() const { return mSpacing; }
     void setSpacing(std::int64_t spacing) { mSpacing = spacing; }
 
+    /// Give the ranks their parts of frames that are not being read yet by another partition.
+    void cutAs(std::shared_ptr<const Partition> partition) { mPartition = std::move(partition); }
+
     /// Report how the velocity of a frame is understood. @param largest displacement in a step [voxels]
     void describe(const LoadedFrame& frame, const FrameInterval& interval, double largest);
 
   private:
-    [[nodiscard]] LoadedFrame loadPart(const FrameFile& file);
+    [[nodiscard]] LoadedFrame loadPart(const FrameFile& file, std::shared_ptr<const Partition> partition) const;
     void readAhead();
     void checkSuccession(const VelocityFrame& velocity) const;
     void sayOnce(const std::string& message);
@@ -96,7 +100,7 @@ class FlowSequence {
     FlowSequenceParams mParams;
     Reporter& mReporter;
     const Exchange& mExchange;
-    std::shared_ptr<const Partition> mPartition; // of the first frame, for all
+    std::shared_ptr<const Partition> mPartition; // null before the first frame
     std::size_t mTotal = 0;
     FrameSource mSource;
     openvdb::Vec3SGrid::ConstPtr mLast; // velocity of the previous frame

@@ -1,6 +1,7 @@
 #include "vdblic/lic/flow_texture.h"
 
 #include "vdblic/core/stopwatch.h"
+#include "vdblic/distributed/leaf_move.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/along_flow.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 namespace vdblic {
@@ -64,6 +66,22 @@ class FlowTexture::Pipeline {
                 largest[axis] = std::max(largest[axis], bins.largestSlope()[axis] * slopeScale(interval));
         }
         return largest;
+    }
+
+    void move(Exchange& exchange, const Partition& partition, std::shared_ptr<const Domain> domain)
+    {
+        if (mSteady) return;
+        std::vector<std::uint32_t> local;
+        std::set_union(mDomain->own().begin(), mDomain->own().end(), domain->own().begin(), domain->own().end(),
+                       std::back_inserter(local));
+        mScatter.move(exchange, partition,
+                      *domain->part({domain->own().begin(), domain->own().end()}, std::move(local)));
+        mInput = moved(exchange, partition, *mDomain, *domain, *mInput);
+        if (mMean) {
+            mMean->mean = moved(exchange, partition, *mDomain, *domain, mMean->mean);
+            mMean->weight = moved(exchange, partition, *mDomain, *domain, mMean->weight);
+        }
+        mDomain = std::move(domain);
     }
 
     void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
@@ -173,6 +191,11 @@ std::uint64_t FlowTexture::steps() const
 openvdb::GridPtrVec FlowTexture::save() const
 {
     return mPipeline->save();
+}
+
+void FlowTexture::move(Exchange& exchange, const Partition& partition, std::shared_ptr<const Domain> domain)
+{
+    mPipeline->move(exchange, partition, std::move(domain));
 }
 
 void FlowTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,

@@ -77,6 +77,11 @@ class FlowTexture {
     /// The number of steps made.
     [[nodiscard]] std::uint64_t steps() const;
 
+    /// Hand the state over to the ranks that own its voxels in another partition. Collective; at least one step must
+    /// have been made.
+    /// @param domain of the frame that the next step starts from, with this rank's own leaves in that partition
+    void move(Exchange& exchange, const Partition& partition, std::shared_ptr<const Domain> domain);
+
     /// The state between two steps, as the grids of flow_state.h; none for steady LIC, which starts anew in every
     /// frame. At least one step must have been made.
     [[nodiscard]] openvdb::GridPtrVec save() const;

@@ -22,6 +22,21 @@ void setPart(std::shared_ptr<const Domain>& domain, const openvdb::CoordBBox& ow
     if (domain) domain = domain->part(leavesIn(*domain, own), leavesIn(*domain, local));
 }
 
+/// Reduce a frame to a rank's own part.
+void keepPart(LoadedFrame& frame, int rank, openvdb::Vec3SGrid& values)
+{
+    const openvdb::CoordBBox own = frame.partition->box(rank), texture = frame.partition->textureBox(rank);
+    const auto grid = openvdb::Vec3SGrid::create(takenOut(values.tree(), own));
+    grid->insertMeta(values);
+    grid->setTransform(values.transform().copy());
+    frame.velocity.values = grid;
+    frame.flow.velocities = grid;
+    frame.rims.clear();
+    frame.largest = largestMagnitude(grid->tree());
+    setPart(frame.flow.domain, texture, texture);
+    setPart(frame.flow.refinedFrom, own, own);
+}
+
 constexpr int kLeaf = LeafVoxel::kDim, kFewest = 2; // leaves: mean along the flow and sharpening reach one each
 
 /// The depth of a halo in which paths of some length stay. @param farthest along each axis [texture voxels]
@@ -40,19 +55,22 @@ Coord depthFor(const std::array<double, 3>& farthest)
 
 void keepOwn(LoadedFrame& frame, int rank)
 {
-    const openvdb::CoordBBox own = frame.partition->box(rank), texture = frame.partition->textureBox(rank);
     if (rank != 0) frame.velocity.carried.clear();
     // A carried grid may be the velocity itself.
     const openvdb::Vec3SGrid::Ptr values =
         frame.velocity.carried.empty() ? frame.velocity.values : frame.velocity.values->deepCopy();
-    const auto grid = openvdb::Vec3SGrid::create(takenOut(values->tree(), own));
-    grid->insertMeta(*values);
-    grid->setTransform(values->transform().copy());
-    frame.velocity.values = grid;
-    frame.flow.velocities = grid;
-    frame.largest = largestMagnitude(grid->tree());
-    setPart(frame.flow.domain, texture, texture);
-    setPart(frame.flow.refinedFrom, own, own);
+    keepPart(frame, rank, *values);
+}
+
+void moveTo(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition)
+{
+    std::vector<openvdb::CoordBBox> boxes;
+    for (int rank = 0; rank < exchange.size(); ++rank)
+        boxes.push_back(partition->box(rank));
+    const openvdb::Vec3SGrid::Ptr values = frame.velocity.values;
+    addParts(values->tree(), exchange, *frame.partition, boxes);
+    frame.partition = std::move(partition);
+    keepPart(frame, exchange.rank(), *values);
 }
 
 std::vector<Coord> haloDepths(Exchange& exchange, const Partition& partition, const Farthest& farthest)
@@ -101,7 +119,12 @@ void surround(Exchange& exchange, LoadedFrame& frame, const std::vector<Coord>& 
         isDeeper = isDeeper || Coord::lessThan(frame.rims[rank], rim);
         frame.rims[rank].maxComponent(rim);
     }
-    if (isDeeper) addHalo(frame.velocity.values->tree(), exchange, partition, frame.rims);
+    if (isDeeper) {
+        std::vector<openvdb::CoordBBox> boxes;
+        for (std::size_t rank = 0; rank < depths.size(); ++rank)
+            boxes.push_back(dilated(partition.box(int(rank)), frame.rims[rank]));
+        addParts(frame.velocity.values->tree(), exchange, partition, boxes);
+    }
     const openvdb::CoordBBox own = partition.box(int(mine)), texture = partition.textureBox(int(mine));
     setPart(frame.flow.domain, texture, dilated(texture, depths[mine]));
     setPart(frame.flow.refinedFrom, own, dilated(own, frame.rims[mine]));

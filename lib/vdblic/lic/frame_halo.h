@@ -6,6 +6,7 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace vdblic {
@@ -13,6 +14,9 @@ namespace vdblic {
 /// Reduce a frame that was read to a rank's part: its velocities and its own leaves. Carried grids stay at rank 0,
 /// which writes them.
 void keepOwn(LoadedFrame& frame, int rank);
+
+/// Give each rank its part of a frame in another partition. Collective.
+void moveTo(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition);
 
 /// How far paths lead that no step between two frames exceeds, from a rank's own voxels.
 struct Farthest {

@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -63,6 +64,12 @@ class RunCheckpoint {
     void stepBegins() { mUnsaved.reset(); }
     /// A step is made. @param frame that the next step starts from
     void stepDone(const RunPosition& position, const LoadedFrame& frame);
+
+    /// The state of the last step was handed over to the ranks of another partition.
+    void moved(std::shared_ptr<const Partition> partition)
+    {
+        if (mUnsaved) mUnsaved->partition = std::move(partition);
+    }
 
     [[nodiscard]] bool isDue() const { return mSchedule.isDue(); }
     /// Whether there is a state to go on from that no checkpoint holds, and checkpoints are wanted.

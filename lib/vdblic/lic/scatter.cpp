@@ -157,6 +157,11 @@ void Scatter::restore(std::uint64_t steps, ParticleBins particles)
     mBins.push_back(std::move(particles));
 }
 
+void Scatter::move(Exchange& exchange, const Partition& partition, const Domain& domain)
+{
+    handOn(exchange, partition, domain, mBins);
+}
+
 LeafValues<std::int64_t> makeAccumulator(const Domain& domain)
 {
     LeafValues<std::int64_t> accumulator(domain, 0);

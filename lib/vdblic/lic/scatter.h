@@ -53,6 +53,12 @@ class Scatter {
     /// The particles that go on, by the tiles of the domain of the step to come.
     [[nodiscard]] const std::vector<ParticleBins>& particles() const { return mBins; }
 
+    /// Hand the particles over to the ranks that own them in another partition. Collective.
+    /// @param domain of the step to come: its own leaves are this rank's in that partition, its local ones include
+    /// those
+    ///               it had before
+    void move(Exchange& exchange, const Partition& partition, const Domain& domain);
+
     /// Continue from the state of another Scatter after `steps` steps. @param particles those of the other
     void restore(std::uint64_t steps, ParticleBins particles);
 

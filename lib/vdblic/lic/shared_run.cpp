@@ -7,10 +7,13 @@
 #include "vdblic/lic/frame_halo.h"
 #include "vdblic/lic/scatter.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 namespace vdblic {
 
@@ -32,9 +35,26 @@ double SharedRun::largestDisplacement(const LoadedFrame& frame, double interval)
     return largest;
 }
 
+std::optional<std::string> SharedRun::balance(LoadedFrame& frame, FlowTexture& texture)
+{
+    if (mExchange.isAlone() || texture.steps() == 0) return std::nullopt;
+    constexpr double kUnequal = 1.15, kBetter = 0.9;
+    const Domain& domain = *frame.flow.velocityDomain();
+    const double now = frame.partition->imbalance(domain);
+    if (now < kUnequal * mLeastImbalance) return std::nullopt;
+    auto partition = std::make_shared<const Partition>(domain, frame.flow.refinement.factors, mExchange.size());
+    const double then = partition->imbalance(domain);
+    mLeastImbalance = then;
+    if (then > kBetter * now) return std::nullopt;
+    moveTo(mExchange, frame, partition);
+    texture.move(mExchange, *partition, frame.flow.domain);
+    return fmt::format("cut anew among the ranks: the largest part had {:.2f} of the mean, now {:.2f}", now, then);
+}
+
 void SharedRun::surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture)
 {
     if (mExchange.isAlone()) return;
+    if (end.partition != start.partition) moveTo(mExchange, end, start.partition);
     const auto largest = [&](const LoadedFrame& frame) {
         const openvdb::Mat3d toTexture = frame.flow.refinement.toTexture();
         return largestVelocity(frame.largest, toTexture * frame.velocity.toVoxelsPerStep(seconds));

@@ -8,6 +8,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ class SharedRun {
     /// The largest displacement in a step, at any rank [voxels]. @param interval seconds of the step
     [[nodiscard]] double largestDisplacement(const LoadedFrame& frame, double interval) const;
 
+    /// Cut a frame's domain anew, and hand over its parts and the texture's state, if the ranks' shares of it have
+    /// become so unequal that this pays. @return whether that was done, as a text
+    [[nodiscard]] std::optional<std::string> balance(LoadedFrame& frame, FlowTexture& texture);
+
     /// Take from the other ranks what the steps between two frames need.
     /// @param seconds between the frames  @param texture that makes the steps
     void surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture);
@@ -44,6 +49,7 @@ class SharedRun {
   private:
     const AdvectParams& mParams;
     Exchange& mExchange;
+    double mLeastImbalance = 1;          // that the last attempt to cut anew found possible
     std::vector<openvdb::Coord> mDepths; // of the ranks' halos [texture voxels]
 };
 

@@ -19,6 +19,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -180,6 +181,54 @@ TEST(Ranks, WriteTheBytesOfOneProcessForDomainsOfAnyShape)
         const TemporaryFolder folder;
         writeSequence(folder, {Coord(-24, -22, -22), Coord(48, 22, 22)}, flow);
         expectSameFiles(folder, {2, 4}, kAsItIs);
+    }
+}
+
+/// Keeps the details that a run reports.
+class Details : public Reporter {
+  public:
+    void detail(std::string_view message) override { text += fmt::format("{}\n", message); }
+    std::string text;
+};
+
+TEST(Ranks, CutADomainAnewThatMovesAway)
+{
+    const TemporaryFolder folder;
+    writeSequence(folder, {Coord(-16, -16, -16), Coord(112, 16, 16)}, [](const Coord& at, int frame) {
+        const openvdb::Vec3d d(0.5 * (at[0] - 24 * frame), at[1], at[2]); // longest along x
+        const bool isIn = d.lengthSqr() < 11 * 11;
+        return isIn ? std::optional(turning(at, frame, 4)) : std::nullopt;
+    });
+    expectSameFiles(folder, {2, 5}, kAsItIs);
+    expectSameFiles(folder, {3}, [](AdvectParams& params) {
+        params.scatter.substeps = 2;
+        params.domain.refinement.factors = {2, 1, 1};
+    });
+    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.steady = LicKernel::kHann; });
+
+    AdvectParams params = paramsIn(folder, "told");
+    params.keepCheckpoint = true;
+    params.input.frames = "1-3";
+    std::string told;
+    test::ThreadRanks(3).run([&](Exchange& exchange) {
+        std::istringstream noLines;
+        Details details;
+        advectSequence(params, noLines, details, exchange);
+        if (exchange.isFirst()) told = details.text;
+    });
+    EXPECT_NE(told.find("frame 2: cut anew among the ranks"), std::string::npos) << told;
+
+    params.input.frames.clear(); // the checkpoint is that of the new parts
+    params.resume = true;
+    params.keepCheckpoint = false;
+    advectBy(2, params);
+    AdvectParams one = paramsIn(folder, "one");
+    one.restart = true;
+    advectBy(1, one);
+    for (int frame = 1; frame <= kFrames; ++frame) {
+        EXPECT_TRUE(bytesOf(folder / fmt::format("told.{:04}.vdb", frame)) ==
+                    bytesOf(folder / fmt::format("one.{:04}.vdb", frame)))
+            << frame;
     }
 }
 
