@@ -33,9 +33,16 @@ typename Single::Ptr narrowed(const Double& wide)
     using Value = typename Single::ValueType;
     auto tree =
         std::make_shared<typename Single::TreeType>(wide.tree(), openvdb::zeroVal<Value>(), openvdb::TopologyCopy());
-    const auto source = wide.getConstAccessor();
-    for (auto value = tree->beginValueOn(); value; ++value)
-        value.setValue(Value(source.getValue(value.getCoord())));
+    for (auto leaf = tree->beginLeaf(); leaf; ++leaf) {
+        const auto* const source = wide.constTree().probeConstLeaf(leaf->origin());
+        if (source->buffer().empty()) continue;
+        for (auto value = leaf->beginValueOn(); value; ++value)
+            value.setValue(Value(source->getValue(value.pos())));
+    }
+    auto tile = tree->beginValueOn();
+    tile.setMaxDepth(tile.getLeafDepth() - 1);
+    for (; tile; ++tile)
+        tile.setValue(Value(wide.constTree().getValue(tile.getCoord())));
     auto grid = Single::create(tree);
     grid->insertMeta(wide); // name and class are metadata too
     grid->setTransform(wide.transform().copy());
@@ -101,29 +108,51 @@ Sampling samplingOf(const Components& components, const std::string& where)
                      ": the components' origins differ by other than half a voxel; resample them onto one grid");
 }
 
-/// Activate the voxels of a velocity joined from three components: the union of collocated components, the intersection
-/// of staggered ones, each of which has one more layer of faces along its own axis. A staggered component without any
+/// The voxels of a velocity joined from three components: the union of collocated components, the intersection of
+/// staggered ones, each of which has one more layer of faces along its own axis. A staggered component without any
 /// voxel is 0 everywhere and was dropped by its writer.
-void setTopology(Vec3SGrid& vectors, const Components& components, bool staggered, const std::string& where)
+openvdb::MaskTree topologyOf(const Components& components, bool staggered, const std::string& where)
 {
+    openvdb::MaskTree topology;
     for (const auto& component : components)
-        vectors.tree().topologyUnion(component->tree());
+        topology.topologyUnion(component->tree());
     if (staggered) {
         for (const auto& component : components) {
-            if (!component->empty()) vectors.tree().topologyIntersection(component->tree());
+            if (!component->empty()) topology.topologyIntersection(component->tree());
         }
     }
-    checkVoxels(vectors.tree().activeVoxelCount(), where);
-    vectors.tree().voxelizeActiveTiles();
+    checkVoxels(topology.activeVoxelCount(), where);
+    topology.voxelizeActiveTiles();
+    return topology;
+}
+
+/// A grid of zeros. @param box outside of which leaves get no values
+Vec3SGrid::Ptr zeros(const openvdb::MaskTree& topology, const std::optional<openvdb::CoordBBox>& box)
+{
+    if (!box)
+        return Vec3SGrid::create(std::make_shared<openvdb::Vec3STree>(topology, Vec3f(0), openvdb::TopologyCopy()));
+    using Leaf = openvdb::Vec3STree::LeafNodeType;
+    auto grid = Vec3SGrid::create(Vec3f(0));
+    for (auto mask = topology.cbeginLeaf(); mask; ++mask) {
+        auto leaf = box->isInside(mask->origin())
+                        ? std::make_unique<Leaf>(*mask, Vec3f(0), openvdb::TopologyCopy())
+                        : std::make_unique<Leaf>(openvdb::PartialCreate(), mask->origin(), Vec3f(0));
+        leaf->setValueMask(mask->getValueMask());
+        grid->tree().addLeaf(leaf.release()); // takes it over
+    }
+    return grid;
 }
 
 /// Set the active voxels of a grid to the values of their components at the voxel centres.
-/// @param makeProbe gives a callable (axis, index, value) → whether the component is active there; called once a leaf
+/// @param box whose leaves are set  @param makeProbe gives a callable (axis, index, value) → whether the component is
+/// active there; called once a leaf
 template<typename MakeProbe>
-void setCentres(Vec3SGrid& centres, bool staggered, const MakeProbe& makeProbe)
+void setCentres(Vec3SGrid& centres, bool staggered, const std::optional<openvdb::CoordBBox>& box,
+                const MakeProbe& makeProbe)
 {
     openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(centres.tree());
     leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, std::size_t) {
+        if (box && !box->isInside(leaf.origin())) return;
         const auto probe = makeProbe();
         for (auto value = leaf.beginValueOn(); value; ++value) {
             Vec3f centre(0);
@@ -139,16 +168,16 @@ void setCentres(Vec3SGrid& centres, bool staggered, const MakeProbe& makeProbe)
     });
 }
 
-CentredVelocity joined(const Components& components, const std::string& where)
+CentredVelocity joined(const Components& components, const std::string& where,
+                       const std::optional<openvdb::CoordBBox>& box)
 {
     const Sampling sampling = samplingOf(components, where);
-    const auto vectors = Vec3SGrid::create(Vec3f(0));
-    setTopology(*vectors, components, sampling.staggered, where);
+    const auto vectors = zeros(topologyOf(components, sampling.staggered, where), box);
     vectors->setTransform(sampling.centres);
     for (auto meta = components[0]->beginMeta(); meta != components[0]->endMeta(); ++meta) {
         if (meta->first == "time" || meta->first == "dt") vectors->insertMeta(meta->first, *meta->second);
     }
-    setCentres(*vectors, sampling.staggered, [&] {
+    setCentres(*vectors, sampling.staggered, box, [&] {
         return [sources = std::array{components[0]->getConstAccessor(), components[1]->getConstAccessor(),
                                      components[2]->getConstAccessor()}](int axis, const Coord& at, float& value) {
             return sources[std::size_t(axis)].probeValue(at, value);
@@ -158,13 +187,14 @@ CentredVelocity joined(const Components& components, const std::string& where)
 }
 
 /// A staggered vector grid, whose components live on the faces at index − ½, on the voxel centres.
-Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where)
+Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where,
+                          const std::optional<openvdb::CoordBBox>& box)
 {
     checkVoxels(faces.tree().activeVoxelCount(), where);
     auto centres = faces.deepCopy();
     centres->setGridClass(openvdb::GRID_UNKNOWN);
     centres->tree().voxelizeActiveTiles();
-    setCentres(*centres, true, [&] {
+    setCentres(*centres, true, box, [&] {
         return [source = faces.getConstAccessor()](int axis, const Coord& at, float& value) {
             Vec3f face;
             const bool active = source.probeValue(at, face);
@@ -177,7 +207,8 @@ Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where)
 
 } // namespace
 
-CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& path)
+CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& path,
+                                const std::optional<openvdb::CoordBBox>& box)
 {
     const bool vectors = found.values.size() == 1;
     const std::string where = fmt::format("{}: {} {}", path, vectors ? "grid" : "grids", found.name);
@@ -186,12 +217,12 @@ CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& p
     if (vectors) {
         const auto grid = asSingle<Vec3SGrid, openvdb::Vec3DGrid>(found.values.front());
         const bool staggered = grid->getGridClass() == openvdb::GRID_STAGGERED;
-        return {staggered ? collocated(*grid, where) : grid, staggered};
+        return {staggered ? collocated(*grid, where, box) : grid, staggered};
     }
     const auto component = [&](std::size_t axis) {
         return asSingle<FloatGrid, openvdb::DoubleGrid>(found.values[axis]);
     };
-    return joined({component(0), component(1), component(2)}, where);
+    return joined({component(0), component(1), component(2)}, where, box);
 }
 
 } // namespace vdblic

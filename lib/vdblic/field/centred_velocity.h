@@ -4,6 +4,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include <optional>
 #include <string>
 
 namespace vdblic {
@@ -19,8 +20,10 @@ struct CentredVelocity {
 /// Components are staggered if their grid class says so or if their transforms differ by half a voxel. The value at a
 /// voxel centre is then the mean of the two faces; where the far face has no value, the near one stands for both.
 /// @param path of the file, for messages
+/// @param box  whole leaves: those outside may have no values (LeafBuffer::empty()), in `found` and in the result
 /// @throws InputError if a transform is a frustum or sheared, the components' transforms do not fit together, or the
 ///         voxels exceed the memory
-[[nodiscard]] CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& path);
+[[nodiscard]] CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& path,
+                                              const std::optional<openvdb::CoordBBox>& box = std::nullopt);
 
 } // namespace vdblic

@@ -132,10 +132,9 @@ double VelocityFrame::largestDisplacement(double interval) const
     return std::sqrt(double(squared));
 }
 
-VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
-                           const std::optional<openvdb::CoordBBox>& box)
+VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, const std::optional<VdbPart>& part)
 {
-    const VdbFile contents = readVdb(file.path, box);
+    const VdbFile contents = readVdb(file.path, part);
     VelocityFrame frame;
     frame.file = file;
     std::string name = params.grid;
@@ -158,7 +157,8 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
         }
     }
     const VelocityGrids grids = findVelocityGrids(contents, name);
-    const CentredVelocity found = centredVelocity(grids, file.path.string());
+    const CentredVelocity found =
+        centredVelocity(grids, file.path.string(), part ? std::optional(part->box) : std::nullopt);
     frame.gridName = grids.name;
     frame.values = found.values;
     mendNonFinite(frame, params.nonFinite);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/io/sequence.h"
+#include "vdblic/io/vdb_file.h"
 
 #include <openvdb/openvdb.h>
 
@@ -60,8 +61,8 @@ struct VelocityFrame {
 ///
 /// @throws InputError if there is none, its transform is sheared or a frustum, or a value is not finite; the
 ///         message names file, grid, first voxel and count
-/// @param box whole leaves, the only ones whose values are needed; others may have none, as with readVdb()
+/// @param part whose values are needed; leaves outside its box may have none, as with readVdb()
 [[nodiscard]] VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
-                                         const std::optional<openvdb::CoordBBox>& box = std::nullopt);
+                                         const std::optional<VdbPart>& part = std::nullopt);
 
 } // namespace vdblic

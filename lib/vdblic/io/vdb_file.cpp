@@ -68,7 +68,8 @@ void stampChecksums(std::fstream& file)
 /// An open file whose header and checksums, if it has any, were checked.
 class GuardedFile {
   public:
-    explicit GuardedFile(const std::filesystem::path& path) : mPath(path), mMemory(std::size_t(1) << 16)
+    explicit GuardedFile(const std::filesystem::path& path, bool verify = true)
+        : mPath(path), mMemory(std::size_t(1) << 16)
     {
         std::error_code error;
         if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
@@ -83,7 +84,7 @@ class GuardedFile {
             if (!open || error) throw InputError(std::generic_category().message(errno));
             mLayout = readLayout(mStream, mSize);
             mHasChecksums = vdblic::hasChecksums(mLayout);
-            if (mHasChecksums) verifyChecksums(mStream, mLayout, mSize);
+            if (mHasChecksums && verify) verifyChecksums(mStream, mLayout, mSize);
         } catch (const InputError& reason) {
             fail(reason.what());
         }
@@ -149,9 +150,9 @@ std::string VdbFile::contents() const
     return text.empty() ? "no grids" : clamped(text);
 }
 
-VdbFile readVdb(const std::filesystem::path& path, const std::optional<openvdb::CoordBBox>& box)
+VdbFile readVdb(const std::filesystem::path& path, const std::optional<VdbPart>& part)
 {
-    VdbFile file = GuardedFile(path).read(box);
+    VdbFile file = GuardedFile(path, !part || part->verify).read(part ? std::optional(part->box) : std::nullopt);
     file.metadata.removeMeta("checksum"); // describes the bytes on disk, not the result
     return file;
 }

@@ -56,15 +56,22 @@ struct VdbFile {
     [[nodiscard]] std::string contents() const;
 };
 
+/// What is needed of a file.
+struct VdbPart {
+    openvdb::CoordBBox box; ///< whole leaves
+    bool verify = true;     ///< check the checksums, which takes all bytes
+};
+
 /// Read a whole file, without delayed loading. All volumes are read by this function (docs/survival.md).
 ///
 /// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
 /// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.
-/// @param box whole leaves: of grids of Vec3f on voxel centres only the leaves in it get their values; the others are
-///            there, but have none (LeafBuffer::empty())
+/// @param part of grids of real numbers only the leaves in its box get their values; the others are there, but have
+/// none
+///             (LeafBuffer::empty()). Scalars and staggered vectors get those of one leaf around it, too: the values at
+///             voxel centres need them. Bytes between are passed over by OpenVDB's list of the leaves' sizes.
 /// @throws InputError naming the file and the reason
-[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path,
-                              const std::optional<openvdb::CoordBBox>& box = std::nullopt);
+[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path, const std::optional<VdbPart>& part = std::nullopt);
 
 /// Check a file's header and checksums without reading its grids.
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid

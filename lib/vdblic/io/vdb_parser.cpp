@@ -4,6 +4,7 @@
 #include "vdblic/io/leaf_record.h"
 
 #include <openvdb/io/Archive.h>
+#include <openvdb/io/DelayedLoadMetadata.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
@@ -52,13 +53,43 @@ struct StreamSettings {
     }
 };
 
+/// The lengths of all records by OpenVDB's list of them.
+/// @param bytes that all records take  @return nothing if there is no list, or it does not add up
+std::vector<std::uint64_t> listedLengths(std::istream& stream, const LeafFormat& format, std::size_t leaves,
+                                         std::uint64_t bytes)
+{
+    const openvdb::MetaMap& metadata = vdb_io::getStreamMetadataPtr(stream)->gridMetadata();
+    const auto list = metadata.getMetadata<vdb_io::DelayedLoadMetadata>(openvdb::GridBase::META_FILE_DELAYED_LOAD);
+    if (!list || (format.compression & LeafFormat::kCompressed) == 0) return {};
+    constexpr std::int64_t kSize = sizeof(std::int64_t); // what the list counts for no values, which half floats lack
+    std::vector<std::uint64_t> lengths(leaves);
+    std::uint64_t sum = 0;
+    try {
+        for (std::size_t i = 0; i < leaves; ++i) {
+            const std::int64_t size = list->getCompressedSize(i);
+            lengths[i] = format.headBytes(list->getMask(i)) + (format.half && size == kSize ? 0 : std::uint64_t(size));
+            sum += lengths[i];
+        }
+    } catch (const openvdb::IndexError&) { // the list is too short
+        return {};
+    }
+    return sum == bytes ? lengths : std::vector<std::uint64_t>();
+}
+
+void passOver(std::istream& stream, std::uint64_t bytes)
+{
+    constexpr std::uint64_t kWorthSeeking = 1 << 16; // a stream's buffer is read anew after it
+    bytes < kWorthSeeking ? stream.ignore(std::streamsize(bytes)) : stream.seekg(std::streamoff(bytes), std::ios::cur);
+}
+
 /// A grid that reads its leaves in parallel.
 template<typename GridT>
 class LeafwiseGrid : public GridT {
   public:
-    /// @param box that the values of vectors on voxel centres are kept in
-    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, const std::optional<openvdb::CoordBBox>& box)
-        : mPath(std::move(path)), mFileSize(fileSize), mBox(box)
+    /// @param leafBytes of the grid in the file  @param box as that of parseVdb()
+    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, std::uint64_t leafBytes,
+                 const std::optional<openvdb::CoordBBox>& box)
+        : mPath(std::move(path)), mFileSize(fileSize), mLeafBytes(leafBytes), mBox(box)
     {
     }
 
@@ -76,19 +107,27 @@ class LeafwiseGrid : public GridT {
         leaves.reserve(this->tree().leafCount());
         this->tree().getNodes(leaves);
 
-        const bool isCut =
-            mBox && std::is_same_v<GridT, openvdb::Vec3SGrid> && this->getGridClass() != openvdb::GRID_STAGGERED;
-        const auto isKept = [&](std::size_t leaf) { return !isCut || mBox->isInside(leaves[leaf]->origin()); };
+        const std::optional<openvdb::CoordBBox> box = keptBox();
+        const auto isKept = [&](std::size_t leaf) { return !box || box->isInside(leaves[leaf]->origin()); };
+        const std::vector<std::uint64_t> lengths =
+            box ? listedLengths(stream, format, leaves.size(), mLeafBytes) : std::vector<std::uint64_t>();
         std::vector<char> unused;
         std::size_t next = 0;
+        std::uint64_t passed = 0; // bytes before the next leaf
         const auto cut = [&](tbb::flow_control& flow) {
             LeafBatch batch{next, next, {}};
             if (next == leaves.size()) flow.stop();
             batch.bytes.reserve(kBatchBytes + kRecordBytes);
             for (; next < leaves.size() && batch.bytes.size() < kBatchBytes; batch.end = ++next) {
+                if (!isKept(next) && !lengths.empty()) {
+                    passed += lengths[next];
+                    continue;
+                }
+                passOver(stream, std::exchange(passed, 0));
                 unused.clear();
                 appendLeafRecord(stream, format, mFileSize, isKept(next) ? batch.bytes : unused);
             }
+            if (next == leaves.size()) passOver(stream, std::exchange(passed, 0));
             return batch;
         };
         const auto parse = [&](LeafBatch batch) {
@@ -110,10 +149,21 @@ class LeafwiseGrid : public GridT {
     }
 
   private:
+    /// The box of the leaves that get their values, if not all do.
+    [[nodiscard]] std::optional<openvdb::CoordBBox> keptBox() const
+    {
+        using Traits = openvdb::VecTraits<typename GridT::ValueType>;
+        if (!mBox || !std::is_floating_point_v<typename Traits::ElementType>) return std::nullopt;
+        openvdb::CoordBBox box = *mBox;
+        const bool isCentred = Traits::IsVec && this->getGridClass() != openvdb::GRID_STAGGERED;
+        if (!isCentred) box.expand(int(GridT::TreeType::LeafNodeType::DIM));
+        return box;
+    }
+
     static constexpr std::size_t kBatchBytes = std::size_t(1) << 18, kRecordBytes = std::size_t(1) << 14;
 
     std::filesystem::path mPath;
-    std::uint64_t mFileSize;
+    std::uint64_t mFileSize, mLeafBytes;
     std::optional<openvdb::CoordBBox> mBox;
 };
 
@@ -134,8 +184,9 @@ class LeafwiseArchive : public openvdb::io::Archive {
         NamedGridMap named;
         for (vdb_io::GridDescriptor& descriptor : descriptors) {
             openvdb::GridBase::Ptr grid = descriptor.read(stream), leafwise;
+            const auto leafBytes = std::uint64_t(descriptor.getEndPos() - descriptor.getBlockPos());
             grid->apply<LeafwiseGrids>([&]<typename GridT>(const GridT&) {
-                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, box);
+                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, leafBytes, box);
             });
             if (leafwise) leafwise->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
             readGrid(leafwise ? leafwise : grid, descriptor, stream);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -25,14 +26,14 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
     return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame)));
 }
 
-/// @param box that the values are needed in
-LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, const std::optional<openvdb::CoordBBox>& box)
+/// @param part whose values are needed
+LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, const std::optional<VdbPart>& part)
 {
     Stopwatch watch;
     LoadedFrame frame;
     frame.sourceFrame = double(file.frame);
     frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
-    frame.velocity = readVelocity(file, params.velocity, box);
+    frame.velocity = readVelocity(file, params.velocity, part);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;
     auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
     frame.flow.velocities = frame.velocity.values;
@@ -133,15 +134,19 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
 LoadedFrame FlowSequence::loadPart(const FrameFile& file, std::shared_ptr<const Partition> partition) const
 {
     if (mExchange.isAlone()) return load(file, mParams, std::nullopt);
-    // Carried grids, which rank 0 writes, are whole.
-    const bool isPart = partition && (mExchange.rank() > 0 || mParams.velocity.carry.empty());
-    LoadedFrame frame = load(file, mParams, isPart ? std::optional(partition->box(mExchange.rank())) : std::nullopt);
+    // Carried grids, which rank 0 writes, are whole. The ranks verify the files in turn.
+    const int rank = mExchange.rank();
+    std::optional<VdbPart> part;
+    if (partition && (rank > 0 || mParams.velocity.carry.empty()))
+        part = {partition->box(rank),
+                std::uint64_t(file.frame) % std::uint64_t(mExchange.size()) == std::uint64_t(rank)};
+    LoadedFrame frame = load(file, mParams, part);
     if (!partition) {
         partition = std::make_shared<const Partition>(*frame.flow.velocityDomain(), frame.flow.refinement.factors,
                                                       mExchange.size());
     }
     frame.partition = std::move(partition);
-    keepOwn(frame, mExchange.rank());
+    keepOwn(frame, rank);
     return frame;
 }
 

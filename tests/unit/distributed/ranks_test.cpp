@@ -191,6 +191,36 @@ class Details : public Reporter {
     std::string text;
 };
 
+/// The same flow in other conventions, each of which needs values beyond a rank's box.
+TEST(Ranks, ReadStaggeredVelocitiesAndComponents)
+{
+    const TemporaryFolder folder;
+    const CoordBBox box(Coord(-12, -4, 0), Coord(43, 19, 22));
+    const auto flow = [](const Coord& at, int frame) { return turning(at, frame, 3); };
+    writeSequence(folder, box, flow);
+    for (int frame = 1; frame <= kFrames; ++frame) {
+        const auto path = folder / fmt::format("v.{:04}.vdb", frame);
+        const VdbFile file = readVdb(path);
+        file.grids.front()->setGridClass(openvdb::GRID_STAGGERED);
+        writeVdb(path, {file.grids.front()}, {});
+    }
+    expectSameFiles(folder, {2, 5}, kAsItIs);
+    for (int frame = 1; frame <= kFrames; ++frame) {
+        openvdb::GridCPtrVec components;
+        for (int axis = 0; axis < 3; ++axis) {
+            auto grid = openvdb::DoubleGrid::create(0);
+            grid->setName(fmt::format("vel.{}", "xyz"[axis]));
+            grid->setGridClass(openvdb::GRID_STAGGERED);
+            auto accessor = grid->getAccessor();
+            for (auto voxel = box.begin(); voxel; ++voxel)
+                accessor.setValue(*voxel, flow(*voxel, frame)[axis]);
+            components.push_back(grid);
+        }
+        writeVdb(folder / fmt::format("v.{:04}.vdb", frame), components, {});
+    }
+    expectSameFiles(folder, {3}, kAsItIs);
+}
+
 TEST(Ranks, CutADomainAnewThatMovesAway)
 {
     const TemporaryFolder folder;

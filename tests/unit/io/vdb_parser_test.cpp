@@ -3,6 +3,7 @@
 #include "io/varied_grid.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/leaf_record.h"
+#include "vdblic/io/vdb_assembly.h"
 
 #include <gtest/gtest.h>
 
@@ -76,33 +77,86 @@ TEST(VdbParser, ReadsWhatOpenVdbReads)
     expectTheGridOfOpenVdb<openvdb::FloatGrid>(openvdb::FloatGrid::create(2));
 }
 
-TEST(VdbParser, ReadsVectorsInABoxOnly)
+/// The leaves in a box have the values that the whole file gives them, and the others none.
+template<typename GridT>
+void expectLeavesInBox(const VdbFile& part, const VdbFile& whole, const std::string& name,
+                       const openvdb::CoordBBox& box)
 {
-    const auto vectors = variedGrid<openvdb::Vec3SGrid>("vectors");
-    const auto staggered = variedGrid<openvdb::Vec3SGrid>("staggered");
-    staggered->setGridClass(openvdb::GRID_STAGGERED);
-    const auto numbers = variedGrid<openvdb::FloatGrid>("numbers");
-    const std::string bytes = written({vectors, staggered, numbers}, io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK);
-    const VdbFile whole = parsed(bytes);
-    const openvdb::CoordBBox box(openvdb::Coord(-8, 16, 0), openvdb::Coord(31, 47, 4095));
-    const VdbFile part = parsed(bytes, box);
-    const auto all = whole.find<openvdb::Vec3SGrid>("vectors"), some = part.find<openvdb::Vec3SGrid>("vectors");
+    const auto all = whole.find<GridT>(name), some = part.find<GridT>(name);
     ASSERT_TRUE(some->tree().hasSameTopology(all->tree()));
     std::size_t inside = 0;
     for (auto leaf = some->tree().cbeginLeaf(); leaf; ++leaf) {
         const bool isInside = box.isInside(leaf->origin());
         inside += isInside;
-        EXPECT_EQ(leaf->buffer().empty(), !isInside);
+        EXPECT_EQ(leaf->buffer().empty(), !isInside) << name;
         if (!isInside) continue;
-        EXPECT_EQ(*leaf, *all->tree().probeConstLeaf(leaf->origin()));
+        EXPECT_EQ(*leaf, *all->tree().probeConstLeaf(leaf->origin())) << name;
     }
     EXPECT_GT(inside, 20u);
-    EXPECT_LT(inside, some->tree().leafCount() / 2);
-    // Others are needed beyond their box.
-    for (auto leaf = part.find<openvdb::Vec3SGrid>("staggered")->tree().cbeginLeaf(); leaf; ++leaf)
-        EXPECT_FALSE(leaf->buffer().empty());
-    for (auto leaf = part.find<openvdb::FloatGrid>("numbers")->tree().cbeginLeaf(); leaf; ++leaf)
-        EXPECT_FALSE(leaf->buffer().empty());
+    EXPECT_LT(inside, some->tree().leafCount());
+}
+
+TEST(VdbParser, ReadsRealNumbersInABoxOnly)
+{
+    const auto staggered = variedGrid<openvdb::Vec3SGrid>("staggered");
+    staggered->setGridClass(openvdb::GRID_STAGGERED);
+    const auto half = variedGrid<openvdb::FloatGrid>("half");
+    half->setSaveFloatAsHalf(true);
+    const openvdb::GridCPtrVec grids = {variedGrid<openvdb::Vec3SGrid>("vectors"), staggered, half,
+                                        variedGrid<openvdb::DoubleGrid>("doubles"),
+                                        variedGrid<openvdb::Int32Grid>("integers")};
+    const openvdb::CoordBBox box(openvdb::Coord(-8, 16, 0), openvdb::Coord(31, 47, 4095));
+    openvdb::CoordBBox around = box;
+    around.expand(8);
+    for (const std::uint32_t compression : {io::COMPRESS_BLOSC, io::COMPRESS_ZIP, io::COMPRESS_NONE}) {
+        std::stringstream listed; // with the sizes of leaves
+        VdbAssembly(compression | io::COMPRESS_ACTIVE_MASK).write(listed, grids, {});
+        for (const std::string& bytes : {written(grids, compression | io::COMPRESS_ACTIVE_MASK), listed.str()}) {
+            const VdbFile whole = parsed(bytes), part = parsed(bytes, box);
+            expectLeavesInBox<openvdb::Vec3SGrid>(part, whole, "vectors", box);
+            expectLeavesInBox<openvdb::Vec3SGrid>(part, whole, "staggered", around);
+            expectLeavesInBox<openvdb::FloatGrid>(part, whole, "half", around);
+            expectLeavesInBox<openvdb::DoubleGrid>(part, whole, "doubles", around);
+            for (auto leaf = part.find<openvdb::Int32Grid>("integers")->tree().cbeginLeaf(); leaf; ++leaf)
+                EXPECT_FALSE(leaf->buffer().empty());
+        }
+    }
+}
+
+/// Counts the bytes that are read.
+class CountingBuffer : public std::stringbuf {
+  public:
+    using std::stringbuf::stringbuf;
+    std::streamsize count = 0;
+
+  protected:
+    std::streamsize xsgetn(char* bytes, std::streamsize number) override
+    {
+        count += number;
+        return std::stringbuf::xsgetn(bytes, number);
+    }
+};
+
+TEST(VdbParser, PassesOverWhatIsNotNeeded)
+{
+    auto noise = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
+    noise->setName("v");
+    auto accessor = noise->getAccessor();
+    for (auto voxel = openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(255, 31, 31)).begin(); voxel; ++voxel) {
+        const auto number = float((*voxel)[0] * 7919 % 1009 + (*voxel)[1] * 31 + (*voxel)[2]);
+        accessor.setValue(*voxel, openvdb::Vec3f(number, 1 / number, number * number));
+    }
+    std::stringstream stream;
+    VdbAssembly(io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK).write(stream, {noise}, {});
+    const std::string bytes = stream.str();
+    CountingBuffer buffer(bytes);
+    std::istream counted(&buffer);
+    counted.exceptions(std::ios::failbit | std::ios::badbit);
+    const openvdb::CoordBBox box(openvdb::Coord(128, 0, 0), openvdb::Coord(159, 31, 31));
+    const VdbFile part = parseVdb(counted, "a.vdb", bytes.size(), box);
+    expectLeavesInBox<openvdb::Vec3SGrid>(part, parsed(bytes), "v", box);
+    EXPECT_LT(buffer.count, std::streamsize(bytes.size() / 4)); // an eighth of the leaves
+    EXPECT_GT(buffer.count, std::streamsize(bytes.size() / 9));
 }
 
 TEST(VdbParser, ReadsWhatOpenVdbReadsOfHalfFloats)
