@@ -117,10 +117,7 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
 
 void LookBasis::add(const LoadedTexture& frame)
 {
-    const TextureVolume::Samples more = frame.volume.samples();
-    samples.texture.insert(samples.texture.end(), more.texture.begin(), more.texture.end());
-    samples.driver.insert(samples.driver.end(), more.driver.begin(), more.driver.end());
-    samples.color.insert(samples.color.end(), more.color.begin(), more.color.end());
+    samples.append(frame.volume.samples());
     voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
     volumeBytes = std::max(volumeBytes, frame.bytes());
     if (!first.empty()) return;

@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/mix_bits.h"
 #include "vdblic/render/affine_transform.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/texture_block.h"
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <atomic>
 #include <cmath>
@@ -28,6 +30,16 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
     if (texture.transform() == scalar.transform()) return;
     throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
                                  texture.getName(), scalar.getName()));
+}
+
+/// A number for the first voxel of a leaf, from which those of its other voxels follow by their offsets; above 0.
+std::uint64_t numberOf(const openvdb::Coord& origin)
+{
+    constexpr int kBits = 21; // of an axis: more than a domain can span
+    std::uint64_t number = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        number = number << kBits | (std::uint64_t(origin[axis] >> LeafVoxel::kLog2Dim) & ((1u << kBits) - 1));
+    return number * LeafVoxel::kCount;
 }
 
 } // namespace
@@ -124,35 +136,39 @@ Corners TextureVolume::corners() const
     return result;
 }
 
+void TextureVolume::Samples::append(const Samples& more)
+{
+    texture.insert(texture.end(), more.texture.begin(), more.texture.end());
+    driver.insert(driver.end(), more.driver.begin(), more.driver.end());
+    color.insert(color.end(), more.color.begin(), more.color.end());
+}
+
 TextureVolume::Samples TextureVolume::samples() const
 {
-    constexpr std::size_t kMost = 1 << 18;
-    const std::size_t stride = domain().voxelCount() / kMost + 1;
-    Samples result;
-    const auto add = [&](std::size_t leaf, unsigned offset) {
-        const LeafVoxel at = LeafVoxel::at(offset);
-        const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
-        result.texture.push_back(mValues[record].texture);
-        result.driver.push_back(mValues[record].driver);
-        if (mColors) result.color.push_back(mColors[record]);
-    };
-    std::size_t next = 0; // number of voxels shown up to the next sample
-    for (std::size_t leaf = 0; leaf < domain().leafCount(); ++leaf) {
-        const std::size_t shown = mShown[leaf].countOn();
-        if (shown == LeafVoxel::kCount) {
-            for (; next < shown; next += stride)
-                add(leaf, unsigned(next));
-        } else if (next < shown) {
-            std::size_t voxel = 0;
-            for (auto i = mShown[leaf].beginOn(); i; ++i) {
-                if (voxel++ != next) continue;
-                add(leaf, i.pos());
-                next += stride;
-            }
+    constexpr std::uint64_t kMost = 1 << 18, kAll = std::numeric_limits<std::uint64_t>::max();
+    const std::uint64_t voxels = domain().voxelCount(), highest = voxels <= kMost ? kAll : kAll / voxels * kMost;
+    const auto add = [&](std::size_t leaf, Samples& samples) {
+        const std::uint64_t number = numberOf(domain().origin(leaf));
+        for (unsigned offset = 0; offset < LeafVoxel::kCount; ++offset) {
+            if (mixBits(number + offset) > highest || !mShown[leaf].isOn(offset)) continue;
+            const LeafVoxel at = LeafVoxel::at(offset);
+            const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
+            samples.texture.push_back(mValues[record].texture);
+            samples.driver.push_back(mValues[record].driver);
+            if (mColors) samples.color.push_back(mColors[record]);
         }
-        next -= shown;
-    }
-    return result;
+    };
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, domain().leafCount()), Samples{},
+        [&](const tbb::blocked_range<std::size_t>& leaves, Samples samples) {
+            for (std::size_t leaf = leaves.begin(); leaf < leaves.end(); ++leaf)
+                add(leaf, samples);
+            return samples;
+        },
+        [](Samples first, const Samples& second) {
+            first.append(second);
+            return first;
+        });
 }
 
 } // namespace vdblic

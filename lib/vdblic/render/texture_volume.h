@@ -84,9 +84,12 @@ class TextureVolume {
     /// Number of active voxels that are left out because texture or driver is not a finite number.
     [[nodiscard]] std::size_t unusableVoxels() const { return mUnusable; }
 
-    /// Values of every n-th voxel shown, a few hundred thousand at most.
+    /// Values of shown voxels that a hash of their coordinates chooses, a few hundred thousand; of a small domain all.
+    /// So the samples of a domain's parts are those of the whole.
     struct Samples {
         std::vector<float> texture, driver, color; ///< color is empty if the driver colours
+
+        void append(const Samples& more);
     };
     [[nodiscard]] Samples samples() const;
 
