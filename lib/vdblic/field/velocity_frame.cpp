@@ -135,7 +135,12 @@ double VelocityFrame::largestDisplacement(double interval) const
 VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
                            const std::optional<openvdb::CoordBBox>& box)
 {
-    const VdbFile contents = readVdb(file.path, box);
+    const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
+        const bool isCentred = grid.getGridClass() != openvdb::GRID_STAGGERED;
+        const bool isCut = isCentred && dynamic_cast<const openvdb::Vec3SGrid*>(&grid);
+        return !isCut || box->isInside(origin);
+    };
+    const VdbFile contents = readVdb(file.path, box ? LeafFilter(isKept) : LeafFilter());
     VelocityFrame frame;
     frame.file = file;
     std::string name = params.grid;

@@ -6,6 +6,7 @@
 #include <openvdb/openvdb.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -56,15 +57,17 @@ struct VdbFile {
     [[nodiscard]] std::string contents() const;
 };
 
+/// Chooses leaves of a grid by their first voxels. Called by several threads at a time.
+using LeafFilter = std::function<bool(const openvdb::GridBase& grid, const openvdb::Coord& origin)>;
+
 /// Read a whole file, without delayed loading. All volumes are read by this function (docs/survival.md).
 ///
 /// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
 /// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.
-/// @param box whole leaves: of grids of Vec3f on voxel centres only the leaves in it get their values; the others are
-///            there, but have none (LeafBuffer::empty())
+/// @param isKept whether a leaf gets its values; the others are there, but have none (LeafBuffer::empty()). Grids of
+///               points, bool and masks are whole
 /// @throws InputError naming the file and the reason
-[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path,
-                              const std::optional<openvdb::CoordBBox>& box = std::nullopt);
+[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path, const LeafFilter& isKept = {});
 
 /// Check a file's header and checksums without reading its grids.
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid

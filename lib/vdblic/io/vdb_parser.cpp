@@ -56,9 +56,8 @@ struct StreamSettings {
 template<typename GridT>
 class LeafwiseGrid : public GridT {
   public:
-    /// @param box that the values of vectors on voxel centres are kept in
-    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, const std::optional<openvdb::CoordBBox>& box)
-        : mPath(std::move(path)), mFileSize(fileSize), mBox(box)
+    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, const LeafFilter& isKept)
+        : mPath(std::move(path)), mFileSize(fileSize), mIsKept(isKept)
     {
     }
 
@@ -76,9 +75,7 @@ class LeafwiseGrid : public GridT {
         leaves.reserve(this->tree().leafCount());
         this->tree().getNodes(leaves);
 
-        const bool isCut =
-            mBox && std::is_same_v<GridT, openvdb::Vec3SGrid> && this->getGridClass() != openvdb::GRID_STAGGERED;
-        const auto isKept = [&](std::size_t leaf) { return !isCut || mBox->isInside(leaves[leaf]->origin()); };
+        const auto isKept = [&](std::size_t leaf) { return !mIsKept || mIsKept(*this, leaves[leaf]->origin()); };
         std::vector<char> unused;
         std::size_t next = 0;
         const auto cut = [&](tbb::flow_control& flow) {
@@ -114,13 +111,12 @@ class LeafwiseGrid : public GridT {
 
     std::filesystem::path mPath;
     std::uint64_t mFileSize;
-    std::optional<openvdb::CoordBBox> mBox;
+    const LeafFilter& mIsKept;
 };
 
 class LeafwiseArchive : public openvdb::io::Archive {
   public:
-    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
-                 const std::optional<openvdb::CoordBBox>& box)
+    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size, const LeafFilter& isKept)
     {
         readHeader(stream);
         vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
@@ -135,7 +131,7 @@ class LeafwiseArchive : public openvdb::io::Archive {
         for (vdb_io::GridDescriptor& descriptor : descriptors) {
             openvdb::GridBase::Ptr grid = descriptor.read(stream), leafwise;
             grid->apply<LeafwiseGrids>([&]<typename GridT>(const GridT&) {
-                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, box);
+                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, isKept);
             });
             if (leafwise) leafwise->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
             readGrid(leafwise ? leafwise : grid, descriptor, stream);
@@ -151,10 +147,9 @@ class LeafwiseArchive : public openvdb::io::Archive {
 
 } // namespace
 
-VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
-                 const std::optional<openvdb::CoordBBox>& box)
+VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size, const LeafFilter& isKept)
 {
-    return LeafwiseArchive().read(stream, path, size, box);
+    return LeafwiseArchive().read(stream, path, size, isKept);
 }
 
 } // namespace vdblic

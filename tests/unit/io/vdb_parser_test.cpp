@@ -34,11 +34,11 @@ std::string written(const openvdb::GridCPtrVec& grids, std::uint32_t compression
     return stream.str();
 }
 
-VdbFile parsed(const std::string& bytes, const std::optional<openvdb::CoordBBox>& box = std::nullopt)
+VdbFile parsed(const std::string& bytes, const LeafFilter& isKept = {})
 {
     std::istringstream stream(bytes);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
-    return parseVdb(stream, "a.vdb", bytes.size(), box);
+    return parseVdb(stream, "a.vdb", bytes.size(), isKept);
 }
 
 /// Parsing gives the grid that OpenVDB reads, to the bit: of a type, with its metadata, nodes and values.
@@ -76,7 +76,7 @@ TEST(VdbParser, ReadsWhatOpenVdbReads)
     expectTheGridOfOpenVdb<openvdb::FloatGrid>(openvdb::FloatGrid::create(2));
 }
 
-TEST(VdbParser, ReadsVectorsInABoxOnly)
+TEST(VdbParser, ReadsTheLeavesThatAFilterKeeps)
 {
     const auto vectors = variedGrid<openvdb::Vec3SGrid>("vectors");
     const auto staggered = variedGrid<openvdb::Vec3SGrid>("staggered");
@@ -85,7 +85,9 @@ TEST(VdbParser, ReadsVectorsInABoxOnly)
     const std::string bytes = written({vectors, staggered, numbers}, io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK);
     const VdbFile whole = parsed(bytes);
     const openvdb::CoordBBox box(openvdb::Coord(-8, 16, 0), openvdb::Coord(31, 47, 4095));
-    const VdbFile part = parsed(bytes, box);
+    const VdbFile part = parsed(bytes, [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
+        return grid.getName() != "vectors" || box.isInside(origin);
+    });
     const auto all = whole.find<openvdb::Vec3SGrid>("vectors"), some = part.find<openvdb::Vec3SGrid>("vectors");
     ASSERT_TRUE(some->tree().hasSameTopology(all->tree()));
     std::size_t inside = 0;
@@ -98,7 +100,7 @@ TEST(VdbParser, ReadsVectorsInABoxOnly)
     }
     EXPECT_GT(inside, 20u);
     EXPECT_LT(inside, some->tree().leafCount() / 2);
-    // Others are needed beyond their box.
+    // Other grids are whole.
     for (auto leaf = part.find<openvdb::Vec3SGrid>("staggered")->tree().cbeginLeaf(); leaf; ++leaf)
         EXPECT_FALSE(leaf->buffer().empty());
     for (auto leaf = part.find<openvdb::FloatGrid>("numbers")->tree().cbeginLeaf(); leaf; ++leaf)
