@@ -4,6 +4,7 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/mix_bits.h"
 #include "vdblic/render/affine_transform.h"
+#include "vdblic/render/leaf_share.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/texture_block.h"
 
@@ -15,12 +16,15 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -30,6 +34,17 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
     if (texture.transform() == scalar.transform()) return;
     throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
                                  texture.getName(), scalar.getName()));
+}
+
+/// The part of a domain that a rank has.
+std::shared_ptr<const Domain> partOf(const Domain& whole, const LeafShare& share, int rim)
+{
+    std::vector<std::uint32_t> own, needed;
+    for (std::uint32_t leaf = 0; leaf < whole.leafCount(); ++leaf) {
+        if (share.owns(whole.origin(leaf))) own.push_back(leaf);
+        if (share.needs(whole.origin(leaf), rim)) needed.push_back(leaf);
+    }
+    return whole.part(std::move(own), std::move(needed));
 }
 
 /// A number for the first voxel of a leaf, from which those of its other voxels follow by their offsets; above 0.
@@ -53,7 +68,8 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     checkTransforms(texture, driver);
     mDomain = std::make_shared<const Domain>(
         std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()));
-    const std::size_t leaves = domain().leafCount();
+    if (use.share) mDomain = partOf(domain(), *use.share, use.rim);
+    const std::size_t leaves = leafCount();
     if (leaves > std::numeric_limits<std::uint32_t>::max() / kPaddedSize) {
         throw InputError(fmt::format("grid {} has {} leaves; at most {} can be rendered: cut it into parts",
                                      texture.getName(), leaves,
@@ -74,10 +90,11 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
-            block->copy(texture.tree(), driver.tree(), domain().origin(leaf));
+            block->copy(texture.tree(), driver.tree(), origin(leaf));
             mRanges[leaf] = block->range();
-            mShown[leaf] = domain().mask(leaf);
-            if (const std::size_t found = block->removeInactive(mShown[leaf]); found > 0) unusable += found;
+            mShown[leaf] = domain().mask(domain().local()[leaf]);
+            const std::size_t found = block->removeInactive(mShown[leaf]);
+            if (found > 0 && isOwn(leaf)) unusable += found;
             // Lanes of the ray caster that have no ray read the first leaf.
             mHasRecords[leaf] = leaf == 0 || !use.look || use.look->contributes(mRanges[leaf]);
             if (!mHasRecords[leaf]) continue;
@@ -100,13 +117,13 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
 void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors)
 {
     checkTransforms(texture, colors);
-    const std::size_t leaves = domain().leafCount();
+    const std::size_t leaves = leafCount();
     mColors = std::make_unique_for_overwrite<float[]>(leaves * kPaddedSize);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
             if (!mHasRecords[leaf]) continue;
-            block->copy(texture.tree(), colors.tree(), domain().origin(leaf));
+            block->copy(texture.tree(), colors.tree(), origin(leaf));
             block->extend();
             block->writeDrivers(mColors.get() + leaf * kPaddedSize);
         }
@@ -116,7 +133,7 @@ void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::
 void TextureVolume::cut(const Domain& kept)
 {
     tbb::parallel_for(std::size_t(0), mShown.size(), [&](std::size_t leaf) {
-        const openvdb::Coord c = domain().origin(leaf);
+        const openvdb::Coord c = origin(leaf);
         const int found = kept.findLeaf(Int4{c[0], c[1], c[2]});
         if (found >= 0) {
             mShown[leaf] &= kept.mask(std::size_t(found));
@@ -124,6 +141,14 @@ void TextureVolume::cut(const Domain& kept)
             mShown[leaf].setOff();
         }
     });
+}
+
+int TextureVolume::findLeaf(const openvdb::Coord& voxel) const
+{
+    const int found = domain().findLeaf(Int4{voxel[0], voxel[1], voxel[2]});
+    if (found < 0 || domain().isWhole()) return found;
+    const Domain::Leaves all = domain().local();
+    return int(std::lower_bound(all.begin(), all.end(), std::uint32_t(found)) - all.begin());
 }
 
 Corners TextureVolume::corners() const
@@ -148,7 +173,8 @@ TextureVolume::Samples TextureVolume::samples() const
     constexpr std::uint64_t kMost = 1 << 18, kAll = std::numeric_limits<std::uint64_t>::max();
     const std::uint64_t voxels = domain().voxelCount(), highest = voxels <= kMost ? kAll : kAll / voxels * kMost;
     const auto add = [&](std::size_t leaf, Samples& samples) {
-        const std::uint64_t number = numberOf(domain().origin(leaf));
+        if (!isOwn(leaf)) return;
+        const std::uint64_t number = numberOf(origin(leaf));
         for (unsigned offset = 0; offset < LeafVoxel::kCount; ++offset) {
             if (mixBits(number + offset) > highest || !mShown[leaf].isOn(offset)) continue;
             const LeafVoxel at = LeafVoxel::at(offset);
@@ -159,7 +185,7 @@ TextureVolume::Samples TextureVolume::samples() const
         }
     };
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, domain().leafCount()), Samples{},
+        tbb::blocked_range<std::size_t>(0, leafCount()), Samples{},
         [&](const tbb::blocked_range<std::size_t>& leaves, Samples samples) {
             for (std::size_t leaf = leaves.begin(); leaf < leaves.end(); ++leaf)
                 add(leaf, samples);
