@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-BoxShare::BoxShare(const openvdb::CoordBBox& bounds, int rank, int ranks)
+BoxShare::BoxShare(const openvdb::CoordBBox& bounds, int rank, int ranks) : LeafShare(ranks)
 {
     const openvdb::CoordBBox box = bounds.empty() ? openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(0)) : bounds;
     constexpr int kFar = 1 << 30;

@@ -8,15 +8,20 @@ namespace vdblic {
 /// Any number of threads may read.
 class LeafShare {
   public:
-    LeafShare() = default;
+    explicit LeafShare(int ranks) : mRanks(ranks) {}
     LeafShare(const LeafShare&) = default;
     LeafShare& operator=(const LeafShare&) = default;
     virtual ~LeafShare() = default;
+
+    [[nodiscard]] int ranks() const { return mRanks; }
 
     /// Whether the rank owns a leaf. @param origin its first voxel
     [[nodiscard]] virtual bool owns(const openvdb::Coord& origin) const = 0;
     /// Whether a leaf is less than so many voxels from one that the rank owns or shows.
     [[nodiscard]] virtual bool needs(const openvdb::Coord& origin, int rim) const = 0;
+
+  private:
+    int mRanks;
 };
 
 /// The leaves in one of the boxes into which a volume is cut, across its longest axes.

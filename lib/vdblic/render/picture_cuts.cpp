@@ -139,7 +139,8 @@ PictureCuts::PictureCuts(const Camera& camera, const Corners& box, int ranks)
     }
 }
 
-ViewShare::ViewShare(const PictureCuts& cuts, int rank, const glm::dmat4& indexToWorld) : mCuts(cuts.cuts(rank))
+ViewShare::ViewShare(const PictureCuts& cuts, int rank, const glm::dmat4& indexToWorld)
+    : LeafShare(cuts.ranks()), mCuts(cuts.cuts(rank))
 {
     for (PictureCut& cut : mCuts)
         cut.plane = glm::transpose(indexToWorld) * cut.plane;

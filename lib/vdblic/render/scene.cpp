@@ -103,7 +103,11 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, cons
     const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
         return !header || share->needs(origin, rim) || grid.transform() != *header->transform;
     };
-    return loadFrame(params, readVdb(frame.path, isKept), frame, look, share);
+    const VdbFile file = readVdb(frame.path, isKept);
+    const auto texture = file.find<openvdb::FloatGrid>(params.texture);
+    if (header && texture && texture->transform() != *header->transform)
+        throw InputError(fmt::format("{}: holds several grids '{}'; rename one", frame.path.string(), params.texture));
+    return loadFrame(params, file, frame, look, share);
 }
 
 LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame, const Look* look,

@@ -67,7 +67,8 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
 {
     checkTransforms(texture, driver);
     mDomain = std::make_shared<const Domain>(
-        std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()));
+        std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()),
+        use.share ? use.share->ranks() : 1);
     if (use.share) mDomain = partOf(domain(), *use.share, use.rim);
     const std::size_t leaves = leafCount();
     if (leaves > std::numeric_limits<std::uint32_t>::max() / kPaddedSize) {
