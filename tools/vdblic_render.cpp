@@ -3,6 +3,7 @@
 #include "cli/shared_frames.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/render_sequence.h"
 
 #include <fmt/format.h>
@@ -53,6 +54,8 @@ int main(int argc, char** argv)
                 "and make it by vdblic_render");
         }
         if (!ranks.exchange->isFirst()) params.transferOut.clear();
+        if (vdblic::ranksShareFrames(params, *ranks.exchange))
+            return vdblic::renderSequence(params, tool.standardInput(), reporter, *ranks.exchange);
         vdblic::cli::shareFrames(*ranks.exchange, params.input, reporter,
                                  [&](const vdblic::SequenceParams& input, vdblic::Reporter& to) {
                                      vdblic::RenderParams share = params;

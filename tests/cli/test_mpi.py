@@ -79,6 +79,80 @@ class Ranks(ToolTest):
         run = self.render(2, *looks, "--film", "x.mp4")
         self.assertEqual(run.returncode, 2, run.stderr)
 
+    def assert_failed(self, run, status, *words):
+        """The run ended with this status and one message that has these words."""
+        own = [line for line in run.stderr.splitlines() if "error: " in line]
+        self.assertEqual(run.returncode, status, run.stderr)
+        self.assertEqual(len(own), 1, run.stderr)
+        for word in words:
+            self.assertIn(word, own[0])
+
+    def test_a_picture_by_several_ranks(self):
+        self.outputs("vdblic_advect", WAKE, "--frames", 1, "--preroll", 0, "--with", "vorticity,q", "--refine", 2,
+                     "-o", "t.%04d.vdb")
+        for ranks, suffix, *options in (
+                (1, "exr"),
+                (2, "exr", "--aov", "all", "--look", "vortex", "--shadows", 0.7, "--samples", 2),
+                (3, "png", "--look", "flow", "--annotate", "box,axes,colorbar,time", "--solid", "domain"),
+                (4, "exr", "--look", "smoke", "--eye", 0.08, 0.01, 0.03, "--target", 0.2, 0, 0.03),
+                (5, "exr", "--look", "ink", "--by", "vorticity", "--clip-plane", 0.08, 0, 0.03, 1, 0.3, 0.1),
+                (6, "exr", "--shading", "lines", "--halo", 1, "--projection", "orthographic", "--stretch", 1, 1, 3),
+                (7, "png", "--look", "xray", "--opacity-by", "q", "--roi-box", 0.02, -0.05, 0, 0.1, 0.05, 0.05)):
+            with self.subTest(ranks=ranks, options=options):
+                arguments = "t.0001.vdb", "--size", 200, 130, "--threads", 1, *options
+                self.outputs("vdblic_render", *arguments, "-o", f"one.{suffix}")
+                run = self.render(ranks, *arguments, "-o", f"many.{suffix}")
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertEqual(run.stdout.split(), [f"many.{suffix}"])
+                self.assertEqual(self.contents(f"many.{suffix}"), self.contents(f"one.{suffix}"))
+
+    def test_a_frame_larger_than_the_memory_of_a_rank(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 144, 144, 144, "--frames", "1-2")
+        self.outputs("vdblic_advect", "v.%04d.vdb", "--frames", 1, "--preroll", 0, "-o", "t.%04d.vdb")
+        shutil.copy(self.folder / "t.0001.vdb", self.folder / "t.0002.vdb")
+        arguments = "t.%04d.vdb", "--size", 64, 48, "--look", "flow"
+        self.outputs("vdblic_render", *arguments, "-o", "one.%04d.exr")
+        little = *arguments, "--max-memory", "200M", "--threads", 1
+        self.assertEqual(self.run_tool("vdblic_render", *little, "-o", "x.%04d.exr").returncode, 3)
+        run = self.render(2, *little, "-o", "many.%04d.exr")  # as many frames as ranks
+        self.assertEqual(run.returncode, 0, run.stderr)
+        for frame in 1, 2:
+            self.assertEqual(self.contents(f"many.{frame:04}.exr"), self.contents(f"one.{frame:04}.exr"))
+
+    def test_errors_in_a_shared_picture(self):
+        self.outputs("vdblic_advect", WAKE, "--frames", "1-2", "--preroll", 0, "-o", "t.%04d.vdb")
+        arguments = "t.%04d.vdb", "--size", 96, 64, "--threads", 1
+        self.outputs("vdblic_render", *arguments, "-o", "one.%04d.exr")
+        whole = self.contents("t.0002.vdb")
+        (self.folder / "t.0002.vdb").write_bytes(whole[:len(whole) // 2])
+        run = self.render(3, *arguments, "-o", "bad.%04d.exr")
+        self.assert_failed(run, 3, "t.0002.vdb")
+        (self.folder / "t.0002.vdb").write_bytes(whole[:9000] + b"damaged" + whole[9007:])
+        run = self.render(3, *arguments, "--keep-going", "-o", "bad.%04d.exr")
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("the frame is left out", run.stderr)
+        self.assertEqual(run.stdout.split(), ["bad.0001.exr"])
+        (self.folder / "t.0002.vdb").write_bytes(whole)
+        self.assert_failed(self.render(3, *arguments, "-o", "absent/x.%04d.exr"), 4, "absent")
+        run = self.render(3, *arguments, "--by", "nothing", "-o", "x.%04d.exr")
+        self.assert_failed(run, 3, "'nothing'", "t.0001.vdb")
+        (self.folder / "half.0001.exr").write_bytes(self.contents("one.0001.exr"))
+        run = self.render(3, *arguments, "--skip-existing", "-o", "half.%04d.exr")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(run.stdout.split(), ["half.0001.exr", "half.0002.exr"])
+        self.assertEqual(self.contents("half.0002.exr"), self.contents("one.0002.exr"))
+
+    def test_a_shared_picture_on_a_full_disk(self):
+        self.outputs("vdblic_advect", WAKE, "--frames", 1, "--preroll", 0, "-o", "t.%04d.vdb")
+        small = self.folder / "small"
+        small.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "none", small], check=False).returncode:
+            self.skipTest("cannot mount a small disk")
+        self.addCleanup(subprocess.run, ["umount", small], check=True)
+        run = self.render(3, "t.0001.vdb", "--size", 400, 300, "--compression", "none", "-o", "small/x.exr")
+        self.assert_failed(run, 4, "No space left on device")
+        self.assertEqual(list(small.iterdir()), [])
+
     def test_paths_on_standard_input(self):
         paths = "".join(f"{str(WAKE) % number}\n" for number in (1, 2))
         self.outputs("vdblic_advect", "-", "-o", "one.%04d.vdb", "--preroll", 1, stdin=paths)

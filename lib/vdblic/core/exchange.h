@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -35,8 +37,35 @@ class Exchange {
     void max(std::span<double> numbers);
     /// Whether something is true at any rank.
     [[nodiscard]] bool any(bool here);
+    /// The values of all ranks, one rank's after the other's, at all ranks.
+    template<typename T>
+    [[nodiscard]] std::vector<T> join(const std::vector<T>& values)
+    {
+        static_assert(std::is_trivially_copyable_v<T>);
+        if (isAlone()) return values;
+        Bytes all;
+        for (const Bytes& message :
+             gather(Bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T))))
+            all += message;
+        all = broadcast(std::move(all));
+        std::vector<T> joined(all.size() / sizeof(T));
+        if (!joined.empty()) std::memcpy(static_cast<void*>(joined.data()), all.data(), all.size());
+        return joined;
+    }
     /// Wait for all ranks.
     void agree();
+    /// Do a job at all ranks. @throws at every rank if it fails at one
+    template<typename Job>
+    void together(const Job& job)
+    {
+        try {
+            job();
+            agree();
+        } catch (...) {
+            fail(std::current_exception());
+            throw;
+        }
+    }
 
     /// Tell the other ranks, in place of the collective call that they are in, that this rank gives up. Called once for
     /// each error; for one that a collective call threw, the others know already.

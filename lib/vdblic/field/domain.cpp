@@ -21,9 +21,9 @@ constexpr int kMaxCoordinate = 1 << 17;
 
 } // namespace
 
-Domain::Domain(openvdb::MaskTree::Ptr topology) : mTopology(std::move(topology))
+Domain::Domain(openvdb::MaskTree::Ptr topology, int ranks) : mTopology(std::move(topology))
 {
-    checkVoxels(mTopology->activeVoxelCount());
+    checkVoxels(mTopology->activeVoxelCount() / std::uint64_t(ranks));
     mTopology->voxelizeActiveTiles();
     // Leaves without an active voxel need no computation, and nodes without a leaf would be in every output.
     openvdb::tools::pruneInactive(*mTopology);

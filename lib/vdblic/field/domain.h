@@ -29,9 +29,10 @@ class Domain {
     using Leaves = std::span<const std::uint32_t>; ///< numbers of leaves, ascending
 
     /// @param topology active voxels and OpenVDB tiles; tiles are expanded to voxels
+    /// @param ranks    that share the voxels' values
     /// @throws InputError if the voxels spread over more index space than the table of leaves spans, or exceed the
     ///         memory
-    explicit Domain(openvdb::MaskTree::Ptr topology);
+    explicit Domain(openvdb::MaskTree::Ptr topology, int ranks = 1);
 
     /// The same domain with other own and local leaves. @param own, local ascending; local ones include the own
     [[nodiscard]] std::shared_ptr<const Domain> part(std::vector<std::uint32_t> own,

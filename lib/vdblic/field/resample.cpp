@@ -31,10 +31,18 @@ float valueAt(const openvdb::FloatGrid::ConstAccessor& values, const openvdb::Ve
 
 openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& values, const openvdb::FloatGrid& like)
 {
-    auto tree = std::make_shared<openvdb::FloatTree>(like.tree(), 0.0f, openvdb::TopologyCopy());
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    auto tree = std::make_shared<openvdb::FloatTree>(0.0f);
+    for (auto leaf = like.tree().cbeginLeaf(); leaf; ++leaf) {
+        if (!leaf->buffer().empty()) tree->addLeaf(new Leaf(*leaf, 0.0f, openvdb::TopologyCopy())); // takes it over
+    }
+    auto tile = like.tree().cbeginValueOn();
+    tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+        tree->fill(tile.getBoundingBox(), 0.0f);
     tree->voxelizeActiveTiles();
     openvdb::tree::LeafManager<openvdb::FloatTree> leaves(*tree);
-    leaves.foreach ([&](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
+    leaves.foreach ([&](Leaf& leaf, std::size_t) {
         const openvdb::FloatGrid::ConstAccessor accessor = values.getConstAccessor();
         for (auto voxel = leaf.beginValueOn(); voxel; ++voxel)
             voxel.setValue(valueAt(accessor, values.worldToIndex(like.indexToWorld(voxel.getCoord()))));

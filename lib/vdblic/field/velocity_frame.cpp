@@ -30,6 +30,13 @@ using openvdb::Vec3SGrid;
 
 constexpr std::array<std::string_view, 4> kUnitNames = {"world/s", "world/frame", "voxel/s", "voxel/frame"};
 
+constexpr int kLeaf = openvdb::Vec3STree::LeafNodeType::DIM;
+
+bool isVector(const openvdb::GridBase& grid)
+{
+    return dynamic_cast<const openvdb::Vec3SGrid*>(&grid) || dynamic_cast<const openvdb::Vec3DGrid*>(&grid);
+}
+
 bool isFinite(const Vec3f& v)
 {
     return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
@@ -132,9 +139,15 @@ double VelocityFrame::largestDisplacement(double interval) const
     return std::sqrt(double(squared));
 }
 
-VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, const std::optional<VdbPart>& part)
+VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, const std::optional<VelocityPart>& part)
 {
-    const VdbFile contents = readVdb(file.path, part);
+    const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
+        const bool isCentred = isVector(grid) && grid.getGridClass() != openvdb::GRID_STAGGERED;
+        openvdb::CoordBBox box = part->box;
+        if (!isCentred) box.expand(kLeaf); // the values at voxel centres need those of the next voxels
+        return box.isInside(origin);
+    };
+    const VdbFile contents = part ? readVdb(file.path, isKept, part->verify) : readVdb(file.path);
     VelocityFrame frame;
     frame.file = file;
     std::string name = params.grid;

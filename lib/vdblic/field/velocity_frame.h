@@ -1,7 +1,6 @@
 #pragma once
 
 #include "vdblic/io/sequence.h"
-#include "vdblic/io/vdb_file.h"
 
 #include <openvdb/openvdb.h>
 
@@ -57,12 +56,18 @@ struct VelocityFrame {
     [[nodiscard]] double largestDisplacement(double interval) const;
 };
 
+/// What is needed of a velocity.
+struct VelocityPart {
+    openvdb::CoordBBox box; ///< whole leaves
+    bool verify = true;     ///< whether the file's checksums are checked, which takes all its bytes
+};
+
 /// Read the velocity of one file in any of the conventions of docs/formats.md.
 ///
 /// @throws InputError if there is none, its transform is sheared or a frustum, or a value is not finite; the
 ///         message names file, grid, first voxel and count
-/// @param part whose values are needed; leaves outside its box may have none, as with readVdb()
+/// @param part whose values are needed; leaves outside its box may have none (LeafBuffer::empty())
 [[nodiscard]] VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
-                                         const std::optional<VdbPart>& part = std::nullopt);
+                                         const std::optional<VelocityPart>& part = std::nullopt);
 
 } // namespace vdblic

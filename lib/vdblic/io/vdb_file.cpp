@@ -92,12 +92,14 @@ class GuardedFile {
 
     [[nodiscard]] bool hasChecksums() const { return mHasChecksums; }
 
-    [[nodiscard]] VdbFile read(const std::optional<openvdb::CoordBBox>& box)
+    [[nodiscard]] VdbFile read(const LeafFilter& isKept)
     {
-        double memory = 0;
-        for (const VdbLayout::Grid& grid : mLayout.grids)
-            memory += double(grid.memory);
-        checkMemory(memory, mPath.string(), "take a smaller file");
+        if (!isKept) {
+            double memory = 0;
+            for (const VdbLayout::Grid& grid : mLayout.grids)
+                memory += double(grid.memory);
+            checkMemory(memory, mPath.string(), "take a smaller file");
+        }
         initializeOnce();
         const Hazard parsing(mPath.string(), mSize);
         // The stream throws: OpenVDB would take the remains of a failed read for data and might loop for hours.
@@ -105,7 +107,7 @@ class GuardedFile {
         try {
             mStream.seekg(0);
             mBuffer.guard(mStream, mLayout);
-            return parseVdb(mStream, mPath, mSize, box);
+            return parseVdb(mStream, mPath, mSize, isKept);
         } catch (const std::ios::failure& failure) {
             fail(mStream.eof()                            ? "it ends too early"
                  : failure.code() != std::io_errc::stream ? failure.code().message()
@@ -150,9 +152,9 @@ std::string VdbFile::contents() const
     return text.empty() ? "no grids" : clamped(text);
 }
 
-VdbFile readVdb(const std::filesystem::path& path, const std::optional<VdbPart>& part)
+VdbFile readVdb(const std::filesystem::path& path, const LeafFilter& isKept, bool verify)
 {
-    VdbFile file = GuardedFile(path, !part || part->verify).read(part ? std::optional(part->box) : std::nullopt);
+    VdbFile file = GuardedFile(path, verify).read(isKept);
     file.metadata.removeMeta("checksum"); // describes the bytes on disk, not the result
     return file;
 }

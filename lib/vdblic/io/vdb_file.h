@@ -6,6 +6,7 @@
 #include <openvdb/openvdb.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -56,22 +57,20 @@ struct VdbFile {
     [[nodiscard]] std::string contents() const;
 };
 
-/// What is needed of a file.
-struct VdbPart {
-    openvdb::CoordBBox box; ///< whole leaves
-    bool verify = true;     ///< check the checksums, which takes all bytes
-};
+/// Chooses leaves of a grid by their first voxels. Called by several threads at a time.
+using LeafFilter = std::function<bool(const openvdb::GridBase& grid, const openvdb::Coord& origin)>;
 
 /// Read a whole file, without delayed loading. All volumes are read by this function (docs/survival.md).
 ///
 /// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
 /// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.
-/// @param part of grids of real numbers only the leaves in its box get their values; the others are there, but have
-/// none
-///             (LeafBuffer::empty()). Scalars and staggered vectors get those of one leaf around it, too: the values at
-///             voxel centres need them. Bytes between are passed over by OpenVDB's list of the leaves' sizes.
+/// @param isKept whether a leaf gets its values; the others are there, but have none (LeafBuffer::empty()), and long
+/// runs
+///               of them are passed over by OpenVDB's list of the leaves' sizes. Grids of points, bool and masks are
+///               whole
+/// @param verify whether checksums are checked, which takes all bytes
 /// @throws InputError naming the file and the reason
-[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path, const std::optional<VdbPart>& part = std::nullopt);
+[[nodiscard]] VdbFile readVdb(const std::filesystem::path& path, const LeafFilter& isKept = {}, bool verify = true);
 
 /// Check a file's header and checksums without reading its grids.
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid

@@ -67,6 +67,7 @@ std::vector<std::uint64_t> listedLengths(std::istream& stream, const LeafFormat&
     try {
         for (std::size_t i = 0; i < leaves; ++i) {
             const std::int64_t size = list->getCompressedSize(i);
+            if (size < kSize) return {};
             lengths[i] = format.headBytes(list->getMask(i)) + (format.half && size == kSize ? 0 : std::uint64_t(size));
             sum += lengths[i];
         }
@@ -86,10 +87,9 @@ void passOver(std::istream& stream, std::uint64_t bytes)
 template<typename GridT>
 class LeafwiseGrid : public GridT {
   public:
-    /// @param leafBytes of the grid in the file  @param box as that of parseVdb()
-    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, std::uint64_t leafBytes,
-                 const std::optional<openvdb::CoordBBox>& box)
-        : mPath(std::move(path)), mFileSize(fileSize), mLeafBytes(leafBytes), mBox(box)
+    /// @param leafBytes of the grid in the file  @param isKept as that of parseVdb(); must outlive this
+    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, std::uint64_t leafBytes, const LeafFilter& isKept)
+        : mPath(std::move(path)), mFileSize(fileSize), mLeafBytes(leafBytes), mIsKept(isKept)
     {
     }
 
@@ -107,10 +107,9 @@ class LeafwiseGrid : public GridT {
         leaves.reserve(this->tree().leafCount());
         this->tree().getNodes(leaves);
 
-        const std::optional<openvdb::CoordBBox> box = keptBox();
-        const auto isKept = [&](std::size_t leaf) { return !box || box->isInside(leaves[leaf]->origin()); };
+        const auto isKept = [&](std::size_t leaf) { return !mIsKept || mIsKept(*this, leaves[leaf]->origin()); };
         const std::vector<std::uint64_t> lengths =
-            box ? listedLengths(stream, format, leaves.size(), mLeafBytes) : std::vector<std::uint64_t>();
+            mIsKept ? listedLengths(stream, format, leaves.size(), mLeafBytes) : std::vector<std::uint64_t>();
         std::vector<char> unused;
         std::size_t next = 0;
         std::uint64_t passed = 0; // bytes before the next leaf
@@ -149,28 +148,16 @@ class LeafwiseGrid : public GridT {
     }
 
   private:
-    /// The box of the leaves that get their values, if not all do.
-    [[nodiscard]] std::optional<openvdb::CoordBBox> keptBox() const
-    {
-        using Traits = openvdb::VecTraits<typename GridT::ValueType>;
-        if (!mBox || !std::is_floating_point_v<typename Traits::ElementType>) return std::nullopt;
-        openvdb::CoordBBox box = *mBox;
-        const bool isCentred = Traits::IsVec && this->getGridClass() != openvdb::GRID_STAGGERED;
-        if (!isCentred) box.expand(int(GridT::TreeType::LeafNodeType::DIM));
-        return box;
-    }
-
     static constexpr std::size_t kBatchBytes = std::size_t(1) << 18, kRecordBytes = std::size_t(1) << 14;
 
     std::filesystem::path mPath;
     std::uint64_t mFileSize, mLeafBytes;
-    std::optional<openvdb::CoordBBox> mBox;
+    const LeafFilter& mIsKept;
 };
 
 class LeafwiseArchive : public openvdb::io::Archive {
   public:
-    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
-                 const std::optional<openvdb::CoordBBox>& box)
+    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size, const LeafFilter& isKept)
     {
         readHeader(stream);
         vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
@@ -186,7 +173,7 @@ class LeafwiseArchive : public openvdb::io::Archive {
             openvdb::GridBase::Ptr grid = descriptor.read(stream), leafwise;
             const auto leafBytes = std::uint64_t(descriptor.getEndPos() - descriptor.getBlockPos());
             grid->apply<LeafwiseGrids>([&]<typename GridT>(const GridT&) {
-                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, leafBytes, box);
+                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, leafBytes, isKept);
             });
             if (leafwise) leafwise->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
             readGrid(leafwise ? leafwise : grid, descriptor, stream);
@@ -202,10 +189,9 @@ class LeafwiseArchive : public openvdb::io::Archive {
 
 } // namespace
 
-VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
-                 const std::optional<openvdb::CoordBBox>& box)
+VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size, const LeafFilter& isKept)
 {
-    return LeafwiseArchive().read(stream, path, size, box);
+    return LeafwiseArchive().read(stream, path, size, isKept);
 }
 
 } // namespace vdblic

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
-#include <optional>
 
 namespace vdblic {
 
@@ -15,9 +14,9 @@ namespace vdblic {
 /// values. OpenVDB parses batches of records in all threads. Points, bool and mask grids, and files older than version
 /// 222 are left to OpenVDB.
 /// @param stream at the file's begin; throws at its end  @param size of the file in bytes
-/// @param box    as that of readVdb()
+/// @param isKept as that of readVdb()
 /// @throws InputError with the reason, but not the file; what the stream and OpenVDB throw
 [[nodiscard]] VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size,
-                               const std::optional<openvdb::CoordBBox>& box = std::nullopt);
+                               const LeafFilter& isKept = {});
 
 } // namespace vdblic

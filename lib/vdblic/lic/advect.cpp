@@ -38,7 +38,7 @@ namespace vdblic {
 namespace {
 
 /// Ranks that write files at the same time. Carried grids are at rank 0 only, which then writes all.
-constexpr int kMostWriters = 4;
+constexpr int kMostWriters = 8;
 
 /// A run over the frames of a sequence.
 class Advection {

@@ -27,7 +27,7 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
 }
 
 /// @param part whose values are needed
-LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, const std::optional<VdbPart>& part)
+LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, const std::optional<VelocityPart>& part)
 {
     Stopwatch watch;
     LoadedFrame frame;
@@ -136,7 +136,7 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file, std::shared_ptr<const 
     if (mExchange.isAlone()) return load(file, mParams, std::nullopt);
     // Carried grids, which rank 0 writes, are whole. The ranks verify the files in turn.
     const int rank = mExchange.rank();
-    std::optional<VdbPart> part;
+    std::optional<VelocityPart> part;
     if (partition && (rank > 0 || mParams.velocity.carry.empty()))
         part = {partition->box(rank),
                 std::uint64_t(file.frame) % std::uint64_t(mExchange.size()) == std::uint64_t(rank)};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/mix_bits.h"
 #include "vdblic/field/vector.h"
 
 #include <openvdb/openvdb.h>
@@ -11,16 +12,6 @@ namespace vdblic {
 
 /// The largest noise value; values are fixed-point numbers in [0, kNoiseMax], standing for [0, 1].
 inline constexpr int kNoiseMax = 65535;
-
-/// A bijection of 64-bit numbers in which every bit of the argument changes every bit of the result with
-/// probability ½: the finaliser of SplitMix64 (Steele, Lea & Flood, "Fast splittable pseudorandom number
-/// generators", OOPSLA 2014), with the constants of D. Stafford's "Mix13".
-VDBLIC_INLINE std::uint64_t mixBits(std::uint64_t bits)
-{
-    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-    return bits ^ (bits >> 31);
-}
 
 /// White noise: a value for each voxel of index space, uniform in [0, kNoiseMax] and independent of every other.
 ///

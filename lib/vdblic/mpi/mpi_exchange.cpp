@@ -71,7 +71,8 @@ std::vector<Exchange::Bytes> MpiExchange::doGather(Bytes message)
 {
     std::vector<Bytes> messages(static_cast<std::size_t>(mSize));
     messages.front() = std::move(message);
-    return doSwap(std::move(messages));
+    messages = doSwap(std::move(messages));
+    return mRank == 0 ? messages : std::vector<Bytes>();
 }
 
 Exchange::Bytes MpiExchange::doBroadcast(Bytes message, int from)

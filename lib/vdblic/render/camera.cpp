@@ -96,7 +96,7 @@ void CameraParams::validate() const
 Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size,
                std::span<const glm::dvec3> subject)
     : mSize(size), mProjection(params.projection), mUp(params.up.value_or(glm::dvec3(0, 0, 1))),
-      mFieldOfView(params.fieldOfView)
+      mFieldOfView(params.fieldOfView), mArea{glm::ivec2(0), size}
 {
     params.validate();
     const bool perspective = mProjection == Projection::kPerspective;
@@ -148,6 +148,13 @@ Camera Camera::shifted(const glm::dvec2& pixels) const
 {
     Camera result = *this;
     result.mShift += pixels;
+    return result;
+}
+
+Camera Camera::cropped(const PictureArea& area) const
+{
+    Camera result = *this;
+    result.mArea = area;
     return result;
 }
 

@@ -54,6 +54,11 @@ struct PictureRays {
     PictureGradient<glm::dvec3> origin, direction;
 };
 
+/// A rectangle of a picture [pixels].
+struct PictureArea {
+    glm::ivec2 low, high; ///< the upper bound is excluded
+};
+
 /// A camera with position, direction and projection. Immutable.
 ///
 /// Camera space is OpenEXR's: x right, y up, z forward, left-handed. Pixel (0, 0) is the top left one and covers
@@ -84,6 +89,11 @@ class Camera {
     /// The same camera with every ray shifted in the picture; its matrices stay. @param pixels to the right and down
     [[nodiscard]] Camera shifted(const glm::dvec2& pixels) const;
 
+    /// The same camera of which only a part of the picture is taken; the other pixels stay empty. @param area of whole
+    /// tiles (RaySetup::kTile), but at the picture's right and lower edges
+    [[nodiscard]] Camera cropped(const PictureArea& area) const;
+    [[nodiscard]] const PictureArea& area() const { return mArea; } ///< the whole picture unless it is cropped
+
     [[nodiscard]] PictureRays rays() const;
     /// The ray through a point of the picture [pixels].
     [[nodiscard]] Ray ray(const glm::dvec2& pixel) const;
@@ -96,6 +106,7 @@ class Camera {
     glm::dmat4 mWorldToCamera, mCameraToWorld, mWorldToNdc;
     glm::dvec2 mHalfExtent;
     glm::dvec2 mShift{0};
+    PictureArea mArea;
 };
 
 } // namespace vdblic

@@ -14,23 +14,25 @@
 namespace vdblic {
 
 FramePicture::FramePicture(const RenderParams& params, const Scene& scene, const LoadedTexture& frame,
-                           std::shared_ptr<const Solid> solid)
-    : mParams(params), mScene(scene), mFrame(frame), mSolid(std::move(solid)), mRays(params.rays),
+                           std::shared_ptr<const Solid> solid, const PictureShare* share)
+    : mParams(params), mScene(scene), mFrame(frame), mSolid(std::move(solid)), mShare(share), mRays(params.rays),
       mCamera(scene.cameras.at(frame.file.frame))
 {
     mRays.clip = params.rays.clip.stretched(params.stretch);
     const Look& look = scene.look;
     if (look.shadows > 0)
-        mLight.emplace(frame.volume, look, keyLight(look, mCamera), double(look.shadows), mSolid.get());
+        mLight.emplace(frame.volume, look, keyLight(look, mCamera), double(look.shadows), mSolid.get(),
+                       share ? &share->exchange : nullptr);
     const Scenery scenery{.solid = mSolid.get(),
                           .solidColor = glm::vec3(linearFromDisplay(params.solid.color)),
                           .light = mLight ? &*mLight : nullptr};
-    mSum.emplace(frame.volume, look, mCamera, mRays, scenery);
+    mSum.emplace(frame.volume, look, share ? mCamera.cropped(share->area()) : mCamera, mRays, scenery);
 }
 
 Image FramePicture::image() const
 {
     Image image = mSum->mean();
+    if (mShare) mShare->assemble(image);
     if (mParams.annotations.any()) {
         const AnnotationContent content{mScene.box,       mParams.stretch,   mParams.colorBy,
                                         mScene.opacityBy, mFrame.file.frame, mFrame.time};
@@ -47,8 +49,9 @@ ImageHeader FramePicture::header() const
 std::string FramePicture::whyNothingIsSeen(const Image& image) const
 {
     const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
-    if (std::any_of(image.pixels.begin(), image.pixels.end(), isSeen)) return {};
-    return vdblic::whyNothingIsSeen(mFrame.volume, mScene.look, mCamera, mRays);
+    const bool anySeen = std::any_of(image.pixels.begin(), image.pixels.end(), isSeen);
+    if (mShare ? mShare->exchange.any(anySeen) : anySeen) return {};
+    return vdblic::whyNothingIsSeen(mFrame.volume, mScene.look, mCamera, mRays, mShare ? &mShare->exchange : nullptr);
 }
 
 } // namespace vdblic

@@ -2,6 +2,7 @@
 
 #include "vdblic/render/image_file.h"
 #include "vdblic/render/light_grid.h"
+#include "vdblic/render/picture_share.h"
 #include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/scene.h"
@@ -18,10 +19,11 @@ namespace vdblic {
 /// The picture of a frame, which gets better with every sample. Everything that an image of a sequence shows.
 class FramePicture {
   public:
-    /// @param params, scene, frame must outlive this
+    /// @param params, scene, frame, share must outlive this
     /// @param solid  or null
+    /// @param share  of the ranks that cast this picture together, for which the frame was loaded; or null. Collective
     FramePicture(const RenderParams& params, const Scene& scene, const LoadedTexture& frame,
-                 std::shared_ptr<const Solid> solid);
+                 std::shared_ptr<const Solid> solid, const PictureShare* share = nullptr);
     FramePicture(const FramePicture&) = delete;
     FramePicture& operator=(const FramePicture&) = delete;
 
@@ -29,10 +31,10 @@ class FramePicture {
     void addSample(const std::stop_token& stop = {}) { mSum->add(stop); }
     [[nodiscard]] int samples() const { return mSum->count(); }
 
-    /// The picture of at least one sample, with annotations.
+    /// The picture of at least one sample, with annotations; at ranks other than the first only their part. Collective.
     [[nodiscard]] Image image() const;
     [[nodiscard]] ImageHeader header() const;
-    /// Why an image of this is empty; nothing if it is not.
+    /// Why an image of this is empty; nothing if it is not. Collective.
     [[nodiscard]] std::string whyNothingIsSeen(const Image& image) const;
     [[nodiscard]] const Camera& camera() const { return mCamera; }
 
@@ -41,6 +43,7 @@ class FramePicture {
     const Scene& mScene;
     const LoadedTexture& mFrame;
     std::shared_ptr<const Solid> mSolid;
+    const PictureShare* mShare;
     RayCastParams mRays; // with the cuts in the volume's space
     Camera mCamera;
     std::optional<LightGrid> mLight;

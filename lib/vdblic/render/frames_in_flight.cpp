@@ -1,13 +1,41 @@
 #include "vdblic/render/frames_in_flight.h"
 
+#include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/threads.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/io/texture_name.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/io/vdb_header.h"
+#include "vdblic/render/render_params.h"
+#include "vdblic/render/scene.h"
 
 #include <algorithm>
 #include <fstream>
 #include <string>
+#include <vector>
 
 namespace vdblic {
+namespace {
+
+/// Estimate of the memory that a frame takes by the number of its voxels; 0 if the file does not say it.
+double memoryOf(const FrameFile& file, const RenderParams& params)
+{
+    try {
+        const VdbHeader header = readVdbHeader(file.path);
+        const std::string name = textureName(header.metadata, params.texture);
+        for (const openvdb::GridBase::Ptr& grid : header.grids) {
+            if (grid->getName() == name)
+                return numericMetadata(*grid, "file_voxel_count").value_or(0) * bytesPerVoxel(params);
+        }
+    } catch (const InputError&) { // is reported at the frame's turn
+    }
+    return 0;
+}
+
+} // namespace
+
 double availableMemory()
 {
     const auto limit = double(memoryLimit());
@@ -29,6 +57,20 @@ std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBy
 {
     const double fitting = freeBytes / 2 / std::max(frameBytes, 1.0);
     return fitting < double(threads) ? std::max(std::size_t(fitting), std::size_t(1)) : threads;
+}
+
+bool ranksShareFrames(const RenderParams& params, Exchange& exchange)
+{
+    bool share = false;
+    exchange.together([&] {
+        if (exchange.isAlone() || params.input.pattern == "-") return;
+        const std::vector<FrameFile> files = selectFrames(params.input);
+        double most = 0;
+        for (const FrameFile& file : files)
+            most = std::max(most, memoryOf(file, params));
+        share = exchange.any(files.size() < std::size_t(exchange.size()) || most > double(memoryLimit()) / 2);
+    });
+    return share;
 }
 
 } // namespace vdblic

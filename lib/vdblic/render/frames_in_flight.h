@@ -4,6 +4,9 @@
 
 namespace vdblic {
 
+class Exchange;
+struct RenderParams;
+
 /// Bytes that the system can give without swapping and this process may take.
 [[nodiscard]] double availableMemory();
 
@@ -13,5 +16,9 @@ namespace vdblic {
 [[nodiscard]] std::size_t framesInFlight(double frameBytes);
 /// The same for a given number of threads and of free bytes.
 [[nodiscard]] std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBytes);
+
+/// Whether ranks are to share each frame: if there are fewer frames than ranks, or if one takes more than half of a
+/// rank's memory. Else each rank renders frames of its own. Collective. @throws as selectFrames()
+[[nodiscard]] bool ranksShareFrames(const RenderParams& params, Exchange& exchange);
 
 } // namespace vdblic

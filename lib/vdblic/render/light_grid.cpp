@@ -1,5 +1,6 @@
 #include "vdblic/render/light_grid.h"
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/camera.h"
 #include "vdblic/render/look.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace vdblic {
 namespace {
@@ -49,7 +51,7 @@ glm::dvec3 keyLight(const Look& look, const Camera& camera)
 }
 
 LightGrid::LightGrid(const TextureVolume& volume, const Look& look, const glm::dvec3& towardsLight, double strength,
-                     const Solid* solid)
+                     const Solid* solid, Exchange* exchange)
 {
     openvdb::CoordBBox box;
     for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf)
@@ -63,7 +65,7 @@ LightGrid::LightGrid(const TextureVolume& volume, const Look& look, const glm::d
     };
     while (cells() > double(kMostCells))
         mCell *= 2;
-    std::vector<float> extinctions = meanExtinctions(volume, look);
+    std::vector<float> extinctions = meanExtinctions(volume, look, exchange);
     if (solid) addSolid(volume, *solid, extinctions);
     const glm::dmat3 toIndex(volume.worldToIndex());
     sweep(toIndex * towardsLight, extinctions);
@@ -71,34 +73,39 @@ LightGrid::LightGrid(const TextureVolume& volume, const Look& look, const glm::d
         factor = float(1 - strength * (1 - std::exp(-double(factor))));
 }
 
-std::vector<float> LightGrid::meanExtinctions(const TextureVolume& volume, const Look& look) const
+/// Sums are of integers, so their order does not matter.
+std::vector<float> LightGrid::meanExtinctions(const TextureVolume& volume, const Look& look, Exchange* exchange) const
 {
-    const Domain& domain = volume.domain();
-    const std::size_t count = index(mDim.offsetBy(-1)) + 1;
-    std::vector<float> sums(count);
+    constexpr float kUnit = 0x1p32f;
+    std::vector<std::uint64_t> sums(index(mDim.offsetBy(-1)) + 1);
     const auto addLeaf = [&](std::size_t leaf) {
-        if (volume.shown(leaf).isOff() || !look.contributes(volume.leafRange(leaf))) return;
-        const openvdb::Coord from = domain.origin(leaf) - mOrigin;
+        if (!volume.isOwn(leaf) || volume.shown(leaf).isOff() || !look.contributes(volume.leafRange(leaf))) return;
+        const openvdb::Coord from = volume.origin(leaf) - mOrigin;
         for (int x = 0; x < LeafVoxel::kDim; ++x) {
             for (int y = 0; y < LeafVoxel::kDim; ++y) {
                 const Float8 row = rowExtinctions(volume, look, leaf, x, y);
                 for (int z = 0; z < LeafVoxel::kDim; ++z) {
                     const openvdb::Coord voxel = from.offsetBy(x, y, z);
-                    sums[index({voxel[0] / mCell, voxel[1] / mCell, voxel[2] / mCell})] += row[z];
+                    sums[index({voxel[0] / mCell, voxel[1] / mCell, voxel[2] / mCell})] +=
+                        std::uint64_t(row[z] * kUnit);
                 }
             }
         }
     };
     // A cell that is larger than a leaf gets the sums of several, one after the other.
     if (mCell <= LeafVoxel::kDim) {
-        tbb::parallel_for(std::size_t(0), domain.leafCount(), addLeaf);
+        tbb::parallel_for(std::size_t(0), volume.leafCount(), addLeaf);
     } else {
-        for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        for (std::size_t leaf = 0; leaf < volume.leafCount(); ++leaf)
             addLeaf(leaf);
     }
-    for (float& sum : sums)
-        sum /= float(mCell * mCell) * float(mCell);
-    return sums;
+    if (exchange) exchange->sum(sums);
+    const double perSum = 1 / (double(kUnit) * mCell * mCell * mCell);
+    std::vector<float> means;
+    means.reserve(sums.size());
+    for (const std::uint64_t sum : sums)
+        means.push_back(float(double(sum) * perSum));
+    return means;
 }
 
 void LightGrid::addSolid(const TextureVolume& volume, const Solid& solid, std::vector<float>& extinctions) const

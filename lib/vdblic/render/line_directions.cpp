@@ -129,21 +129,21 @@ void writeLines(const GradientRecord* gradients, LineRecord* lines)
 
 void TextureVolume::addLines()
 {
-    const std::size_t leaves = domain().leafCount();
+    const std::size_t leaves = leafCount();
     mLines = std::make_unique_for_overwrite<LineRecord[]>(leaves * kPaddedSize);
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
         writeLines(mGradients.get() + leaf * kPaddedSize, mLines.get() + leaf * kPaddedSize);
     });
     // The padding is copied from the neighbouring leaves, or where there is none from the leaf's own nearest voxels.
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
-        const openvdb::Coord origin = domain().origin(leaf);
+        const openvdb::Coord first = origin(leaf);
         LineRecord* const padded = mLines.get() + leaf * kPaddedSize;
         const auto begin = [](int side) { return side < 0 ? -1 : side * LeafVoxel::kDim; };
         const auto end = [](int side) { return side < 0 ? 0 : LeafVoxel::kDim + side; };
         for (const openvdb::Coord& side : openvdb::CoordBBox(openvdb::Coord(-1), openvdb::Coord(1))) {
             if (side == openvdb::Coord(0)) continue;
-            const int found = domain().findLeaf(Int4{origin[0], origin[1], origin[2]} +
-                                                Int4{side[0], side[1], side[2]} * LeafVoxel::kDim);
+            const int found = findLeaf(
+                first.offsetBy(side[0] * LeafVoxel::kDim, side[1] * LeafVoxel::kDim, side[2] * LeafVoxel::kDim));
             const LineRecord* const source = found >= 0 ? mLines.get() + std::size_t(found) * kPaddedSize : padded;
             const auto inside = [&](int i) {
                 return found >= 0 ? LeafVoxel::local(i) : std::clamp(i, 0, LeafVoxel::kDim - 1);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vdblic {
@@ -27,7 +28,7 @@ float percentile(std::vector<float>& values, double share)
 {
     const auto found = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
     std::nth_element(values.begin(), found, values.end());
-    return *found;
+    return *found + 0.0f; // of the two zeros the one above
 }
 
 std::array<double, 2> rangeOf(std::vector<float> drivers, ValueScale scale)
@@ -66,26 +67,29 @@ TextureModulation stretch(std::vector<float> textures, const LookParams& params)
     return {low, high, float(params.textureStrength), float(params.limbDarkening)};
 }
 
-/// Opacity rises with the driver and with the rarity of its value: common values would hide the others.
+/// Opacity rises with the driver and with the rarity of its value: common values would hide the others. The order of
+/// the samples does not matter: sums are of integers.
 std::vector<OpacityPoint> chooseOpacity(const TextureVolume::Samples& samples, double voxelDepth,
                                         const ScalarAxis& axis, const TextureModulation& texture)
 {
     // Amount of texture near each point.
-    std::array<double, kPoints> amounts{};
-    double total = 0;
+    constexpr double kUnit = 0x1p32;
+    std::array<std::uint64_t, kPoints> amounts{};
+    std::uint64_t total = 0;
     for (std::size_t i = 0; i < samples.texture.size(); ++i) {
         const double position = axis.position(double(samples.driver[i]));
         const double density = double(texture.density(texture.stretched(broadcast8(samples.texture[i])))[0]);
-        amounts[std::size_t(std::lround(std::clamp(position, 0.0, 1.0) * (kPoints - 1)))] += density;
-        total += density;
+        const auto amount = std::uint64_t(density * kUnit);
+        amounts[std::size_t(std::lround(std::clamp(position, 0.0, 1.0) * (kPoints - 1)))] += amount;
+        total += amount;
     }
     std::vector<OpacityPoint> points(kPoints);
     double depth = 0; // mean optical depth of a voxel
     for (int i = 0; i < kPoints; ++i) {
         const double position = double(i) / (kPoints - 1);
-        const double share = std::max(amounts[i] / total * kPoints, kRarest);
+        const double share = std::max(double(amounts[i]) / double(total) * kPoints, kRarest);
         points[i] = {position, std::max(position - kSlow, 0.0) / std::pow(share, kRarity)};
-        depth += points[i].opacity * amounts[i] / double(samples.texture.size());
+        depth += points[i].opacity * double(amounts[i]) / (kUnit * double(samples.texture.size()));
     }
     const double scale = depth > 0 ? voxelDepth / depth : 1;
     for (OpacityPoint& point : points)

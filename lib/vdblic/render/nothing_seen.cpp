@@ -1,5 +1,7 @@
 #include "vdblic/render/nothing_seen.h"
 
+#include "vdblic/core/exchange.h"
+
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
@@ -47,17 +49,19 @@ bool isCutAway(const Corners& box, const std::vector<ClipPlane>& planes)
 } // namespace
 
 std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, const Camera& camera,
-                             const RayCastParams& rays)
+                             const RayCastParams& rays, Exchange* exchange)
 {
-    float low = std::numeric_limits<float>::infinity(), high = -low;
-    bool anyShown = false;
-    for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double ends[] = {-kInfinity, -kInfinity, 0}; // the low end's negative, the high end, and whether there are any
+    for (std::size_t leaf = 0; leaf < volume.leafCount(); ++leaf) {
         if (volume.shown(leaf).isOff()) continue;
-        anyShown = true;
-        low = std::min(low, volume.leafRange(leaf).lowDriver);
-        high = std::max(high, volume.leafRange(leaf).highDriver);
+        ends[0] = std::max(ends[0], -double(volume.leafRange(leaf).lowDriver));
+        ends[1] = std::max(ends[1], double(volume.leafRange(leaf).highDriver));
+        ends[2] = 1;
     }
-    if (!anyShown) return "no active voxel is left to show; check the grid, `roi` and `roi_box`";
+    if (exchange) exchange->max(ends);
+    const double low = -ends[0], high = ends[1];
+    if (ends[2] == 0) return "no active voxel is left to show; check the grid, `roi` and `roi_box`";
     const Corners box = volume.corners();
     if (isCutAway(box, rays.clip.allPlanes())) {
         return fmt::format("`clip_box` or `clip_plane` cut everything away, which lies from {} to {}",

@@ -81,11 +81,11 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     const RaySetup setup(volume, visible, camera, params, shader, ray, solid ? solid->depths.data() : nullptr);
     const RayKernel kernel(volume, look, params, visible, shader);
     constexpr int kTile = RaySetup::kTile;
-    const int tilesX = (size.x + kTile - 1) / kTile, tilesY = (size.y + kTile - 1) / kTile;
-    tbb::parallel_for(0, tilesX * tilesY, [&](int tile) {
+    const glm::ivec2 low = camera.area().low, tiles = (camera.area().high - low + kTile - 1) / kTile;
+    tbb::parallel_for(0, tiles.x * tiles.y, [&](int tile) {
         if (stop.stop_requested()) return;
         std::array<RayTask, RaySetup::kRays> tasks;
-        const int count = setup.rays(tile % tilesX * kTile, tile / tilesX * kTile, tasks.data());
+        const int count = setup.rays(low.x + tile % tiles.x * kTile, low.y + tile / tiles.x * kTile, tasks.data());
         std::array<RaySum, RaySetup::kRays> sums{};
         kernel.trace(tasks.data(), count, sums.data());
         for (std::size_t i = 0; i < std::size_t(count); ++i) {

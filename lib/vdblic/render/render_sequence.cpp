@@ -1,18 +1,18 @@
 #include "vdblic/render/render_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/render/film_writer.h"
-#include "vdblic/render/frame_picture.h"
+#include "vdblic/render/frame_renderer.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/histogram.h"
 #include "vdblic/render/render_outputs.h"
 #include "vdblic/render/scene.h"
-#include "vdblic/render/solid.h"
 #include "vdblic/render/transfer_file.h"
 #include "vdblic/render/vector_text.h"
 
@@ -51,11 +51,8 @@ struct FrameTask {
 struct RenderedFrame {
     FrameFile file;
     const Scene* scene = nullptr;
-    bool hasColor = true;
-    std::size_t unusableVoxels = 0;
+    FrameImage made; ///< without the image
     bool skipped = false;
-    std::string nothingSeen; ///< why the image shows nothing; empty if it shows something
-    std::optional<TextureHistograms> histograms;
     std::string film; ///< the picture as displayed
     std::exception_ptr error;
 };
@@ -63,8 +60,9 @@ struct RenderedFrame {
 /// The run over a sequence: frames are taken one by one, rendered in parallel, and reported one by one in order.
 class SequenceRenderer {
   public:
-    SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter)
-        : mParams(params), mReporter(reporter), mSource(openSequence(params.input, lines, mTotal))
+    SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
+        : mParams(params), mReporter(reporter), mExchange(exchange), mRenderer(mParams, reporter, exchange),
+          mSource(openSequence(params.input, lines, mTotal))
     {
         const bool isPiped = params.input.pattern == "-";
         const std::vector<FrameFile> files = isPiped ? std::vector<FrameFile>{} : selectFrames(params.input);
@@ -79,7 +77,7 @@ class SequenceRenderer {
     void run()
     {
         if (mParams.input.pattern != "-") {
-            if (std::optional<SequenceScene> found = sceneOfSequence(mParams)) {
+            if (std::optional<SequenceScene> found = sceneOfSequence(mParams, mExchange)) {
                 setScene(std::move(found->scene));
                 mOnlyFrame = std::move(found->onlyFrame);
             }
@@ -87,9 +85,14 @@ class SequenceRenderer {
             if (!mOutput && !mFilm && mParams.histogram.empty()) return checkScene();
         }
         mReporter.progress(0, mTotal);
-        // How many frames fit in memory is known once one has been read.
-        if (!mScene) runPipeline(1, /*untilScene=*/true);
-        runPipeline(framesInFlight(mScene ? mScene->frameBytes : 1), /*untilScene=*/false);
+        if (mExchange.isAlone()) {
+            // How many frames fit in memory is known once one has been read.
+            if (!mScene) runPipeline(1, /*untilScene=*/true);
+            runPipeline(framesInFlight(mScene ? mScene->frameBytes : 1), /*untilScene=*/false);
+        } else {
+            for (FrameTask task; take(task); task = {})
+                report(finish(task));
+        }
         mReporter.checkStop(); // a request to stop ends standard input
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
         if (mFilm) {
@@ -209,12 +212,16 @@ class SequenceRenderer {
     RenderedFrame finish(const FrameTask& task) const
     {
         RenderedFrame result{task.file, task.scene};
-        result.error = task.error;
-        result.skipped = mOutput && mParams.skipExisting && isFinished(mOutput->path(task.file.frame));
-        if (result.error || result.skipped) return result;
         try {
-            // While a thread waits for this frame's tiles, it must not start to wait for the next path.
-            tbb::this_task_arena::isolate([&] { render(task, result); });
+            mExchange.together([&] {
+                if (task.error) std::rethrow_exception(task.error);
+                const bool isThere = mOutput && mParams.skipExisting && mExchange.isFirst() &&
+                                     isFinished(mOutput->path(task.file.frame));
+                result.skipped = mExchange.any(isThere);
+                if (result.skipped) return;
+                // While a thread waits for this frame's tiles, it must not start to wait for the next path.
+                tbb::this_task_arena::isolate([&] { render(task, result); });
+            });
         } catch (...) {
             result.error = std::current_exception();
         }
@@ -223,46 +230,12 @@ class SequenceRenderer {
 
     void render(const FrameTask& task, RenderedFrame& result) const
     {
-        const Look* look = task.scene ? &task.scene->look : nullptr;
-        const auto frame =
-            task.loaded ? task.loaded : std::make_shared<const LoadedTexture>(loadFrame(mParams, task.file, look));
-        result.hasColor = frame->hasColor;
-        result.unusableVoxels = frame->volume.unusableVoxels();
-        if (!mParams.histogram.empty() && task.scene) {
-            result.histograms.emplace(task.scene->look);
-            result.histograms->add(*frame->texture, *frame->color, *frame->opacity);
-        }
-        if (!mOutput && !mFilm) return;
-        const glm::ivec2 size = mParams.scaledSize();
-        Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
-        ImageHeader header;
-        if (task.scene) {
-            FramePicture picture(mParams, *task.scene, *frame, solidOf(*frame));
-            for (int sample = 0; sample < mParams.samples; ++sample) {
-                mReporter.checkStop();
-                picture.addSample();
-            }
-            image = picture.image();
-            result.nothingSeen = picture.whyNothingIsSeen(image);
-            header = picture.header();
-        } else if (mParams.rays.layers) {
-            image.layers.resize(image.pixels.size());
-        }
-        if (mFilm) result.film = displayBytes(image, mParams.background);
-        if (mOutput) writeImage(mOutput->path(task.file.frame), image, header, mParams.background, mParams.exr);
-    }
-
-    /// The frame's solid; null if there is none. One that is the same in all frames is made once.
-    std::shared_ptr<const Solid> solidOf(const LoadedTexture& frame) const
-    {
-        const SolidParams& solid = mParams.solid;
-        if (solid.source.empty()) return nullptr;
-        const auto make = [&] {
-            return std::make_shared<const Solid>(makeSolid(solid, *frame.texture, mParams.stretch, frame.file.frame));
-        };
-        if (solid.changes()) return make();
-        std::call_once(mSolidMade, [&] { mSolid = make(); });
-        return mSolid;
+        FrameImage made = mRenderer.render(task.file, task.scene, task.loaded);
+        if (mFilm) result.film = displayBytes(made.image, mParams.background);
+        if (mOutput && mExchange.isFirst())
+            writeImage(mOutput->path(task.file.frame), made.image, made.header, mParams.background, mParams.exr);
+        made.image = {};
+        result.made = std::move(made);
     }
 
     void report(const RenderedFrame& frame)
@@ -270,24 +243,24 @@ class SequenceRenderer {
         if (frame.error) return leaveOut(frame);
         const std::string path = frame.file.path.string();
         if (frame.scene && !mDescribed) describe(*frame.scene, frame.file.frame);
-        if (!frame.hasColor && !mSaidNoColor) {
+        if (!frame.made.hasColor && !mSaidNoColor) {
             mReporter.say(fmt::format("{}: no float grid '{}'; the texture chooses {} instead", path, mParams.colorBy,
                                       mParams.opacityBy.empty() ? "colour and opacity" : "the colour"));
             mSaidNoColor = true;
         }
-        if (frame.unusableVoxels > 0) {
+        if (frame.made.unusableVoxels > 0) {
             mReporter.warn(
-                fmt::format("{}: {} voxels are not finite numbers and are left out", path, frame.unusableVoxels));
+                fmt::format("{}: {} voxels are not finite numbers and are left out", path, frame.made.unusableVoxels));
         }
-        if (frame.histograms) {
+        if (frame.made.histograms) {
             if (!mHistograms) mHistograms.emplace(frame.scene->look);
-            mHistograms->add(*frame.histograms);
+            mHistograms->add(*frame.made.histograms);
         }
         if (mFilm) mFilm->add(frame.film);
         mSkipped += frame.skipped ? 1 : 0;
         mRendered += frame.skipped ? 0 : 1;
-        mEmptyImages += frame.nothingSeen.empty() ? 0 : 1;
-        mNothingSeen = frame.nothingSeen;
+        mEmptyImages += frame.made.nothingSeen.empty() ? 0 : 1;
+        mNothingSeen = frame.made.nothingSeen;
         if (mOutput) mReporter.finished(mOutput->path(frame.file.frame));
         mReporter.progress(++mDone, mTotal);
     }
@@ -325,6 +298,8 @@ class SequenceRenderer {
 
     RenderParams mParams; // as given, with the texture's name
     Reporter& mReporter;
+    Exchange& mExchange;
+    FrameRenderer mRenderer;
     std::size_t mTotal = 0, mTaken = 0, mDone = 0;
     FrameSource mSource;
     std::optional<FramePattern> mOutput;
@@ -336,8 +311,6 @@ class SequenceRenderer {
     std::exception_ptr mError;
     std::size_t mSkipped = 0, mLeftOut = 0, mRendered = 0, mEmptyImages = 0;
     std::string mNothingSeen; // why the last image shows nothing
-    mutable std::once_flag mSolidMade;
-    mutable std::shared_ptr<const Solid> mSolid;
     bool mDescribed = false, mSaidNoColor = false;
 };
 
@@ -345,13 +318,21 @@ class SequenceRenderer {
 
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter)
 {
-    params.validate();
-    if (!params.output.empty() || !params.film.empty()) {
-        const glm::ivec2 size = params.scaledSize();
-        checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
-                    "make it smaller with `size` or `scale`");
-    }
-    SequenceRenderer(params, lines, reporter).run();
+    OneProcess alone;
+    renderSequence(params, lines, reporter, alone);
+}
+
+void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
+{
+    exchange.together([&] {
+        params.validate();
+        if (!params.output.empty() || !params.film.empty()) {
+            const glm::ivec2 size = params.scaledSize();
+            checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
+                        "make it smaller with `size` or `scale`");
+        }
+        SequenceRenderer(params, lines, reporter, exchange).run();
+    });
 }
 
 } // namespace vdblic

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/render/render_params.h"
 
@@ -19,5 +20,9 @@ namespace vdblic {
 /// @param lines source of paths if the input is `-`
 /// @throws ParameterError, InputError naming the file, OutputError; images finished before remain
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter);
+
+/// The same by several ranks, which share each frame: each reads what its part of the picture shows and casts that, and
+/// rank 0 writes the whole. For a pattern or a file, without film and histograms. Collective.
+void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange);
 
 } // namespace vdblic

@@ -1,11 +1,13 @@
 #include "vdblic/render/scene.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/color_map.h"
+#include "vdblic/render/leaf_share.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/sequence_bounds.h"
 #include "vdblic/render/visible_extent.h"
@@ -58,15 +60,33 @@ openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const ope
     return together ? grid : resampled(*grid, texture);
 }
 
+/// Voxels around visible leaves whose records are read: lines take those of the next leaf.
+int rimOf(const RenderParams& params)
+{
+    return params.look.shading.model == ShadingModel::kLine ? LeafVoxel::kDim : 0;
+}
+
+/// Estimate of the memory that a leaf takes, by what records it has.
+double bytesPerLeaf(bool gradients, bool lines, bool colors)
+{
+    constexpr double kGridLeaf =
+        2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
+    const double record = double(sizeof(ValueRecord) + (gradients ? sizeof(GradientRecord) : 0) +
+                                 (lines ? sizeof(LineRecord) : 0) + (colors ? sizeof(float) : 0));
+    return kGridLeaf + kPaddedSize * record;
+}
+
 } // namespace
 
 double LoadedTexture::bytes() const
 {
-    constexpr double kGridLeaf =
-        2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
-    const double record = double(sizeof(ValueRecord) + (volume.gradients() ? sizeof(GradientRecord) : 0) +
-                                 (volume.lines() ? sizeof(LineRecord) : 0) + (volume.colors() ? sizeof(float) : 0));
-    return double(volume.domain().leafCount()) * (kGridLeaf + kPaddedSize * record);
+    return double(volume.leafCount()) * bytesPerLeaf(volume.gradients(), volume.lines(), volume.colors());
+}
+
+double bytesPerVoxel(const RenderParams& params)
+{
+    const bool hasLines = params.look.shading.model == ShadingModel::kLine;
+    return bytesPerLeaf(needsGradients(params), hasLines, !params.opacityBy.empty()) / LeafVoxel::kCount;
 }
 
 bool needsGradients(const RenderParams& params)
@@ -74,12 +94,24 @@ bool needsGradients(const RenderParams& params)
     return params.look.shading.model != ShadingModel::kNone || params.look.halo > 0 || params.rays.layers;
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look)
+LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look, const LeafShare* share)
 {
-    return loadFrame(params, readVdb(frame.path), frame, look);
+    if (!share) return loadFrame(params, readVdb(frame.path), frame, look);
+    const std::optional<GridHeader> header = headerOf(frame, params.texture);
+    // Records hold a voxel more on all sides, and their gradients another one. Other grids are to be resampled.
+    const int rim = rimOf(params) + LeafVoxel::kDim;
+    const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
+        return !header || share->needs(origin, rim) || grid.transform() != *header->transform;
+    };
+    const VdbFile file = readVdb(frame.path, isKept);
+    const auto texture = file.find<openvdb::FloatGrid>(params.texture);
+    if (header && texture && texture->transform() != *header->transform)
+        throw InputError(fmt::format("{}: holds several grids '{}'; rename one", frame.path.string(), params.texture));
+    return loadFrame(params, file, frame, look, share);
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame, const Look* look)
+LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame, const Look* look,
+                        const LeafShare* share)
 {
     const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
     const std::vector<std::string>& opacityBy = params.opacityBy;
@@ -93,7 +125,10 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
         const auto opacity = storedOpacity && storedOpacity != storedColor ? onTexture(storedOpacity, *texture) : color;
         const bool hasLines = params.look.shading.model == ShadingModel::kLine;
         // The lines at a leaf's rim are those of its neighbours.
-        const RecordUse use{.gradients = needsGradients(params), .look = hasLines ? nullptr : look};
+        const RecordUse use{.gradients = needsGradients(params),
+                            .look = hasLines ? nullptr : look,
+                            .share = share,
+                            .rim = rimOf(params)};
         LoadedTexture loaded{frame,
                              texture,
                              color,
@@ -115,12 +150,11 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
     }
 }
 
-void LookBasis::add(const LoadedTexture& frame)
+void LookBasis::add(const LoadedTexture& frame, Exchange* exchange)
 {
-    const TextureVolume::Samples more = frame.volume.samples();
-    samples.texture.insert(samples.texture.end(), more.texture.begin(), more.texture.end());
-    samples.driver.insert(samples.driver.end(), more.driver.begin(), more.driver.end());
-    samples.color.insert(samples.color.end(), more.color.begin(), more.color.end());
+    TextureVolume::Samples more = frame.volume.samples();
+    if (exchange) more = {exchange->join(more.texture), exchange->join(more.driver), exchange->join(more.color)};
+    samples.append(more);
     voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
     volumeBytes = std::max(volumeBytes, frame.bytes());
     if (!first.empty()) return;
@@ -141,7 +175,7 @@ Look LookBasis::choose(const RenderParams& params) const
 
 std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
                                      std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                     bool steady)
+                                     bool steady, Exchange* exchange)
 {
     std::vector<glm::dvec3> subject;
     if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject;
@@ -153,23 +187,35 @@ std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& loo
         return subject;
     }
     for (const auto& frame : frames) {
-        const auto more = visibleExtent(frame->volume, look, params.rays.clip.stretched(params.stretch));
+        const auto more = visibleExtent(frame->volume, look, params.rays.clip.stretched(params.stretch), exchange);
         subject.insert(subject.end(), more.begin(), more.end());
     }
     return subject;
 }
 
 Scene chooseScene(const RenderParams& params, std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                  const Corners& box, bool steady, const FrameSpan& span)
+                  const Corners& box, bool steady, const FrameSpan& span, Exchange* exchange)
 {
     LookBasis basis;
     for (const auto& frame : frames)
-        basis.add(*frame);
+        basis.add(*frame, exchange);
     Look look = basis.choose(params);
-    std::vector<glm::dvec3> subject = sceneSubject(params, look, frames, box, steady);
+    std::vector<glm::dvec3> subject = sceneSubject(params, look, frames, box, steady, exchange);
     const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span, std::move(subject));
     return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + params.imageBytes()};
 }
+
+namespace {
+
+/// A rank's part of a frame; nothing for a process alone.
+std::optional<BoxShare> boxOf(const FrameFile& file, const std::string& grid, const Exchange& exchange)
+{
+    if (exchange.isAlone()) return std::nullopt;
+    const std::optional<GridHeader> header = headerOf(file, grid);
+    return BoxShare(header ? header->box : openvdb::CoordBBox(), exchange.rank(), exchange.size());
+}
+
+} // namespace
 
 std::optional<SceneSource> sceneSource(const RenderParams& params)
 {
@@ -197,7 +243,7 @@ std::optional<SceneSource> sceneSource(const RenderParams& params)
     return SceneSource{files.size(), span, bounds->box, bounds->steady, std::move(lookFrames)};
 }
 
-std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
+std::optional<SequenceScene> sceneOfSequence(const RenderParams& params, Exchange& exchange)
 {
     const std::optional<SceneSource> source = sceneSource(params);
     if (!source) return std::nullopt;
@@ -206,7 +252,13 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     for (const FrameFile& file : source->lookFrames) {
         const bool first = file.frame == source->lookFrames.front().frame;
         try {
-            frames.push_back(std::make_shared<const LoadedTexture>(loadFrame(rest, file)));
+            std::shared_ptr<const LoadedTexture> loaded;
+            exchange.together([&] {
+                const std::optional<BoxShare> share = boxOf(file, params.texture, exchange);
+                loaded =
+                    std::make_shared<const LoadedTexture>(loadFrame(rest, file, nullptr, share ? &*share : nullptr));
+            });
+            frames.push_back(std::move(loaded));
             if (!rest.opacityBy.empty()) rest.opacityBy = {frames.front()->opacityBy};
         } catch (const InputError&) { // is reported at the frame's turn
             if (first && !params.keepGoing) throw;
@@ -214,8 +266,9 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params)
     }
     std::erase_if(frames, [](const auto& frame) { return frame->volume.empty(); });
     if (frames.empty()) return std::nullopt;
-    SequenceScene result{chooseScene(params, frames, source->box, source->steady, source->span), nullptr};
-    if (source->frameCount == 1) result.onlyFrame = frames.front();
+    Exchange* const ranks = exchange.isAlone() ? nullptr : &exchange;
+    SequenceScene result{chooseScene(params, frames, source->box, source->steady, source->span, ranks), nullptr};
+    if (source->frameCount == 1 && exchange.isAlone()) result.onlyFrame = frames.front();
     return result;
 }
 

@@ -18,6 +18,8 @@
 
 namespace vdblic {
 
+class Exchange;
+class LeafShare;
 struct RenderParams;
 struct VdbFile;
 
@@ -37,12 +39,17 @@ struct LoadedTexture {
 /// which this is false.
 [[nodiscard]] bool needsGradients(const RenderParams& params);
 
-/// @param look what the frame is to be shown in, if that is known: leaves that it hides are not prepared
+/// Estimate of the memory that a voxel of a frame takes.
+[[nodiscard]] double bytesPerVoxel(const RenderParams& params);
+
+/// @param look  what the frame is to be shown in, if that is known: leaves that it hides are not prepared
+/// @param share the leaves that are read, of a frame that ranks share; null: all
 /// @throws InputError naming the file
-[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look = nullptr);
+[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look = nullptr,
+                                      const LeafShare* share = nullptr);
 /// The same for what a file holds. @param frame number and name, for masks and messages
 [[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame,
-                                      const Look* look = nullptr);
+                                      const Look* look = nullptr, const LeafShare* share = nullptr);
 
 /// What the look of a sequence is chosen from: samples of some of its frames.
 struct LookBasis {
@@ -51,17 +58,18 @@ struct LookBasis {
     std::string opacityBy;              ///< name of the grid that makes opaque
     std::filesystem::path first;        ///< of the files
 
-    /// @param frame not empty
-    void add(const LoadedTexture& frame);
+    /// @param frame    not empty
+    /// @param exchange of the ranks that share it: collective; or null
+    void add(const LoadedTexture& frame, Exchange* exchange = nullptr);
     /// @throws ParameterError, InputError naming the first file
     [[nodiscard]] Look choose(const RenderParams& params) const;
 };
 
 /// What fills the picture: all that is visible of the frames, or the box around it if that is in the picture; nothing
-/// if the camera leaves nothing to choose.
+/// if the camera leaves nothing to choose. @param exchange of the ranks that share the frames: collective; or null
 [[nodiscard]] std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
                                                    std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                                                   const Corners& box, bool steady);
+                                                   const Corners& box, bool steady, Exchange* exchange = nullptr);
 
 /// What stays the same for the whole animation.
 struct Scene {
@@ -76,9 +84,10 @@ struct Scene {
 /// @param box    around all frames, as far as is known
 /// @param steady whether every frame has these bounds: then what is visible of the frames fills the picture, else the
 /// box
+/// @param exchange of the ranks that share the frames: collective; or null
 [[nodiscard]] Scene chooseScene(const RenderParams& params,
                                 std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                bool steady, const FrameSpan& span);
+                                bool steady, const FrameSpan& span, Exchange* exchange = nullptr);
 
 /// What the scene of a sequence is chosen from.
 struct SceneSource {
@@ -94,10 +103,11 @@ struct SceneSource {
 /// A scene, and the frame that was read to make it if the sequence has no other.
 struct SequenceScene {
     Scene scene;
-    std::shared_ptr<const LoadedTexture> onlyFrame;
+    std::shared_ptr<const LoadedTexture> onlyFrame; ///< null if ranks share it
 };
 
 /// The scene of sceneSource(); nothing if none of its frames has an active voxel.
-[[nodiscard]] std::optional<SequenceScene> sceneOfSequence(const RenderParams& params);
+/// @param exchange of ranks, each of which reads a part of the frames; collective
+[[nodiscard]] std::optional<SequenceScene> sceneOfSequence(const RenderParams& params, Exchange& exchange);
 
 } // namespace vdblic

@@ -2,16 +2,13 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/io/vdb_header.h"
 
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
 
 namespace vdblic {
-namespace {
 
-/// The header of a frame's grid, computed from the voxels if the file does not hold it.
 std::optional<GridHeader> headerOf(const FrameFile& file, const std::string& gridName)
 {
     try {
@@ -36,8 +33,6 @@ Corners cornersOf(const openvdb::CoordBBox& box, const openvdb::math::Transform&
     }
     return corners;
 }
-
-} // namespace
 
 std::optional<SequenceBounds> sequenceBounds(const std::vector<FrameFile>& files, const std::string& gridName)
 {

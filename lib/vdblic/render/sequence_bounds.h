@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/io/sequence.h"
+#include "vdblic/io/vdb_header.h"
 #include "vdblic/render/camera.h"
 
 #include <optional>
@@ -15,6 +16,13 @@ struct SequenceBounds {
     FrameFile firstFilled; ///< the first frame that has any
     bool steady = true;    ///< every frame has the same bounds
 };
+
+/// The header of a frame's grid, its box computed from the voxels if the file does not hold it; nothing if the grid
+/// cannot be read.
+[[nodiscard]] std::optional<GridHeader> headerOf(const FrameFile& file, const std::string& gridName);
+
+/// The corners of the voxels in a box, in world space.
+[[nodiscard]] Corners cornersOf(const openvdb::CoordBBox& box, const openvdb::math::Transform& transform);
 
 /// Find the bounds of a grid over a sequence from the headers of its files. Files without the grid and unreadable files
 /// are ignored; rendering reports them.

@@ -48,32 +48,33 @@ SolidPicture castSolid(const Solid& solid, const glm::vec3& color, const Texture
     const PictureRays rays = camera.rays();
     const glm::dmat3 linear(solid.worldToIndex);
     const DepthCue cue(volume, look, camera);
-    tbb::parallel_for(tbb::blocked_range<int>(0, size.y), [&](const tbb::blocked_range<int>& rows) {
-        auto intersector = prototype; // it has a cache of its own
-        for (int y = rows.begin(); y < rows.end(); ++y) {
-            for (int x = 0; x < size.x; ++x) {
-                const glm::dvec2 pixel(x + 0.5, y + 0.5);
-                const glm::dvec3 origin = rays.origin(pixel), direction = rays.direction(pixel);
-                const glm::dvec3 eye(solid.worldToIndex * glm::dvec4(origin, 1)), along = linear * direction;
-                const double perDepth = glm::length(along);
-                const glm::dvec3 unit = along / perDepth;
-                const openvdb::math::Ray<double> ray({eye.x, eye.y, eye.z}, {unit.x, unit.y, unit.z});
-                Vec3 hit, gradient;
-                double distance = 0;
-                if (!intersector.intersectsWS(ray, hit, gradient, distance)) continue;
-                const auto i = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
-                const double depth = distance / perDepth;
-                const glm::dvec3 normal =
-                    glm::normalize(glm::transpose(linear) * glm::dvec3(gradient[0], gradient[1], gradient[2]));
-                float lit = litShare(look.shading, normal, glm::normalize(direction));
-                if (light)
-                    lit *= light->at(glm::dvec3(volume.worldToIndex() * glm::dvec4(origin + direction * depth, 1)));
-                picture.depths[i] = float(depth);
-                picture.colors[i] = glm::mix(color * lit, look.background, cue.share(float(depth)));
-                picture.normals[i] = glm::vec3(normal);
+    tbb::parallel_for(
+        tbb::blocked_range<int>(camera.area().low.y, camera.area().high.y), [&](const tbb::blocked_range<int>& rows) {
+            auto intersector = prototype; // it has a cache of its own
+            for (int y = rows.begin(); y < rows.end(); ++y) {
+                for (int x = camera.area().low.x; x < camera.area().high.x; ++x) {
+                    const glm::dvec2 pixel(x + 0.5, y + 0.5);
+                    const glm::dvec3 origin = rays.origin(pixel), direction = rays.direction(pixel);
+                    const glm::dvec3 eye(solid.worldToIndex * glm::dvec4(origin, 1)), along = linear * direction;
+                    const double perDepth = glm::length(along);
+                    const glm::dvec3 unit = along / perDepth;
+                    const openvdb::math::Ray<double> ray({eye.x, eye.y, eye.z}, {unit.x, unit.y, unit.z});
+                    Vec3 hit, gradient;
+                    double distance = 0;
+                    if (!intersector.intersectsWS(ray, hit, gradient, distance)) continue;
+                    const auto i = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
+                    const double depth = distance / perDepth;
+                    const glm::dvec3 normal =
+                        glm::normalize(glm::transpose(linear) * glm::dvec3(gradient[0], gradient[1], gradient[2]));
+                    float lit = litShare(look.shading, normal, glm::normalize(direction));
+                    if (light)
+                        lit *= light->at(glm::dvec3(volume.worldToIndex() * glm::dvec4(origin + direction * depth, 1)));
+                    picture.depths[i] = float(depth);
+                    picture.colors[i] = glm::mix(color * lit, look.background, cue.share(float(depth)));
+                    picture.normals[i] = glm::vec3(normal);
+                }
             }
-        }
-    });
+        });
     return picture;
 }
 

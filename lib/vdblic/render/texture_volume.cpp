@@ -2,7 +2,9 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/mix_bits.h"
 #include "vdblic/render/affine_transform.h"
+#include "vdblic/render/leaf_share.h"
 #include "vdblic/render/look.h"
 #include "vdblic/render/texture_block.h"
 
@@ -12,13 +14,17 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -28,6 +34,27 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
     if (texture.transform() == scalar.transform()) return;
     throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
                                  texture.getName(), scalar.getName()));
+}
+
+/// The part of a domain that a rank has.
+std::shared_ptr<const Domain> partOf(const Domain& whole, const LeafShare& share, int rim)
+{
+    std::vector<std::uint32_t> own, needed;
+    for (std::uint32_t leaf = 0; leaf < whole.leafCount(); ++leaf) {
+        if (share.owns(whole.origin(leaf))) own.push_back(leaf);
+        if (share.needs(whole.origin(leaf), rim)) needed.push_back(leaf);
+    }
+    return whole.part(std::move(own), std::move(needed));
+}
+
+/// A number for the first voxel of a leaf, from which those of its other voxels follow by their offsets; above 0.
+std::uint64_t numberOf(const openvdb::Coord& origin)
+{
+    constexpr int kBits = 21; // of an axis: more than a domain can span
+    std::uint64_t number = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        number = number << kBits | (std::uint64_t(origin[axis] >> LeafVoxel::kLog2Dim) & ((1u << kBits) - 1));
+    return number * LeafVoxel::kCount;
 }
 
 } // namespace
@@ -40,8 +67,10 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
 {
     checkTransforms(texture, driver);
     mDomain = std::make_shared<const Domain>(
-        std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()));
-    const std::size_t leaves = domain().leafCount();
+        std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()),
+        use.share ? use.share->ranks() : 1);
+    if (use.share) mDomain = partOf(domain(), *use.share, use.rim);
+    const std::size_t leaves = leafCount();
     if (leaves > std::numeric_limits<std::uint32_t>::max() / kPaddedSize) {
         throw InputError(fmt::format("grid {} has {} leaves; at most {} can be rendered: cut it into parts",
                                      texture.getName(), leaves,
@@ -62,10 +91,11 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
-            block->copy(texture.tree(), driver.tree(), domain().origin(leaf));
+            block->copy(texture.tree(), driver.tree(), origin(leaf));
             mRanges[leaf] = block->range();
-            mShown[leaf] = domain().mask(leaf);
-            if (const std::size_t found = block->removeInactive(mShown[leaf]); found > 0) unusable += found;
+            mShown[leaf] = domain().mask(domain().local()[leaf]);
+            const std::size_t found = block->removeInactive(mShown[leaf]);
+            if (found > 0 && isOwn(leaf)) unusable += found;
             // Lanes of the ray caster that have no ray read the first leaf.
             mHasRecords[leaf] = leaf == 0 || !use.look || use.look->contributes(mRanges[leaf]);
             if (!mHasRecords[leaf]) continue;
@@ -88,13 +118,13 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
 void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors)
 {
     checkTransforms(texture, colors);
-    const std::size_t leaves = domain().leafCount();
+    const std::size_t leaves = leafCount();
     mColors = std::make_unique_for_overwrite<float[]>(leaves * kPaddedSize);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
             if (!mHasRecords[leaf]) continue;
-            block->copy(texture.tree(), colors.tree(), domain().origin(leaf));
+            block->copy(texture.tree(), colors.tree(), origin(leaf));
             block->extend();
             block->writeDrivers(mColors.get() + leaf * kPaddedSize);
         }
@@ -104,7 +134,7 @@ void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::
 void TextureVolume::cut(const Domain& kept)
 {
     tbb::parallel_for(std::size_t(0), mShown.size(), [&](std::size_t leaf) {
-        const openvdb::Coord c = domain().origin(leaf);
+        const openvdb::Coord c = origin(leaf);
         const int found = kept.findLeaf(Int4{c[0], c[1], c[2]});
         if (found >= 0) {
             mShown[leaf] &= kept.mask(std::size_t(found));
@@ -112,6 +142,14 @@ void TextureVolume::cut(const Domain& kept)
             mShown[leaf].setOff();
         }
     });
+}
+
+int TextureVolume::findLeaf(const openvdb::Coord& voxel) const
+{
+    const int found = domain().findLeaf(Int4{voxel[0], voxel[1], voxel[2]});
+    if (found < 0 || domain().isWhole()) return found;
+    const Domain::Leaves all = domain().local();
+    return int(std::lower_bound(all.begin(), all.end(), std::uint32_t(found)) - all.begin());
 }
 
 Corners TextureVolume::corners() const
@@ -124,35 +162,40 @@ Corners TextureVolume::corners() const
     return result;
 }
 
+void TextureVolume::Samples::append(const Samples& more)
+{
+    texture.insert(texture.end(), more.texture.begin(), more.texture.end());
+    driver.insert(driver.end(), more.driver.begin(), more.driver.end());
+    color.insert(color.end(), more.color.begin(), more.color.end());
+}
+
 TextureVolume::Samples TextureVolume::samples() const
 {
-    constexpr std::size_t kMost = 1 << 18;
-    const std::size_t stride = domain().voxelCount() / kMost + 1;
-    Samples result;
-    const auto add = [&](std::size_t leaf, unsigned offset) {
-        const LeafVoxel at = LeafVoxel::at(offset);
-        const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
-        result.texture.push_back(mValues[record].texture);
-        result.driver.push_back(mValues[record].driver);
-        if (mColors) result.color.push_back(mColors[record]);
-    };
-    std::size_t next = 0; // number of voxels shown up to the next sample
-    for (std::size_t leaf = 0; leaf < domain().leafCount(); ++leaf) {
-        const std::size_t shown = mShown[leaf].countOn();
-        if (shown == LeafVoxel::kCount) {
-            for (; next < shown; next += stride)
-                add(leaf, unsigned(next));
-        } else if (next < shown) {
-            std::size_t voxel = 0;
-            for (auto i = mShown[leaf].beginOn(); i; ++i) {
-                if (voxel++ != next) continue;
-                add(leaf, i.pos());
-                next += stride;
-            }
+    constexpr std::uint64_t kMost = 1 << 18, kAll = std::numeric_limits<std::uint64_t>::max();
+    const std::uint64_t voxels = domain().voxelCount(), highest = voxels <= kMost ? kAll : kAll / voxels * kMost;
+    const auto add = [&](std::size_t leaf, Samples& samples) {
+        if (!isOwn(leaf)) return;
+        const std::uint64_t number = numberOf(origin(leaf));
+        for (unsigned offset = 0; offset < LeafVoxel::kCount; ++offset) {
+            if (mixBits(number + offset) > highest || !mShown[leaf].isOn(offset)) continue;
+            const LeafVoxel at = LeafVoxel::at(offset);
+            const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
+            samples.texture.push_back(mValues[record].texture);
+            samples.driver.push_back(mValues[record].driver);
+            if (mColors) samples.color.push_back(mColors[record]);
         }
-        next -= shown;
-    }
-    return result;
+    };
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, leafCount()), Samples{},
+        [&](const tbb::blocked_range<std::size_t>& leaves, Samples samples) {
+            for (std::size_t leaf = leaves.begin(); leaf < leaves.end(); ++leaf)
+                add(leaf, samples);
+            return samples;
+        },
+        [](Samples first, const Samples& second) {
+            first.append(second);
+            return first;
+        });
 }
 
 } // namespace vdblic

@@ -15,6 +15,7 @@
 
 namespace vdblic {
 
+class LeafShare;
 struct Look;
 
 /// Bounds of the active values in a padded leaf, and so of all samples in the leaf.
@@ -26,9 +27,14 @@ struct LeafRange {
 struct RecordUse {
     bool gradients = true;      ///< whether gradients are read
     const Look* look = nullptr; ///< the only look that the volume is shown in: leaves that it hides get no records
+    const LeafShare* share = nullptr; ///< the leaves that this rank has; null: all
+    int rim = 0;                      ///< voxels around those leaves that are read, too
 };
 
 /// A texture and the scalars that drive its colour and opacity (TransferParams), prepared for ray casting.
+///
+/// Of several ranks that share a picture each has a part of the leaves, its own ones and those it needs; numbers of
+/// leaves are among these. Domain and bounds are the whole volume's.
 ///
 /// Each leaf has padded records of values and of gradients (texture_records.h). Inactive voxels next to active ones
 /// hold the mean of their nearest active neighbours, which continues the values past the rim. Gradients are central
@@ -47,6 +53,12 @@ class TextureVolume {
 
     [[nodiscard]] const Domain& domain() const { return *mDomain; }
     [[nodiscard]] bool empty() const { return domain().leafCount() == 0; }
+
+    /// The leaves that this rank has: all of the domain's, by their numbers there, unless ranks share the volume.
+    [[nodiscard]] std::size_t leafCount() const { return domain().local().size(); }
+    [[nodiscard]] openvdb::Coord origin(std::size_t leaf) const { return domain().origin(domain().local()[leaf]); }
+    /// Whether this is the rank that counts a leaf.
+    [[nodiscard]] bool isOwn(std::size_t leaf) const { return domain().isOwn(domain().local()[leaf]); }
 
     /// Records of all leaves, kPaddedSize for each, by paddedIndex().
     [[nodiscard]] const ValueRecord* values() const { return mValues.get(); }
@@ -81,16 +93,22 @@ class TextureVolume {
     [[nodiscard]] const glm::dmat4& indexToWorld() const { return mIndexToWorld; }
     [[nodiscard]] const glm::dmat4& worldToIndex() const { return mWorldToIndex; }
 
-    /// Number of active voxels that are left out because texture or driver is not a finite number.
+    /// Number of active voxels of own leaves that are left out because texture or driver is not a finite number.
     [[nodiscard]] std::size_t unusableVoxels() const { return mUnusable; }
 
-    /// Values of every n-th voxel shown, a few hundred thousand at most.
+    /// Values of shown voxels of own leaves that a hash of their coordinates chooses, a few hundred thousand; of a
+    /// small domain all. So the samples of a domain's parts are those of the whole.
     struct Samples {
         std::vector<float> texture, driver, color; ///< color is empty if the driver colours
+
+        void append(const Samples& more);
     };
     [[nodiscard]] Samples samples() const;
 
   private:
+    /// The number of the leaf that holds a voxel; −1 if there is none.
+    [[nodiscard]] int findLeaf(const openvdb::Coord& voxel) const;
+
     std::shared_ptr<const Domain> mDomain;
     std::unique_ptr<ValueRecord[]> mValues;
     std::unique_ptr<GradientRecord[]> mGradients;

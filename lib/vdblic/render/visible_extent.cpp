@@ -1,5 +1,6 @@
 #include "vdblic/render/visible_extent.h"
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/render/clipping.h"
 #include "vdblic/render/look.h"
@@ -14,6 +15,7 @@
 #include <cstddef>
 #include <map>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 namespace vdblic {
@@ -51,25 +53,46 @@ bool cutAway(const Corners& corners, const std::vector<ClipPlane>& planes)
     });
 }
 
+/// The points that are outermost in some direction.
+std::vector<glm::dvec3> outermostOf(const std::vector<glm::dvec3>& points, const TextureVolume& volume)
+{
+    std::vector<glm::dvec3> outermost;
+    if (points.empty()) return outermost;
+    const Corners box = volume.corners();
+    const glm::dvec3 scale =
+        1.0 / glm::max(glm::abs(box[7] - box[0]), glm::dvec3(1e-30)); // flat volumes have sides too
+    for (int i = 0; i < kDirections; ++i) {
+        const glm::dvec3 along = evenDirection(i) * scale;
+        // Of points that are equally far out always the same one is taken, whatever their order.
+        const auto key = [&](const glm::dvec3& point) {
+            return std::tuple(glm::dot(point, along), point.x, point.y, point.z);
+        };
+        outermost.push_back(*std::max_element(points.begin(), points.end(),
+                                              [&](const auto& a, const auto& b) { return key(a) < key(b); }));
+    }
+    return outermost;
+}
+
 } // namespace
 
-std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& look, const ClipParams& clip)
+std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& look, const ClipParams& clip,
+                                      Exchange* exchange)
 {
-    const Domain& domain = volume.domain();
-    std::vector<double> extinctions(domain.leafCount());
+    std::vector<double> extinctions(volume.leafCount());
     for (std::size_t leaf = 0; leaf < extinctions.size(); ++leaf) {
         const LeafRange& range = volume.leafRange(leaf);
         if (volume.shown(leaf).isOff() || !look.contributes(range)) continue;
         extinctions[leaf] = look.transfer.mostExtinction(range.lowDriver, range.highDriver);
     }
-    const double most = extinctions.empty() ? 0 : *std::max_element(extinctions.begin(), extinctions.end());
+    double most = extinctions.empty() ? 0 : *std::max_element(extinctions.begin(), extinctions.end());
+    if (exchange) exchange->max({&most, 1});
     const double least = std::min(kLeastExtinction, kLeastExtinctionShare * most);
     const std::vector<ClipPlane> planes = clip.allPlanes();
 
     // Of each column of leaves along z only the ends can be outermost.
     std::map<std::pair<int, int>, std::pair<openvdb::Coord, openvdb::Coord>> columns;
     for (std::size_t leaf = 0; leaf < extinctions.size(); ++leaf) {
-        const openvdb::Coord& origin = domain.origin(leaf);
+        const openvdb::Coord origin = volume.origin(leaf);
         if (!(extinctions[leaf] > 0 && extinctions[leaf] >= least) || cutAway(leafCorners(volume, origin), planes))
             continue;
         auto& [lowest, highest] = columns.try_emplace({origin[0], origin[1]}, origin, origin).first->second;
@@ -83,18 +106,8 @@ std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& l
             points.insert(points.end(), corners.begin(), corners.end());
         }
     }
-    if (points.empty()) return points;
-    const Corners box = volume.corners();
-    const glm::dvec3 scale =
-        1.0 / glm::max(glm::abs(box[7] - box[0]), glm::dvec3(1e-30)); // flat volumes have sides too
-    std::vector<glm::dvec3> outermost;
-    for (int i = 0; i < kDirections; ++i) {
-        const glm::dvec3 along = evenDirection(i) * scale;
-        outermost.push_back(*std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
-            return glm::dot(a, along) < glm::dot(b, along);
-        }));
-    }
-    return outermost;
+    points = outermostOf(points, volume);
+    return exchange ? outermostOf(exchange->join(points), volume) : points;
 }
 
 } // namespace vdblic

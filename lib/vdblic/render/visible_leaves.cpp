@@ -9,7 +9,7 @@ namespace {
 
 std::vector<std::uint8_t> findVisible(const TextureVolume& volume, const Look& look)
 {
-    std::vector<std::uint8_t> visible(volume.domain().leafCount());
+    std::vector<std::uint8_t> visible(volume.leafCount());
     for (std::size_t leaf = 0; leaf < visible.size(); ++leaf)
         visible[leaf] = !volume.shown(leaf).isOff() && look.contributes(volume.leafRange(leaf));
     return visible;
@@ -22,7 +22,7 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std:
 {
     const Domain& domain = volume.domain();
     openvdb::CoordBBox box;
-    for (std::size_t leaf = 0; leaf < visible.size(); ++leaf)
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
         box.expand(domain.origin(leaf));
     if (box.empty()) return;
     mOrigin = box.min().offsetBy(-LeafVoxel::kDim);
@@ -31,7 +31,7 @@ VisibleLeaves::VisibleLeaves(const TextureVolume& volume, const std::vector<std:
     mBlocks.assign(std::size_t(mDim[0]) * mDim[1] * mDim[2], kNoBlock);
     for (std::size_t leaf = 0; leaf < visible.size(); ++leaf) {
         if (!visible[leaf]) continue;
-        const openvdb::Coord voxel = domain.origin(leaf) - mOrigin;
+        const openvdb::Coord voxel = volume.origin(leaf) - mOrigin;
         int& block = mBlocks[blockIndex(voxel[0] / kBlockDim, voxel[1] / kBlockDim, voxel[2] / kBlockDim)];
         if (block == kNoBlock) {
             block = int(mLeaves.size());

@@ -22,7 +22,7 @@ class TextureVolume;
 /// Immutable; any number of threads may read.
 class VisibleLeaves {
   public:
-    /// @param visible for each of the domain's leaves: not 0 if it contributes
+    /// @param visible for each of the volume's leaves: not 0 if it contributes
     VisibleLeaves(const TextureVolume& volume, const std::vector<std::uint8_t>& visible);
     VisibleLeaves(const TextureVolume& volume, const Look& look);
 

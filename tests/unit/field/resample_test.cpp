@@ -35,5 +35,22 @@ TEST(Resampled, IsExactForALinearGridInsideAndContinuesItAtTheRim)
     EXPECT_EQ(found->tree().getValue({300, 0, 0}), 0);
 }
 
+TEST(Resampled, LeavesOutLeavesWithoutValuesAndExpandsTiles)
+{
+    const auto values = openvdb::FloatGrid::create(0);
+    values->fill({Coord(-8), Coord(40)}, 3);
+    const auto like = openvdb::FloatGrid::create(0);
+    like->tree().addTile(1, Coord(8, 0, 0), 1, true);
+    like->tree().setValue({1, 2, 3}, 1);
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    auto* const empty = new Leaf(openvdb::PartialCreate(), Coord(0, 16, 0), 0.0f, true);
+    ASSERT_TRUE(empty->buffer().empty());
+    like->tree().addLeaf(empty); // takes it over
+    const auto found = resampled(*values, *like);
+    EXPECT_EQ(found->activeVoxelCount(), 1u + 512);
+    EXPECT_EQ(found->tree().getValue({1, 2, 3}), 3);
+    EXPECT_EQ(found->tree().getValue({15, 7, 7}), 3);
+}
+
 } // namespace
 } // namespace vdblic

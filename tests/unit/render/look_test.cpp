@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace vdblic {
@@ -100,6 +101,22 @@ TEST(Look, ALogarithmicPictureIsTheLinearOneOfLogarithms)
         }
     }
     EXPECT_GT(seen, 100);
+}
+
+TEST(Look, TheOrderOfSamplesDoesNotMatter)
+{
+    TextureVolume::Samples samples;
+    for (int i = 0; i < 5000; ++i) {
+        samples.texture.push_back(scattered({i, 0, 0}));
+        samples.driver.push_back(scattered({0, i, 0}));
+    }
+    const Look look = chooseLook({}, samples, 30);
+    std::reverse(samples.texture.begin(), samples.texture.end());
+    std::reverse(samples.driver.begin(), samples.driver.end());
+    const Look other = chooseLook({}, samples, 30);
+    EXPECT_EQ(look.transfer.range(), other.transfer.range());
+    EXPECT_EQ(look.texture.low, other.texture.low);
+    EXPECT_EQ(opacityText(look.transfer.opacity()), opacityText(other.transfer.opacity()));
 }
 
 TEST(Look, WhatIsGivenIsKept)

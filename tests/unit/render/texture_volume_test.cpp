@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -203,24 +205,54 @@ TEST(TextureVolume, RefusesTransformsItCannotRender)
     }
 }
 
-TEST(TextureVolume, SamplesAreEveryNthVoxelShown)
+/// The chosen voxels' numbers: values from 0 on in the order of boxGrid().
+std::vector<float> sortedSamples(const TextureVolume& volume)
 {
-    const openvdb::CoordBBox box = boxOf(81, 80, 80); // more than the samples there can be, and partly filled leaves
-    const auto grid = boxGrid("density", box, scattered);
-    grid->tree().addTile(1, Coord(16, 24, 32), 0, false); // a leaf without a voxel
+    std::vector<float> values = volume.samples().texture;
+    EXPECT_EQ(volume.samples().texture, volume.samples().driver);
+    std::sort(values.begin(), values.end());
+    return values;
+}
+
+TEST(TextureVolume, SamplesOfASmallDomainAreAllVoxelsShown)
+{
+    const auto grid =
+        boxGrid("density", boxOf(30, 17, 9), [](const Coord& c) { return float(c.x() * 17 * 9 + c.y() * 9 + c.z()); });
+    const std::vector<float> values = sortedSamples(TextureVolume(*grid, *grid));
+    ASSERT_EQ(values.size(), 30u * 17 * 9);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        EXPECT_EQ(values[i], float(i));
+}
+
+TEST(TextureVolume, SamplesAreChosenEvenlyByTheirCoordinates)
+{
+    const openvdb::CoordBBox box = boxOf(160, 80, 80); // four times the samples there can be
+    const auto number = [](const Coord& c) { return float((c.x() * 80 + c.y()) * 80 + c.z()); };
+    const auto grid = boxGrid("density", box, number);
     const TextureVolume volume(*grid, *grid);
-    std::vector<float> expected;
-    int voxel = 0;
-    for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf) {
-        for (auto i = volume.shown(leaf).beginOn(); i; ++i) {
-            if (voxel++ % 2 != 0) continue;
-            const LeafVoxel at = LeafVoxel::at(i.pos());
-            expected.push_back(scattered(volume.domain().origin(leaf).offsetBy(at.x, at.y, at.z)));
-        }
+    const std::vector<float> values = sortedSamples(volume);
+    EXPECT_NEAR(double(values.size()), 1 << 18, 4 * 512);
+    // Each eighth of the domain, along each axis, has its share; neighbours are chosen independently.
+    std::array<double, 8> shares[3]{};
+    double pairs = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const int n = int(values[i]), c[] = {n / 6400, n / 80 % 80, n % 80};
+        for (int axis = 0; axis < 3; ++axis)
+            shares[axis][std::size_t(c[axis] / (axis == 0 ? 20 : 10))] += 8.0 / double(values.size());
+        pairs += i > 0 && values[i] == values[i - 1] + 1;
     }
-    EXPECT_EQ(voxel, 81 * 80 * 80 - 512);
-    EXPECT_EQ(volume.samples().texture, expected);
-    EXPECT_EQ(volume.samples().driver, expected);
+    for (const auto& along : shares) {
+        for (const double share : along)
+            EXPECT_NEAR(share, 1, 0.03);
+    }
+    EXPECT_NEAR(pairs / double(values.size()), double(values.size()) / (160 * 80 * 80), 0.01);
+    // What is cut away leaves the choice among the others as it was.
+    TextureVolume half(*grid, *grid);
+    auto kept = std::make_shared<openvdb::MaskTree>();
+    kept->fill({Coord(0), Coord(79, 79, 79)}, true);
+    half.cut(Domain(kept));
+    const auto middle = std::lower_bound(values.begin(), values.end(), 80.0f * 80 * 80);
+    EXPECT_EQ(sortedSamples(half), std::vector<float>(values.begin(), middle));
 }
 
 TEST(TextureVolume, ForOneLookMakesTheSamePicture)

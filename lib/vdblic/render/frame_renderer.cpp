@@ -1,0 +1,100 @@
+#include "vdblic/render/frame_renderer.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/render/affine_transform.h"
+#include "vdblic/render/frame_picture.h"
+#include "vdblic/render/picture_share.h"
+#include "vdblic/render/sequence_bounds.h"
+
+#include <fmt/format.h>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+/// A frame whose picture ranks share, and the leaves that this one reads.
+struct FrameShare {
+    PictureShare picture;
+    ViewShare leaves;
+};
+
+/// @param header of the texture
+FrameShare shareOf(const GridHeader& header, const Camera& camera, const glm::dvec3& stretch, Exchange& exchange)
+{
+    Corners box = cornersOf(header.box, *header.transform);
+    for (glm::dvec3& corner : box)
+        corner *= stretch;
+    PictureShare picture{exchange, PictureCuts(camera, box, exchange.size())};
+    const glm::dmat4 indexToWorld = glm::scale(glm::dmat4(1), stretch) * affineMatrix(*header.transform, "the texture");
+    const ViewShare leaves(picture.cuts, exchange.rank(), indexToWorld);
+    return {std::move(picture), leaves};
+}
+
+} // namespace
+
+FrameImage FrameRenderer::render(const FrameFile& file, const Scene* scene,
+                                 std::shared_ptr<const LoadedTexture> frame) const
+{
+    std::optional<FrameShare> share;
+    if (scene && !mExchange.isAlone()) {
+        const std::optional<GridHeader> header = headerOf(file, mParams.texture);
+        if (!header || !header->transform->isLinear()) {
+            (void)loadFrame(mParams, file); // says why
+            throw InputError(fmt::format("{}: its header changes while it is read", file.path.string()));
+        }
+        share.emplace(shareOf(*header, scene->cameras.at(file.frame), mParams.stretch, mExchange));
+        frame = nullptr;
+    }
+    if (!frame) {
+        frame = std::make_shared<const LoadedTexture>(
+            loadFrame(mParams, file, scene ? &scene->look : nullptr, share ? &share->leaves : nullptr));
+    }
+    FrameImage result{.hasColor = frame->hasColor, .unusableVoxels = frame->volume.unusableVoxels()};
+    if (!mParams.histogram.empty() && scene) {
+        result.histograms.emplace(scene->look);
+        result.histograms->add(*frame->texture, *frame->color, *frame->opacity);
+    }
+    if (mParams.output.empty() && mParams.film.empty()) return result;
+    const glm::ivec2 size = mParams.scaledSize();
+    if (!scene) {
+        result.image = {size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
+        if (mParams.rays.layers) result.image.layers.resize(result.image.pixels.size());
+        return result;
+    }
+    FramePicture picture(mParams, *scene, *frame, solidOf(*frame), share ? &share->picture : nullptr);
+    for (int sample = 0; sample < mParams.samples; ++sample) {
+        mReporter.checkStop();
+        picture.addSample();
+    }
+    result.image = picture.image();
+    result.nothingSeen = picture.whyNothingIsSeen(result.image);
+    result.header = picture.header();
+    if (share) {
+        std::uint64_t unusable = result.unusableVoxels;
+        mExchange.sum({&unusable, 1});
+        result.unusableVoxels = unusable;
+    }
+    return result;
+}
+
+/// The frame's solid; null if there is none. One that is the same in all frames is made once.
+std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& frame) const
+{
+    const SolidParams& solid = mParams.solid;
+    if (solid.source.empty()) return nullptr;
+    const auto make = [&] {
+        return std::make_shared<const Solid>(makeSolid(solid, *frame.texture, mParams.stretch, frame.file.frame));
+    };
+    if (solid.changes()) return make();
+    std::call_once(mSolidMade, [&] { mSolid = make(); });
+    return mSolid;
+}
+
+} // namespace vdblic

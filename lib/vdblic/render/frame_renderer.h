@@ -1,0 +1,55 @@
+#pragma once
+
+#include "vdblic/core/exchange.h"
+#include "vdblic/core/reporter.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/render/histogram.h"
+#include "vdblic/render/image_file.h"
+#include "vdblic/render/render_params.h"
+#include "vdblic/render/scene.h"
+#include "vdblic/render/solid.h"
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace vdblic {
+
+/// The image of a frame and what there is to tell of it.
+struct FrameImage {
+    Image image; ///< empty without an output; at ranks other than the first only their part
+    ImageHeader header;
+    bool hasColor = true;
+    std::size_t unusableVoxels = 0;
+    std::string nothingSeen; ///< why the image shows nothing; empty if it shows something
+    std::optional<TextureHistograms> histograms;
+};
+
+/// Makes the images of a sequence's frames. Thread-safe for a process alone; several ranks share each frame.
+class FrameRenderer {
+  public:
+    /// @param params, reporter, exchange must outlive this
+    FrameRenderer(const RenderParams& params, Reporter& reporter, Exchange& exchange)
+        : mParams(params), mReporter(reporter), mExchange(exchange)
+    {
+    }
+
+    /// Collective. @param scene null if no frame so far has an active voxel
+    /// @param loaded the frame if it was read before, else null
+    /// @throws InputError naming the file; Stopped
+    [[nodiscard]] FrameImage render(const FrameFile& file, const Scene* scene,
+                                    std::shared_ptr<const LoadedTexture> loaded) const;
+
+  private:
+    [[nodiscard]] std::shared_ptr<const Solid> solidOf(const LoadedTexture& frame) const;
+
+    const RenderParams& mParams;
+    Reporter& mReporter;
+    Exchange& mExchange;
+    mutable std::once_flag mSolidMade;
+    mutable std::shared_ptr<const Solid> mSolid;
+};
+
+} // namespace vdblic

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "vdblic/core/exchange.h"
+#include "vdblic/render/image.h"
+#include "vdblic/render/picture_cuts.h"
+
+namespace vdblic {
+
+/// A picture whose parts several ranks cast.
+struct PictureShare {
+    Exchange& exchange;
+    PictureCuts cuts;
+
+    [[nodiscard]] const PictureArea& area() const { return cuts.area(exchange.rank()); }
+    /// Give rank 0 the parts of the others. Collective. @param image whole, of which each rank has cast its part
+    void assemble(Image& image) const;
+};
+
+} // namespace vdblic
