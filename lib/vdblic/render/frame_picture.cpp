@@ -33,7 +33,8 @@ Image FramePicture::image() const
 {
     Image image = mSum->mean();
     if (mShare) mShare->assemble(image);
-    if (mParams.annotations.any()) {
+    const bool isWhole = !mShare || mShare->exchange.isFirst();
+    if (mParams.annotations.any() && isWhole) {
         const AnnotationContent content{mScene.box,       mParams.stretch,   mParams.colorBy,
                                         mScene.opacityBy, mFrame.file.frame, mFrame.time};
         annotate(image, mParams.annotations, content, mScene.look, mCamera, mParams.background.color);

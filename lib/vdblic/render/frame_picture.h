@@ -31,7 +31,8 @@ class FramePicture {
     void addSample(const std::stop_token& stop = {}) { mSum->add(stop); }
     [[nodiscard]] int samples() const { return mSum->count(); }
 
-    /// The picture of at least one sample, with annotations; at ranks other than the first only their part. Collective.
+    /// The picture of at least one sample, with annotations; at ranks other than the first only their part, without.
+    /// Collective.
     [[nodiscard]] Image image() const;
     [[nodiscard]] ImageHeader header() const;
     /// Why an image of this is empty; nothing if it is not. Collective.

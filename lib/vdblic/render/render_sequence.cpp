@@ -292,8 +292,10 @@ class SequenceRenderer {
             transfer.range()[1], valueScaleName(transfer.colorAxis().scale), scene.opacityBy,
             transfer.opacityRange()[0], transfer.opacityRange()[1], valueScaleName(transfer.opacityAxis().scale),
             opacityText(transfer.opacity()), look.texture.low, look.texture.high));
-        mReporter.detail(fmt::format("{} frames at once, about {:.0f} MB each", framesInFlight(scene.frameBytes),
-                                     scene.frameBytes / 1e6));
+        const std::string which = mExchange.isAlone()
+                                      ? fmt::format("{} frames at once", framesInFlight(scene.frameBytes))
+                                      : fmt::format("each frame by {} ranks", mExchange.size());
+        mReporter.detail(fmt::format("{}, about {:.0f} MB each", which, scene.frameBytes / 1e6));
     }
 
     RenderParams mParams; // as given, with the texture's name

@@ -39,6 +39,37 @@ TEST(Exchange, BringsEveryMessageToItsRank)
     });
 }
 
+TEST(Exchange, JoinsTheValuesOfAllRanksInTheirOrder)
+{
+    test::ThreadRanks(4).run([](Exchange& exchange) {
+        const std::vector<int> mine(std::size_t(exchange.rank() % 3),
+                                    exchange.rank()); // the first and the last have none
+        EXPECT_EQ(exchange.join(mine), (std::vector<int>{1, 2, 2}));
+    });
+    OneProcess alone;
+    EXPECT_EQ(alone.join(std::vector<int>{4, 5}), (std::vector<int>{4, 5}));
+}
+
+TEST(Exchange, AJobThatFailsAtOneRankFailsAtAll)
+{
+    std::atomic<int> failed = 0, done = 0;
+    test::ThreadRanks(3).run([&](Exchange& exchange) {
+        for (int job = 0; job < 3; ++job) {
+            try {
+                exchange.together([&] {
+                    if (exchange.rank() == job) throw InputError("damaged");
+                    ++done;
+                });
+            } catch (const InputError&) {
+                ++failed;
+            }
+        }
+        exchange.together([&] { EXPECT_TRUE(exchange.any(exchange.rank() == 2)); });
+    });
+    EXPECT_EQ(failed, 9);
+    EXPECT_EQ(done, 6);
+}
+
 /// What all ranks throw if some of them throw `error` while the others wait for them.
 template<typename Error, typename Thrown>
 int ranksThatThrow(const Thrown& error, const std::vector<int>& failing)
