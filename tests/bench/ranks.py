@@ -112,12 +112,12 @@ def measure(tools, size):
 def model():
     """Tables for clusters of machines with 16 threads a rank."""
     compute, threads = 200e-9, 16  # s a voxel and step on one thread, threads of a rank
-    scan, store = 0.6e-9 * 6, 1 / 1e9  # s a voxel for bytes of others that are passed over; s a byte written
-    latency, bandwidth = 20e-6, 1.1e9  # of the network: s, bytes/s
-    output = 3  # bytes a voxel of the file
+    inflate, passed = 0.9e-9 * 12, 0.05e-9 * 12  # s a voxel that is read, and one of others, whose place is looked up
+    latency, bandwidth, disk = 20e-6, 1.1e9, 1e9  # of the network: s, bytes/s; bytes/s that one rank writes
+    output, writers, buffered = 3, 8, 256e6  # bytes a voxel of the file; files written at once; bytes of each that wait
     own, domain = 100, 0.4  # bytes an own or halo voxel; bytes a voxel of the whole domain at every rank
-    print("| voxels | ranks | computing [s] | halos [s] | reading, passed over [s] | writing at rank 0 [s] | step [s] "
-          "| efficiency | memory of a rank [GB] |")
+    print("| voxels | ranks | computing [s] | halos [s] | reading [s] | delivering files [s] | step [s] | efficiency "
+          "| memory of a rank [GB] |")
     print("|---|---|---|---|---|---|---|---|---|")
     for size in 1024, 2048, 4096, 8192:
         for ranks in 8, 64, 512, 4096:
@@ -128,11 +128,14 @@ def model():
             halo = (side + 32) ** 3 - voxels
             work = voxels * compute / threads
             exchange = (halo * 24 + 6 * side * side * 24) / bandwidth + 30 * latency * math.log2(ranks)
-            read = size**3 * scan
-            write = size**3 * output * (1 / bandwidth + store)
-            step = max(work + exchange, read, write)  # reading and writing go on beside computing
-            memory = (voxels + halo) * own + size**3 * domain
-            print(f"| {size}³ | {ranks} | {work:.2f} | {exchange:.2f} | {read:.1f} | {write:.1f} | {step:.1f} "
+            read = voxels * inflate + size**3 * passed
+            turn = min(writers, ranks)
+            file = size**3 * output
+            deliver = (min(file, buffered) / bandwidth + max(file - buffered, 0) / min(bandwidth, disk)) / turn
+            # Reading goes on beside computing, and writing what waits; a step is not shorter than the disks' time.
+            step = max(work + exchange + deliver, read, file / disk / turn)
+            memory = (voxels + halo) * own + voxels * output * turn + size**3 * domain
+            print(f"| {size}³ | {ranks} | {work:.2f} | {exchange:.2f} | {read:.2f} | {deliver:.2f} | {step:.2f} "
                   f"| {work / step:.2f} | {memory / 1e9:.1f} |")
 
 

@@ -93,10 +93,10 @@ void checkMemory(double needed, const std::string& what, const std::string& mend
                                  what, memoryText(needed), memoryText(limit), mend));
 }
 
-void checkVoxels(std::uint64_t count, const std::string& where)
+void checkVoxels(std::uint64_t count, const std::string& where, int ranks)
 {
     constexpr double kLeast = 16; // bytes a voxel
-    checkMemory(double(count) * kLeast, fmt::format("{}{}{} voxels", where, where.empty() ? "" : ": ", count),
+    checkMemory(double(count) / ranks * kLeast, fmt::format("{}{}{} voxels", where, where.empty() ? "" : ": ", count),
                 "cut the domain with `box` or `mask`");
 }
 

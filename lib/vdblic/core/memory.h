@@ -23,7 +23,7 @@ namespace vdblic {
 void checkMemory(double needed, const std::string& what, const std::string& mend);
 
 /// Check that tiles can be expanded to so many voxels, at the least memory that any work on voxels takes.
-/// @param where prefix of the message; may be empty. @throws InputError
-void checkVoxels(std::uint64_t count, const std::string& where = "");
+/// @param where prefix of the message; may be empty  @param ranks that share the voxels. @throws InputError
+void checkVoxels(std::uint64_t count, const std::string& where = "", int ranks = 1);
 
 } // namespace vdblic

@@ -111,7 +111,7 @@ Sampling samplingOf(const Components& components, const std::string& where)
 /// The voxels of a velocity joined from three components: the union of collocated components, the intersection of
 /// staggered ones, each of which has one more layer of faces along its own axis. A staggered component without any
 /// voxel is 0 everywhere and was dropped by its writer.
-openvdb::MaskTree topologyOf(const Components& components, bool staggered, const std::string& where)
+openvdb::MaskTree topologyOf(const Components& components, bool staggered)
 {
     openvdb::MaskTree topology;
     for (const auto& component : components)
@@ -121,8 +121,6 @@ openvdb::MaskTree topologyOf(const Components& components, bool staggered, const
             if (!component->empty()) topology.topologyIntersection(component->tree());
         }
     }
-    checkVoxels(topology.activeVoxelCount(), where);
-    topology.voxelizeActiveTiles();
     return topology;
 }
 
@@ -172,7 +170,10 @@ CentredVelocity joined(const Components& components, const std::string& where,
                        const std::optional<openvdb::CoordBBox>& box)
 {
     const Sampling sampling = samplingOf(components, where);
-    const auto vectors = zeros(topologyOf(components, sampling.staggered, where), box);
+    openvdb::MaskTree topology = topologyOf(components, sampling.staggered);
+    if (!box) checkVoxels(topology.activeVoxelCount(), where);
+    topology.voxelizeActiveTiles();
+    const auto vectors = zeros(topology, box);
     vectors->setTransform(sampling.centres);
     for (auto meta = components[0]->beginMeta(); meta != components[0]->endMeta(); ++meta) {
         if (meta->first == "time" || meta->first == "dt") vectors->insertMeta(meta->first, *meta->second);
@@ -190,7 +191,7 @@ CentredVelocity joined(const Components& components, const std::string& where,
 Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where,
                           const std::optional<openvdb::CoordBBox>& box)
 {
-    checkVoxels(faces.tree().activeVoxelCount(), where);
+    if (!box) checkVoxels(faces.tree().activeVoxelCount(), where);
     auto centres = faces.deepCopy();
     centres->setGridClass(openvdb::GRID_UNKNOWN);
     centres->tree().voxelizeActiveTiles();

@@ -49,9 +49,9 @@ openvdb::CoordBBox indexBox(const std::array<double, 6>& world, const openvdb::m
 }
 
 void cutByWorldBox(openvdb::MaskTree& topology, const std::array<double, 6>& world,
-                   const openvdb::math::Transform& transform)
+                   const openvdb::math::Transform& transform, int ranks)
 {
-    checkVoxels(topology.activeVoxelCount());
+    checkVoxels(topology.activeVoxelCount(), "", ranks);
     topology.voxelizeActiveTiles();
     filterVoxels(topology, [&] {
         return [&](const Coord& voxel) {
@@ -81,9 +81,9 @@ using MaskTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, ope
                                     openvdb::BoolGrid, openvdb::MaskGrid>;
 
 void cutByMask(openvdb::MaskTree& topology, const openvdb::math::Transform& transform, const openvdb::GridBase& mask,
-               const std::string& where)
+               const std::string& where, int ranks)
 {
-    checkVoxels(topology.activeVoxelCount());
+    checkVoxels(topology.activeVoxelCount(), "", ranks);
     topology.voxelizeActiveTiles();
     const bool levelSet = mask.getGridClass() == openvdb::GRID_LEVEL_SET;
     const bool known = mask.apply<MaskTypes>([&](const auto& typed) {
@@ -130,27 +130,27 @@ void DomainParams::validate() const
 }
 
 FieldDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
-                       const DomainParams& params, std::int64_t frame)
+                       const DomainParams& params, std::int64_t frame, int ranks)
 {
     const Refinement& refinement = params.refinement;
     if (params.box) {
         const auto& b = *params.box;
         topology->clip({Coord(b[0], b[1], b[2]), Coord(b[3], b[4], b[5])});
     }
-    const openvdb::MaskTree::Ptr texture = refinement.isNone() ? topology : refinement.refined(*topology);
+    const openvdb::MaskTree::Ptr texture = refinement.isNone() ? topology : refinement.refined(*topology, ranks);
     const openvdb::math::Transform::Ptr textureTransform = refinement.refined(transform);
     if (params.worldBox) {
         texture->clip(indexBox(*params.worldBox, *textureTransform));
-        cutByWorldBox(*texture, *params.worldBox, *textureTransform);
+        cutByWorldBox(*texture, *params.worldBox, *textureTransform, ranks);
     }
     if (!params.mask.empty()) {
         std::string where;
         const auto mask = readMask(params.mask, frame, where);
-        cutByMask(*texture, *textureTransform, *mask, where);
+        cutByMask(*texture, *textureTransform, *mask, where, ranks);
     }
-    if (refinement.isNone()) return {std::make_shared<Domain>(texture)};
+    if (refinement.isNone()) return {std::make_shared<Domain>(texture, ranks)};
     if (params.worldBox || !params.mask.empty()) topology = refinement.coarsened(*texture, *topology);
-    return {std::make_shared<Domain>(texture), std::make_shared<Domain>(topology), refinement};
+    return {std::make_shared<Domain>(texture, ranks), std::make_shared<Domain>(topology, ranks), refinement};
 }
 
 } // namespace vdblic

@@ -29,8 +29,9 @@ struct DomainParams {
 ///
 /// @param topology the velocity's active voxels and tiles; tiles are expanded only inside the boxes
 /// @param transform of the velocity; the mask may have another
+/// @param ranks that share the voxels
 /// @throws InputError if the mask cannot be read, its type is not supported, or the voxels exceed the memory
 [[nodiscard]] FieldDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
-                                     const DomainParams& params, std::int64_t frame);
+                                     const DomainParams& params, std::int64_t frame, int ranks = 1);
 
 } // namespace vdblic

@@ -105,9 +105,9 @@ std::optional<Refinement> Refinement::between(const openvdb::math::Transform& ve
     return refinement;
 }
 
-MaskTree::Ptr Refinement::refined(const MaskTree& velocity) const
+MaskTree::Ptr Refinement::refined(const MaskTree& velocity, int ranks) const
 {
-    checkVoxels(velocity.activeVoxelCount() * std::uint64_t(voxels()));
+    checkVoxels(velocity.activeVoxelCount() * std::uint64_t(voxels()), "", ranks);
     MaskTree expanded(velocity);
     expanded.voxelizeActiveTiles();
     const openvdb::tree::LeafManager<const MaskTree> leaves(expanded);

@@ -51,8 +51,8 @@ struct Refinement {
                                                            const openvdb::math::Transform& texture);
 
     /// The texture voxels in active voxels of the velocity; tiles are expanded.
-    /// Computed in parallel. @throws InputError if they exceed the memory
-    [[nodiscard]] openvdb::MaskTree::Ptr refined(const openvdb::MaskTree& velocity) const;
+    /// Computed in parallel. @param ranks that share the voxels. @throws InputError if they exceed the memory
+    [[nodiscard]] openvdb::MaskTree::Ptr refined(const openvdb::MaskTree& velocity, int ranks = 1) const;
 
     /// The voxels of `velocity` that have at least one active texture voxel. Computed in parallel.
     [[nodiscard]] openvdb::MaskTree::Ptr coarsened(const openvdb::MaskTree& texture,

@@ -26,8 +26,9 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
     return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame)));
 }
 
-/// @param part whose values are needed
-LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, const std::optional<VelocityPart>& part)
+/// @param ranks that share the frame  @param part whose values are needed
+LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ranks,
+                 const std::optional<VelocityPart>& part)
 {
     Stopwatch watch;
     LoadedFrame frame;
@@ -38,7 +39,7 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, const 
     auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
     frame.flow.velocities = frame.velocity.values;
     try {
-        FieldDomain domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame);
+        FieldDomain domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame, ranks);
         frame.flow.domain = std::move(domain.texture);
         frame.flow.refinedFrom = std::move(domain.velocity);
         frame.flow.refinement = domain.refinement;
@@ -130,21 +131,22 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
                     interval.seconds, interval.source, largest));
 }
 
-/// Read a frame, and keep this rank's part. All ranks cut the first frame's domain in the same way.
+/// Read a frame's part. All ranks cut the first frame's domain in the same way.
 LoadedFrame FlowSequence::loadPart(const FrameFile& file, std::shared_ptr<const Partition> partition) const
 {
-    if (mExchange.isAlone()) return load(file, mParams, std::nullopt);
-    // Carried grids, which rank 0 writes, are whole. The ranks verify the files in turn.
-    const int rank = mExchange.rank();
-    std::optional<VelocityPart> part;
-    if (partition && (rank > 0 || mParams.velocity.carry.empty()))
-        part = {partition->box(rank),
-                std::uint64_t(file.frame) % std::uint64_t(mExchange.size()) == std::uint64_t(rank)};
-    LoadedFrame frame = load(file, mParams, part);
+    const int rank = mExchange.rank(), ranks = mExchange.size();
+    if (mExchange.isAlone()) return load(file, mParams, ranks, std::nullopt);
     if (!partition) {
-        partition = std::make_shared<const Partition>(*frame.flow.velocityDomain(), frame.flow.refinement.factors,
-                                                      mExchange.size());
+        const openvdb::CoordBBox nowhere(openvdb::Coord(1 << 28), openvdb::Coord(1 << 28));
+        const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false});
+        partition =
+            std::make_shared<const Partition>(*voxels.flow.velocityDomain(), voxels.flow.refinement.factors, ranks);
     }
+    // Carried grids, which rank 0 writes, are whole. The ranks verify the files in turn.
+    std::optional<VelocityPart> part;
+    if (rank > 0 || mParams.velocity.carry.empty())
+        part = {partition->box(rank), std::uint64_t(file.frame) % std::uint64_t(ranks) == std::uint64_t(rank)};
+    LoadedFrame frame = load(file, mParams, ranks, part);
     frame.partition = std::move(partition);
     keepOwn(frame, rank);
     return frame;

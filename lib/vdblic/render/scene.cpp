@@ -103,7 +103,8 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, cons
     const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
         return !header || share->needs(origin, rim) || grid.transform() != *header->transform;
     };
-    const VdbFile file = readVdb(frame.path, isKept);
+    const bool verifies = share->owns(openvdb::Coord(0)); // one rank does
+    const VdbFile file = readVdb(frame.path, isKept, verifies);
     const auto texture = file.find<openvdb::FloatGrid>(params.texture);
     if (header && texture && texture->transform() != *header->transform)
         throw InputError(fmt::format("{}: holds several grids '{}'; rename one", frame.path.string(), params.texture));
