@@ -54,8 +54,8 @@ class VdbAssembly : public openvdb::io::Archive {
 
   private:
     [[nodiscard]] std::uint32_t flagsOf(const openvdb::GridBase& grid) const;
-    void writeGrid(openvdb::io::GridDescriptor& descriptor, const openvdb::GridBase::ConstPtr& grid,
-                   LeafSource* source, std::ostream& stream) const;
+    void writeGrid(openvdb::io::GridDescriptor& descriptor, const openvdb::GridBase::ConstPtr& grid, LeafSource* source,
+                   std::ostream& stream) const;
 };
 
 } // namespace vdblic
