@@ -59,20 +59,19 @@ std::vector<std::uint64_t> listedLengths(std::istream& stream, const LeafFormat&
                                          std::uint64_t bytes)
 {
     const openvdb::MetaMap& metadata = vdb_io::getStreamMetadataPtr(stream)->gridMetadata();
-    const auto list = metadata.getMetadata<vdb_io::DelayedLoadMetadata>(openvdb::GridBase::META_FILE_DELAYED_LOAD);
-    if (!list || (format.compression & LeafFormat::kCompressed) == 0) return {};
+    const auto stored = metadata.getMetadata<vdb_io::DelayedLoadMetadata>(openvdb::GridBase::META_FILE_DELAYED_LOAD);
+    if (!stored || (format.compression & LeafFormat::kCompressed) == 0) return {};
+    vdb_io::DelayedLoadMetadata list(*stored);
+    list.resizeMask(leaves); // OpenVDB aborts where a list is too short
+    list.resizeCompressedSize(leaves);
     constexpr std::int64_t kSize = sizeof(std::int64_t); // what the list counts for no values, which half floats lack
     std::vector<std::uint64_t> lengths(leaves);
     std::uint64_t sum = 0;
-    try {
-        for (std::size_t i = 0; i < leaves; ++i) {
-            const std::int64_t size = list->getCompressedSize(i);
-            if (size < kSize) return {};
-            lengths[i] = format.headBytes(list->getMask(i)) + (format.half && size == kSize ? 0 : std::uint64_t(size));
-            sum += lengths[i];
-        }
-    } catch (const openvdb::IndexError&) { // the list is too short
-        return {};
+    for (std::size_t i = 0; i < leaves; ++i) {
+        const std::int64_t size = list.getCompressedSize(i);
+        if (size < kSize) return {};
+        lengths[i] = format.headBytes(list.getMask(i)) + (format.half && size == kSize ? 0 : std::uint64_t(size));
+        sum += lengths[i];
     }
     return sum == bytes ? lengths : std::vector<std::uint64_t>();
 }

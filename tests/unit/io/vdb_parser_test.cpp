@@ -11,6 +11,7 @@
 #include <openvdb/io/Stream.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -19,6 +20,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -156,6 +158,54 @@ TEST(VdbParser, PassesOverWhatIsNotNeeded)
     expectLeavesInBox<openvdb::Vec3SGrid>(part, parsed(bytes), "v", box);
     EXPECT_LT(buffer.count, std::streamsize(bytes.size() / 4)); // an eighth of the leaves
     EXPECT_GT(buffer.count, std::streamsize(bytes.size() / 9));
+}
+
+/// Gives the leaves of one grid with a list of sizes that is not true.
+class LyingSource final : public LeafSource {
+  public:
+    explicit LyingSource(StoredLeaves leaves) : mLeaves(std::move(leaves)) {}
+    [[nodiscard]] std::size_t grids() const override { return 1; }
+    StoredLeaves leaves() override { return {{}, mLeaves.lengths, mLeaves.kinds, mLeaves.sizes}; }
+    std::string block() override { return mNext < mLeaves.blocks.size() ? mLeaves.blocks[mNext++] : std::string(); }
+
+  private:
+    StoredLeaves mLeaves;
+    std::size_t mNext = 0;
+};
+
+TEST(VdbParser, IsNotLedAstrayByAListOfSizes)
+{
+    const auto grid = variedGrid<openvdb::FloatGrid>("v");
+    std::vector<const openvdb::FloatTree::LeafNodeType*> leaves;
+    grid->tree().getNodes(leaves);
+    const VdbAssembly assembly(io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK);
+    const StoredLeaves honest = assembly.store(*grid, leaves);
+    const openvdb::CoordBBox box(openvdb::Coord(-8, 16, 0), openvdb::Coord(31, 47, 4095));
+    const auto isKept = [&](const openvdb::GridBase&, const openvdb::Coord& at) { return box.isInside(at); };
+    const auto parsedWith = [&](const StoredLeaves& list) {
+        std::stringstream stream;
+        LyingSource source(list);
+        assembly.write(stream, {grid}, {}, &source);
+        return parsed(stream.str(), isKept);
+    };
+    const VdbFile whole = parsed(written({grid}, io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK));
+    expectLeavesInBox<openvdb::FloatGrid>(parsedWith(honest), whole, "v", box);
+
+    StoredLeaves wrong = honest; // does not add up: bytes are passed over
+    ++wrong.sizes.front();
+    expectLeavesInBox<openvdb::FloatGrid>(parsedWith(wrong), whole, "v", box);
+    wrong = honest; // is too short
+    wrong.sizes.pop_back();
+    wrong.kinds.pop_back();
+    expectLeavesInBox<openvdb::FloatGrid>(parsedWith(wrong), whole, "v", box);
+    wrong = honest; // leads beyond the file and back
+    wrong.sizes.front() += std::int64_t(1) << 40;
+    wrong.sizes.back() -= std::int64_t(1) << 40;
+    expectLeavesInBox<openvdb::FloatGrid>(parsedWith(wrong), whole, "v", box);
+    wrong = honest; // adds up, but leads into the midst of leaves
+    wrong.sizes.front() += 100;
+    *std::max_element(wrong.sizes.begin() + 1, wrong.sizes.end()) -= 100;
+    EXPECT_ANY_THROW(parsedWith(wrong));
 }
 
 TEST(VdbParser, ReadsWhatOpenVdbReadsOfHalfFloats)
