@@ -139,6 +139,7 @@ class CountingBuffer : public std::stringbuf {
 
 TEST(VdbParser, PassesOverWhatIsNotNeeded)
 {
+    openvdb::initialize();
     auto noise = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
     noise->setName("v");
     auto accessor = noise->getAccessor();
