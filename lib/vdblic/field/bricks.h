@@ -221,29 +221,6 @@ class BricksOf {
 using Bricks = BricksOf<8>;
 using Record = Bricks::Record;
 
-/// Visit the 9³ voxels of a leaf's brick in its domain.
-/// @param visit callback visit(index of the record, leaf, offset in the leaf); leaf −1 outside the domain
-template<typename Visit>
-void visitBrick(const Domain& domain, std::size_t leaf, const Visit& visit)
-{
-    const openvdb::Coord origin = domain.origin(leaf);
-    constexpr int kLeafDim = LeafVoxel::kDim;
-    for (int part = 0; part < 8; ++part) {
-        const Int4 begin = {part & 4 ? kLeafDim : 0, part & 2 ? kLeafDim : 0, part & 1 ? kLeafDim : 0, 0};
-        const Int4 end = begin + (begin == 0 ? Int4{} + kLeafDim : Int4{} + 1);
-        const int there = domain.findLeaf(begin + Int4{origin[0], origin[1], origin[2], 0});
-        const Domain::Mask* mask = there < 0 ? nullptr : &domain.mask(std::size_t(there));
-        for (int x = begin[0]; x < end[0]; ++x) {
-            for (int y = begin[1]; y < end[1]; ++y) {
-                for (int z = begin[2]; z < end[2]; ++z) {
-                    const unsigned offset = Domain::offset(Int4{x, y, z, 0});
-                    visit(Bricks::index(x, y, z), mask && mask->isOn(offset) ? there : -1, offset);
-                }
-            }
-        }
-    }
-}
-
 /// Visit the 9³ voxels of a leaf's brick in a tree.
 /// @param origin of the leaf
 /// @param visit  callback visit(index of the record, value, active)

@@ -16,6 +16,19 @@ VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
     return a > b ? a : b;
 }
 
+/// Set four numbers of each record of a leaf's brick to the velocity and its coverage.
+/// @param origin of the leaf  @param lane the first of the four
+VDBLIC_KERNEL void fillLevel(const VelocityLevel& level, const openvdb::Coord& origin, Record* records, int lane)
+{
+    const openvdb::Mat3s m(level.toStep);
+    const Float4 x = {m(0, 0), m(1, 0), m(2, 0), 0}, y = {m(0, 1), m(1, 1), m(2, 1), 0},
+                 z = {m(0, 2), m(1, 2), m(2, 2), 0}, covered = {0, 0, 0, 1};
+    visitBrick(level.velocities, origin, [&](int record, const openvdb::Vec3f& value, bool active) {
+        const Float4 step = x * value[0] + y * value[1] + z * value[2] + covered;
+        *reinterpret_cast<Float4*>(records[record].values + lane) = active ? step : Float4{};
+    });
+}
+
 } // namespace
 
 Float4 largestMagnitude(const openvdb::Vec3STree& values)
@@ -71,18 +84,9 @@ void VelocityField::fill(Slabs::Leaves leaves)
             brick.fill(*mEnd, records, 4);
             return;
         }
-        const auto fillLevel = [&](const VelocityLevel& level, int lane) {
-            const openvdb::Mat3s m(level.toStep);
-            const Float4 x = {m(0, 0), m(1, 0), m(2, 0), 0}, y = {m(0, 1), m(1, 1), m(2, 1), 0},
-                         z = {m(0, 2), m(1, 2), m(2, 2), 0}, covered = {0, 0, 0, 1};
-            visitBrick(level.velocities, mDomain.velocity->origin(leaf),
-                       [&](int record, const openvdb::Vec3f& value, bool active) {
-                           const Float4 step = x * value[0] + y * value[1] + z * value[2] + covered;
-                           *reinterpret_cast<Float4*>(records[record].values + lane) = active ? step : Float4{};
-                       });
-        };
-        fillLevel(*mStart, 0);
-        fillLevel(*mEnd, 4);
+        const openvdb::Coord origin = mDomain.velocity->origin(leaf);
+        fillLevel(*mStart, origin, records, 0);
+        fillLevel(*mEnd, origin, records, 4);
     });
     mSeconds += watch.lap();
 }

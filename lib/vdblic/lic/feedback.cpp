@@ -128,8 +128,7 @@ std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
 
 /// Filters one leaf after another. Immutable; any number of threads may filter.
 struct FeedForward {
-    const VelocityLevel& velocities; ///< at the step's end
-    const Refinement& refinement;
+    const VelocityField& field;
     const Domain& domain;
     const TextureBricks& sharp;
     const LocalContrast& contrast;
@@ -145,15 +144,20 @@ struct FeedForward {
         const LeafWindow window(domain, origin);
         const LocalContrast::Leaf around(contrast, origin);
         const FullBox inside(domain, window);
-        const LeafVelocities displacements(velocities, refinement, origin);
+        const LeafWindow fieldWindow = field.window(origin);
+        const LeafVelocities displacements(field.end(), field.fieldDomain().refinement, origin);
+        const Float8 midway = broadcast8(std::max(1 - 0.25f * substeps, 0.0f)); // a quarter of a frame before the end
         const Domain::Mask& mask = domain.mask(leaf);
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
             if (lanes == 0) continue;
-            const Vector8 displacement = displacements.row(row) * substeps; // in a frame
+            const Vector8 last = displacements.row(row), displacement = last * substeps; // in a frame
             const LeafVoxel first = LeafVoxel::ofRow(row);
             const Vector8 centre = rowCentres(origin[0] + first.x, origin[1] + first.y, origin[2]);
-            const TextureBricks::Samples upstream = sharp.at(window, centre - displacement * 0.5f, lanes);
+            // Half a frame back by the midpoint rule.
+            const Vector8 way =
+                field.sample(fieldWindow, centre - displacement * 0.25f, midway, last, lanes) * substeps;
+            const TextureBricks::Samples upstream = sharp.at(window, centre - way * 0.5f, lanes);
             const Int8 known = upstream.coverage > 0;
             const Float8 carried = anyOf(maskOf(lanes) & ~known)
                                        ? (known ? upstream.value : sharp.at(window, centre, lanes).value)
@@ -250,7 +254,7 @@ VDBLIC_KERNEL void filterLeaf(const FeedForward& filter, std::size_t leaf, std::
 
 } // namespace
 
-LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture, const Domain& next,
+LeafValues<std::int32_t> feedForward(VelocityField& field, const LeafValues<float>& texture, const Domain& next,
                                      const NoiseField& noise, const FeedbackParams& params, std::uint64_t step,
                                      int substeps)
 {
@@ -259,18 +263,25 @@ LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValue
     TextureBricks bricks(field.fieldDomain().texture, sharp);
     const LocalContrast contrast(domain, sharp);
     const std::vector<std::uint8_t> withoutRim = leavesWithoutRim(domain);
-    const FeedForward filter{
-        field.end(),    field.fieldDomain().refinement, domain, bricks, contrast, noise, params, withoutRim, step,
-        float(substeps)};
+    const FeedForward filter{field, domain, bricks, contrast, noise, params, withoutRim, step, float(substeps)};
 
     LeafValues<std::int32_t> input = noiseInput(next, noise);
-    const Slabs slabs(domain);
-    // A sample lies up to a whole frame upstream, and its cell reaches one voxel farther.
+    const FieldDomain& sampled = field.sampledDomain();
+    const Slabs slabs(domain, sampled.refinement), velocitySlabs(slabs, *sampled.velocity, sampled.refinement);
+    // A sample lies up to a whole frame upstream, and its cell, or the velocity's, reaches one voxel farther.
     const float farthest = std::min(field.largest()[slabs.axis()] * float(substeps), 1e6f);
-    const int reach = int(std::ceil((farthest + 1) / float(LeafVoxel::kDim)));
+    const int cell = sampled.refinement.factors[std::size_t(slabs.axis())];
+    const int reach = int(std::ceil((farthest + float(cell)) / float(LeafVoxel::kDim)));
     slabs.sweep(
-        reach, [&](std::size_t slab) { bricks.fill(slabs[slab]); },
-        [&](std::size_t slab) { bricks.release(slabs[slab]); },
+        reach,
+        [&](std::size_t slab) {
+            bricks.fill(slabs[slab]);
+            field.fill(velocitySlabs[slab]);
+        },
+        [&](std::size_t slab) {
+            bricks.release(slabs[slab]);
+            field.release(velocitySlabs[slab]);
+        },
         [&](std::size_t slab) {
             const Slabs::Leaves leaves = slabs[slab];
             tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {

@@ -11,8 +11,8 @@ namespace vdblic {
 /// The next step's input: the texture sharpened, carried on to the next frame's time, and jittered.
 ///
 /// The texture is the mean over a step: it shows its features where they were half a step before the next frame. The
-/// input of a voxel therefore is the sharpened texture half a step upstream. Fed back without that shift, features
-/// would lag behind the flow (docs/algorithm.md).
+/// input of a voxel therefore is the sharpened texture half a step upstream, by the midpoint rule. Fed back without
+/// that shift, features would lag behind the flow (docs/algorithm.md).
 ///
 /// A voxel that is new in the next domain takes the original noise. Fluid that enters the domain brings the noise of
 /// the place and time of its entry (NoiseField::entering()), so that streaks enter without cuts. A voxel takes this
@@ -22,14 +22,14 @@ namespace vdblic {
 /// With substeps all this is about a frame instead of a step, and only tiles that release seeds in the step to come get
 /// an input; the others keep the original noise, which nothing reads.
 ///
-/// @param field    velocity over the step that made the texture
+/// @param field    velocity over the step that made the texture, prepared; filled and released here
 /// @param texture  in [0, 1], on the field's domain, its halo included; 0 outside
 /// @param next     domain of the step to come
 /// @param step     number of the step that made the texture
 /// @param substeps steps in a frame
 /// @return values on the own leaves of `next`, fixed-point (kNoiseMax). Computed in parallel; the result does not
 /// depend on the number of threads. Shen & Kao 1998, section 3.3; Liu & Moorhead 2004, section 1.
-[[nodiscard]] LeafValues<std::int32_t> feedForward(const VelocityField& field, const LeafValues<float>& texture,
+[[nodiscard]] LeafValues<std::int32_t> feedForward(VelocityField& field, const LeafValues<float>& texture,
                                                    const Domain& next, const NoiseField& noise,
                                                    const FeedbackParams& params, std::uint64_t step, int substeps = 1);
 

@@ -22,6 +22,14 @@ struct FeedbackParams {
     float deviation = 0.25f; ///< kMix: standard deviation that local contrast is restored to; uniform noise has 0.289
 
     void validate() const; ///< @throws ParameterError
+
+    /// The same with more contrast, which the mean along the flow takes away again.
+    [[nodiscard]] FeedbackParams beforeMean() const
+    {
+        FeedbackParams params = *this;
+        params.deviation *= 1.08f;
+        return params;
+    }
 };
 
 } // namespace vdblic

@@ -32,7 +32,8 @@ class FlowTexture::Pipeline {
   public:
     Pipeline(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
              std::optional<LicKernel> steady)
-        : mParams(scatter), mFeedback(feedback), mNoise(std::move(noise)), mSteady(steady), mScatter(scatter)
+        : mParams(scatter), mFeedback(scatter.method == ScatterMethod::kAuflic ? feedback.beforeMean() : feedback),
+          mNoise(std::move(noise)), mSteady(steady), mScatter(scatter)
     {
         feedback.validate();
     }

@@ -30,9 +30,41 @@ class LocalContrast {
       public:
         Leaf(const LocalContrast& contrast, const openvdb::Coord& origin);
         /// @param x, y of the row in the leaf, 0 to 7
-        [[nodiscard]] Row row(int x, int y) const;
+        [[nodiscard]] VDBLIC_INLINE Row row(int x, int y) const
+        {
+            const Enclosing inX = enclosing(x), inY = enclosing(y);
+            const auto mix = [](Float4 a, Float4 b, float t) { return a + (b - a) * t; };
+            std::array<Float4, kAround> along; // the moments at this x and y, of each block along z
+            for (int k = 0; k < kAround; ++k) {
+                const auto at = [&](int i, int j) {
+                    return mMoments[std::size_t(((inX.first + i) * kAround + inY.first + j) * kAround + k)];
+                };
+                along[std::size_t(k)] =
+                    mix(mix(at(0, 0), at(0, 1), inY.weight), mix(at(1, 0), at(1, 1), inY.weight), inX.weight);
+            }
+            Float4 moments[LeafVoxel::kDim];
+            for (int z = 0; z < LeafVoxel::kDim; ++z) {
+                const Enclosing inZ = enclosing(z);
+                moments[z] = mix(along[std::size_t(inZ.first)], along[std::size_t(inZ.first) + 1], inZ.weight);
+            }
+            Float8 columns[4]; // count, sum, sum of squares
+            transpose(moments, columns);
+            const Float8 mean = columns[1] / columns[0], variance = columns[2] / columns[0] - mean * mean;
+            return {mean, squareRoots(variance > 0 ? variance : Float8{})};
+        }
 
       private:
+        /// The two neighbouring blocks whose centres enclose a voxel along one axis.
+        struct Enclosing {
+            int first;    ///< counted from the block before the leaf
+            float weight; ///< of the second block
+        };
+        VDBLIC_INLINE static constexpr Enclosing enclosing(int voxel)
+        {
+            const int first = (voxel + 2) / 4;
+            return {first, (float(voxel) + 2.5f) / 4 - float(first)};
+        }
+
         static constexpr int kAround = 4; // along each axis: the leaf's blocks, one before and one after
         static constexpr int kParts = kAround * kAround * kAround;
         std::array<Float4, kParts> mMoments;

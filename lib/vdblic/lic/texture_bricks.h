@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <utility>
 
 namespace vdblic {
 
@@ -13,22 +12,11 @@ namespace vdblic {
 /// while leaves are filled or released.
 class TextureBricks {
   public:
-    /// @param texture must outlive every fill()
-    TextureBricks(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture) : mTexture(texture)
-    {
-        mBricks.cover(std::move(domain));
-    }
+    /// @param texture 0 outside the domain; must outlive every fill()
+    TextureBricks(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture);
 
     /// Only leaves that were filled and not released can be sampled.
-    void fill(Slabs::Leaves leaves)
-    {
-        mBricks.fill(leaves, [&](std::size_t leaf, BricksOf<2>::Record* records) {
-            visitBrick(mBricks.domain(), leaf, [&](int record, int there, unsigned offset) {
-                records[record] =
-                    there < 0 ? BricksOf<2>::Record{} : BricksOf<2>::Record{{mTexture[std::size_t(there)][offset], 1}};
-            });
-        });
-    }
+    void fill(Slabs::Leaves leaves);
     void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
 
     /// Means over the corners in the domain, and the corners' share of the weights; without coverage a mean has no

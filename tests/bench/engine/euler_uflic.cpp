@@ -50,7 +50,7 @@ void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fi
     }
 }
 
-LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields)
+LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, std::vector<VelocityField>& fields)
 {
     const Domain& domain = fields[k].domain();
     mStats = {};

@@ -19,7 +19,7 @@ class EulerUflic {
     EulerUflic(int lifeSpan, NoiseField noise) : mLifeSpan(std::size_t(lifeSpan)), mNoise(std::move(noise)) {}
 
     /// @param fields the velocity over each step, as many as the life span beyond k
-    LeafValues<float> scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields);
+    LeafValues<float> scatteringProcess(std::size_t k, std::vector<VelocityField>& fields);
 
     /// Of the last process.
     [[nodiscard]] const ScatterStats& stats() const { return mStats; }

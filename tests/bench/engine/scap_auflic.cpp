@@ -122,7 +122,7 @@ void ScapAuflic::seedTile(std::size_t k, const std::vector<VelocityField>& field
     }
 }
 
-LeafValues<float> ScapAuflic::scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields)
+LeafValues<float> ScapAuflic::scatteringProcess(std::size_t k, std::vector<VelocityField>& fields)
 {
     const Domain& domain = fields[k].domain();
     mStats = {};

@@ -19,7 +19,7 @@ class ScapAuflic {
     ScapAuflic(int lifeSpan, float releaseWindow, NoiseField noise);
 
     /// @param fields the velocity over each step, as many as the life span beyond k, all on one domain
-    LeafValues<float> scatteringProcess(std::size_t k, const std::vector<VelocityField>& fields);
+    LeafValues<float> scatteringProcess(std::size_t k, std::vector<VelocityField>& fields);
 
     /// Of the last process.
     [[nodiscard]] const ScatterStats& stats() const { return mStats; }

@@ -134,8 +134,12 @@ class LiteralLic {
             }
         }
         bucket = {};
-        if (mParams.method == ScatterMethod::kAuflic) texture = alongFlow(mFields[k], texture);
-        mInput = feedForward(mFields[k], texture, next, mNoise, FeedbackParams{}, k);
+        FeedbackParams feedback;
+        if (mParams.method == ScatterMethod::kAuflic) {
+            texture = alongFlow(mFields[k], texture);
+            feedback = feedback.beforeMean();
+        }
+        mInput = feedForward(mFields[k], texture, next, mNoise, feedback, k);
         return texture;
     }
 
@@ -262,7 +266,7 @@ class LiteralHistory {
     {
     }
 
-    LeafValues<float> step(std::size_t k, const VelocityField& field, const Domain& next)
+    LeafValues<float> step(std::size_t k, VelocityField& field, const Domain& next)
     {
         const openvdb::MaskTree& domain = field.domain().topology();
         mHits.clear();
@@ -311,7 +315,7 @@ class LiteralHistory {
                            65535.0f);
         }
         texture = alongFlow(field, texture);
-        mInput = feedForward(field, texture, next, mNoise, FeedbackParams{}, k);
+        mInput = feedForward(field, texture, next, mNoise, FeedbackParams{}.beforeMean(), k);
         return texture;
     }
 
