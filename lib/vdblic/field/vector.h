@@ -123,6 +123,20 @@ VDBLIC_INLINE Float8 squaredLength(const Vector8& a)
     return a.x * a.x + a.y * a.y + a.z * a.z;
 }
 
+/// Eight vectors that follow one another in memory.
+VDBLIC_INLINE Vector8 loadVectors(const float* from)
+{
+    Float4 parts[6];
+    __builtin_memcpy(&parts, from, sizeof parts);
+    const auto join = [&](int i) { return __builtin_shufflevector(parts[i], parts[i + 3], 0, 1, 2, 3, 4, 5, 6, 7); };
+    const Float8 a = join(0), b = join(1), c = join(2); // x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3, and those from 4 on
+    const Float8 xy = __builtin_shufflevector(b, c, 2, 3, 9, 10, 6, 7, 13, 14); // x2 y2 x3 y3
+    const Float8 yz = __builtin_shufflevector(a, b, 1, 2, 8, 9, 5, 6, 12, 13);  // y0 z0 y1 z1
+    return {__builtin_shufflevector(a, xy, 0, 3, 8, 10, 4, 7, 12, 14),
+            __builtin_shufflevector(yz, xy, 0, 2, 9, 11, 4, 6, 13, 15),
+            __builtin_shufflevector(yz, c, 1, 3, 8, 11, 5, 7, 12, 15)};
+}
+
 /// Turn eight rows of eight numbers into eight columns, in place if `columns` is `rows`.
 VDBLIC_INLINE void transpose(const Float8* rows, Float8* columns)
 {

@@ -3,6 +3,7 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/field/cubic_brick.h"
 #include "vdblic/field/largest_value.h"
+#include "vdblic/field/velocity_leaf.h"
 
 #include <cmath>
 #include <cstddef>
@@ -16,17 +17,39 @@ VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
     return a > b ? a : b;
 }
 
-/// Set four numbers of each record of a leaf's brick to the velocity and its coverage.
-/// @param origin of the leaf  @param lane the first of the four
-VDBLIC_KERNEL void fillLevel(const VelocityLevel& level, const openvdb::Coord& origin, Record* records, int lane)
+/// Set the records of a leaf's brick to the velocities at the step's two ends, each with its coverage.
+/// @param origin of the leaf
+VDBLIC_KERNEL void fillBrick(const VelocityLevel& start, const VelocityLevel& end, const openvdb::Coord& origin,
+                             Record* records)
 {
-    const openvdb::Mat3s m(level.toStep);
-    const Float4 x = {m(0, 0), m(1, 0), m(2, 0), 0}, y = {m(0, 1), m(1, 1), m(2, 1), 0},
-                 z = {m(0, 2), m(1, 2), m(2, 2), 0}, covered = {0, 0, 0, 1};
-    visitBrick(level.velocities, origin, [&](int record, const openvdb::Vec3f& value, bool active) {
-        const Float4 step = x * value[0] + y * value[1] + z * value[2] + covered;
-        *reinterpret_cast<Float4*>(records[record].values + lane) = active ? step : Float4{};
-    });
+    constexpr int kDim = LeafVoxel::kDim;
+    VelocityLeaf starts[2][2][2], ends[2][2][2]; // the leaf's and those after it
+    for (int i = 0; i < 8; ++i) {
+        const int x = i >> 2, y = i >> 1 & 1, z = i & 1;
+        const openvdb::Coord there = origin.offsetBy(kDim * x, kDim * y, kDim * z);
+        starts[x][y][z] = VelocityLeaf(start, there);
+        ends[x][y][z] = VelocityLeaf(end, there);
+    }
+    for (int x = 0; x <= kDim; ++x) {
+        for (int y = 0; y <= kDim; ++y) {
+            const int i = LeafVoxel::leafCoordinate(x), j = LeafVoxel::leafCoordinate(y), row = LeafVoxel::row(x, y);
+            Record* const to = records + Bricks::index(x, y, 0);
+            Float8 rows[kDim]; // first as columns
+            const auto setColumns = [&](const VelocityLeaf& leaf, Float8* columns) {
+                const VelocityLeaf::Row values = leaf.row(row);
+                columns[0] = values.velocities.x;
+                columns[1] = values.velocities.y;
+                columns[2] = values.velocities.z;
+                columns[3] = values.active ? broadcast8(1) : Float8{};
+            };
+            setColumns(starts[i][j][0], rows);
+            setColumns(ends[i][j][0], rows + 4);
+            transpose(rows, rows);
+            __builtin_memcpy(to, &rows, sizeof rows);
+            const Float4 last[2] = {starts[i][j][1].first(row), ends[i][j][1].first(row)};
+            __builtin_memcpy(to + kDim, &last, sizeof last);
+        }
+    }
 }
 
 } // namespace
@@ -84,9 +107,7 @@ void VelocityField::fill(Slabs::Leaves leaves)
             brick.fill(*mEnd, records, 4);
             return;
         }
-        const openvdb::Coord origin = mDomain.velocity->origin(leaf);
-        fillLevel(*mStart, origin, records, 0);
-        fillLevel(*mEnd, origin, records, 4);
+        fillBrick(*mStart, *mEnd, mDomain.velocity->origin(leaf), records);
     });
     mSeconds += watch.lap();
 }

@@ -8,8 +8,7 @@ LeafVelocities::LeafVelocities(const VelocityLevel& level, const Refinement& ref
     : mToStep(level.toStep), mIsRefined(!refinement.isNone())
 {
     if (!mIsRefined) {
-        mLeaf = level.velocities.probeConstLeaf(origin);
-        if (!mLeaf && !level.velocities.probeValue(origin, mConstant)) mConstant = openvdb::Vec3f(0);
+        mStored = VelocityLeaf(level, origin);
         return;
     }
     openvdb::Coord first;

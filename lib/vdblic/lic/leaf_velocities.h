@@ -3,13 +3,13 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/vector.h"
-#include "vdblic/field/velocity_field.h"
+#include "vdblic/field/velocity_leaf.h"
+#include "vdblic/field/velocity_level.h"
 
 #include <openvdb/openvdb.h>
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 
 namespace vdblic {
 
@@ -23,7 +23,10 @@ class LeafVelocities {
     LeafVelocities(const VelocityLevel& level, const Refinement& refinement, const openvdb::Coord& origin);
 
     /// The velocities of a row of voxels along z.
-    [[nodiscard]] VDBLIC_INLINE Vector8 row(int row) const { return mIsRefined ? between(row) : stored(row); }
+    [[nodiscard]] VDBLIC_INLINE Vector8 row(int row) const
+    {
+        return mIsRefined ? between(row) : mStored.row(row).velocities;
+    }
 
   private:
     static constexpr int kMostCorners = LeafVoxel::kDim + 1; // of cells along an axis: one voxel a cell
@@ -34,21 +37,6 @@ class LeafVelocities {
         int first = 0;
         float fraction = 0;
     };
-
-    [[nodiscard]] VDBLIC_INLINE Vector8 stored(int row) const
-    {
-        Vector8 values{};
-        if (!mLeaf) {
-            values = {broadcast8(mConstant[0]), broadcast8(mConstant[1]), broadcast8(mConstant[2])};
-        } else {
-            const openvdb::Vec3f* stored = mLeaf->buffer().data() + std::ptrdiff_t(LeafVoxel::kDim) * row;
-            const Int8 active = maskOf(mLeaf->getValueMask().getWord<std::uint8_t>(openvdb::Index(row)));
-            for (int z = 0; z < LeafVoxel::kDim; ++z)
-                values.setLane(z, Float4{stored[z][0], stored[z][1], stored[z][2], 0});
-            values = select(active, values, Vector8{});
-        }
-        return toStep(values);
-    }
 
     [[nodiscard]] VDBLIC_INLINE Vector8 between(int row) const
     {
@@ -84,9 +72,7 @@ class LeafVelocities {
 
     openvdb::Mat3s mToStep;
     bool mIsRefined;
-    // Not refined:
-    const openvdb::Vec3STree::LeafNodeType* mLeaf = nullptr;
-    openvdb::Vec3f mConstant{};
+    VelocityLeaf mStored; // not refined
     // Refined: stored values premultiplied by their coverage, which is the fourth number, as far as the leaf needs
     // them.
     using Line = std::array<Float4, kMostCorners>;

@@ -61,5 +61,18 @@ TEST(VoxelOf, RoundsToTheNearestCentreAndHalvesUp)
     EXPECT_EQ(voxel[3], -3);
 }
 
+TEST(LoadVectors, TakesThreeComponentsFromEach)
+{
+    float numbers[24];
+    for (int i = 0; i < 24; ++i)
+        numbers[i] = float(i);
+    const Vector8 vectors = loadVectors(numbers);
+    for (int lane = 0; lane < 8; ++lane) {
+        const Float4 vector = vectors.lane(lane);
+        for (int axis = 0; axis < 3; ++axis)
+            EXPECT_EQ(vector[axis], float(3 * lane + axis)) << lane;
+    }
+}
+
 } // namespace
 } // namespace vdblic
