@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """The tables of docs/performance.md, docs/quality.md and docs/render.md, measured anew, as Markdown.
 
-    xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD [DATA] [--only engine|quality|render] [--frames N]
+    xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD [DATA] [--only performance|quality|render] [--frames N]
 
 BUILD is the build folder (build/release). DATA holds the flows of docs/quality.md; quality.py says which, and prints the
 tables of one flow. `--frames` shortens a trial of the engine.
+
+The tables of docs/performance.md that compare two builds, of files and rendering, are not among them: render_peers.py
+prints those of rendering.
 """
 
 import argparse
@@ -14,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 
+import file_to_file
 import quality
 
 HERE = pathlib.Path(__file__).parent
@@ -32,13 +36,18 @@ def by_name(rows):
     return {row["name"]: row for row in rows}
 
 
+def integrator_rates(report):
+    """Million steps a second by integrator."""
+    return {row["name"].split(",")[0]: row["million_steps_per_second"] for row in report["integrators"]}
+
+
 def aims(report, frames):
     """The table "Aims and figures": rows of (what, aim, measured)."""
-    rates = {row["name"].split(",")[0]: row["million_steps_per_second"] for row in report["integrators"]}
+    rates = integrator_rates(report)
     ours = rates["advancePaths"]
     for name, against, aim in (
-            ("VelocityIntegrator", "OpenVDB's `VelocityIntegrator` on one frame", "12 ×"),
-            ("GridSampler and BoxSampler", "GridSampler and BoxSampler on two frames", "18 ×"),
+            ("VelocityIntegrator", "OpenVDB's `VelocityIntegrator` on one frame", "≥ 7 ×"),
+            ("GridSampler and BoxSampler", "GridSampler and BoxSampler on two frames", ""),
             ("NanoVDB", "NanoVDB on two frames", ""),
             ("VTK's vtkStreamTracer", "VTK's `vtkStreamTracer` on one frame", "")):
         known = [rate for found, rate in rates.items() if name in found]
@@ -46,20 +55,20 @@ def aims(report, frames):
             yield f"RK4 steps against {against}", aim, f"{ours / known[0]:.1f} × ({ours:.1f} against {known[0]:.1f} million a second)"
     methods, sweeps = by_name(report["methods"]), by_name(report["sweeps"])
     auflic = methods["AUFLIC, window 0.25, history"]
-    for name, against, aim in (("UFLIC as in the paper, Euler", "the paper's Euler UFLIC", "25 ×"),
-                               ("UFLIC", "our UFLIC", "5 ×"),
+    for name, against, aim in (("UFLIC as in the paper, Euler", "the paper's Euler UFLIC", "≥ 9 ×"),
+                               ("UFLIC", "our UFLIC", "≥ 2.5 ×"),
                                ("AUFLIC as in the paper, window 0.25", "AUFLIC in the paper's order of work", "")):
         ratio = methods[name]["ns_per_voxel"] / auflic["ns_per_voxel"]
         yield (f"AUFLIC against {against}", aim,
                f"{ratio:.1f} × ({auflic['ns_per_voxel']:.0f} against {methods[name]['ns_per_voxel']:.0f} ns a voxel and frame)")
     stages = ", ".join(f"{stage} {1e3 * seconds / frames:.0f}" for stage, seconds in auflic["seconds"].items())
-    yield "a texture", "≤ 60 ms", f"{1e-6 * auflic['ns_per_voxel'] * 144 * 73 * 81:.0f} ms: {stages}"
+    yield "a texture", "", f"{1e-6 * auflic['ns_per_voxel'] * 144 * 73 * 81:.0f} ms: {stages}"
     cost = lambda name, key="ns_per_voxel": sweeps[name][key]
     yield "time at life span 32 against 4", "≤ 1.15", f"{cost('life span 32') / cost('life span 4'):.2f}"
     yield "time per voxel, 384³ against 64³", "≤ 1.2", f"{cost('384 cubed') / cost('64 cubed'):.2f}"
     wall = "wall_ns_per_voxel"
-    yield "two threads against one", "1.85 ×", f"{cost('1 threads', wall) / cost('2 threads', wall):.2f} ×"
-    yield "peak memory of the process, 256³", "≤ 96 bytes a voxel", f"{report['memory'][-1]['bytes_per_voxel']:.0f}"
+    yield "two threads against one", "≥ 1.85 ×", f"{cost('1 threads', wall) / cost('2 threads', wall):.2f} ×"
+    yield "peak memory of the process, 256³", "≤ 80 bytes a voxel", f"{report['memory'][-1]['bytes_per_voxel']:.0f}"
     yield ("a ball of 5 % of its box against a full one, time per voxel", "≤ 1.15",
            f"{cost('5 %') / cost('100 %'):.2f}")
 
@@ -81,14 +90,20 @@ def main():
     parser = argparse.ArgumentParser(description="Measure the tables of the documents anew.")
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path, nargs="?")
-    parser.add_argument("--only", choices=("engine", "quality", "render"))
+    parser.add_argument("--only", choices=("performance", "quality", "render"))
     parser.add_argument("--frames", type=int, default=6, help="frames of engine")
     given = parser.parse_args()
     build = given.build.resolve()
     wanted = lambda part: given.only in (None, part)
-    if wanted("engine"):
+    if wanted("performance"):
         print("## docs/performance.md\n")
-        print_engine(engine_report(build, given.frames), given.frames)
+        report = engine_report(build, given.frames)
+        print_engine(report, given.frames)
+        print(flush=True)
+        rate = next(rate for name, rate in integrator_rates(report).items() if "VelocityIntegrator" in name)
+        file_to_file.print_table(build, given.data, rate)
+        print(flush=True)
+        subprocess.run([sys.executable, HERE / "refine.py", build, "--frames", "4"], check=True)
     if wanted("quality"):
         print("\n## docs/quality.md")
         quality.print_tables(build / "tools", given.data, quality.flows_of(given.data))
