@@ -91,7 +91,7 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path, nargs="?")
     parser.add_argument("--only", choices=("performance", "quality", "render"))
-    parser.add_argument("--frames", type=int, default=6, help="frames of engine")
+    parser.add_argument("--frames", type=int, default=6, help="frames of engine, at least 5")
     given = parser.parse_args()
     build = given.build.resolve()
     wanted = lambda part: given.only in (None, part)

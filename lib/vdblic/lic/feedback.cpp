@@ -146,7 +146,7 @@ struct FeedForward {
         const FullBox inside(domain, window);
         const LeafWindow fieldWindow = field.window(origin);
         const LeafVelocities displacements(field.end(), field.fieldDomain().refinement, origin);
-        const Float8 midway = broadcast8(std::max(1 - 0.25f * substeps, 0.0f)); // a quarter of a frame before the end
+        const Float8 midway = broadcast8(std::max(1 - 0.25f * substeps, 0.0f)); // a quarter of a frame back
         const Domain::Mask& mask = domain.mask(leaf);
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
