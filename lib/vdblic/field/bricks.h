@@ -143,12 +143,11 @@ class BricksOf {
         const auto nine = [](Int8 n) { return (n << 3) + n; }; // without a multiplication
         alignas(32) int slots[8], records[8];
         alignas(32) float weights[8][8]; // of a corner, of a lane
-        const auto store = [](auto& to, auto values) { __builtin_memcpy(&to, &values, sizeof values); };
-        store(slots, window.slots(x, y, z));
-        store(records, nine(nine(LeafVoxel::local(x)) + LeafVoxel::local(y)) + LeafVoxel::local(z));
+        storeLanes(window.slots(x, y, z), slots);
+        storeLanes(nine(nine(LeafVoxel::local(x)) + LeafVoxel::local(y)) + LeafVoxel::local(z), records);
         const auto fraction = [](Float8 p, Int8 base) { return p - __builtin_convertvector(base, Float8); };
         weightCorners(fraction(position.x, x), fraction(position.y, y), fraction(position.z, z),
-                      [&](int corner, Float8 weight) { store(weights[corner], weight); });
+                      [&](int corner, Float8 weight) { storeLanes(weight, weights[corner]); });
         for (int i = 0; i < 8; ++i) {
             Vector row{};
             if (lanes >> i & 1) {
@@ -196,17 +195,16 @@ class BricksOf {
     /// position up to the voxels' centres, along as few axes as necessary. @return the leaf, or −1 outside
     [[gnu::noinline]] int clampToLeaf(Float4& position, Int4& base) const
     {
-        const Int4 nearest = voxelOf(position);
-        for (int axes : {1, 2, 4, 3, 5, 6, 7}) {
-            Int4 moved = base;
-            for (int axis = 0; axis < 3; ++axis) {
-                if (axes >> axis & 1) moved[axis] = nearest[axis];
-            }
+        static constexpr Int4 kAxes[] = {{-1, 0, 0, 0},  {0, -1, 0, 0},  {0, 0, -1, 0},  {-1, -1, 0, 0},
+                                         {-1, 0, -1, 0}, {0, -1, -1, 0}, {-1, -1, -1, 0}};
+        const Int4 nearest = voxelOf(position), fixed = nearest == base;
+        for (const Int4 axes : kAxes) {
+            const auto unmoved = reinterpret_cast<Long2>(axes & fixed);
+            if ((unmoved[0] | unmoved[1]) != 0) continue; // the same as without the fixed axes
+            const Int4 moved = axes ? nearest : base;
             const int leaf = mDomain->findLeaf(moved);
             if (leaf < 0) continue;
-            for (int axis = 0; axis < 3; ++axis) {
-                if (moved[axis] != base[axis]) position[axis] = float(moved[axis]);
-            }
+            position = axes ? __builtin_convertvector(nearest, Float4) : position;
             base = moved;
             return leaf;
         }

@@ -34,7 +34,9 @@ Domain::Domain(openvdb::MaskTree::Ptr topology, int ranks) : mTopology(std::move
     if (mLeaves.empty()) return;
 
     openvdb::CoordBBox box;
+    mBoxes.reserve(mLeaves.size());
     for (const Leaf* leaf : mLeaves) {
+        mBoxes.emplace_back(leaf->getValueMask());
         box.expand(leaf->origin());
         mVoxelCount += leaf->onVoxelCount();
     }

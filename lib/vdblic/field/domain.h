@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/leaf_box.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 
@@ -46,6 +47,7 @@ class Domain {
     [[nodiscard]] std::size_t leafCount() const { return mLeaves.size(); }
     [[nodiscard]] openvdb::Coord origin(std::size_t leaf) const { return mLeaves[leaf]->origin(); }
     [[nodiscard]] const Mask& mask(std::size_t leaf) const { return mLeaves[leaf]->getValueMask(); }
+    [[nodiscard]] const LeafBox& box(std::size_t leaf) const { return mBoxes[leaf]; }
     [[nodiscard]] const Leaf& node(std::size_t leaf) const { return *mLeaves[leaf]; }
     [[nodiscard]] std::size_t voxelCount() const { return mVoxelCount; } ///< of all leaves, own or not
 
@@ -91,6 +93,7 @@ class Domain {
     [[nodiscard]] std::size_t blockIndex(const openvdb::Coord& voxel) const; // in mBlocks
 
     std::vector<const Leaf*> mLeaves;
+    std::vector<LeafBox> mBoxes; // of the leaves
     std::vector<std::uint32_t> mOwn, mLocal;
     std::vector<std::uint8_t> mIsOwn; // of each leaf; empty if all are
     std::size_t mVoxelCount = 0;

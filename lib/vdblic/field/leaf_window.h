@@ -65,7 +65,10 @@ struct WindowVoxel {
 
     [[nodiscard]] VDBLIC_INLINE constexpr bool isFar() const { return code < 0; }
     [[nodiscard]] VDBLIC_INLINE constexpr std::size_t farIndex() const { return std::size_t(-1 - code); }
-    [[nodiscard]] VDBLIC_INLINE constexpr int slot() const { return code >> kOffsetBits; }
+    [[nodiscard]] VDBLIC_INLINE constexpr int slot() const
+    {
+        return int(unsigned(code) >> kOffsetBits); // of a voxel that is not far
+    }
     [[nodiscard]] VDBLIC_INLINE constexpr unsigned offset() const { return unsigned(code & kOffsetMask); }
 
   private:

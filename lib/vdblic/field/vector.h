@@ -14,7 +14,9 @@ using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Int8 = std::int32_t __attribute__((vector_size(32), aligned(32)));
 using Unsigned4 = std::uint32_t __attribute__((vector_size(16)));
 using Unsigned8 = std::uint32_t __attribute__((vector_size(32), aligned(32)));
+using Double2 = double __attribute__((vector_size(16)));
 using Double4 = double __attribute__((vector_size(32), aligned(32)));
+using Long2 = std::int64_t __attribute__((vector_size(16)));
 using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
 
 /// Particles or rays processed side by side: enough loads in flight to hide the memory's latency.
@@ -68,14 +70,34 @@ VDBLIC_INLINE Int8 floorToInt(Float8 x)
 /// Whether any lane of a comparison's result is true.
 VDBLIC_INLINE bool anyOf(Int8 mask)
 {
-    const auto words = reinterpret_cast<Long4>(mask);
-    return (words[0] | words[1] | words[2] | words[3]) != 0;
+    const Int4 halves =
+        __builtin_shufflevector(mask, mask, 0, 1, 2, 3) | __builtin_shufflevector(mask, mask, 4, 5, 6, 7);
+    const auto words = reinterpret_cast<Long2>(halves);
+    return (words[0] | words[1]) != 0;
+}
+
+/// The lanes of a vector in memory, for loops that take one after the other: a load is quicker than an extraction.
+template<typename VectorT, typename Number>
+VDBLIC_INLINE void storeLanes(VectorT vector, Number (&lanes)[8])
+{
+    static_assert(sizeof lanes == sizeof vector);
+    __builtin_memcpy(&lanes, &vector, sizeof vector);
+    asm("" : "+m"(lanes)); // else the compiler would take them out of the register
 }
 
 /// A comparison's result that is true in the lanes whose bits are set.
 VDBLIC_INLINE Int8 maskOf(unsigned lanes)
 {
     return (broadcastInt8(int(lanes)) & Int8{1, 2, 4, 8, 16, 32, 64, 128}) != 0;
+}
+
+/// The bits of the lanes in which a comparison's result is true.
+VDBLIC_INLINE unsigned bitsOf(Int8 mask)
+{
+    const Int8 bits = mask & Int8{1, 2, 4, 8, 16, 32, 64, 128};
+    const Int4 halves =
+        __builtin_shufflevector(bits, bits, 0, 1, 2, 3) | __builtin_shufflevector(bits, bits, 4, 5, 6, 7);
+    return unsigned(halves[0] | halves[1] | halves[2] | halves[3]);
 }
 
 VDBLIC_INLINE Float8 squareRoots(Float8 x)

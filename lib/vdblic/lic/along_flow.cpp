@@ -2,6 +2,7 @@
 
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_window.h"
+#include "vdblic/field/window_box.h"
 #include "vdblic/lic/leaf_velocities.h"
 
 #include <array>
@@ -12,14 +13,32 @@
 namespace vdblic {
 namespace {
 
+/// The cells around eight positions, and the positions in them.
+struct Cells {
+    Int8 x, y, z;
+    Vector8 fraction;
+
+    VDBLIC_INLINE explicit Cells(const Vector8& position)
+        : x(floorToInt(position.x)), y(floorToInt(position.y)),
+          z(floorToInt(position.z)), fraction{position.x - __builtin_convertvector(x, Float8),
+                                              position.y - __builtin_convertvector(y, Float8),
+                                              position.z - __builtin_convertvector(z, Float8)}
+    {
+    }
+};
+
 /// Numbers of a leaf's voxels and of those around it, in an array small enough for the first-level cache.
 template<int kTaps>
 class Surroundings {
   public:
     static constexpr int kRim = kTaps + 1; ///< voxels on each side: positions are rounded, and a cell has two ends
     static constexpr int kDim = LeafVoxel::kDim + 2 * kRim;
+    static constexpr int kMargin = (kRim + 3) / 4 * 4; ///< at both ends of a row, so that it is copied by whole vectors
+    static constexpr int kRow = LeafVoxel::kDim + 2 * kMargin;
 
-    /// @param row called as row(leaf, number of the row), gives the row's 8 numbers; leaf −1 is outside the domain
+    /// @param row called as row(leaf, number of the row), points to the row's 8 numbers until it is called again; leaf
+    /// −1
+    ///            is outside the domain
     template<typename RowOf>
     VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row)
     {
@@ -30,13 +49,10 @@ class Surroundings {
                     LeafWindow::slot(LeafVoxel::leafCoordinate(x) + 1, LeafVoxel::leafCoordinate(y) + 1, 0);
                 const int* leaves = &window.leaves[std::size_t(slot)];
                 const int number = LeafVoxel::row(x, y);
-                const Float8 before = row(leaves[0], number), here = row(leaves[1], number),
-                             after = row(leaves[2], number);
-                for (int i = 0; i < kRim; ++i) {
-                    to[i - kRim] = before[LeafVoxel::kDim - kRim + i];
-                    to[LeafVoxel::kDim + i] = after[i];
-                }
-                __builtin_memcpy(to, &here, sizeof here);
+                __builtin_memcpy(to - kMargin, row(leaves[0], number) + LeafVoxel::kDim - kMargin,
+                                 kMargin * sizeof(float));
+                __builtin_memcpy(to, row(leaves[1], number), LeafVoxel::kDim * sizeof(float));
+                __builtin_memcpy(to + LeafVoxel::kDim, row(leaves[2], number), kMargin * sizeof(float));
             }
         }
     }
@@ -49,45 +65,58 @@ class Surroundings {
         return values;
     }
 
-    /// Interpolate trilinearly. @param position from the leaf's first voxel, at most kTaps voxels outside the leaf
-    [[nodiscard]] VDBLIC_INLINE Float8 at(const Vector8& position) const
+    /// Interpolate trilinearly. @param cells counted from the leaf's first voxel, at most kTaps voxels outside the leaf
+    [[nodiscard]] VDBLIC_INLINE Float8 at(const Cells& cells) const
     {
-        const Int8 x = floorToInt(position.x), y = floorToInt(position.y), z = floorToInt(position.z);
         alignas(32) int corners[8];
-        const Int8 indices = (x * kDim + y) * kDim + z + index(0, 0, 0);
-        __builtin_memcpy(&corners, &indices, sizeof indices);
-        const Float8 fx = position.x - __builtin_convertvector(x, Float8),
-                     fy = position.y - __builtin_convertvector(y, Float8),
-                     fz = position.z - __builtin_convertvector(z, Float8);
+        alignas(32) float fractions[8];
+        storeLanes((cells.x * kDim + cells.y) * kRow + cells.z + index(0, 0, 0), corners);
+        storeLanes(cells.fraction.x, fractions);
         Float4 faces[8];
         for (int lane = 0; lane < 8; ++lane) {
-            const float* corner = &mValues[std::size_t(corners[lane])];
-            const Float4 low = face(corner), high = face(corner + std::ptrdiff_t(kDim) * kDim);
-            faces[lane] = low + (high - low) * fx[lane];
+            const float* corner = &mValues[std::size_t(unsigned(corners[lane]))];
+            const Float4 low = face(corner), high = face(corner + std::ptrdiff_t(kDim) * kRow);
+            faces[lane] = low + (high - low) * broadcast4(fractions[lane]);
         }
         Float8 columns[4];
         transpose(faces, columns);
-        const Float8 lower = columns[0] + (columns[2] - columns[0]) * fy,
-                     upper = columns[1] + (columns[3] - columns[1]) * fy;
-        return lower + (upper - lower) * fz;
+        const Float8 lower = columns[0] + (columns[2] - columns[0]) * cells.fraction.y,
+                     upper = columns[1] + (columns[3] - columns[1]) * cells.fraction.y;
+        return lower + (upper - lower) * cells.fraction.z;
     }
 
   private:
     /// The four numbers of a cell's face across x.
     [[nodiscard]] VDBLIC_INLINE static Float4 face(const float* corner)
     {
-        Float2 near, far;
+        double near, far; // two numbers each, which the processor loads together
         __builtin_memcpy(&near, corner, sizeof near);
-        __builtin_memcpy(&far, corner + kDim, sizeof far);
-        return __builtin_shufflevector(near, far, 0, 1, 2, 3);
+        __builtin_memcpy(&far, corner + kRow, sizeof far);
+        return reinterpret_cast<Float4>(Double2{near, far});
     }
     [[nodiscard]] static constexpr int index(int x, int y, int z)
     {
-        return ((x + kRim) * kDim + y + kRim) * kDim + z + kRim;
+        return ((x + kRim) * kDim + y + kRim) * kRow + z + kMargin;
     }
 
-    std::array<float, std::size_t(kDim) * kDim * kDim> mValues;
+    std::array<float, std::size_t(kDim) * kDim * kRow> mValues;
 };
+
+/// What Surroundings would interpolate of the domain's coverage, 1 in the box and 0 outside.
+/// @param origin of the leaf that the cells are counted from
+VDBLIC_INLINE Float8 coverageOf(const WindowBox& box, const openvdb::Coord& origin, const Cells& cells)
+{
+    Float8 coverage = broadcast8(1);
+    const auto multiply = [&](int axis, Int8 first, Float8 fraction) {
+        const Float8 low = box.holds(axis, first + origin[axis]) ? coverage : Float8{},
+                     high = box.holds(axis, first + origin[axis] + 1) ? coverage : Float8{};
+        coverage = low + (high - low) * fraction;
+    };
+    multiply(0, cells.x, cells.fraction.x);
+    multiply(1, cells.y, cells.fraction.y);
+    multiply(2, cells.z, cells.fraction.z);
+    return coverage;
+}
 
 /// Filters leaf after leaf. Immutable; any number of threads may use it.
 struct AlongFlow {
@@ -101,21 +130,19 @@ struct AlongFlow {
     {
         const openvdb::Coord origin = domain.origin(leaf);
         const LeafWindow window(domain, origin);
+        const WindowBox box(domain, window);
+        static constexpr std::array<float, LeafVoxel::kDim> kOutside{};
         Surroundings<kTaps> values, coverage;
         values.gather(window, [&](int there, int row) {
-            Float8 numbers{};
-            if (there >= 0) {
-                __builtin_memcpy(&numbers, texture[std::size_t(there)] + row * std::ptrdiff_t(LeafVoxel::kDim),
-                                 sizeof numbers);
-            }
-            return numbers;
+            return there < 0 ? kOutside.data() : texture[std::size_t(there)] + row * std::ptrdiff_t(LeafVoxel::kDim);
         });
-        const bool isInside = isFull(window);
-        if (!isInside) {
+        if (!box.isExact()) {
+            Float8 numbers;
             coverage.gather(window, [&](int there, int row) {
                 const unsigned bits =
                     there < 0 ? 0 : domain.mask(std::size_t(there)).getWord<std::uint8_t>(openvdb::Index(row));
-                return maskOf(bits) ? broadcast8(1) : Float8{};
+                numbers = maskOf(bits) ? broadcast8(1) : Float8{};
+                return reinterpret_cast<const float*>(&numbers);
             });
         }
         const LeafVelocities displacements(velocities, refinement, origin);
@@ -123,42 +150,33 @@ struct AlongFlow {
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const unsigned lanes = mask.getWord<std::uint8_t>(openvdb::Index(row));
             if (lanes == 0) continue;
+            const Int8 taken = maskOf(lanes);
             const LeafVoxel first = LeafVoxel::ofRow(row);
             const Vector8 centre = rowCentres(first.x, first.y, 0);
             const Vector8 direction = unit(displacements.row(row));
             Float8 sum = values.row(first) * float(kTaps + 1), weights = broadcast8(float(kTaps + 1));
             for (int tap = -kTaps; tap <= kTaps; ++tap) {
                 if (tap == 0) continue;
-                const Vector8 position = centre + direction * float(tap);
+                const Cells cells(centre + direction * float(tap));
                 const auto weight = float(kTaps + 1 - std::abs(tap));
-                if (isInside) {
-                    sum += values.at(position) * weight;
+                const Float8 value = values.at(cells);
+                if (box.isWindow() ||
+                    !anyOf(taken & ~box.holdsCell(cells.x + origin[0], cells.y + origin[1], cells.z + origin[2]))) {
+                    sum += value * weight;
                     weights += weight;
                 } else {
-                    const Float8 covered = coverage.at(position);
+                    const Float8 covered = box.isExact() ? coverageOf(box, origin, cells) : coverage.at(cells);
                     const Int8 counts = covered > 0;
-                    sum += counts ? values.at(position) / covered * weight : Float8{};
+                    sum += counts ? value / covered * weight : Float8{};
                     weights += counts ? broadcast8(weight) : Float8{};
                 }
             }
-            const Float8 mean = sum / weights;
-            for (int z = 0; z < LeafVoxel::kDim; ++z) {
-                if (lanes >> z & 1) result[LeafVoxel::kDim * row + z] = mean[z];
-            }
+            const Float8 mean = taken ? sum / weights : Float8{};
+            __builtin_memcpy(result + row * std::ptrdiff_t(LeafVoxel::kDim), &mean, sizeof mean);
         }
     }
 
   private:
-    /// Whether the domain has every voxel of a leaf and of the leaves around it.
-    [[nodiscard]] bool isFull(const LeafWindow& window) const
-    {
-        for (int slot = 0; slot < LeafWindow::kElsewhere; ++slot) {
-            const int leaf = window.leaves[std::size_t(slot)];
-            if (leaf < 0 || !domain.mask(std::size_t(leaf)).isOn()) return false;
-        }
-        return true;
-    }
-
     /// Of length 1, or 0 where there is no motion or its square overflows.
     [[nodiscard]] VDBLIC_INLINE static Vector8 unit(const Vector8& v)
     {

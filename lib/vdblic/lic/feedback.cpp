@@ -4,6 +4,7 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/slabs.h"
+#include "vdblic/field/window_box.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/leaf_velocities.h"
 #include "vdblic/lic/local_contrast.h"
@@ -67,48 +68,6 @@ float coverageAt(const Domain& domain, Float4 position)
     return coverage;
 }
 
-/// A box of voxels that are all in the domain: a full leaf, grown by such full leaves around it as keep it a box. Empty
-/// if the leaf itself is not full.
-class FullBox {
-  public:
-    FullBox(const Domain& domain, const LeafWindow& window)
-    {
-        int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // leaves of the window along each axis
-        const auto full = [&] {
-            for (int x = first[0]; x <= last[0]; ++x) {
-                for (int y = first[1]; y <= last[1]; ++y) {
-                    for (int z = first[2]; z <= last[2]; ++z) {
-                        const int leaf = window.leaves[std::size_t(LeafWindow::slot(x, y, z))];
-                        if (leaf < 0 || !domain.mask(std::size_t(leaf)).isOn()) return false;
-                    }
-                }
-            }
-            return true;
-        };
-        if (!full()) return;
-        for (int axis = 0; axis < 3; ++axis) {
-            first[axis] = 0;
-            if (!full()) first[axis] = 1;
-            last[axis] = 2;
-            if (!full()) last[axis] = 1;
-        }
-        for (int axis = 0; axis < 3; ++axis) {
-            mFirst[axis] = float((window.first[axis] + first[axis]) * LeafVoxel::kDim);
-            mLast[axis] = float((window.first[axis] + last[axis] + 1) * LeafVoxel::kDim - 1);
-        }
-    }
-
-    /// Which of eight positions lie between voxels of the box.
-    [[nodiscard]] VDBLIC_INLINE Int8 contains(const Vector8& p) const
-    {
-        return (p.x >= mFirst[0]) & (p.x < mLast[0]) & (p.y >= mFirst[1]) & (p.y < mLast[1]) & (p.z >= mFirst[2]) &
-               (p.z < mLast[2]);
-    }
-
-  private:
-    float mFirst[3] = {0, 0, 0}, mLast[3] = {0, 0, 0};
-};
-
 /// For each leaf: whether the cell of any position from it to the next leaves lies inside the domain.
 std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
 {
@@ -143,7 +102,7 @@ struct FeedForward {
         const openvdb::Coord origin = domain.origin(leaf);
         const LeafWindow window(domain, origin);
         const LocalContrast::Leaf around(contrast, origin);
-        const FullBox inside(domain, window);
+        const WindowBox inside(domain, window);
         const LeafWindow fieldWindow = field.window(origin);
         const LeafVelocities displacements(field.end(), field.fieldDomain().refinement, origin);
         const Float8 midway = broadcast8(std::max(1 - 0.25f * substeps, 0.0f)); // a quarter of a frame back
@@ -165,10 +124,13 @@ struct FeedForward {
             std::int32_t* const values = input + row * std::ptrdiff_t(LeafVoxel::kDim);
             Int8 value = filtered(around, first, carried, values);
             const Vector8 before = centre - displacement;
-            if (anyOf(maskOf(lanes) & ~inside.contains(before))) renewEntering(window, centre, before, lanes, value);
-            for (int z = 0; z < LeafVoxel::kDim; ++z) {
-                if (lanes >> z & 1) values[z] = value[z];
-            }
+            const Int8 stayed = inside.holdsCell(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
+            const Int8 mayEnter = maskOf(lanes) & ~stayed;
+            if (anyOf(mayEnter)) renewEntering(window, centre, before, bitsOf(mayEnter), value);
+            Int8 others;
+            __builtin_memcpy(&others, values, sizeof others);
+            value = maskOf(lanes) ? value : others;
+            __builtin_memcpy(values, &value, sizeof value);
         }
     }
 
@@ -195,6 +157,7 @@ struct FeedForward {
 
     /// Give voxels whose fluid came into the domain during the frame the noise that it brings.
     /// @param before positions a frame ago of the fluid that is in the voxels' centres now
+    /// @param lanes  of voxels whose fluid may have come in
     [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& before,
                                          unsigned lanes, Int8& value) const
     {
@@ -203,14 +166,14 @@ struct FeedForward {
             if (leaf >= 0 && withoutRim[std::size_t(leaf)]) lanes &= ~(1u << z);
         }
         if (lanes == 0) return;
-        const TextureBricks::Samples there = sharp.at(window, before, lanes);
+        const Float8 coverage = sharp.at(window, before, lanes).coverage;
         const Int8 slots = window.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (!(lanes >> z & 1)) continue;
             // Below the domain's first voxels, bricks continue their values; such a position is outside nonetheless.
             const bool inBrick = slots[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
                                                                     : window.leaves[std::size_t(slots[z])] >= 0;
-            const float stayed = inBrick ? there.coverage[z] : coverageAt(domain, before.lane(z));
+            const float stayed = inBrick ? coverage[z] : coverageAt(domain, before.lane(z));
             const openvdb::Coord at(int(centre.x[z]), int(centre.y[z]), int(centre.z[z]));
             if (stayed < 1 && noise.fromOutside(at, step, stayed)) {
                 const Entry entry = entryBetween(before.lane(z), centre.lane(z));

@@ -49,7 +49,8 @@ struct FadingHits {
     [[nodiscard]] static constexpr std::uint64_t fade(std::uint64_t word, std::uint64_t life)
     {
         const std::uint64_t weight = Hits::count(word), sum = Hits::sum(word);
-        const std::uint64_t lost = std::min(std::max((8 * weight + 3 * life) / (6 * life), std::uint64_t(1)), weight);
+        const auto part = std::uint32_t(8 * weight + 3 * life) / std::uint32_t(6 * life); // sooner than in 64 bits
+        const std::uint64_t lost = std::min(std::uint64_t(std::max(part, 1u)), weight);
         return weight > lost ? Hits::pack(sum - sum * lost / weight, weight - lost) : 0;
     }
 };

@@ -1,6 +1,10 @@
 #pragma once
 
+#include "vdblic/field/vector.h"
+
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -29,7 +33,18 @@ class ParticleBins {
     ParticleBins(ParticleBins&&) = default; // chunks cannot be copied
     ParticleBins& operator=(ParticleBins&&) = default;
 
-    void add(std::size_t tile, const Particle& particle, const std::uint32_t* generations);
+    VDBLIC_INLINE void add(std::size_t tile, const Particle& particle, const std::uint32_t* generations)
+    {
+        Bin& bin = mBins[tile];
+        Chunk* chunk = bin.empty() ? nullptr : bin.back().get();
+        if (!chunk || chunk->count == Chunk::kCapacity) chunk = &grow(bin);
+        chunk->particles[chunk->count] = particle;
+        for (std::size_t i = 0; i < mGenerations; ++i)
+            chunk->generations[chunk->count * mGenerations + i] = generations[i];
+        ++chunk->count;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            mLargestSlope[axis] = std::max(mLargestSlope[axis], std::abs(particle.slope[axis]));
+    }
 
     /// Words that each particle carries.
     [[nodiscard]] std::size_t generations() const { return mGenerations; }
@@ -64,6 +79,9 @@ class ParticleBins {
         std::array<Particle, kCapacity> particles;
     };
     using Bin = std::vector<std::unique_ptr<Chunk>>;
+
+    /// An empty chunk at the bin's end.
+    Chunk& grow(Bin& bin);
 
     std::size_t mGenerations = 0;
     std::vector<Bin> mBins;

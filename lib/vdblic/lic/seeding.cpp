@@ -63,6 +63,7 @@ TileScatter::TileScatter(const ScatterScene& scene)
 
 VDBLIC_INLINE const GenerationClock& TileScatter::clockOf(const Particle& particle) const
 {
+    if (mClocks.size() == 1) return mClocks.front(); // without a division
     return mClocks[std::size_t((particle.id >> Particle::kVoxelBits) % mClocks.size())];
 }
 
@@ -93,23 +94,24 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
     bool inside = true;
     for (const PathSamples::Run& run : mSamples.runs) {
         if (!(run.lanes >> lane & 1)) continue;
-        const PathSamples::Row* row = &mSamples.rows[run.firstRow];
         const int early = mayTakeUp ? run.early[lane] : 0, count = run.count[lane];
-        int i = 0;
-        for (; inside && i < early; ++i) {
-            const WindowVoxel sample = row[i].voxel(lane);
+        const PathSamples::Row* const first = &mSamples.rows[run.firstRow];
+        const PathSamples::Row *row = first, *const late = first + early, *const end = first + count;
+        for (; row != late; ++row) {
+            const WindowVoxel sample = row->voxel(lane);
             if (sample.slot() == LeafWindow::kCentre && mDomain.isActive(int(mLeaf), sample.offset())) {
                 takeUp(sample.offset());
             }
             inside = add(sample);
-            if (inside) hits += Hits::count(alive);
+            if (!inside) break;
+            hits += Hits::count(alive);
         }
-        const int first = i;
-        for (; inside && i < count; ++i)
-            inside = add(row[i].voxel(lane));
-        if (!inside) --i; // the last sample was not added
-        deposits += std::size_t(i);
-        if (i > first) hits += std::size_t(i - first) * Hits::count(alive);
+        if (inside) {
+            while (row != end && (inside = add(row->voxel(lane))))
+                ++row;
+            hits += std::size_t(row - late) * Hits::count(alive);
+        }
+        deposits += std::size_t(row - first);
         if (!inside) break;
     }
     mStats.deposits += deposits;
