@@ -18,8 +18,12 @@ class VelocityLeaf {
     VelocityLeaf() = default;
     /// @param level its velocities must outlive this  @param origin of the leaf
     VelocityLeaf(const VelocityLevel& level, const openvdb::Coord& origin)
-        : mToStep(level.toStep), mLeaf(level.velocities.probeConstLeaf(origin))
+        : mLeaf(level.velocities.probeConstLeaf(origin))
     {
+        for (int to = 0; to < 3; ++to) {
+            for (int from = 0; from < 3; ++from)
+                mToStep[from][to] = float(level.toStep(to, from));
+        }
         if (mLeaf) {
             mStored = mLeaf->buffer().data();
         } else {
@@ -41,7 +45,7 @@ class VelocityLeaf {
             mLeaf ? loadVectors(mStored[number * std::ptrdiff_t(LeafVoxel::kDim)].asPointer())
                   : Vector8{broadcast8(mConstant[0]), broadcast8(mConstant[1]), broadcast8(mConstant[2])};
         const auto component = [&](int i) {
-            return stored.x * mToStep(i, 0) + stored.y * mToStep(i, 1) + stored.z * mToStep(i, 2);
+            return stored.x * mToStep[0][i] + stored.y * mToStep[1][i] + stored.z * mToStep[2][i];
         };
         return {select(active, {component(0), component(1), component(2)}, Vector8{}), active};
     }
@@ -52,14 +56,13 @@ class VelocityLeaf {
         const auto offset = openvdb::Index(number * LeafVoxel::kDim);
         if (mLeaf ? !mLeaf->isValueOn(offset) : !mIsActive) return Float4{};
         const openvdb::Vec3f& stored = mLeaf ? mStored[offset] : mConstant;
-        const auto component = [&](int i) {
-            return stored[0] * mToStep(i, 0) + stored[1] * mToStep(i, 1) + stored[2] * mToStep(i, 2);
-        };
-        return Float4{component(0), component(1), component(2), 1};
+        Float4 velocity = mToStep[0] * stored[0] + mToStep[1] * stored[1] + mToStep[2] * stored[2];
+        velocity[3] = 1;
+        return velocity;
     }
 
   private:
-    openvdb::Mat3s mToStep = openvdb::Mat3s::zero();
+    Float4 mToStep[3] = {}; // stored values → voxels per step, by columns
     const openvdb::Vec3STree::LeafNodeType* mLeaf = nullptr;
     const openvdb::Vec3f* mStored = nullptr; // the leaf's
     openvdb::Vec3f mConstant{0};             // without a leaf

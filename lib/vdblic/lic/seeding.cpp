@@ -99,9 +99,7 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
         const PathSamples::Row *row = first, *const late = first + early, *const end = first + count;
         for (; row != late; ++row) {
             const WindowVoxel sample = row->voxel(lane);
-            if (sample.slot() == LeafWindow::kCentre && mDomain.isActive(int(mLeaf), sample.offset())) {
-                takeUp(sample.offset());
-            }
+            if (sample.slot() == LeafWindow::kCentre) takeUp(sample.offset());
             inside = add(sample);
             if (!inside) break;
             hits += Hits::count(alive);
@@ -142,22 +140,26 @@ VDBLIC_INLINE void TileScatter::keep(int lane)
         }
         if (mParticle.alive == 0) return;
     }
+    const WindowVoxel end{mEnds[lane]};
     const Float4 position = mBatch.position.lane(lane);
-    const Int4 voxel = voxelOf(position);
-    const int leaf = mScene.next.findLeaf(voxel);
-    if (leaf < 0 || !mScene.next.isActive(leaf, Domain::offset(voxel))) return;
+    const int leaf = end.slot() == LeafWindow::kElsewhere ? mScene.next.findLeaf(voxelOf(position))
+                                                          : mNextWindow.leaves[std::size_t(end.slot())];
+    if (leaf < 0 || !mScene.next.isActive(leaf, end.offset())) return;
     mParticle.position = toArray(position);
     mParticle.slope = toArray(mBatch.slope.lane(lane));
     mLeaving.add(std::size_t(leaf), mParticle, mGenerations.data());
 }
 
-/// Advance the batch by the step, and find the voxels that its paths pass.
+/// Advance the batch by the step, and find the voxels that its paths pass and end in.
 VDBLIC_INLINE void TileScatter::trace()
 {
     const PathlineParams& params = mScene.params.pathline;
     advancePaths(mScene.field, mFieldWindow, params, mBatch);
     const float window = std::min(mScene.params.releaseWindow * float(mClocks.size()), 1.0f); // of this step
     samplePaths(mBatch, mDomain, mWindow, params.sampleSpacing, window, mSamples);
+    const Vector8& end = mBatch.position;
+    const Int8 x = floorToInt(end.x + 0.5f), y = floorToInt(end.y + 0.5f), z = floorToInt(end.z + 0.5f);
+    storeLanes(WindowVoxel::encode(mNextWindow.slots(x, y, z), x, y, z), mEnds);
 }
 
 /// Collect the tile's particles of earlier steps and the order of their turns.
@@ -321,6 +323,7 @@ void TileScatter::run(std::size_t leaf, bool shared)
 {
     mLeaf = leaf;
     mWindow = LeafWindow(mDomain, mDomain.origin(leaf));
+    mNextWindow = LeafWindow(mScene.next, mDomain.origin(leaf));
     mFieldWindow = mScene.field.window(mDomain.origin(leaf));
     for (std::size_t slot = 0; slot < mTarget.size(); ++slot) {
         const int there = mWindow.leaves[slot];

@@ -104,7 +104,7 @@ class TileScatter {
     // The tile being computed.
     std::size_t mLeaf = 0;
     bool mReleases = false;                                      // whether seeds are released in this step
-    LeafWindow mWindow, mFieldWindow;                            // in the domain, and in the velocity's
+    LeafWindow mWindow, mNextWindow, mFieldWindow;               // in the domain, the next step's, and the velocity's
     std::array<std::int64_t*, LeafWindow::kElsewhere> mTarget{}; // the accumulator's leaf in each slot of the window
     const std::int32_t* mInput = nullptr;
     Domain::Mask mOpen;
@@ -116,6 +116,7 @@ class TileScatter {
     // The particles being advanced together, and the one of them being scattered.
     PathBatch mBatch;
     PathSamples mSamples;
+    alignas(32) int mEnds[kLanes] = {}; // codes of the voxels in mNextWindow that the paths end in
     Particle mParticle{};
     std::vector<std::uint32_t> mGenerations;
     std::uint32_t mTaken = 0; // values that it took up in this step
