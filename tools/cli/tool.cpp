@@ -6,6 +6,7 @@
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
 #include "vdblic/io/pattern_advice.h"
 #include "vdblic/io/vdb_file.h"
@@ -23,6 +24,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <malloc.h>
 #include <new>
 #include <optional>
 #include <sys/resource.h>
@@ -238,6 +240,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
 
     std::optional<tbb::global_control> threads;
     if (mThreads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(mThreads));
+    ::mallopt(M_ARENA_MAX, int(threadCount())); // an arena has no use of memory that threads of others freed
     Console console(mApp.get_name(), !mPrints   ? Console::Level::kSilent
                                      : mQuiet   ? Console::Level::kQuiet
                                      : mVerbose ? Console::Level::kVerbose

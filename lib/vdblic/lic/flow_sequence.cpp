@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <utility>
 
@@ -52,8 +53,9 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ra
 
 } // namespace
 
-FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange)
-    : mParams(std::move(params)), mReporter(reporter), mExchange(exchange),
+FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange,
+                           bool readsAfter)
+    : mParams(std::move(params)), mReporter(reporter), mExchange(exchange), mReadsAfter(readsAfter),
       mSource(openSequence(mParams.input, lines, mTotal))
 {
 }
@@ -67,8 +69,12 @@ std::optional<LoadedFrame> FlowSequence::next()
 {
     if (!mStarted) readAhead();
     if (!mAhead.valid()) return std::nullopt;
-    std::optional<LoadedFrame> frame = mAhead.get();
-    if (!frame) return frame;
+    Ahead ahead = mAhead.get();
+    std::optional<LoadedFrame>& frame = ahead.frame;
+    if (!frame) {
+        mAfter = std::move(ahead);
+        return std::nullopt;
+    }
     if (!mPartition) mPartition = frame->partition;
     readAhead();
     checkSuccession(frame->velocity);
@@ -80,15 +86,14 @@ std::optional<LoadedFrame> FlowSequence::next()
 
 std::optional<LoadedFrame> FlowSequence::after()
 {
-    const std::optional<std::int64_t> number = framesAround(mParams.input).after;
-    if (!number) return std::nullopt;
+    std::optional<LoadedFrame> frame = std::move(mAfter.after);
     try {
-        LoadedFrame frame = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)}, mPartition);
-        checkSuccession(frame.velocity);
+        if (mAfter.error) std::rethrow_exception(mAfter.error);
+        if (frame) checkSuccession(frame->velocity);
         return frame;
     } catch (const InputError& error) {
         mReporter.warn(fmt::format("{}; frame {} is not used: the flow after the last frame stays as it is",
-                                   error.what(), *number));
+                                   error.what(), mAfter.number));
         return std::nullopt;
     }
 }
@@ -155,10 +160,19 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file, std::shared_ptr<const 
 void FlowSequence::readAhead()
 {
     mStarted = true;
-    mAhead = std::async(std::launch::async, [this, partition = mPartition]() -> std::optional<LoadedFrame> {
-        const std::optional<FrameFile> file = mSource();
-        if (!file) return std::nullopt;
-        return loadPart(*file, partition);
+    mAhead = std::async(std::launch::async, [this, partition = mPartition] {
+        Ahead ahead;
+        if (const std::optional<FrameFile> file = mSource()) {
+            ahead.frame = loadPart(*file, partition);
+        } else if (const auto number = mReadsAfter ? framesAround(mParams.input).after : std::nullopt) {
+            ahead.number = *number;
+            try {
+                ahead.after = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)}, partition);
+            } catch (...) {
+                ahead.error = std::current_exception();
+            }
+        }
+        return ahead;
     });
 }
 

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <future>
 #include <iosfwd>
 #include <memory>
@@ -54,10 +55,12 @@ struct FrameInterval {
 /// Choices made for the user go to the reporter, each once. Not thread-safe.
 class FlowSequence {
   public:
-    /// @param lines    source of the paths if the input is `-`
-    /// @param exchange with the ranks that share the run: each gets its part of every frame
+    /// @param lines      source of the paths if the input is `-`
+    /// @param exchange   with the ranks that share the run: each gets its part of every frame
+    /// @param readsAfter whether after() is wanted: that frame is read ahead, too
     /// @throws InputError, ParameterError
-    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange);
+    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange,
+                 bool readsAfter = false);
 
     /// The number of frames; 0 if it is unknown.
     [[nodiscard]] std::size_t total() const { return mTotal; }
@@ -74,6 +77,7 @@ class FlowSequence {
     std::optional<LoadedFrame> next();
 
     /// The frame on disk after the last one that `input.frames` selects: the flow after the last frame leads to it.
+    /// Only once, after next() returned nothing.
     /// @return nothing if there is none, or it cannot be read, with a warning
     std::optional<LoadedFrame> after();
 
@@ -92,6 +96,13 @@ class FlowSequence {
     void describe(const LoadedFrame& frame, const FrameInterval& interval, double largest);
 
   private:
+    /// What was read ahead: a frame, or after the last one what after() returns.
+    struct Ahead {
+        std::optional<LoadedFrame> frame, after;
+        std::int64_t number = 0;  ///< of the frame after
+        std::exception_ptr error; ///< why it could not be read
+    };
+
     [[nodiscard]] LoadedFrame loadPart(const FrameFile& file, std::shared_ptr<const Partition> partition) const;
     void readAhead();
     void checkSuccession(const VelocityFrame& velocity) const;
@@ -100,14 +111,16 @@ class FlowSequence {
     FlowSequenceParams mParams;
     Reporter& mReporter;
     const Exchange& mExchange;
+    bool mReadsAfter;
     std::shared_ptr<const Partition> mPartition; // null before the first frame
     std::size_t mTotal = 0;
     FrameSource mSource;
     openvdb::Vec3SGrid::ConstPtr mLast; // velocity of the previous frame
     std::int64_t mSpacing = 0;          // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
+    Ahead mAfter;
     bool mStarted = false;
-    std::future<std::optional<LoadedFrame>> mAhead; // last member: its thread uses the others
+    std::future<Ahead> mAhead; // last member: its thread uses the others
 };
 
 } // namespace vdblic

@@ -8,7 +8,7 @@ ParticleBins::Chunk& ParticleBins::grow(Bin& bin)
 {
     if (mSpare.empty()) {
         bin.emplace_back(new Chunk); // not make_unique: it would zero the particles
-        bin.back()->generations.reset(new std::uint32_t[Chunk::kCapacity * mGenerations]);
+        if (mGenerations > 0) bin.back()->generations.reset(new std::uint32_t[Chunk::kCapacity * mGenerations]);
     } else {
         bin.push_back(std::move(mSpare.back()));
         mSpare.pop_back();
