@@ -8,6 +8,7 @@
 #include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -95,6 +96,22 @@ class BricksOf {
             mSpare.push_back(std::move(mBricks[leaf]));
     }
 
+    /// The bricks of a leaf and of the 26 around it, to find those of eight positions at once.
+    struct Window {
+        LeafWindow leaves;
+        std::array<const float*, LeafWindow::kElsewhere + 1> bricks{}; ///< in each slot the records; null without brick
+    };
+    /// @param origin of the leaf. The window holds as long as its bricks are neither filled nor released.
+    [[nodiscard]] Window window(const openvdb::Coord& origin) const
+    {
+        Window result{LeafWindow(*mDomain, origin)};
+        for (std::size_t slot = 0; slot < LeafWindow::kElsewhere; ++slot) {
+            const int leaf = result.leaves.leaves[slot];
+            if (leaf >= 0 && mBricks[std::size_t(leaf)]) result.bricks[slot] = record(leaf, 0)->values;
+        }
+        return result;
+    }
+
     /// A cell of the grid of voxel centres, and a position in it.
     struct Cell {
         const Record* corner; ///< the record at the cell's lowest corner; null outside every brick
@@ -129,31 +146,31 @@ class BricksOf {
         float weights[8];
         weightCorners(cell.fraction[0], cell.fraction[1], cell.fraction[2],
                       [&](int corner, float weight) { weights[corner] = weight; });
-        return weigh(cell.corner, [&](int corner) { return weights[corner]; });
+        return weigh(cell.corner->values, [&](int corner) { return weights[corner]; });
     }
 
     /// Interpolate at eight positions.
-    /// @param window the leaf in and around which they are expected; elsewhere interpolation is slower
+    /// @param window in which they are expected; elsewhere interpolation is slower
     /// @param lanes  bits of the lanes to interpolate; the other rows are zero, as are rows outside every brick
-    VDBLIC_INLINE void interpolate(const LeafWindow& window, const Vector8& position, unsigned lanes,
+    VDBLIC_INLINE void interpolate(const Window& window, const Vector8& position, unsigned lanes,
                                    Vector (&rows)[8]) const
     {
         const Int8 x = floorToInt(position.x), y = floorToInt(position.y), z = floorToInt(position.z);
         static_assert(kDim == 9);
         const auto nine = [](Int8 n) { return (n << 3) + n; }; // without a multiplication
-        alignas(32) int slots[8], records[8];
+        alignas(32) int slots[8], lowest[8];
         alignas(32) float weights[8][8]; // of a corner, of a lane
-        storeLanes(window.slots(x, y, z), slots);
-        storeLanes(nine(nine(LeafVoxel::local(x)) + LeafVoxel::local(y)) + LeafVoxel::local(z), records);
+        storeLanes(window.leaves.slots(x, y, z), slots);
+        storeLanes((nine(nine(LeafVoxel::local(x)) + LeafVoxel::local(y)) + LeafVoxel::local(z)) * kNumbers, lowest);
         const auto fraction = [](Float8 p, Int8 base) { return p - __builtin_convertvector(base, Float8); };
         weightCorners(fraction(position.x, x), fraction(position.y, y), fraction(position.z, z),
                       [&](int corner, Float8 weight) { storeLanes(weight, weights[corner]); });
         for (int i = 0; i < 8; ++i) {
             Vector row{};
             if (lanes >> i & 1) {
-                const int leaf = window.leaves[std::size_t(slots[i])];
-                if (__builtin_expect(leaf >= 0, 1)) {
-                    row = weigh(record(leaf, records[i]), [&](int corner) { return weights[corner][i]; });
+                const float* const brick = window.bricks[std::size_t(slots[i])];
+                if (__builtin_expect(brick != nullptr, 1)) {
+                    row = weigh(brick + unsigned(lowest[i]), [&](int corner) { return weights[corner][i]; });
                 } else if (const Cell cell = locateAnywhere(position.lane(i)); cell.corner) {
                     row = interpolate(cell);
                 }
@@ -180,12 +197,13 @@ class BricksOf {
         pair(4, x * y0);
         pair(6, x * y);
     }
+    /// @param lowest the record at a cell's lowest corner
     template<typename WeightOf>
-    VDBLIC_INLINE static Vector weigh(const Record* lowest, const WeightOf& weightOf)
+    VDBLIC_INLINE static Vector weigh(const float* lowest, const WeightOf& weightOf)
     {
         constexpr int kX = index(1, 0, 0), kY = index(0, 1, 0);
         const auto part = [&](int corner, int offset) {
-            return *reinterpret_cast<const Vector*>(lowest[offset].values) * weightOf(corner);
+            return *reinterpret_cast<const Vector*>(lowest + std::ptrdiff_t(offset) * kNumbers) * weightOf(corner);
         };
         return ((part(0, 0) + part(1, 1)) + (part(2, kY) + part(3, kY + 1))) +
                ((part(4, kX) + part(5, kX + 1)) + (part(6, kX + kY) + part(7, kX + kY + 1)));

@@ -49,9 +49,9 @@ class VelocityField {
 
     /// The window in which positions in and around a leaf of the texture's domain are expected.
     /// @param origin of the leaf
-    [[nodiscard]] LeafWindow window(const openvdb::Coord& origin) const
+    [[nodiscard]] Bricks::Window window(const openvdb::Coord& origin) const
     {
-        return {mBricks.domain(), mSampled.refinement.coarse(origin)};
+        return mBricks.window(mSampled.refinement.coarse(origin));
     }
 
     /// @param position index space, voxel centres at integers; the fourth lane must be 0
@@ -75,7 +75,7 @@ class VelocityField {
     /// Sample eight positions at once.
     /// @param window of window(), around where they are expected; elsewhere sampling is slower
     /// @param lanes  those to sample; the others' results have no meaning
-    [[nodiscard]] VDBLIC_INLINE Vector8 sample(const LeafWindow& window, const Vector8& position, Float8 time,
+    [[nodiscard]] VDBLIC_INLINE Vector8 sample(const Bricks::Window& window, const Vector8& position, Float8 time,
                                                const Vector8& outside, unsigned lanes) const
     {
         Float8 rows[8];

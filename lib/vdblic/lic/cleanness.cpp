@@ -103,7 +103,7 @@ void addCube(const TextureCube& cube, Float4 velocity, ClassSums& sums)
 void addSuccessor(const Measured& measured, const std::vector<ClassPoint>& points, SumsByClass& sums)
 {
     PathBatch batch;
-    const LeafWindow anywhere;
+    const Bricks::Window anywhere;
     for (std::size_t first = 0; first < points.size(); first += kLanes) {
         const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
         batch.lanes = (1u << count) - 1;

@@ -97,7 +97,7 @@ std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
 void addTemporal(const Scene& scene, const std::vector<Point>& points, BlockSums& sums)
 {
     PathBatch batch;
-    const LeafWindow anywhere;
+    const Bricks::Window anywhere;
     for (std::size_t first = 0; first < points.size(); first += kLanes) {
         const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
         batch.lanes = (1u << count) - 1;

@@ -100,10 +100,10 @@ struct FeedForward {
     VDBLIC_INLINE void filterLeaf(std::size_t leaf, std::int32_t* input) const
     {
         const openvdb::Coord origin = domain.origin(leaf);
-        const LeafWindow window(domain, origin);
+        const TextureBricks::Window window = sharp.window(origin);
+        const Bricks::Window fieldWindow = field.window(origin);
         const LocalContrast::Leaf around(contrast, origin);
-        const WindowBox inside(domain, window);
-        const LeafWindow fieldWindow = field.window(origin);
+        const WindowBox inside(domain, window.leaves);
         const LeafVelocities displacements(field.end(), field.fieldDomain().refinement, origin);
         const Float8 midway = broadcast8(std::max(1 - 0.25f * substeps, 0.0f)); // a quarter of a frame back
         const Domain::Mask& mask = domain.mask(leaf);
@@ -158,8 +158,8 @@ struct FeedForward {
     /// Give voxels whose fluid came into the domain during the frame the noise that it brings.
     /// @param before positions a frame ago of the fluid that is in the voxels' centres now
     /// @param lanes  of voxels whose fluid may have come in
-    [[gnu::noinline]] void renewEntering(const LeafWindow& window, const Vector8& centre, const Vector8& before,
-                                         unsigned lanes, Int8& value) const
+    [[gnu::noinline]] void renewEntering(const TextureBricks::Window& window, const Vector8& centre,
+                                         const Vector8& before, unsigned lanes, Int8& value) const
     {
         for (int z = 0; z < LeafVoxel::kDim; ++z) { // far upstream most fluid was still inside
             const int leaf = lanes >> z & 1 ? domain.findLeaf(floorToInt(before.lane(z))) : -1;
@@ -167,12 +167,12 @@ struct FeedForward {
         }
         if (lanes == 0) return;
         const Float8 coverage = sharp.at(window, before, lanes).coverage;
-        const Int8 slots = window.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
+        const Int8 slots = window.leaves.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (!(lanes >> z & 1)) continue;
             // Below the domain's first voxels, bricks continue their values; such a position is outside nonetheless.
             const bool inBrick = slots[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
-                                                                    : window.leaves[std::size_t(slots[z])] >= 0;
+                                                                    : window.leaves.leaves[std::size_t(slots[z])] >= 0;
             const float stayed = inBrick ? coverage[z] : coverageAt(domain, before.lane(z));
             const openvdb::Coord at(int(centre.x[z]), int(centre.y[z]), int(centre.z[z]));
             if (stayed < 1 && noise.fromOutside(at, step, stayed)) {

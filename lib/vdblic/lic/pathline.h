@@ -79,9 +79,9 @@ VDBLIC_INLINE float strideLimit(Float4 slope)
 /// velocity continues with that of the stage before. A path stops after the segment that left the domain.
 /// Each lane is a pure function of its own position and slope. Hairer, Nørsett & Wanner, Solving ODEs I, II.4.
 ///
-/// @param window of the leaf that the particles are in; affects speed only
+/// @param window of the leaf that the particles are in, or an empty one; affects speed only
 /// Thread-safe for distinct batches.
-VDBLIC_INLINE void advancePaths(const VelocityField& field, const LeafWindow& window, const PathlineParams& params,
+VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window& window, const PathlineParams& params,
                                 PathBatch& batch)
 {
     const float tolerance2 = params.tolerance * params.tolerance;

@@ -103,8 +103,9 @@ class TileScatter {
 
     // The tile being computed.
     std::size_t mLeaf = 0;
-    bool mReleases = false;                                      // whether seeds are released in this step
-    LeafWindow mWindow, mNextWindow, mFieldWindow;               // in the domain, the next step's, and the velocity's
+    bool mReleases = false;          // whether seeds are released in this step
+    LeafWindow mWindow, mNextWindow; // in the domain, and the next step's
+    Bricks::Window mFieldWindow;
     std::array<std::int64_t*, LeafWindow::kElsewhere> mTarget{}; // the accumulator's leaf in each slot of the window
     const std::int32_t* mInput = nullptr;
     Domain::Mask mOpen;

@@ -29,7 +29,7 @@ struct Convolution {
     std::vector<std::int32_t> values{}; // along one half of a streamline
 
     /// Add one half of the streamlines of voxels in a row, given by the bits of `lanes`.
-    VDBLIC_INLINE void addHalf(const VelocityField& field, const LeafWindow& fieldWindow, const LeafWindow& window,
+    VDBLIC_INLINE void addHalf(const VelocityField& field, const Bricks::Window& fieldWindow, const LeafWindow& window,
                                const openvdb::Coord& row, unsigned lanes, Float8& sum, Float8& weight)
     {
         const Domain& domain = field.domain();
@@ -71,14 +71,15 @@ VDBLIC_KERNEL void convolveLeaf(Convolution& convolution, const VelocityField& d
 {
     const Domain& domain = downstream.domain();
     const openvdb::Coord origin = domain.origin(leaf);
-    const LeafWindow window(domain, origin), fieldWindow = downstream.window(origin);
+    const LeafWindow window(domain, origin);
+    const Bricks::Window below = downstream.window(origin), above = upstream.window(origin);
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const unsigned lanes = domain.mask(leaf).getWord<std::uint8_t>(openvdb::Index(row));
         if (lanes == 0) continue;
         const openvdb::Coord first = origin + openvdb::Coord(LeafVoxel::ofRow(row).x, LeafVoxel::ofRow(row).y, 0);
         Float8 sum{}, weight{};
-        convolution.addHalf(downstream, fieldWindow, window, first, lanes, sum, weight);
-        convolution.addHalf(upstream, fieldWindow, window, first, lanes, sum, weight);
+        convolution.addHalf(downstream, below, window, first, lanes, sum, weight);
+        convolution.addHalf(upstream, above, window, first, lanes, sum, weight);
         const Float8 mean = sum / weight / float(kNoiseMax);
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (lanes >> z & 1) texture[LeafVoxel::kDim * row + z] = mean[z];

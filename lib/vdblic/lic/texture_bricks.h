@@ -24,10 +24,14 @@ class TextureBricks {
     struct Samples {
         Float8 value, coverage;
     };
+    using Window = BricksOf<2>::Window;
+    /// The window in which positions in and around a leaf are expected.
+    [[nodiscard]] Window window(const openvdb::Coord& origin) const { return mBricks.window(origin); }
+
     /// Sample eight positions at once.
-    /// @param window the leaf in and around which they are expected; elsewhere sampling is slower
+    /// @param window of window(), around where they are expected; elsewhere sampling is slower
     /// @param lanes  those to sample; the others' results have no meaning
-    [[nodiscard]] VDBLIC_INLINE Samples at(const LeafWindow& window, const Vector8& position, unsigned lanes) const
+    [[nodiscard]] VDBLIC_INLINE Samples at(const Window& window, const Vector8& position, unsigned lanes) const
     {
         Float2 rows[8];
         mBricks.interpolate(window, position, lanes, rows);

@@ -12,7 +12,7 @@ VDBLIC_KERNEL void advanceAll(const VelocityField& field, const PathlineParams& 
     const Domain& domain = field.domain();
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
         const openvdb::Coord origin = domain.origin(leaf);
-        const LeafWindow window(domain, origin);
+        const Bricks::Window window = field.window(origin);
         for (int row = 0; row < 64; ++row) {
             batch.lanes = domain.mask(leaf).getWord<std::uint8_t>(openvdb::Index(row));
             if (batch.lanes == 0) continue;

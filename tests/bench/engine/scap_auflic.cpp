@@ -10,10 +10,10 @@
 namespace vdblic::bench {
 namespace {
 
-VDBLIC_KERNEL void trace(const VelocityField& field, const LeafWindow& window, const ScatterParams& params,
-                         PathBatch& batch, PathSamples& samples)
+VDBLIC_KERNEL void trace(const VelocityField& field, const LeafWindow& window, const openvdb::Coord& tile,
+                         const ScatterParams& params, PathBatch& batch, PathSamples& samples)
 {
-    advancePaths(field, window, params.pathline, batch);
+    advancePaths(field, field.window(tile), params.pathline, batch);
     samplePaths(batch, field.domain(), window, params.pathline.sampleSpacing, params.releaseWindow, samples);
 }
 
@@ -34,9 +34,10 @@ void ScapAuflic::extend(const VelocityField& field, Path& path)
     mBatch.lanes = 1;
     mBatch.position.setLane(0, path.position);
     mBatch.slope.setLane(0, path.slope);
-    const LeafWindow window(domain, domain.origin(step.start >> 9));
+    const openvdb::Coord tile = domain.origin(step.start >> 9);
+    const LeafWindow window(domain, tile);
     const std::size_t before = mBatch.steps;
-    trace(field, window, mParams, mBatch, mSamples);
+    trace(field, window, tile, mParams, mBatch, mSamples);
     mStats.steps += mBatch.steps - before;
     path.position = mBatch.position.lane(0);
     path.slope = mBatch.slope.lane(0);

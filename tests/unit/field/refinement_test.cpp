@@ -124,7 +124,7 @@ TEST(VelocityField, OfARefinedDomainIsSampledAtTheTexturesPositions)
                                            Float4{9, 9, 9, 0});
         Vector8 eight{};
         eight.setLane(3, Float4{float(position[0]), float(position[1]), float(position[2]), 0});
-        const Vector8 found = field.sample(LeafWindow{}, eight, broadcast8(0.5f), Vector8{}, 8);
+        const Vector8 found = field.sample(Bricks::Window{}, eight, broadcast8(0.5f), Vector8{}, 8);
         for (int axis = 0; axis < 3; ++axis) {
             EXPECT_NEAR(single[axis], expected[axis], 1e-5) << axis;
             EXPECT_EQ(found.lane(3)[axis], single[axis]) << axis;

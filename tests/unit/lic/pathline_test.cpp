@@ -46,7 +46,7 @@ Walk advanceOne(const VelocityField& field, Walk walk, const PathlineParams& par
     batch.lanes = 1;
     batch.position.setLane(0, walk.position);
     batch.slope.setLane(0, walk.slope);
-    advancePaths(field, LeafWindow(field.domain(), {0, 0, 0}), params, batch);
+    advancePaths(field, field.window({0, 0, 0}), params, batch);
     return {batch.position.lane(0), batch.slope.lane(0)};
 }
 
@@ -131,7 +131,7 @@ TEST(Pathline, LanesDoNotSeeEachOther)
         all.position.setLane(m, starts[std::size_t(m)]);
         all.slope.setLane(m, turning.field.sample(starts[std::size_t(m)], 0, Float4{}));
     }
-    advancePaths(turning.field, LeafWindow(), {}, all); // everything is elsewhere
+    advancePaths(turning.field, Bricks::Window(), {}, all); // everything is elsewhere
     for (int m = 0; m < kLanes; ++m) {
         const Float4 start = starts[std::size_t(m)];
         const Walk alone = advanceOne(turning.field, {start, turning.field.sample(start, 0, Float4{})}, {}, one);
