@@ -4,22 +4,44 @@
 #include "vdblic/field/leaf_window.h"
 
 #include <cstddef>
+#include <cstdint>
 
 namespace vdblic {
+
+/// Every block's sums run over its voxels in the order of their offsets, the blocks side by side in lanes.
+VDBLIC_KERNEL void LocalContrast::sumBlocks(const Domain::Mask& mask, const float* values, Moments& moments)
+{
+    Float8 sums[4] = {}; // of count, value and square
+    for (int x = 0; x < kBlock; ++x) {
+        for (int y = 0; y < kBlock; ++y) {
+            Float8 ones[4], numbers[4]; // first the rows of the four blocks at z = 0, each beside the next block's
+            for (int block = 0; block < 4; ++block) {
+                const int row = LeafVoxel::row(x + block / kBlocks * kBlock, y + block % kBlocks * kBlock);
+                const Int8 on = maskOf(mask.getWord<std::uint8_t>(openvdb::Index(row)));
+                Float8 stored;
+                __builtin_memcpy(&stored, values + row * std::ptrdiff_t(LeafVoxel::kDim), sizeof stored);
+                ones[block] = on ? broadcast8(1) : Float8{};
+                numbers[block] = on ? stored : Float8{};
+            }
+            transposePairs(ones, ones);
+            transposePairs(numbers, numbers);
+            for (int z = 0; z < kBlock; ++z) {
+                sums[0] += ones[z];
+                sums[1] += numbers[z];
+                sums[2] += numbers[z] * numbers[z];
+            }
+        }
+    }
+    for (int block = 0; block < kBlockCount; ++block) {
+        const int lane = block / kBlocks + block % kBlocks * 4;
+        moments[std::size_t(block)] = Float4{sums[0][lane], sums[1][lane], sums[2][lane], 0};
+    }
+}
 
 LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& values)
     : mDomain(domain), mMoments(domain.leafCount())
 {
-    forLeaves(domain.local(), [&](std::size_t leaf) {
-        Moments& moments = mMoments[leaf];
-        moments = {};
-        const Domain::Mask& mask = domain.mask(leaf);
-        for (int offset = 0; offset < LeafVoxel::kCount; ++offset) {
-            if (!mask.isOn(openvdb::Index(offset))) continue;
-            const float value = values[leaf][offset];
-            moments[std::size_t(blockOf(LeafVoxel::at(unsigned(offset))))] += Float4{1, value, value * value, 0};
-        }
-    });
+    forLeaves(domain.local(), [&](std::size_t leaf) { sumBlocks(domain.mask(leaf), values[leaf], mMoments[leaf]); });
 }
 
 LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& origin)

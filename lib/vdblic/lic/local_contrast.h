@@ -78,6 +78,7 @@ class LocalContrast {
     static constexpr int kBlockCount = kBlocks * kBlocks * kBlocks;
     /// Of each block of a leaf: number of values, their sum, the sum of their squares.
     using Moments = std::array<Float4, kBlockCount>;
+    static void sumBlocks(const Domain::Mask& mask, const float* values, Moments& moments);
 
     const Domain& mDomain;
     std::vector<Moments> mMoments;
