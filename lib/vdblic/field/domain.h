@@ -79,6 +79,12 @@ class Domain {
         return mask(std::size_t(leaf)).isOn(offset);
     }
 
+    /// A comparison's result that is true in a row's active voxels. @param mask of the leaf
+    [[nodiscard]] VDBLIC_INLINE static Int8 activeRow(const Mask& mask, int row)
+    {
+        return maskOf(mask.getWord<std::uint8_t>(openvdb::Index(row)));
+    }
+
     /// Whether a position, in index space, lies in an active voxel.
     [[nodiscard]] VDBLIC_INLINE bool contains(Float4 position) const
     {

@@ -2,6 +2,9 @@
 
 #include "vdblic/field/vector.h"
 
+#include <cstddef>
+#include <cstdint>
+
 namespace vdblic {
 
 /// Coordinates and offset of a voxel in its leaf, OpenVDB's block of 8³ voxels.
@@ -55,6 +58,24 @@ struct LeafVoxel {
 [[nodiscard]] VDBLIC_INLINE Vector8 rowCentres(int x, int y, int z)
 {
     return {broadcast8(float(x)), broadcast8(float(y)), Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(z)};
+}
+
+/// The numbers of a leaf's voxels in one row. @param values of the leaf, x slowest
+[[nodiscard]] VDBLIC_INLINE Float8 loadRow(const float* values, int row)
+{
+    Float8 numbers;
+    __builtin_memcpy(&numbers, values + row * std::ptrdiff_t(LeafVoxel::kDim), sizeof numbers);
+    return numbers;
+}
+[[nodiscard]] VDBLIC_INLINE Int8 loadRow(const std::int32_t* values, int row)
+{
+    Int8 numbers;
+    __builtin_memcpy(&numbers, values + row * std::ptrdiff_t(LeafVoxel::kDim), sizeof numbers);
+    return numbers;
+}
+VDBLIC_INLINE void storeRow(Float8 numbers, float* values, int row)
+{
+    __builtin_memcpy(values + row * std::ptrdiff_t(LeafVoxel::kDim), &numbers, sizeof numbers);
 }
 
 /// A cube of 16³ leaves, as OpenVDB's lower internal nodes.

@@ -17,6 +17,7 @@ using Unsigned8 = std::uint32_t __attribute__((vector_size(32), aligned(32)));
 using Double2 = double __attribute__((vector_size(16)));
 using Double4 = double __attribute__((vector_size(32), aligned(32)));
 using Long2 = std::int64_t __attribute__((vector_size(16)));
+using UnsignedLong4 = std::uint64_t __attribute__((vector_size(32), aligned(32)));
 using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
 
 /// Particles or rays processed side by side: enough loads in flight to hide the memory's latency.
@@ -65,6 +66,13 @@ VDBLIC_INLINE Int8 floorToInt(Float8 x)
     const Int8 truncated = __builtin_convertvector(x, Int8);
     const Int8 below = x < __builtin_convertvector(truncated, Float8);
     return Int8(Unsigned8(truncated) + Unsigned8(below));
+}
+
+/// Whole numbers below 2⁵² as doubles: no processor before AVX-512 converts them.
+VDBLIC_INLINE Double4 toDoubles(UnsignedLong4 x)
+{
+    constexpr std::uint64_t kExponent = std::uint64_t(1023 + 52) << 52; // of 2⁵², whose lowest bit is 1
+    return Double4(x | kExponent) - 0x1p52;
 }
 
 /// Whether any lane of a comparison's result is true.

@@ -4,7 +4,6 @@
 #include "vdblic/field/leaf_window.h"
 
 #include <cstddef>
-#include <cstdint>
 
 namespace vdblic {
 
@@ -17,11 +16,9 @@ VDBLIC_KERNEL void LocalContrast::sumBlocks(const Domain::Mask& mask, const floa
             Float8 ones[4], numbers[4]; // first the rows of the four blocks at z = 0, each beside the next block's
             for (int block = 0; block < 4; ++block) {
                 const int row = LeafVoxel::row(x + block / kBlocks * kBlock, y + block % kBlocks * kBlock);
-                const Int8 on = maskOf(mask.getWord<std::uint8_t>(openvdb::Index(row)));
-                Float8 stored;
-                __builtin_memcpy(&stored, values + row * std::ptrdiff_t(LeafVoxel::kDim), sizeof stored);
+                const Int8 on = Domain::activeRow(mask, row);
                 ones[block] = on ? broadcast8(1) : Float8{};
-                numbers[block] = on ? stored : Float8{};
+                numbers[block] = on ? loadRow(values, row) : Float8{};
             }
             transposePairs(ones, ones);
             transposePairs(numbers, numbers);

@@ -54,7 +54,7 @@ VDBLIC_INLINE void sum(const Cube& cube, float centre, float* sums)
         for (int y = 0; y < kLeafDim; ++y) {
             const Float8 total = planes[x][y] + planes[x + 1][y] * centre + planes[x + 2][y];
             const int row = x * kLeafDim + y;
-            __builtin_memcpy(sums + row * std::ptrdiff_t(kLeafDim), &total, sizeof total);
+            storeRow(total, sums, row);
         }
     }
 }
@@ -64,10 +64,7 @@ VDBLIC_KERNEL void sumLeaf(const Domain& domain, const LeafValues<float>& values
 {
     alignas(32) Cube cube;
     const auto valueRow = [&](int leaf, int number) {
-        Float8 row{};
-        if (leaf >= 0)
-            __builtin_memcpy(&row, values[std::size_t(leaf)] + number * std::ptrdiff_t(kLeafDim), sizeof row);
-        return row;
+        return leaf >= 0 ? loadRow(values[std::size_t(leaf)], number) : Float8{};
     };
     gather(window, valueRow, cube);
     sum(cube, centre, sums.value.data());

@@ -5,6 +5,7 @@
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/slabs.h"
+#include "vdblic/field/vector.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/particle_exchange.h"
 #include "vdblic/lic/seeding.h"
@@ -21,6 +22,8 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -32,24 +35,30 @@ namespace {
 /// Totals over an accumulator's own leaves.
 struct Collected {
     std::size_t hits = 0, emptyVoxels = 0;
+
+    Collected operator+(const Collected& other) const { return {hits + other.hits, emptyVoxels + other.emptyVoxels}; }
 };
+VDBLIC_KERNEL Collected collectedIn(const std::int64_t* accumulator)
+{
+    UnsignedLong4 hits{}, empty{};
+    for (int i = 0; i < LeafVoxel::kCount; i += 4) { // Hits::kOutside has a count of 0
+        UnsignedLong4 words;
+        __builtin_memcpy(&words, accumulator + i, sizeof words);
+        hits += words & Hits::kCountMask;
+        empty -= UnsignedLong4(words == 0); // true is −1
+    }
+    return {hits[0] + hits[1] + hits[2] + hits[3], empty[0] + empty[1] + empty[2] + empty[3]};
+}
 Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
 {
     return tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, domain.own().size()), Collected{},
         [&](const tbb::blocked_range<std::size_t>& range, Collected sum) {
-            for (std::size_t number = range.begin(); number < range.end(); ++number) {
-                const std::size_t leaf = domain.own()[number];
-                for (int i = 0; i < LeafVoxel::kCount; ++i) { // Hits::kOutside has a count of 0
-                    sum.hits += Hits::count(std::uint64_t(accumulator[leaf][i]));
-                    sum.emptyVoxels += accumulator[leaf][i] == 0;
-                }
-            }
+            for (std::size_t number = range.begin(); number < range.end(); ++number)
+                sum = sum + collectedIn(accumulator[domain.own()[number]]);
             return sum;
         },
-        [](const Collected& a, const Collected& b) {
-            return Collected{a.hits + b.hits, a.emptyVoxels + b.emptyVoxels};
-        });
+        std::plus<>());
 }
 
 /// The farthest that a path of this step can lead from its own tile, along each axis [voxels].

@@ -6,7 +6,6 @@
 #include "vdblic/lic/neighbourhood.h"
 
 #include <cstddef>
-#include <cstdint>
 
 namespace vdblic {
 namespace {
@@ -14,20 +13,13 @@ namespace {
 VDBLIC_KERNEL void sharpenLeaf(const NeighbourSums& sums, const Domain::Mask& mask, const float* texture,
                                float strength, const ValueRange& range, float* result)
 {
-    const auto load = [](const float* from) {
-        Float8 values;
-        __builtin_memcpy(&values, from, sizeof values);
-        return values;
-    };
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
-        const auto first = std::size_t(row) * LeafVoxel::kDim;
-        const Float8 centre = load(texture + first), neighbours = load(&sums.weight[first]) - 1;
-        const Float8 mean = neighbours > 0 ? (load(&sums.value[first]) - centre) / neighbours : centre;
+        const Float8 centre = loadRow(texture, row), neighbours = loadRow(sums.weight.data(), row) - 1;
+        const Float8 mean = neighbours > 0 ? (loadRow(sums.value.data(), row) - centre) / neighbours : centre;
         Float8 value = centre + strength * (centre - mean);
         value = value < range.least ? broadcast8(range.least) : value;
         value = value > range.most ? broadcast8(range.most) : value;
-        value = maskOf(mask.getWord<std::uint8_t>(openvdb::Index(row))) ? value : Float8{};
-        __builtin_memcpy(result + first, &value, sizeof value);
+        storeRow(Domain::activeRow(mask, row) ? value : Float8{}, result, row);
     }
 }
 

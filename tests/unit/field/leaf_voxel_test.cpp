@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
+#include <numeric>
+
 namespace vdblic {
 namespace {
 
@@ -29,6 +33,19 @@ TEST(LeafVoxel, RowsFollowEachOtherAlongZ)
         EXPECT_EQ(LeafVoxel::row(first.x, first.y), row);
         EXPECT_EQ(LeafVoxel::offset(first.x, first.y, first.z), LeafVoxel::kDim * row);
     }
+}
+
+TEST(LeafVoxel, RowsAreLoadedAndStoredWhole)
+{
+    std::array<float, LeafVoxel::kCount> from{}, to{};
+    std::array<std::int32_t, LeafVoxel::kCount> whole{};
+    std::iota(from.begin(), from.end(), 1.0f);
+    std::iota(whole.begin(), whole.end(), 1);
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        storeRow(loadRow(from.data(), row), to.data(), row);
+        EXPECT_EQ(loadRow(whole.data(), row)[7], 8 * row + 8);
+    }
+    EXPECT_EQ(to, from);
 }
 
 TEST(LeafVoxel, SplitsCoordinatesIntoLeafAndRest)

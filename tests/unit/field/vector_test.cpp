@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace vdblic {
@@ -72,6 +73,14 @@ TEST(LoadVectors, TakesThreeComponentsFromEach)
         for (int axis = 0; axis < 3; ++axis)
             EXPECT_EQ(vector[axis], float(3 * lane + axis)) << lane;
     }
+}
+
+TEST(Vector, WholeNumbersBecomeTheSameDoubles)
+{
+    const UnsignedLong4 numbers = {0, 1, 65535, (std::uint64_t(1) << 52) - 1};
+    const Double4 doubles = toDoubles(numbers);
+    for (int i = 0; i < 4; ++i)
+        EXPECT_EQ(doubles[i], double(numbers[i])) << i;
 }
 
 } // namespace

@@ -2,11 +2,15 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lic/noise.h"
+#include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/scatter.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -21,6 +25,64 @@ TEST(Convolve, DividesSumsByHitsAndKeepsTheInputWhereThereAreNone)
     const auto texture = convolve(*frames[0].domain, accumulator, input);
     EXPECT_FLOAT_EQ(texture.tree()->getValue({0, 0, 0}), 0.75f);
     EXPECT_FLOAT_EQ(texture.tree()->getValue({1, 0, 0}), 0.2f);
+}
+
+/// Hits and inputs of their own for every voxel, on a domain whose leaves are not full.
+struct VariedHits {
+    std::vector<FlowFrame> frames = test::makeFrames({{-2, 1, 0}, {9, 8, 6}}, 1, [](const openvdb::Coord& at, int) {
+        const bool isHole = (at[0] + 3 * at[1] + 5 * at[2]) % 7 == 0;
+        return isHole ? std::nullopt : std::optional(openvdb::Vec3f(0));
+    });
+    const Domain& domain = *frames[0].domain;
+    LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
+    LeafValues<std::int32_t> input = noiseInput(domain, NoiseField(3));
+
+    VariedHits()
+    {
+        for (auto word = accumulator.tree()->beginValueOn(); word; ++word) {
+            const openvdb::Coord at = word.getCoord();
+            const std::uint64_t value = noiseValue(at[0], at[1], at[2], 1), count = value % 5;
+            word.setValue(std::int64_t(Hits::pack(count * noiseValue(at[0], at[1], at[2], 2) + count / 3, count)));
+        }
+    }
+    [[nodiscard]] std::uint64_t count(const openvdb::Coord& at) const
+    {
+        return Hits::count(std::uint64_t(accumulator.tree()->getValue(at)));
+    }
+    /// The mean of a voxel's hits, or its input.
+    [[nodiscard]] float mean(const openvdb::Coord& at) const
+    {
+        const double sum = double(Hits::sum(std::uint64_t(accumulator.tree()->getValue(at))));
+        return (count(at) > 0 ? float(sum / double(count(at))) : float(input.tree()->getValue(at))) / 65535.0f;
+    }
+};
+
+TEST(Convolve, EveryVoxelHasTheMeanOfItsHits)
+{
+    const VariedHits hits;
+    const auto texture = convolve(hits.domain, hits.accumulator, hits.input);
+    for (auto value = texture.tree()->cbeginValueOn(); value; ++value)
+        ASSERT_EQ(*value, hits.mean(value.getCoord())) << value.getCoord();
+    for (auto value = texture.tree()->cbeginValueOff(); value; ++value)
+        ASSERT_EQ(*value, 0);
+}
+
+TEST(RunningMean, EveryVoxelMovesByTheShareOfItsNewHits)
+{
+    const VariedHits hits;
+    const RunningMean before{{hits.domain, 0.25f}, {hits.domain, 6.0f}};
+    const RunningMean after = convolve(hits.domain, hits.accumulator, hits.input, &before, 2);
+    for (auto value = after.mean.tree()->cbeginValueOn(); value; ++value) {
+        const openvdb::Coord at = value.getCoord();
+        const auto count = float(hits.count(at));
+        const float moved = 0.25f + (hits.mean(at) - 0.25f) * (count / (2 + count));
+        ASSERT_EQ(*value, count > 0 ? moved : 0.25f) << at;
+        ASSERT_EQ(after.weight.tree()->getValue(at), 2 + count) << at;
+    }
+    for (auto value = after.mean.tree()->cbeginValueOff(); value; ++value) {
+        ASSERT_EQ(*value, 0);
+        ASSERT_EQ(after.weight.tree()->getValue(value.getCoord()), 0);
+    }
 }
 
 TEST(RunningMean, CountsOlderHitsLess)
