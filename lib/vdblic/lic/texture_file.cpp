@@ -3,7 +3,10 @@
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/field/for_leaves.h"
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/resample.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/field/velocity_leaf.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/lic/advect_params.h"
 #include "vdblic/lic/flow_sequence.h"
@@ -17,17 +20,21 @@
 namespace vdblic {
 namespace {
 
+VDBLIC_KERNEL void fillMagnitudes(const Domain::Mask& mask, const VelocityLeaf& velocities, float* magnitudes)
+{
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const Float8 magnitude = squareRoots(squaredLength(velocities.row(row).velocities));
+        storeRow(Domain::activeRow(mask, row) ? magnitude : Float8{}, magnitudes, row);
+    }
+}
+
 openvdb::FloatTree::Ptr magnitudeOf(const FlowFrame& frame)
 {
     const Domain& domain = *frame.velocityDomain();
     const LeafValues<float> magnitude(domain, 0.0f);
-    const openvdb::Mat3s toWorld(frame.toWorldPerSecond);
+    const VelocityLevel velocities{frame.velocities->tree(), frame.toWorldPerSecond};
     forLeaves(domain.local(), [&](std::size_t leaf) {
-        const auto values = frame.velocities->getConstAccessor();
-        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
-            const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
-            magnitude[leaf][voxel.pos()] = (toWorld * values.getValue(at)).length();
-        }
+        fillMagnitudes(domain.mask(leaf), VelocityLeaf(velocities, domain.origin(leaf)), magnitude[leaf]);
     });
     return magnitude.tree();
 }
