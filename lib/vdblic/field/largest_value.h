@@ -1,40 +1,87 @@
 #pragma once
 
+#include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/vector.h"
+
 #include <openvdb/tree/LeafManager.h>
 
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
+
 namespace vdblic {
 
-/// The largest result of `measure` over the active voxels and tiles of a tree. Leaves are visited in parallel.
-///
-/// @param least   the result for a tree without active values; no measure may be less
-/// @param measure value → T
-/// @param larger  the larger of two T, with any order of its arguments
-template<typename TreeT, typename T, typename Measure, typename Larger>
-[[nodiscard]] T largestValue(const TreeT& tree, const T& least, const Measure& measure, const Larger& larger)
+/// One number for each value of a row. As a template argument, a vector type alone would lose its alignment.
+struct NumberRow {
+    Float8 numbers{};
+};
+VDBLIC_INLINE NumberRow larger(const NumberRow& a, const NumberRow& b)
 {
+    return {a.numbers > b.numbers ? a.numbers : b.numbers};
+}
+VDBLIC_INLINE Vector8 larger(const Vector8& a, const Vector8& b)
+{
+    return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
+}
+
+[[nodiscard]] inline float largestLane(Float8 numbers)
+{
+    float lanes[8];
+    storeLanes(numbers, lanes);
+    return *std::max_element(lanes, lanes + 8);
+}
+
+/// The values of a row, 0 where they are not active. @param mask of the leaf
+VDBLIC_INLINE NumberRow activeValues(const Domain::Mask& mask, const float* values, int row)
+{
+    return {Domain::activeRow(mask, row) ? loadRow(values, row) : Float8{}};
+}
+VDBLIC_INLINE Vector8 activeValues(const Domain::Mask& mask, const openvdb::Vec3f* values, int row)
+{
+    return select(Domain::activeRow(mask, row), loadVectors(values[row * LeafVoxel::kDim].asPointer()), Vector8{});
+}
+/// A row of one value.
+VDBLIC_INLINE NumberRow rowOf(float value)
+{
+    return {broadcast8(value)};
+}
+VDBLIC_INLINE Vector8 rowOf(const openvdb::Vec3f& value)
+{
+    return {broadcast8(value[0]), broadcast8(value[1]), broadcast8(value[2])};
+}
+
+/// Raise the results so far to those of a leaf's rows; otherwise as largestValues().
+template<typename Value, typename Row, typename Measure>
+VDBLIC_KERNEL void addRows(const Domain::Mask& mask, const Value* values, const Measure& measure, Row& most)
+{
+    Row largest = most;
+    for (int row = 0; row < LeafVoxel::kRows; ++row)
+        largest = larger(measure(activeValues(mask, values, row)), largest);
+    most = largest;
+}
+
+/// The largest results of `measure` over the active voxels and tiles of a tree, lane by lane of its rows. Leaves are
+/// visited in parallel.
+///
+/// @param measure of a row's values, a NumberRow or Vector8 of results; 0 for values of 0, and nowhere less
+template<typename TreeT, typename Measure>
+[[nodiscard]] auto largestValues(const TreeT& tree, const Measure& measure)
+{
+    using Row = decltype(measure(rowOf(tree.background())));
     const openvdb::tree::LeafManager<const TreeT> leaves(tree);
-    T largest = tbb::parallel_reduce(
-        leaves.leafRange(), least,
-        [&](const auto& range, T most) {
-            for (auto leaf = range.begin(); leaf; ++leaf) {
-                const auto* values = leaf->buffer().data();
-                if (leaf->isDense()) { // vectorized by the compiler
-                    for (openvdb::Index i = 0; i < TreeT::LeafNodeType::SIZE; ++i)
-                        most = larger(most, measure(values[i]));
-                } else {
-                    for (auto value = leaf->cbeginValueOn(); value; ++value)
-                        most = larger(most, measure(*value));
-                }
-            }
+    Row largest = tbb::parallel_reduce(
+        leaves.leafRange(), Row{},
+        [&](const auto& range, Row most) {
+            for (auto leaf = range.begin(); leaf; ++leaf)
+                addRows(leaf->valueMask(), leaf->buffer().data(), measure, most);
             return most;
         },
-        larger);
+        [](const Row& a, const Row& b) { return larger(a, b); });
     auto tile = tree.cbeginValueOn();
     tile.setMaxDepth(tile.getLeafDepth() - 1);
     for (; tile; ++tile)
-        largest = larger(largest, measure(*tile));
+        largest = larger(largest, measure(rowOf(*tile)));
     return largest;
 }
 

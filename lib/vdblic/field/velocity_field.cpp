@@ -56,16 +56,11 @@ VDBLIC_KERNEL void fillBrick(const VelocityLevel& start, const VelocityLevel& en
 
 Float4 largestMagnitude(const openvdb::Vec3STree& values)
 {
-    struct Amount { // as a template argument, a vector type alone would lose its alignment
-        Float4 lanes{};
-    };
-    const auto amount = [](const openvdb::Vec3f& value) {
-        const Float4 v = {value[0], value[1], value[2], 0};
-        return Amount{v < 0 ? -v : v};
-    };
-    return largestValue(values, Amount{}, amount,
-                        [](const Amount& a, const Amount& b) { return Amount{larger(a.lanes, b.lanes)}; })
-        .lanes;
+    const auto magnitude = [](Float8 v) { return v < 0 ? -v : v; };
+    const Vector8 most = largestValues(values, [&](const Vector8& value) {
+        return Vector8{magnitude(value.x), magnitude(value.y), magnitude(value.z)};
+    });
+    return Float4{largestLane(most.x), largestLane(most.y), largestLane(most.z), 0};
 }
 
 Float4 largestVelocity(Float4 magnitude, const openvdb::Mat3d& toStep)

@@ -42,6 +42,18 @@ bool isFinite(const Vec3f& v)
     return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
+/// Whether all active values of a leaf are finite.
+VDBLIC_KERNEL bool isFinite(const Domain::Mask& mask, const Vec3f* values)
+{
+    Int8 isOdd{};
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const Vector8 v = activeValues(mask, values, row);
+        const Float8 zero = (v.x - v.x) + (v.y - v.y) + (v.z - v.z); // not-a-number if one of them is not finite
+        isOdd |= zero != 0;
+    }
+    return !anyOf(isOdd);
+}
+
 /// The number of active voxels that are not finite, and the first of them.
 std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
 {
@@ -52,9 +64,8 @@ std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
         tbb::blocked_range<std::size_t>(0, leaves.size()), true,
         [&](const tbb::blocked_range<std::size_t>& range, bool finite) {
             for (std::size_t i = range.begin(); finite && i < range.end(); ++i) {
-                if (leaves[i]->buffer().empty()) continue;
-                for (auto value = leaves[i]->cbeginValueOn(); value; ++value)
-                    finite = finite && isFinite(*value);
+                const auto& leaf = *leaves[i];
+                finite = leaf.buffer().empty() || isFinite(leaf.valueMask(), leaf.buffer().data());
             }
             return finite;
         },
@@ -133,10 +144,13 @@ Mat3d VelocityFrame::toVoxelsPerStep(double interval) const
 double VelocityFrame::largestDisplacement(double interval) const
 {
     const openvdb::Mat3s toStep(toVoxelsPerStep(interval));
-    const float squared = largestValue(
-        values->tree(), 0.0f, [&](const Vec3f& value) { return (toStep * value).lengthSqr(); },
-        [](float a, float b) { return std::max(a, b); });
-    return std::sqrt(double(squared));
+    const NumberRow squared = largestValues(values->tree(), [&](const Vector8& value) {
+        const auto component = [&](int i) {
+            return value.x * toStep(i, 0) + value.y * toStep(i, 1) + value.z * toStep(i, 2);
+        };
+        return NumberRow{squaredLength({component(0), component(1), component(2)})};
+    });
+    return std::sqrt(double(largestLane(squared.numbers)));
 }
 
 VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, const std::optional<VelocityPart>& part)

@@ -5,9 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace vdblic {
 
 GridPrecision parseGridPrecision(std::string_view text)
@@ -37,9 +34,10 @@ std::string_view toString(ScalarVoxels voxels)
 void saveAsHalf(openvdb::FloatGrid& grid)
 {
     constexpr float kLeast = 1.0f / 16, kMost = 65504;
-    const float largest = largestValue(
-        grid.tree(), 0.0f, [](float value) { return std::abs(value); },
-        [](float a, float b) { return std::max(a, b); });
+    const NumberRow magnitudes = largestValues(grid.tree(), [](const NumberRow& values) {
+        return NumberRow{values.numbers < 0 ? -values.numbers : values.numbers};
+    });
+    const float largest = largestLane(magnitudes.numbers);
     grid.setSaveFloatAsHalf(largest == 0 || (largest >= kLeast && largest <= kMost));
 }
 
