@@ -5,6 +5,7 @@
 #include "vdblic/field/vector.h"
 
 #include <openvdb/openvdb.h>
+#include <tbb/parallel_for.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -48,7 +49,6 @@ class Domain {
     [[nodiscard]] openvdb::Coord origin(std::size_t leaf) const { return mLeaves[leaf]->origin(); }
     [[nodiscard]] const Mask& mask(std::size_t leaf) const { return mLeaves[leaf]->getValueMask(); }
     [[nodiscard]] const LeafBox& box(std::size_t leaf) const { return mBoxes[leaf]; }
-    [[nodiscard]] const Leaf& node(std::size_t leaf) const { return *mLeaves[leaf]; }
     [[nodiscard]] std::size_t voxelCount() const { return mVoxelCount; } ///< of all leaves, own or not
 
     /// A number for the first voxel of a leaf, from which the others follow by their offsets. It depends on the
@@ -119,24 +119,18 @@ class LeafValues {
     /// On the local leaves.
     LeafValues(const Domain& domain, T value) : LeafValues(domain, value, domain.local()) {}
     /// Every voxel of every leaf starts with `value`; exactly the domain's voxels are active.
-    LeafValues(const Domain& domain, T value, Domain::Leaves on) : mData(domain.leafCount(), nullptr)
+    LeafValues(const Domain& domain, T value, Domain::Leaves on)
+        : mTree(std::make_shared<Tree>(value)), mData(domain.leafCount(), nullptr)
     {
         using Leaf = typename Tree::LeafNodeType;
-        if (on.size() < domain.leafCount()) {
-            mTree = std::make_shared<Tree>(value);
-            for (const std::uint32_t leaf : on) {
-                auto* const node = new Leaf(domain.node(leaf), value, openvdb::TopologyCopy());
-                mTree->addLeaf(node); // takes it over
-                mData[leaf] = node->buffer().data();
-            }
-            return;
-        }
-        mTree = std::make_shared<Tree>(domain.topology(), value, openvdb::TopologyCopy());
-        std::vector<Leaf*> leaves;
-        leaves.reserve(domain.leafCount());
-        mTree->getNodes(leaves);
-        for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf)
-            mData[leaf] = leaves[leaf]->buffer().data();
+        std::vector<std::unique_ptr<Leaf>> leaves(on.size());
+        tbb::parallel_for(std::size_t(0), on.size(), [&](std::size_t i) {
+            leaves[i] = std::make_unique<Leaf>(domain.origin(on[i]), value);
+            leaves[i]->setValueMask(domain.mask(on[i]));
+            mData[on[i]] = leaves[i]->buffer().data();
+        });
+        for (std::unique_ptr<Leaf>& leaf : leaves)
+            mTree->addLeaf(leaf.release()); // takes it over
     }
 
     /// The 512 values of a leaf, x slowest; null if it has none here.

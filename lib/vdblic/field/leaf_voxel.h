@@ -77,6 +77,10 @@ VDBLIC_INLINE void storeRow(Float8 numbers, float* values, int row)
 {
     __builtin_memcpy(values + row * std::ptrdiff_t(LeafVoxel::kDim), &numbers, sizeof numbers);
 }
+VDBLIC_INLINE void storeRow(Int8 numbers, std::int32_t* values, int row)
+{
+    __builtin_memcpy(values + row * std::ptrdiff_t(LeafVoxel::kDim), &numbers, sizeof numbers);
+}
 
 /// A cube of 16³ leaves, as OpenVDB's lower internal nodes.
 struct LeafBlock {

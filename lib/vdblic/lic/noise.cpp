@@ -9,18 +9,13 @@
 namespace vdblic {
 namespace {
 
-void fillLeaf(const Domain& domain, std::size_t leaf, std::uint32_t seed, float* values)
+VDBLIC_KERNEL void fillLeaf(const openvdb::Coord& origin, const Domain::Mask& mask, std::uint32_t seed, float* values)
 {
-    const openvdb::Coord origin = domain.origin(leaf);
-    const Domain::Mask& mask = domain.mask(leaf);
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const LeafVoxel first = LeafVoxel::ofRow(row);
         const std::uint64_t column = noiseColumn(origin.x() + first.x, origin.y() + first.y, seed);
-        for (int z = 0; z < LeafVoxel::kDim; ++z) {
-            const int offset = LeafVoxel::kDim * row + z;
-            if (mask.isOn(openvdb::Index(offset)))
-                values[offset] = float(noiseInColumn(column, origin.z() + z)) / float(kNoiseMax);
-        }
+        const Float8 noise = __builtin_convertvector(noiseRow(column, origin.z()), Float8) / float(kNoiseMax);
+        storeRow(Domain::activeRow(mask, row) ? noise : Float8{}, values, row);
     }
 }
 
@@ -30,7 +25,7 @@ openvdb::FloatGrid::Ptr makeNoise(const Domain& domain, const openvdb::math::Tra
 {
     const LeafValues<float> values(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(),
-                      [&](std::size_t leaf) { fillLeaf(domain, leaf, seed, values[leaf]); });
+                      [&](std::size_t leaf) { fillLeaf(domain.origin(leaf), domain.mask(leaf), seed, values[leaf]); });
     auto grid = openvdb::FloatGrid::create(values.tree());
     grid->setName("noise");
     grid->setTransform(transform.copy());

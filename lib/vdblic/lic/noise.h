@@ -30,6 +30,18 @@ VDBLIC_INLINE std::uint16_t noiseInColumn(std::uint64_t column, std::int32_t z)
     return std::uint16_t(mixBits(column + std::uint32_t(z)) >> 48);
 }
 
+/// The values at heights z to z + 7 of a column.
+VDBLIC_INLINE Int8 noiseRow(std::uint64_t column, std::int32_t z)
+{
+    Int4 values[2];
+    for (unsigned half = 0; half < 2; ++half) {
+        const Unsigned4 heights = Unsigned4{0, 1, 2, 3} + (std::uint32_t(z) + 4 * half);
+        const UnsignedLong4 mixed = mixBits(__builtin_convertvector(heights, UnsignedLong4) + column);
+        values[half] = __builtin_convertvector(mixed >> 48, Int4);
+    }
+    return __builtin_shufflevector(values[0], values[1], 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
 /// The value of a single voxel; see noiseColumn().
 VDBLIC_INLINE std::uint16_t noiseValue(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed)
 {

@@ -2,6 +2,7 @@
 
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/vector.h"
 #include "vdblic/lic/noise.h"
 
 #include <algorithm>
@@ -16,16 +17,20 @@ std::int32_t noiseOf(float value)
     return std::int32_t(std::lround(std::clamp(value, 0.0f, 1.0f) * float(kNoiseMax)));
 }
 
+VDBLIC_KERNEL void fillGenerated(const openvdb::Coord& origin, std::uint32_t seed, std::int32_t* values)
+{
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const LeafVoxel first = LeafVoxel::ofRow(row);
+        const std::uint64_t column = noiseColumn(origin[0] + first.x, origin[1] + first.y, seed);
+        storeRow(noiseRow(column, origin[2]), values, row);
+    }
+}
+
 } // namespace
 
 void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
 {
-    for (int row = 0; row < LeafVoxel::kRows; ++row) {
-        const LeafVoxel first = LeafVoxel::ofRow(row);
-        const std::uint64_t column = noiseColumn(origin[0] + first.x, origin[1] + first.y, mSeed);
-        for (int z = 0; z < LeafVoxel::kDim; ++z)
-            values[LeafVoxel::kDim * row + z] = noiseInColumn(column, origin[2] + z);
-    }
+    fillGenerated(origin, mSeed, values);
     if (!mGrid) return;
     if (const auto* leaf = mGrid->tree().probeConstLeaf(origin)) {
         for (auto value = leaf->cbeginValueOn(); value; ++value)

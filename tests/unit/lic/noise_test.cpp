@@ -53,6 +53,15 @@ TEST(Noise, GoldenValues)
     EXPECT_EQ(noiseValue(100000, -131072, 131071, 4294967295u), 25928);
 }
 
+TEST(Noise, RowsHoldTheValuesOfTheirVoxels)
+{
+    for (const int first : {0, 8, -8, -4, 131064, -131072}) {
+        const Int8 row = noiseRow(noiseColumn(first, -3, 7), first);
+        for (int i = 0; i < 8; ++i)
+            EXPECT_EQ(row[i], noiseValue(first, -3, first + i, 7)) << first << ", " << i;
+    }
+}
+
 TEST(Noise, IsUniform)
 {
     for (const std::uint32_t seed : {0u, 1u, 12345u}) {
