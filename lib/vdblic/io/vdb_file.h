@@ -72,6 +72,10 @@ using LeafFilter = std::function<bool(const openvdb::GridBase& grid, const openv
 /// @throws InputError naming the file and the reason
 [[nodiscard]] VdbFile readVdb(const std::filesystem::path& path, const LeafFilter& isKept = {}, bool verify = true);
 
+/// Let the system read a file into its cache, which takes no memory of the process. Returns before that is done. What
+/// goes wrong is left to readVdb() to tell.
+void cacheFile(const std::filesystem::path& path);
+
 /// Check a file's header and checksums without reading its grids.
 /// @return whether it has checksums. @throws InputError naming the file and the damaged grid
 bool verifyVdb(const std::filesystem::path& path);

@@ -48,7 +48,7 @@ class Advection {
           mCheckpoint(params, mOutputs, reporter, exchange),
           mTexture(params.scatter, params.feedback,
                    NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)), params.steady),
-          mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter, exchange, true),
+          mFlow({params.input, params.velocity, params.frameSpacing, params.domain}, lines, reporter, exchange),
           mWriter(reporter, exchange,
                   params.textures(mFlow.total() - std::min(mFlow.total(), std::size_t(params.leadInFrames()))),
                   params.format.compression, params.velocity.carry.empty() ? kMostWriters : 1)

@@ -12,7 +12,7 @@ namespace vdblic {
 /// time.
 inline constexpr double kLargeDisplacement = 16;
 
-/// Compute and write the texture of every frame (makeTextureFile()). Reading ahead, computing and writing overlap.
+/// Compute and write the texture of every frame (makeTextureFile()). Computing and writing overlap.
 ///
 /// The run writes checkpoints beside the outputs from time to time and when it is interrupted, and removes the last one
 /// when it is complete (docs/survival.md). A run with `resume` goes on from the checkpoint: its outputs are the same as

@@ -4,13 +4,13 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/frame_halo.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <memory>
 #include <utility>
 
@@ -53,9 +53,8 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ra
 
 } // namespace
 
-FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange,
-                           bool readsAfter)
-    : mParams(std::move(params)), mReporter(reporter), mExchange(exchange), mReadsAfter(readsAfter),
+FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange)
+    : mParams(std::move(params)), mReporter(reporter), mExchange(exchange),
       mSource(openSequence(mParams.input, lines, mTotal))
 {
 }
@@ -67,33 +66,31 @@ std::string FlowSequence::stampOf(const FrameFile& file) const
 
 std::optional<LoadedFrame> FlowSequence::next()
 {
-    if (!mStarted) readAhead();
+    if (!mStarted) lookAhead();
     if (!mAhead.valid()) return std::nullopt;
-    Ahead ahead = mAhead.get();
-    std::optional<LoadedFrame>& frame = ahead.frame;
-    if (!frame) {
-        mAfter = std::move(ahead);
-        return std::nullopt;
-    }
-    if (!mPartition) mPartition = frame->partition;
-    readAhead();
-    checkSuccession(frame->velocity);
-    mLast = frame->velocity.values;
-    for (const std::string& remark : frame->velocity.remarks)
+    const std::optional<FrameFile> file = mAhead.get();
+    if (!file) return std::nullopt;
+    LoadedFrame frame = loadPart(*file);
+    if (!mPartition) mPartition = frame.partition;
+    lookAhead();
+    checkSuccession(frame.velocity);
+    mLast = frame.velocity.values;
+    for (const std::string& remark : frame.velocity.remarks)
         sayOnce(remark);
     return frame;
 }
 
 std::optional<LoadedFrame> FlowSequence::after()
 {
-    std::optional<LoadedFrame> frame = std::move(mAfter.after);
+    const std::optional<std::int64_t> number = framesAround(mParams.input).after;
+    if (!number) return std::nullopt;
     try {
-        if (mAfter.error) std::rethrow_exception(mAfter.error);
-        if (frame) checkSuccession(frame->velocity);
+        LoadedFrame frame = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)});
+        checkSuccession(frame.velocity);
         return frame;
     } catch (const InputError& error) {
         mReporter.warn(fmt::format("{}; frame {} is not used: the flow after the last frame stays as it is",
-                                   error.what(), mAfter.number));
+                                   error.what(), *number));
         return std::nullopt;
     }
 }
@@ -137,10 +134,11 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
 }
 
 /// Read a frame's part. All ranks cut the first frame's domain in the same way.
-LoadedFrame FlowSequence::loadPart(const FrameFile& file, std::shared_ptr<const Partition> partition) const
+LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
 {
     const int rank = mExchange.rank(), ranks = mExchange.size();
     if (mExchange.isAlone()) return load(file, mParams, ranks, std::nullopt);
+    std::shared_ptr<const Partition> partition = mPartition;
     if (!partition) {
         const openvdb::CoordBBox nowhere(openvdb::Coord(1 << 28), openvdb::Coord(1 << 28));
         const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false});
@@ -157,22 +155,13 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file, std::shared_ptr<const 
     return frame;
 }
 
-void FlowSequence::readAhead()
+void FlowSequence::lookAhead()
 {
     mStarted = true;
-    mAhead = std::async(std::launch::async, [this, partition = mPartition] {
-        Ahead ahead;
-        if (const std::optional<FrameFile> file = mSource()) {
-            ahead.frame = loadPart(*file, partition);
-        } else if (const auto number = mReadsAfter ? framesAround(mParams.input).after : std::nullopt) {
-            ahead.number = *number;
-            try {
-                ahead.after = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)}, partition);
-            } catch (...) {
-                ahead.error = std::current_exception();
-            }
-        }
-        return ahead;
+    mAhead = std::async(std::launch::async, [this] {
+        std::optional<FrameFile> file = mSource();
+        if (file) cacheFile(file->path);
+        return file;
     });
 }
 

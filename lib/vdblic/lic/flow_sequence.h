@@ -13,7 +13,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <future>
 #include <iosfwd>
 #include <memory>
@@ -50,17 +49,16 @@ struct FrameInterval {
     const char* source;
 };
 
-/// Reads a velocity sequence frame by frame, and one frame ahead in a thread of its own.
+/// Reads a velocity sequence frame by frame. While a frame is used, a thread waits for the name of the next one's file,
+/// and the system reads that file into its cache: a frame read ahead would take the memory of one more velocity.
 ///
 /// Choices made for the user go to the reporter, each once. Not thread-safe.
 class FlowSequence {
   public:
-    /// @param lines      source of the paths if the input is `-`
-    /// @param exchange   with the ranks that share the run: each gets its part of every frame
-    /// @param readsAfter whether after() is wanted: that frame is read ahead, too
+    /// @param lines    source of the paths if the input is `-`
+    /// @param exchange with the ranks that share the run: each gets its part of every frame
     /// @throws InputError, ParameterError
-    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange,
-                 bool readsAfter = false);
+    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange);
 
     /// The number of frames; 0 if it is unknown.
     [[nodiscard]] std::size_t total() const { return mTotal; }
@@ -77,7 +75,6 @@ class FlowSequence {
     std::optional<LoadedFrame> next();
 
     /// The frame on disk after the last one that `input.frames` selects: the flow after the last frame leads to it.
-    /// Only once, after next() returned nothing.
     /// @return nothing if there is none, or it cannot be read, with a warning
     std::optional<LoadedFrame> after();
 
@@ -89,38 +86,29 @@ class FlowSequence {
     [[nodiscard]] std::int64_t spacing() const { return mSpacing; }
     void setSpacing(std::int64_t spacing) { mSpacing = spacing; }
 
-    /// Give the ranks their parts of frames that are not being read yet by another partition.
+    /// Give the ranks their parts of the frames to come by another partition.
     void cutAs(std::shared_ptr<const Partition> partition) { mPartition = std::move(partition); }
 
     /// Report how the velocity of a frame is understood. @param largest displacement in a step [voxels]
     void describe(const LoadedFrame& frame, const FrameInterval& interval, double largest);
 
   private:
-    /// What was read ahead: a frame, or after the last one what after() returns.
-    struct Ahead {
-        std::optional<LoadedFrame> frame, after;
-        std::int64_t number = 0;  ///< of the frame after
-        std::exception_ptr error; ///< why it could not be read
-    };
-
-    [[nodiscard]] LoadedFrame loadPart(const FrameFile& file, std::shared_ptr<const Partition> partition) const;
-    void readAhead();
+    [[nodiscard]] LoadedFrame loadPart(const FrameFile& file) const;
+    void lookAhead();
     void checkSuccession(const VelocityFrame& velocity) const;
     void sayOnce(const std::string& message);
 
     FlowSequenceParams mParams;
     Reporter& mReporter;
     const Exchange& mExchange;
-    bool mReadsAfter;
     std::shared_ptr<const Partition> mPartition; // null before the first frame
     std::size_t mTotal = 0;
     FrameSource mSource;
     openvdb::Vec3SGrid::ConstPtr mLast; // velocity of the previous frame
     std::int64_t mSpacing = 0;          // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
-    Ahead mAfter;
     bool mStarted = false;
-    std::future<Ahead> mAhead; // last member: its thread uses the others
+    std::future<std::optional<FrameFile>> mAhead; // the next file; last member: its thread uses the others
 };
 
 } // namespace vdblic

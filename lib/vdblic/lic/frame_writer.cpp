@@ -58,16 +58,18 @@ FrameWriter::Paths FrameWriter::begin()
     const auto rank = std::size_t(mExchange.rank());
     if (rank < mWaiting.size()) {
         if (!mExchange.isAlone()) mStream.emplace(mFile.computed);
-        mPending = std::async(std::launch::async, [this, path = mWaiting[rank].path, file = std::move(mFile)] {
-            Stopwatch watch;
-            try {
-                writeStoredVdb(path, file.grids, file.metadata, mCompression, mStream ? &*mStream : nullptr);
-            } catch (...) {
-                if (mStream) mStream->giveUp();
-                throw;
-            }
-            return watch.lap();
-        });
+        mPending =
+            std::async(std::launch::async, [this, path = mWaiting[rank].path, held = std::move(mFile)]() mutable {
+                const TextureFile file = std::move(held); // freed when written; `held` lives as long as mPending
+                Stopwatch watch;
+                try {
+                    writeStoredVdb(path, file.grids, file.metadata, mCompression, mStream ? &*mStream : nullptr);
+                } catch (...) {
+                    if (mStream) mStream->giveUp();
+                    throw;
+                }
+                return watch.lap();
+            });
     }
     if (!mExchange.isAlone()) deliverWaiting();
     for (Waiting& file : mWaiting)
