@@ -194,7 +194,7 @@ class Ranks(ToolTest):
         self.assertEqual(run.returncode, 4, run.stderr)
         self.assertIn("No space left on device", run.stderr)
         self.assertTrue(all(path.suffix == ".vdb" for path in small.iterdir()))
-        parts = {path.name.split(".")[2] for path in small.glob("checkpoint.x.s*.r*.vdb")}
+        parts = {path.name.split(".")[2] for path in small.glob("checkpoint.x.s*.p*.vdb")}
         self.assertLessEqual(len(parts), 1)  # those of the last checkpoint, if one was complete
         self.assertEqual(len(parts), len(list(small.glob("checkpoint.x.vdb"))))
 

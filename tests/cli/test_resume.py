@@ -225,6 +225,37 @@ class Resume(ToolTest):
         self.assertTrue(0 < steps < 200, steps)
         self.finish(expected, *arguments, frames="1-3")
 
+    def test_a_large_domain_is_saved_in_parts(self):
+        wide = self.shared / "wide.%04d.vdb"  # 65 x 65 leaves; a file has no more than 4096
+        self.tool("vdblic_synth", "abc", "-o", wide, "--size", 520, 520, 1, "--frames", "1-8")
+        arguments, frames = (wide, "--preroll", 0), "1-8"
+        expected = self.whole(*arguments, frames=frames)
+        self.interrupted(*arguments, after=2, frames=frames)
+        done = self.outputs_there()
+        parts = [f"checkpoint.lic.s{done}.p{number}.vdb" for number in range(2)]
+        self.assertEqual([name for name in self.files() if "checkpoint" in name], [*parts, CHECKPOINT])
+        for part in parts:
+            self.assertEqual(vdb.readMetadata(str(self.folder / part))["steps"], done)
+            whole = self.contents(part)
+            (self.folder / part).unlink()
+            self.assertIn(f"{CHECKPOINT}: needs {part}, which is not there: put it back",
+                          self.refused(3, *arguments, frames=frames))
+            (self.folder / part).write_bytes(whole[:-1000] + bytes(1000))
+            self.assertIn(f"{part}: cannot be read as a .vdb file", self.refused(3, *arguments, frames=frames))
+            (self.folder / part).write_bytes(whole)
+        choice = random.Random(5)
+        for _ in range(6):
+            farther, pause = self.outputs_there() + 1, choice.uniform(0, 0.05)
+
+            def moment(_, farther=farther, pause=pause):
+                if self.outputs_there() < farther:
+                    return False
+                time.sleep(pause)
+                return True
+
+            self.kill_when(moment, *arguments, "--checkpoint-every", 1, frames=frames)
+        self.finish(expected, *arguments, frames=frames)
+
     def test_without_checkpoints(self):
         messages = self.interrupted(self.flow(), "--checkpoint-every", 0)
         self.assertNotIn("checkpoint", messages)

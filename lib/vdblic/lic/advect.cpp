@@ -198,7 +198,6 @@ class Advection {
     {
         const std::optional<std::string> how = mShared.balance(frame, mTexture);
         if (!how) return;
-        mCheckpoint.moved(frame.partition);
         mFlow.cutAs(frame.partition);
         mReporter.detail(fmt::format("frame {}: {}", frame.velocity.file.frame, *how));
     }

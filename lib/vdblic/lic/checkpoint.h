@@ -18,17 +18,17 @@ struct RunPosition {
     std::int64_t frameSpacing = 0; ///< FlowSequence::spacing()
 };
 
-/// A checkpoint's state if several ranks saved it: each wrote the state of its own box in a file of its own.
+/// A part of a checkpoint's state, in a file of its own: of a large domain, or of a rank.
 struct CheckpointPart {
     std::filesystem::path path; ///< beside the checkpoint
-    openvdb::CoordBBox box;     ///< of the texture
+    openvdb::CoordBBox box;     ///< of its leaves in the texture
 };
 
 /// A run between two steps, and all it takes to go on from there (docs/survival.md).
 struct Checkpoint {
     RunPosition position;
     std::vector<std::string> inputs; ///< FlowSequence::stampOf() of every frame that the steps depend on, in order
-    std::vector<VdbFile> states;     ///< FlowTexture::save(), unless there are parts
+    std::vector<VdbFile> states;     ///< the whole state in one file, or none if there are parts
     std::vector<CheckpointPart> parts{};
 };
 

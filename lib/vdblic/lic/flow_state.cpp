@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointDataGrid.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -39,28 +40,12 @@ openvdb::FloatGrid::Ptr namedGrid(const LeafValues<float>& values, const char* n
     return grid;
 }
 
-/// A grid's values on each of the domain's own leaves, by their numbers. @throws InputError if its voxels are not the
-/// domain's
-std::vector<const float*> leafBuffers(const Domain& domain, const std::vector<VdbFile>& files, const char* name)
+/// A copy of the values on some leaves.
+LeafValues<float> valuesOn(const Domain& domain, Domain::Leaves leaves, const LeafValues<float>& values)
 {
-    std::vector<const float*> buffers(domain.leafCount(), nullptr);
-    std::size_t found = 0;
-    bool fits = true;
-    for (const VdbFile& file : files) {
-        const auto grid = file.find<openvdb::FloatGrid>(name);
-        if (!grid) throw InputError(fmt::format("it has no float grid '{}'", name));
-        for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
-            const Coord origin = leaf->origin();
-            const int number = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-            fits = fits && (number >= 0 ? leaf->getValueMask() == domain.mask(std::size_t(number)) : !domain.isWhole());
-            if (number < 0 || !fits || !domain.isOwn(std::size_t(number))) continue;
-            found += buffers[std::size_t(number)] == nullptr;
-            buffers[std::size_t(number)] = leaf->buffer().data();
-        }
-    }
-    if (!fits || found != domain.own().size())
-        throw InputError(fmt::format("its grid '{}' does not have the voxels of the frame it is for", name));
-    return buffers;
+    const LeafValues<float> copy(domain, 0.0f, leaves);
+    forLeaves(leaves, [&](std::size_t leaf) { std::copy_n(values[leaf], LeafVoxel::kCount, copy[leaf]); });
+    return copy;
 }
 
 /// The voxel whose centre is nearest. Computed in double precision, so that the distance to it is always exact in a
@@ -211,12 +196,12 @@ class Carried {
 };
 
 /// Add a leaf's points to the bin of a tile.
-void readLeaf(const PointLeaf& leaf, std::size_t tile, std::size_t generationCount, ParticleBins& bins)
+void readLeaf(const PointLeaf& leaf, std::size_t tile, ParticleBins& bins)
 {
     const openvdb::Index count = countPoints(leaf);
     const auto position = attributeOf<Vec3f>(leaf, kPosition, count), slope = attributeOf<Vec3f>(leaf, kSlope, count);
     const auto id = attributeOf<std::int64_t>(leaf, kId, count);
-    Carried carried(leaf, count, openvdb::Index(generationCount));
+    Carried carried(leaf, count, openvdb::Index(bins.generations()));
     openvdb::Index n = 0;
     for (openvdb::Index voxel = 0; voxel < PointLeaf::SIZE; ++voxel) {
         const openvdb::Vec3d centre = leaf.offsetToGlobalCoord(voxel).asVec3d();
@@ -238,50 +223,112 @@ void readLeaf(const PointLeaf& leaf, std::size_t tile, std::size_t generationCou
     }
 }
 
+/// Add a file's particles to the bins of their tiles, the domain's own leaves.
+void readParticles(const Domain& domain, const VdbFile& file, ParticleBins& bins)
+{
+    const auto grid = file.find<PointDataGrid>(kParticles);
+    if (!grid) throw InputError(fmt::format("it has no points '{}'", kParticles));
+    for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
+        const Coord origin = leaf->origin();
+        const int tile = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+        if (tile >= 0 && domain.isOwn(std::size_t(tile))) {
+            readLeaf(*leaf, std::size_t(tile), bins);
+        } else if (domain.isWhole()) {
+            throw InputError("it has particles outside the frame it is for");
+        }
+    }
+}
+
+InputError wrongVoxels(const std::string& grid)
+{
+    return InputError(fmt::format("its grid '{}' does not have the voxels of the frame it is for", grid));
+}
+
 } // namespace
 
-openvdb::GridBase::Ptr inputGrid(const Domain& domain, const LeafValues<std::int32_t>& input)
+/// An own leaf of the domain in a file.
+struct FlowStateReader::StoredLeaf {
+    std::size_t number;
+    const float* values;
+};
+
+FlowStateReader::FlowStateReader(const Domain& domain, std::size_t generations, bool hasMean)
+    : mDomain(domain), mState{LeafValues<std::int32_t>(domain, 0, domain.own()), std::nullopt,
+                              ParticleBins(domain.leafCount(), generations)}
 {
-    const LeafValues<float> noise(domain, 0.0f, domain.own());
-    forLeaves(domain.own(), [&](std::size_t leaf) {
+    mFound[kNoise].resize(domain.leafCount());
+    if (hasMean) {
+        mFound[kMean] = mFound[kWeight] = mFound[kNoise];
+        mState.mean = {LeafValues<float>(domain, 0.0f, domain.own()), LeafValues<float>(domain, 0.0f, domain.own())};
+    }
+}
+
+void FlowStateReader::add(const VdbFile& file)
+{
+    const auto read = [&](const char* name, const auto& readVoxel) {
+        const std::vector<StoredLeaf> leaves = ownLeaves(file, name);
+        tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+            for (auto voxel = mDomain.mask(leaves[i].number).beginOn(); voxel; ++voxel)
+                readVoxel(leaves[i].number, voxel.pos(), leaves[i].values[voxel.pos()]);
+        });
+    };
+    read(kNoise, [&](std::size_t leaf, openvdb::Index at, float noise) {
+        mState.input[leaf][at] = std::int32_t(std::clamp(noise * kScale, 0.0f, float(kNoiseMax)));
+    });
+    if (mState.mean) {
+        const auto& [mean, weight] = *mState.mean;
+        read(kMean, [&, &to = mean](std::size_t leaf, openvdb::Index at, float value) { to[leaf][at] = value; });
+        read(kWeight, [&, &to = weight](std::size_t leaf, openvdb::Index at, float value) { to[leaf][at] = value; });
+    }
+    readParticles(mDomain, file, mState.particles);
+}
+
+FlowState FlowStateReader::finish()
+{
+    for (const auto& [name, found] : mFound) {
+        const bool isWhole = std::all_of(mDomain.own().begin(), mDomain.own().end(),
+                                         [&](std::uint32_t leaf) { return found[leaf] != 0; });
+        if (!isWhole) throw wrongVoxels(name);
+    }
+    return std::move(mState);
+}
+
+/// The own leaves of the domain in a file's grid. @throws InputError if its voxels are not the domain's
+std::vector<FlowStateReader::StoredLeaf> FlowStateReader::ownLeaves(const VdbFile& file, const char* name)
+{
+    const auto grid = file.find<openvdb::FloatGrid>(name);
+    if (!grid) throw InputError(fmt::format("it has no float grid '{}'", name));
+    std::vector<std::uint8_t>& found = mFound.at(name);
+    std::vector<StoredLeaf> leaves;
+    for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
+        const Coord origin = leaf->origin();
+        const int number = mDomain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+        const bool fits = number >= 0 ? leaf->getValueMask() == mDomain.mask(std::size_t(number)) : !mDomain.isWhole();
+        if (!fits) throw wrongVoxels(name);
+        if (number < 0 || !mDomain.isOwn(std::size_t(number))) continue;
+        found[std::size_t(number)] = 1;
+        leaves.push_back({std::size_t(number), leaf->buffer().data()});
+    }
+    return leaves;
+}
+
+openvdb::GridBase::Ptr inputGrid(const Domain& domain, Domain::Leaves leaves, const LeafValues<std::int32_t>& input)
+{
+    const LeafValues<float> noise(domain, 0.0f, leaves);
+    forLeaves(leaves, [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
             noise[leaf][voxel.pos()] = float(input[leaf][voxel.pos()]) / kScale;
     });
     return namedGrid(noise, kNoise);
 }
 
-LeafValues<std::int32_t> readInput(const Domain& domain, const std::vector<VdbFile>& files)
+openvdb::GridPtrVec meanGrids(const Domain& domain, Domain::Leaves leaves, const RunningMean& mean)
 {
-    const auto noise = leafBuffers(domain, files, kNoise);
-    LeafValues<std::int32_t> input(domain, 0, domain.own());
-    forLeaves(domain.own(), [&](std::size_t leaf) {
-        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
-            const auto at = voxel.pos();
-            input[leaf][at] = std::int32_t(std::clamp(noise[leaf][at] * kScale, 0.0f, float(kNoiseMax)));
-        }
-    });
-    return input;
+    return {namedGrid(valuesOn(domain, leaves, mean.mean), kMean),
+            namedGrid(valuesOn(domain, leaves, mean.weight), kWeight)};
 }
 
-openvdb::GridPtrVec meanGrids(const RunningMean& mean)
-{
-    return {namedGrid(mean.mean, kMean), namedGrid(mean.weight, kWeight)};
-}
-
-RunningMean readMean(const Domain& domain, const std::vector<VdbFile>& files)
-{
-    const auto mean = leafBuffers(domain, files, kMean), weight = leafBuffers(domain, files, kWeight);
-    RunningMean result{LeafValues<float>(domain, 0.0f, domain.own()), LeafValues<float>(domain, 0.0f, domain.own())};
-    forLeaves(domain.own(), [&](std::size_t leaf) {
-        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
-            result.mean[leaf][voxel.pos()] = mean[leaf][voxel.pos()];
-            result.weight[leaf][voxel.pos()] = weight[leaf][voxel.pos()];
-        }
-    });
-    return result;
-}
-
-openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins)
+openvdb::GridBase::Ptr particleGrid(const Domain& domain, Domain::Leaves some, const std::vector<ParticleBins>& bins)
 {
     openvdb::initialize(); // registers the attribute types
     const auto words = openvdb::Index(bins.empty() ? 0 : bins.front().generations());
@@ -290,10 +337,10 @@ openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<Part
     const auto descriptor =
         openvdb::points::AttributeSet::Descriptor::create(openvdb::points::TypedAttributeArray<Vec3f>::attributeType());
     std::vector<PointLeaf*> leaves(domain.leafCount(), nullptr);
-    for (const std::uint32_t leaf : domain.own()) {
+    for (const std::uint32_t leaf : some) {
         openvdb::Index count = 0;
-        for (const ParticleBins& some : bins)
-            some.forEach(leaf, [&](auto&&...) { ++count; });
+        for (const ParticleBins& particles : bins)
+            particles.forEach(leaf, [&](auto&&...) { ++count; });
         if (count == 0) continue;
         leaves[leaf] = grid->tree().touchLeaf(domain.origin(leaf));
         leaves[leaf]->initializeAttributes(descriptor, count);
@@ -305,29 +352,10 @@ openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<Part
     } else {
         openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kAlive);
     }
-    forLeaves(domain.own(), [&](std::size_t leaf) {
+    forLeaves(some, [&](std::size_t leaf) {
         if (leaves[leaf]) LeafPoints(bins, leaf).write(*leaves[leaf], words);
     });
     return grid;
-}
-
-ParticleBins readParticles(const Domain& domain, const std::vector<VdbFile>& files, std::size_t generations)
-{
-    ParticleBins bins(domain.leafCount(), generations);
-    for (const VdbFile& file : files) {
-        const auto grid = file.find<PointDataGrid>(kParticles);
-        if (!grid) throw InputError(fmt::format("it has no points '{}'", kParticles));
-        for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
-            const Coord origin = leaf->origin();
-            const int tile = domain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-            if (tile >= 0 && domain.isOwn(std::size_t(tile))) {
-                readLeaf(*leaf, std::size_t(tile), generations, bins);
-            } else if (domain.isWhole()) {
-                throw InputError("it has particles outside the frame it is for");
-            }
-        }
-    }
-    return bins;
 }
 
 } // namespace vdblic

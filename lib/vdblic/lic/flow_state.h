@@ -8,6 +8,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace vdblic {
@@ -22,28 +25,49 @@ struct VdbFile;
 /// voxels per step), `id` (step of release << 43 | number of the release voxel) and `generations` (Generation words, by
 /// release frame modulo the life span; for UFLIC a single one). A point's position is stored relative to the centre of
 /// its voxel, so no bit of it is lost.
+///
+/// The grids are made for some leaves of the domain at a time, so that no second copy of the whole state is in memory.
 
 /// The grid `noise`. @param input of a step, fixed-point (kNoiseMax)
-[[nodiscard]] openvdb::GridBase::Ptr inputGrid(const Domain& domain, const LeafValues<std::int32_t>& input);
+[[nodiscard]] openvdb::GridBase::Ptr inputGrid(const Domain& domain, Domain::Leaves leaves,
+                                               const LeafValues<std::int32_t>& input);
 
-/// The inverse of inputGrid(), on the domain's own leaves.
-/// @param files of all ranks that wrote the state, or of those that have the own leaves
-/// @throws InputError, without the file's name, if a grid is missing or its voxels are not the domain's
-[[nodiscard]] LeafValues<std::int32_t> readInput(const Domain& domain, const std::vector<VdbFile>& files);
-
-/// The grids `mean` and `weight` of a running mean; they share its values.
-[[nodiscard]] openvdb::GridPtrVec meanGrids(const RunningMean& mean);
-
-/// The inverse of meanGrids(). @throws InputError as readInput()
-[[nodiscard]] RunningMean readMean(const Domain& domain, const std::vector<VdbFile>& files);
+/// The grids `mean` and `weight` of a running mean.
+[[nodiscard]] openvdb::GridPtrVec meanGrids(const Domain& domain, Domain::Leaves leaves, const RunningMean& mean);
 
 /// The grid `particles`. Equal particles give an equal grid, whichever bins hold them.
 /// @param domain whose leaves are the bins' tiles
-[[nodiscard]] openvdb::GridBase::Ptr particleGrid(const Domain& domain, const std::vector<ParticleBins>& bins);
+[[nodiscard]] openvdb::GridBase::Ptr particleGrid(const Domain& domain, Domain::Leaves leaves,
+                                                  const std::vector<ParticleBins>& bins);
 
-/// The inverse of particleGrid(). @param generations words that each particle carries; 0 for UFLIC
-/// @throws InputError, without the file's name, if the grid is missing or does not fit the domain
-[[nodiscard]] ParticleBins readParticles(const Domain& domain, const std::vector<VdbFile>& files,
-                                         std::size_t generations);
+/// A state as a run has it between two steps, on a domain's own leaves.
+struct FlowState {
+    LeafValues<std::int32_t> input;
+    std::optional<RunningMean> mean; ///< with substeps
+    ParticleBins particles;
+};
+
+/// Reads a state from the files that it was saved in, one after the other. Not thread-safe.
+class FlowStateReader {
+  public:
+    /// @param domain      must outlive this
+    /// @param generations words that each particle carries; 0: the values that are alive
+    FlowStateReader(const Domain& domain, std::size_t generations, bool hasMean);
+
+    /// Take what a file holds of the own leaves.
+    /// @throws InputError, without the file's name, if a grid is missing or does not fit the domain
+    void add(const VdbFile& file);
+
+    /// @throws InputError if own leaves were in no file
+    [[nodiscard]] FlowState finish();
+
+  private:
+    struct StoredLeaf;
+    [[nodiscard]] std::vector<StoredLeaf> ownLeaves(const VdbFile& file, const char* name);
+
+    const Domain& mDomain;
+    FlowState mState;
+    std::map<std::string, std::vector<std::uint8_t>> mFound; // of each grid of floats, by leaf
+};
 
 } // namespace vdblic

@@ -2,8 +2,8 @@
 
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/distributed/leaf_move.h"
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/velocity_field.h"
-#include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/convolve.h"
 #include "vdblic/lic/feedback.h"
@@ -47,16 +47,27 @@ class FlowTexture::Pipeline {
 
     [[nodiscard]] std::uint64_t steps() const { return mStep; }
 
-    [[nodiscard]] openvdb::GridPtrVec save() const
+    [[nodiscard]] std::size_t parts() const
+    {
+        constexpr std::size_t kLeaves = 4096, kMost = 8;
+        return mSteady ? 1 : std::clamp((mDomain->own().size() + kLeaves - 1) / kLeaves, std::size_t(1), kMost);
+    }
+
+    [[nodiscard]] Saved save(std::size_t part) const
     {
         if (mSteady) return {};
-        openvdb::GridPtrVec grids{inputGrid(*mDomain, *mInput)};
+        const Domain::Leaves own = mDomain->own();
+        const std::size_t begin = own.size() * part / parts(), end = own.size() * (part + 1) / parts();
+        const Domain::Leaves leaves = own.subspan(begin, end - begin);
+        Saved saved{{inputGrid(*mDomain, leaves, *mInput)}, {}};
         if (mMean) {
-            const openvdb::GridPtrVec mean = meanGrids(*mMean);
-            grids.insert(grids.end(), mean.begin(), mean.end());
+            const openvdb::GridPtrVec mean = meanGrids(*mDomain, leaves, *mMean);
+            saved.grids.insert(saved.grids.end(), mean.begin(), mean.end());
         }
-        grids.push_back(particleGrid(*mDomain, mScatter.particles()));
-        return grids;
+        saved.grids.push_back(particleGrid(*mDomain, leaves, mScatter.particles()));
+        for (const std::uint32_t leaf : leaves)
+            saved.box.expand(mDomain->origin(leaf), LeafVoxel::kDim);
+        return saved;
     }
 
     [[nodiscard]] std::array<float, 3> largestSlope(double interval) const
@@ -86,14 +97,18 @@ class FlowTexture::Pipeline {
     }
 
     void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
-                 const std::vector<VdbFile>& states)
+                 const std::function<std::optional<VdbFile>()>& next)
     {
         mStep = steps;
         if (mSteady) return;
         mLastInterval = interval;
-        mInput = readInput(*domain, states);
-        if (mParams.substeps > 1) mMean = readMean(*domain, states);
-        mScatter.restore(steps, readParticles(*domain, states, mParams.generations()));
+        FlowStateReader reader(*domain, mParams.generations(), mParams.substeps > 1);
+        while (const std::optional<VdbFile> file = next())
+            reader.add(*file);
+        FlowState state = reader.finish();
+        mInput = std::move(state.input);
+        mMean = std::move(state.mean);
+        mScatter.restore(steps, std::move(state.particles));
         mDomain = std::move(domain);
     }
 
@@ -189,9 +204,14 @@ std::uint64_t FlowTexture::steps() const
     return mPipeline->steps();
 }
 
-openvdb::GridPtrVec FlowTexture::save() const
+std::size_t FlowTexture::parts() const
 {
-    return mPipeline->save();
+    return mPipeline->parts();
+}
+
+FlowTexture::Saved FlowTexture::save(std::size_t part) const
+{
+    return mPipeline->save(part);
 }
 
 void FlowTexture::move(Exchange& exchange, const Partition& partition, std::shared_ptr<const Domain> domain)
@@ -200,9 +220,9 @@ void FlowTexture::move(Exchange& exchange, const Partition& partition, std::shar
 }
 
 void FlowTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
-                          const std::vector<VdbFile>& states)
+                          const std::function<std::optional<VdbFile>()>& next)
 {
-    mPipeline->restore(steps, interval, std::move(domain), states);
+    mPipeline->restore(steps, interval, std::move(domain), next);
 }
 
 } // namespace vdblic

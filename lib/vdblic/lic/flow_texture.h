@@ -2,6 +2,7 @@
 
 #include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/feedback_params.h"
 #include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/lic_kernel.h"
@@ -12,14 +13,14 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace vdblic {
-
-struct VdbFile;
 
 /// A step between two frames.
 struct FlowStep {
@@ -82,9 +83,15 @@ class FlowTexture {
     /// @param domain of the frame that the next step starts from, with this rank's own leaves in that partition
     void move(Exchange& exchange, const Partition& partition, std::shared_ptr<const Domain> domain);
 
-    /// The state between two steps, as the grids of flow_state.h; none for steady LIC, which starts anew in every
-    /// frame. At least one step must have been made.
-    [[nodiscard]] openvdb::GridPtrVec save() const;
+    /// The state between two steps, on a part of the domain.
+    struct Saved {
+        openvdb::GridPtrVec grids; ///< of flow_state.h; none for steady LIC, which starts anew in every frame
+        openvdb::CoordBBox box;    ///< of the part's leaves
+    };
+    /// In how many parts the state is saved: the more the larger it is, up to eight.
+    [[nodiscard]] std::size_t parts() const;
+    /// At least one step must have been made. @param part 0 to parts() − 1
+    [[nodiscard]] Saved save(std::size_t part) const;
 
     /// Continue from the saved state of another FlowTexture with these parameters: its next steps and those of this one
     /// are the same to the bit.
@@ -92,10 +99,11 @@ class FlowTexture {
     /// @param steps    made before the state was saved
     /// @param interval seconds of the last of them
     /// @param domain   of the frame that the next step starts from
-    /// @param states   of the ranks that saved; together they have at least the domain's own leaves
+    /// @param next     returns the parts one by one, of all ranks that saved, and nothing after the last; together they
+    ///                 have at least the domain's own leaves
     /// @throws InputError, without the file's name, if the state does not fit these parameters and the domain
     void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
-                 const std::vector<VdbFile>& states);
+                 const std::function<std::optional<VdbFile>()>& next);
 
   private:
     class Pipeline;

@@ -7,7 +7,7 @@ namespace vdblic {
 
 namespace {
 
-constexpr double kProcess = 45e6, kVelocity = 70, kTexture = 70; // bytes, and bytes a voxel
+constexpr double kProcess = 45e6, kVelocity = 46, kTexture = 38; // bytes, and bytes a voxel
 
 } // namespace
 
@@ -19,8 +19,8 @@ double advectBytes(double voxels)
 double advectBytes(const AdvectParams& params, const FlowFrame& first)
 {
     double texture = kTexture;
-    if (params.scatter.substeps > 1) texture += 12;
-    if (first.refinement.interpolation == Interpolation::kCubic) texture += 25;
+    if (params.scatter.substeps > 1) texture += 20;
+    if (first.refinement.interpolation == Interpolation::kCubic) texture += 12;
     const auto voxels = [](const Domain& domain) { return double(domain.local().size()) * Domain::kLeafVoxels; };
     return kProcess + kVelocity * voxels(*first.velocityDomain()) + texture * voxels(*first.domain);
 }

@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/distributed/partition.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/lic/advect_params.h"
@@ -14,10 +15,27 @@
 #include <algorithm>
 #include <cstdint>
 #include <new>
+#include <numeric>
 #include <system_error>
 #include <utility>
 
 namespace vdblic {
+namespace {
+
+/// A part of a texture's state as a checkpoint holds it.
+struct SavedPart {
+    VdbFile file;
+    openvdb::CoordBBox box;
+};
+SavedPart stateOf(const FlowTexture& texture, std::size_t part, const openvdb::math::Transform& transform)
+{
+    FlowTexture::Saved saved = texture.save(part);
+    for (const auto& grid : saved.grids)
+        grid->setTransform(transform.copy());
+    return {{std::move(saved.grids), {}, {}}, saved.box};
+}
+
+} // namespace
 
 RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter, Exchange& exchange)
     : mParams(params), mOutputs(outputs), mReporter(reporter), mExchange(exchange), mParameters(parameterTexts(params)),
@@ -93,32 +111,34 @@ void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, 
     flow.setSpacing(position.frameSpacing);
     if (mParams.framesDone(position.steps) >= std::uint64_t(mParams.leadInFrames()))
         addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
-    const std::vector<VdbFile> parts = readParts(before, frame);
+    auto state = before.states.begin();
+    auto part = before.parts.begin();
+    const auto isElsewhere = [&](const CheckpointPart& one) {
+        return frame.partition && !frame.partition->textureBox(mExchange.rank()).hasOverlap(one.box);
+    };
+    const auto next = [&]() -> std::optional<VdbFile> { // one at a time is in memory
+        if (state != before.states.end()) return *state++;
+        part = std::find_if_not(part, before.parts.end(), isElsewhere);
+        return part != before.parts.end() ? std::optional(readPart(before, *part++)) : std::nullopt;
+    };
     try {
-        texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain,
-                        before.parts.empty() ? before.states : parts);
+        texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain, next);
     } catch (const InputError& error) {
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
     }
     mReporter.say(fmt::format("{}: {} textures are done", mOutputs.checkpoint().string(), finished.size()));
 }
 
-/// Read the parts of a checkpoint that this rank needs.
-std::vector<VdbFile> RunCheckpoint::readParts(const Checkpoint& before, const LoadedFrame& frame) const
+VdbFile RunCheckpoint::readPart(const Checkpoint& before, const CheckpointPart& part) const
 {
-    std::vector<VdbFile> states;
-    for (const CheckpointPart& part : before.parts) {
-        if (frame.partition && !frame.partition->textureBox(mExchange.rank()).hasOverlap(part.box)) continue;
-        if (!isFinished(part.path)) {
-            refuseCheckpoint(mOutputs.checkpoint(),
-                             fmt::format("needs {}, which is not there: put it back", part.path.string()));
-        }
-        Checkpoint read = readCheckpoint(part.path, mParameters);
-        if (read.position.steps != before.position.steps || read.states.empty())
-            refuseCheckpoint(mOutputs.checkpoint(), fmt::format("does not belong to {}", part.path.string()));
-        states.push_back(std::move(read.states.front()));
+    if (!isFinished(part.path)) {
+        refuseCheckpoint(mOutputs.checkpoint(),
+                         fmt::format("needs {}, which is not there: put it back", part.path.string()));
     }
-    return states;
+    Checkpoint read = readCheckpoint(part.path, mParameters);
+    if (read.position.steps != before.position.steps || read.states.empty())
+        refuseCheckpoint(mOutputs.checkpoint(), fmt::format("does not belong to {}", part.path.string()));
+    return std::move(read.states.front());
 }
 
 void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::string& stamp)
@@ -134,25 +154,27 @@ void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::stri
 
 void RunCheckpoint::stepDone(const RunPosition& position, const LoadedFrame& frame)
 {
-    mUnsaved = {position, frame.textureTransform(), frame.partition};
+    mUnsaved = {position, frame.textureTransform()};
     mSchedule.stepDone();
 }
 
 void RunCheckpoint::write(const FlowTexture& texture)
 {
-    const auto [position, transform, partition] = std::move(mUnsaved.value());
+    const Unsaved unsaved = std::move(mUnsaved.value());
     mUnsaved.reset();
     const auto start = CheckpointSchedule::Clock::now();
-    Checkpoint checkpoint{position, mInputs, {{}}};
+    Checkpoint checkpoint{unsaved.position, mInputs, {}};
     // A step depends on the frames at both ends of its interval and on none after them.
-    const std::size_t lastStep = std::max(position.steps, std::uint64_t(1)) - 1;
+    const std::size_t lastStep = std::max(unsaved.position.steps, std::uint64_t(1)) - 1;
     checkpoint.inputs.resize(std::min<std::size_t>(mParams.framesDone(lastStep) + 2, mInputs.size()));
     try {
-        VdbFile& state = checkpoint.states.front();
-        state.grids = texture.save();
-        for (const auto& grid : state.grids)
-            grid->setTransform(transform->copy());
-        partition ? writePart(std::move(checkpoint), *partition) : writeWhole(checkpoint);
+        if (mExchange.isAlone() && texture.parts() == 1) {
+            checkpoint.states.push_back(stateOf(texture, 0, *unsaved.transform).file);
+            writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+            removeParts({}); // of a larger state before
+        } else {
+            writeParts(texture, unsaved, std::move(checkpoint));
+        }
     } catch (const std::bad_alloc&) {
         throw InputError(fmt::format("{}: takes more than the {} of memory that may be used: raise `max_memory`, or "
                                      "give `checkpoint_every` 0 to do without",
@@ -163,33 +185,32 @@ void RunCheckpoint::write(const FlowTexture& texture)
     mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
 }
 
-void RunCheckpoint::writeWhole(const Checkpoint& checkpoint) const
+/// Every rank writes its parts, then rank 0 the file that lists them: until then the checkpoint before is valid.
+void RunCheckpoint::writeParts(const FlowTexture& texture, const Unsaved& unsaved, Checkpoint checkpoint)
 {
-    writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
-    removeParts({}); // of a run by ranks that this one goes on from
-}
-
-/// Every rank writes its part, then rank 0 the file that lists them: until then the checkpoint before is valid.
-void RunCheckpoint::writePart(Checkpoint checkpoint, const Partition& partition)
-{
-    const std::uint64_t steps = checkpoint.position.steps;
-    for (int rank = 0; rank < partition.ranks(); ++rank)
-        checkpoint.parts.push_back({mOutputs.checkpointPart(steps, rank), partition.textureBox(rank)});
-    const std::filesystem::path mine = checkpoint.parts[std::size_t(mExchange.rank())].path;
+    const std::vector<std::size_t> counts = mExchange.join(std::vector<std::size_t>{texture.parts()});
+    const std::size_t first = std::accumulate(counts.begin(), counts.begin() + mExchange.rank(), std::size_t(0));
+    const auto path = [&](std::size_t part) { return mOutputs.checkpointPart(unsaved.position.steps, part); };
+    std::vector<openvdb::CoordBBox> boxes;
     try {
-        Checkpoint part = checkpoint;
-        part.parts.clear();
-        writeCheckpoint(mine, part, mParameters);
-        mExchange.agree();
-        checkpoint.states.clear();
+        for (std::size_t part = 0; part < texture.parts(); ++part) {
+            SavedPart saved = stateOf(texture, part, *unsaved.transform);
+            boxes.push_back(saved.box);
+            checkpoint.states.push_back(std::move(saved.file));
+            writeCheckpoint(path(first + part), checkpoint, mParameters);
+            checkpoint.states.clear();
+        }
+        for (const openvdb::CoordBBox& box : mExchange.join(boxes))
+            checkpoint.parts.push_back({path(checkpoint.parts.size()), box});
         if (mExchange.isFirst()) writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
         mExchange.agree();
     } catch (...) {
         std::error_code ignored;
-        std::filesystem::remove(mine, ignored);
+        for (std::size_t part = 0; part < boxes.size(); ++part)
+            std::filesystem::remove(path(first + part), ignored);
         throw;
     }
-    if (mExchange.isFirst()) removeParts(steps);
+    if (mExchange.isFirst()) removeParts(unsaved.position.steps);
 }
 
 /// Remove the parts of checkpoints. @param but steps whose parts stay

@@ -2,7 +2,6 @@
 
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
-#include "vdblic/distributed/partition.h"
 #include "vdblic/lic/checkpoint.h"
 #include "vdblic/lic/checkpoint_schedule.h"
 #include "vdblic/lic/parameter_texts.h"
@@ -65,12 +64,6 @@ class RunCheckpoint {
     /// A step is made. @param frame that the next step starts from
     void stepDone(const RunPosition& position, const LoadedFrame& frame);
 
-    /// The state of the last step was handed over to the ranks of another partition.
-    void moved(std::shared_ptr<const Partition> partition)
-    {
-        if (mUnsaved) mUnsaved->partition = std::move(partition);
-    }
-
     [[nodiscard]] bool isDue() const { return mSchedule.isDue(); }
     /// Whether there is a state to go on from that no checkpoint holds, and checkpoints are wanted.
     [[nodiscard]] bool isUnsaved() const { return mUnsaved && mSchedule.enabled(); }
@@ -82,17 +75,16 @@ class RunCheckpoint {
     void remove() const;
 
   private:
-    [[nodiscard]] std::vector<VdbFile> readParts(const Checkpoint& before, const LoadedFrame& frame) const;
-    void writeWhole(const Checkpoint& checkpoint) const;
-    void writePart(Checkpoint checkpoint, const Partition& partition);
-    void removeParts(std::optional<std::uint64_t> but) const;
-    void addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const;
-
+    /// A state that no checkpoint holds.
     struct Unsaved {
         RunPosition position;
         openvdb::math::Transform::Ptr transform; // of the grids in the checkpoint
-        std::shared_ptr<const Partition> partition;
     };
+
+    [[nodiscard]] VdbFile readPart(const Checkpoint& before, const CheckpointPart& part) const;
+    void writeParts(const FlowTexture& texture, const Unsaved& unsaved, Checkpoint checkpoint);
+    void removeParts(std::optional<std::uint64_t> but) const;
+    void addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const;
 
     const AdvectParams& mParams;
     RunOutputs& mOutputs;

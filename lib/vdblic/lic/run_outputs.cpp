@@ -47,10 +47,10 @@ std::int64_t RunOutputs::number(std::int64_t frame, int part) const
     return number;
 }
 
-std::filesystem::path RunOutputs::checkpointPart(std::uint64_t steps, int rank) const
+std::filesystem::path RunOutputs::checkpointPart(std::uint64_t steps, std::size_t part) const
 {
     const std::string stem = mCheckpoint.stem().string();
-    return mCheckpoint.parent_path() / fmt::format("{}.s{}.r{}.vdb", stem, steps, rank);
+    return mCheckpoint.parent_path() / fmt::format("{}.s{}.p{}.vdb", stem, steps, part);
 }
 
 std::vector<std::filesystem::path> RunOutputs::checkpointParts(std::optional<std::uint64_t> but) const
@@ -60,10 +60,11 @@ std::vector<std::filesystem::path> RunOutputs::checkpointParts(std::optional<std
     std::vector<std::filesystem::path> parts;
     for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder)) {
         unsigned long long steps = 0;
-        int rank = 0, end = 0;
+        unsigned long long part = 0;
+        int end = 0;
         const std::string name = entry.path().filename().string();
         if (!name.starts_with(stem)) continue;
-        if (std::sscanf(name.c_str() + stem.size(), "%llu.r%d.vdb%n", &steps, &rank, &end) != 2 || end == 0 ||
+        if (std::sscanf(name.c_str() + stem.size(), "%llu.p%llu.vdb%n", &steps, &part, &end) != 2 || end == 0 ||
             name.size() != stem.size() + std::size_t(end) || steps == but)
             continue;
         parts.push_back(entry.path());

@@ -29,8 +29,8 @@ class RunOutputs {
         return mTextures.path(number(frame, part));
     }
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
-    /// A rank's part of the checkpoint after some steps.
-    [[nodiscard]] std::filesystem::path checkpointPart(std::uint64_t steps, int rank) const;
+    /// A part of the checkpoint after some steps.
+    [[nodiscard]] std::filesystem::path checkpointPart(std::uint64_t steps, std::size_t part) const;
     /// The parts of the checkpoint that are on disk. @param but after these steps
     [[nodiscard]] std::vector<std::filesystem::path> checkpointParts(std::optional<std::uint64_t> but) const;
 

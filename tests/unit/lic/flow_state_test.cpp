@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,14 +29,42 @@
 namespace vdblic {
 namespace {
 
+using openvdb::Coord;
+using openvdb::Vec3f;
+
 constexpr int kStateSteps = 9;
 
 /// Grids written to a file and read again.
-std::vector<VdbFile> throughAFile(const openvdb::GridPtrVec& grids)
+VdbFile throughAFile(const openvdb::GridPtrVec& grids)
 {
     const TemporaryFolder folder;
     writeVdb(folder / "state.vdb", openvdb::GridCPtrVec(grids.begin(), grids.end()), {});
-    return {readVdb(folder / "state.vdb")};
+    return readVdb(folder / "state.vdb");
+}
+
+std::vector<VdbFile> throughFiles(const FlowTexture& texture)
+{
+    std::vector<VdbFile> files;
+    for (std::size_t part = 0; part < texture.parts(); ++part)
+        files.push_back(throughAFile(texture.save(part).grids));
+    return files;
+}
+
+/// Returns the files one by one.
+auto source(std::vector<VdbFile> files)
+{
+    return [files = std::move(files), next = std::size_t(0)]() mutable {
+        return next < files.size() ? std::optional(files[next++]) : std::nullopt;
+    };
+}
+
+/// What a state's particles are after a file.
+ParticleBins readAgain(const Domain& domain, const std::vector<ParticleBins>& bins, std::size_t generations)
+{
+    const LeafValues<std::int32_t> input(domain, 0);
+    FlowStateReader reader(domain, generations, false);
+    reader.add(throughAFile({inputGrid(domain, domain.own(), input), particleGrid(domain, domain.own(), bins)}));
+    return reader.finish().particles;
 }
 
 std::size_t differingVoxels(const LeafValues<float>& a, const LeafValues<float>& b)
@@ -59,7 +88,7 @@ TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
         for (std::size_t k = 0; k < saved; ++k)
             (void)before.advance(test::stepFrom(frames, k));
         FlowTexture after(GetParam(), FeedbackParams{}, NoiseField(7));
-        after.restore(before.steps(), 1, frames[saved].domain, throughAFile(before.save()));
+        after.restore(before.steps(), 1, frames[saved].domain, source(throughFiles(before)));
         EXPECT_EQ(after.steps(), saved);
         for (std::size_t k = saved; k < kStateSteps; ++k) {
             EXPECT_EQ(differingVoxels(after.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u)
@@ -139,7 +168,7 @@ TEST(ParticleGrid, KeepsEveryBitOfAParticle)
     }
     std::vector<ParticleBins> threads;
     threads.push_back(std::move(bins));
-    const ParticleBins read = readParticles(*domain, throughAFile({particleGrid(*domain, threads)}), 2);
+    const ParticleBins read = readAgain(*domain, threads, 2);
     std::size_t found = 0;
     for (std::size_t tile = 0; tile < domain->leafCount(); ++tile) {
         read.forEach(tile, [&](const Particle& particle, const std::uint32_t* words) {
@@ -159,7 +188,7 @@ TEST(ParticleGrid, KeepsEveryBitOfAParticle)
 TEST(ParticleGrid, MayBeEmpty)
 {
     const auto domain = box({{0, 0, 0}, {3, 3, 3}});
-    const ParticleBins read = readParticles(*domain, throughAFile({particleGrid(*domain, {})}), 4);
+    const ParticleBins read = readAgain(*domain, {}, 4);
     read.forEach(0, [](auto&&...) { ADD_FAILURE(); });
 }
 
@@ -173,11 +202,13 @@ TEST(InputGrid, KeepsEveryValue)
             input[leaf][i] = std::int32_t(number & 65535);
         }
     }
-    const std::vector<VdbFile> files = throughAFile({inputGrid(*domain, input)});
-    const LeafValues<std::int32_t> read = readInput(*domain, files);
+    const VdbFile file = throughAFile({inputGrid(*domain, domain->own(), input), particleGrid(*domain, {}, {})});
+    FlowStateReader reader(*domain, 0, false);
+    reader.add(file);
+    const LeafValues<std::int32_t> read = reader.finish().input;
     for (std::size_t leaf = 0; leaf < domain->leafCount(); ++leaf)
         ASSERT_TRUE(std::equal(input[leaf], input[leaf] + Domain::kLeafVoxels, read[leaf]));
-    const auto range = openvdb::tools::minMax(files.front().find<openvdb::FloatGrid>("noise")->tree());
+    const auto range = openvdb::tools::minMax(file.find<openvdb::FloatGrid>("noise")->tree());
     EXPECT_GE(range.min(), 0);
     EXPECT_LT(range.max(), 1);
 }
@@ -188,17 +219,41 @@ TEST(SavedStates, ThatDoNotFitAreRefused)
     FlowTexture texture(ScatterParams{}, FeedbackParams{}, NoiseField(7));
     for (std::size_t k = 0; k < 2; ++k)
         (void)texture.advance(test::stepFrom(frames, k));
-    const std::vector<VdbFile> state = throughAFile(texture.save());
+    const std::vector<VdbFile> state = throughFiles(texture);
     FlowTexture other(ScatterParams{}, FeedbackParams{}, NoiseField(7));
-    EXPECT_NO_THROW(other.restore(2, 1, frames[2].domain, state));
-    EXPECT_THROW(other.restore(2, 1, frames[3].domain, state), InputError);
+    EXPECT_NO_THROW(other.restore(2, 1, frames[2].domain, source(state)));
+    EXPECT_THROW(other.restore(2, 1, frames[3].domain, source(state)), InputError);
     for (std::size_t missing = 0; missing < state.front().grids.size(); ++missing) {
         std::vector<VdbFile> part = state;
         part.front().grids.erase(part.front().grids.begin() + std::ptrdiff_t(missing));
-        EXPECT_THROW(other.restore(2, 1, frames[2].domain, part), InputError);
+        EXPECT_THROW(other.restore(2, 1, frames[2].domain, source(part)), InputError);
     }
     FlowTexture window(params(ScatterMethod::kAuflic, 4, false), FeedbackParams{}, NoiseField(7));
-    EXPECT_THROW(window.restore(2, 1, frames[2].domain, state), InputError);
+    EXPECT_THROW(window.restore(2, 1, frames[2].domain, source(state)), InputError);
+}
+
+TEST(SavedStates, OfLargeDomainsAreInParts)
+{
+    // One voxel thick: 65 x 65 leaves, more than a part has.
+    const auto frames = test::makeFrames({Coord(0, 0, 0), Coord(519, 519, 0)}, 4, [](const Coord& at, int k) {
+        return Vec3f(1.5f * std::sin(0.05f * float(at[1] + k)), 1.5f * std::cos(0.07f * float(at[0])), 0);
+    });
+    ScatterParams scatter;
+    scatter.substeps = 2; // with a running mean
+    const auto texture = [&] { return FlowTexture(scatter, FeedbackParams{}, NoiseField(7)); };
+    FlowTexture before = texture(), after = texture(), incomplete = texture();
+    for (std::size_t k = 0; k < 2; ++k)
+        (void)before.advance(test::stepFrom(frames, k));
+    ASSERT_EQ(before.parts(), 2u);
+    openvdb::CoordBBox both = before.save(0).box;
+    both.expand(before.save(1).box);
+    EXPECT_EQ(both, openvdb::CoordBBox({0, 0, 0}, {519, 519, 7}));
+    const std::vector<VdbFile> files = throughFiles(before);
+    after.restore(before.steps(), 1, frames[2].domain, source({files[1], files[0]})); // in any order
+    EXPECT_EQ(differingVoxels(after.advance(test::stepFrom(frames, 2)).texture,
+                              before.advance(test::stepFrom(frames, 2)).texture),
+              0u);
+    EXPECT_THROW(incomplete.restore(before.steps(), 1, frames[2].domain, source({files[1]})), InputError);
 }
 
 TEST(ParticleGrid, IsRefusedWithValuesThatNoRunLeaves)
@@ -208,7 +263,7 @@ TEST(ParticleGrid, IsRefusedWithValuesThatNoRunLeaves)
         std::vector<ParticleBins> bins;
         bins.emplace_back(domain->leafCount(), 0);
         bins.front().add(0, Particle{{1, 2, 3}, {0, 0, 0}, alive, 7}, nullptr);
-        return readParticles(*domain, throughAFile({particleGrid(*domain, bins)}), 0);
+        return readAgain(*domain, bins, 0);
     };
     std::uint64_t found = 0;
     readWith(Hits::pack(96 * 65535, 96)).forEach(0, [&](const Particle& particle, auto) { found = particle.alive; });
