@@ -61,11 +61,8 @@ class BricksOf {
     /// Take on a domain; none of its leaves has a brick yet.
     void cover(std::shared_ptr<const Domain> domain)
     {
-        for (auto& brick : mBricks) {
-            if (brick) mSpare.push_back(std::move(brick));
-        }
         mDomain = std::move(domain);
-        mBricks.resize(mDomain->leafCount());
+        mBricks = std::vector<std::unique_ptr<Record[]>>(mDomain->leafCount());
     }
 
     /// Fill the bricks of some leaves, in parallel.
@@ -74,26 +71,19 @@ class BricksOf {
     template<typename Leaves, typename Fill>
     void fill(const Leaves& leaves, const Fill& fill)
     {
-        for (const std::size_t leaf : leaves) {
-            if (mSpare.empty()) {
-                mBricks[leaf].reset(new Record[kSize]);
-            } else {
-                mBricks[leaf] = std::move(mSpare.back());
-                mSpare.pop_back();
-            }
-        }
         tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
             const std::size_t leaf = leaves[i];
+            mBricks[leaf].reset(new Record[kSize]);
             fill(leaf, mBricks[leaf].get());
         });
     }
 
-    /// Take the bricks of some leaves away; later fill() calls reuse their memory.
+    /// Free the bricks of some leaves.
     template<typename Leaves>
     void release(const Leaves& leaves)
     {
         for (const std::size_t leaf : leaves)
-            mSpare.push_back(std::move(mBricks[leaf]));
+            mBricks[leaf].reset();
     }
 
     /// The bricks of a leaf and of the 26 around it, to find those of eight positions at once.
@@ -231,7 +221,6 @@ class BricksOf {
 
     std::shared_ptr<const Domain> mDomain;
     std::vector<std::unique_ptr<Record[]>> mBricks; // of each leaf; null if not filled
-    std::vector<std::unique_ptr<Record[]>> mSpare;  // released
 };
 
 using Bricks = BricksOf<8>;

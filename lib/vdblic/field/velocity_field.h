@@ -41,7 +41,7 @@ class VelocityField {
     /// Fill leaves of the sampled velocity's domain. They can be sampled then from half a voxel before their first
     /// voxels' centres to the centres of the voxels after their last.
     void fill(Slabs::Leaves leaves);
-    /// Free filled leaves' memory for other leaves; they cannot be sampled any longer.
+    /// Free the memory of filled leaves; they cannot be sampled any longer.
     void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
 
     /// prepare() and fill() everything.

@@ -182,12 +182,12 @@ class Advection {
         for (LoadedFrame start = at(part); part < parts; ++part) {
             LoadedFrame end = at(part + 1);
             const bool isWritten = mTexture.steps() >= mParams.warmUpSteps();
-            const FlowTextureStep step = advance(start, end, seconds);
+            FlowTextureStep step = advance(start, end, seconds);
             const StepTime time{mTime + part * seconds / parts, seconds, part};
             if (part + 1 == parts) mTime += seconds;
             // Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
             stepDone(end);
-            if (isWritten) write(start, step, time);
+            if (isWritten) write(start, std::move(step), time);
             saveIfDue();
             start = std::move(end);
         }
@@ -251,21 +251,23 @@ class Advection {
         int part = 0;    // number of the substep after the frame
     };
 
-    void write(const LoadedFrame& frame, const FlowTextureStep& step, const StepTime& time)
+    void write(const LoadedFrame& frame, FlowTextureStep step, const StepTime& time)
     {
         const auto [textureTime, interval, part] = time;
         if (part == 0) warnOfOddFlow(frame, interval);
         const std::int64_t number = mOutputs.number(frame.velocity.file.frame, part);
         const double seconds = interval / mParams.scatter.substeps;
-        const LeafValues<float> texture =
-            mParams.steady
-                ? step.texture
-                : finished(frame.flow, frame.velocity.toVoxelsPerStep(interval), step.texture, mParams.finish);
-        TextureFile file = makeTextureFile(mParams, frame, texture.tree(), *frame.textureTransform(),
+        if (!mParams.steady) {
+            step.texture = finished(frame.flow, frame.velocity.toVoxelsPerStep(interval), step.texture, mParams.finish);
+        }
+        TextureFile file = makeTextureFile(mParams, frame, step.texture.tree(), *frame.textureTransform(),
                                            {number, frame.sourceFrame, textureTime, seconds});
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
+        Stopwatch watch;
         std::vector<OwnLeaves> own = mShared.store(frame, file, mWriter.isMineNext());
+        mReport.frames.back().write = watch.lap();
+        step.texture = {};
         mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file), std::move(own));
     }
 
@@ -310,7 +312,7 @@ class Advection {
         }
         mReport.seconds = seconds;
         for (std::size_t i = 0; i < mReport.frames.size(); ++i)
-            mReport.frames[i].write = mWriter.seconds()[i];
+            mReport.frames[i].write += mWriter.seconds()[i];
         for (const std::string& line : runLines(mReport))
             mReporter.detail(line);
         if (!mParams.json.empty()) (void)writeReport(mParams.json, toJson(mReport));

@@ -135,14 +135,15 @@ class FlowTexture::Pipeline {
         FlowTextureStep result;
         const Domain& domain = *step.start.domain;
         if (!mInput) mInput = noiseInput(domain, mNoise);
-        mField.prepare(step.start.fieldDomain(), {step.start.velocities->tree(), step.startToStep},
-                       {step.end.velocities->tree(), step.endToStep});
+        VelocityField field;
+        field.prepare(step.start.fieldDomain(), {step.start.velocities->tree(), step.startToStep},
+                      {step.end.velocities->tree(), step.endToStep});
         {
             const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
             result.stats =
-                mScatter.step(mField, *mInput, accumulator, *step.end.domain, slopeScale(step.interval), step.halo);
+                mScatter.step(field, *mInput, accumulator, *step.end.domain, slopeScale(step.interval), step.halo);
             mLastInterval = step.interval;
-            result.times.load = mField.secondsToFill();
+            result.times.load = field.secondsToFill();
             result.times.scatter = watch.lap() - result.times.load;
 
             if (mParams.substeps == 1) {
@@ -156,11 +157,11 @@ class FlowTexture::Pipeline {
         if (mParams.method == ScatterMethod::kAuflic) {
             if (step.halo) step.halo->takeFromOwners(result.texture, 1); // as far as the mean reaches
             result.texture =
-                meanAlongFlow(domain, step.start.refinement, mField.start(), result.texture, mFeedback.taps);
+                meanAlongFlow(domain, step.start.refinement, field.start(), result.texture, mFeedback.taps);
         }
         if (step.halo) step.halo->takeFromOwners(result.texture);
         result.times.convolve = watch.lap();
-        mInput = feedForward(mField, result.texture, *step.end.domain, mNoise, mFeedback, mStep, mParams.substeps);
+        mInput = feedForward(field, result.texture, *step.end.domain, mNoise, mFeedback, mStep, mParams.substeps);
         if (mMean && step.end.domain != step.start.domain) mMean = onDomain(*step.end.domain, *mInput, domain, *mMean);
         result.times.filter = watch.lap();
         mDomain = step.end.domain;
@@ -172,7 +173,6 @@ class FlowTexture::Pipeline {
     NoiseField mNoise;
     std::optional<LicKernel> mSteady;
     Scatter mScatter;
-    VelocityField mField;
     std::shared_ptr<const Domain> mDomain; // of the step to come
     std::optional<LeafValues<std::int32_t>> mInput;
     std::optional<RunningMean> mMean; // with substeps

@@ -57,21 +57,21 @@ FrameWriter::Paths FrameWriter::begin()
     if (mWaiting.empty()) return finished;
     const auto rank = std::size_t(mExchange.rank());
     if (rank < mWaiting.size()) {
-        if (!mExchange.isAlone()) mStream.emplace(mFile.computed);
+        mStream.emplace(mFile.computed);
         mPending =
             std::async(std::launch::async, [this, path = mWaiting[rank].path, held = std::move(mFile)]() mutable {
                 const TextureFile file = std::move(held); // freed when written; `held` lives as long as mPending
                 Stopwatch watch;
                 try {
-                    writeStoredVdb(path, file.grids, file.metadata, mCompression, mStream ? &*mStream : nullptr);
+                    writeStoredVdb(path, file.grids, file.metadata, mCompression, &*mStream);
                 } catch (...) {
-                    if (mStream) mStream->giveUp();
+                    mStream->giveUp();
                     throw;
                 }
                 return watch.lap();
             });
     }
-    if (!mExchange.isAlone()) deliverWaiting();
+    deliverWaiting();
     for (Waiting& file : mWaiting)
         mBegun.push_back(std::move(file.path));
     mWaiting.clear();

@@ -33,7 +33,7 @@ class FrameWriter {
 
     /// Write a file, after the ones before are finished. Collective if it is the last writer's turn.
     /// @param file is ignored where !isMineNext()
-    /// @param own  leaves of the file's first grids, for each grid; none for a process alone
+    /// @param own  this rank's leaves of the grids that were computed, for each grid
     /// @throws OutputError of an earlier file; what the reporter throws, while the file is being written
     void write(std::filesystem::path path, TextureFile file, std::vector<OwnLeaves> own);
 

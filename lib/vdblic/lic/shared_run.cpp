@@ -84,7 +84,7 @@ std::optional<HaloExchange> SharedRun::haloOf(const LoadedFrame& start) const
 std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const
 {
     std::vector<OwnLeaves> stored;
-    for (std::size_t i = 0; !mExchange.isAlone() && i < file.computed; ++i) {
+    for (std::size_t i = 0; i < file.computed; ++i) {
         const auto grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[i]);
         const bool isFine = i == 0 || mParams.format.scalars == ScalarVoxels::kTexture;
         const Domain& domain = isFine ? *frame.flow.domain : *frame.flow.velocityDomain();

@@ -18,8 +18,8 @@ namespace vdblic {
 struct AdvectParams;
 class FlowTexture;
 
-/// What the ranks of a run tell each other about its frames. All functions but store() are collective; for a
-/// process alone they do nothing. Not thread-safe.
+/// What the ranks of a run tell each other about its frames. All functions but store() are collective, and do nothing
+/// for a process alone. Not thread-safe.
 class SharedRun {
   public:
     /// Both must outlive this.
