@@ -10,8 +10,7 @@
 #include "vdblic/lic/local_contrast.h"
 #include "vdblic/lic/noise.h"
 #include "vdblic/lic/release_turn.h"
-#include "vdblic/lic/sharpen.h"
-#include "vdblic/lic/texture_bricks.h"
+#include "vdblic/lic/sharp_texture.h"
 
 #include <tbb/parallel_for.h>
 
@@ -89,8 +88,7 @@ std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
 struct FeedForward {
     const VelocityField& field;
     const Domain& domain;
-    const TextureBricks& sharp;
-    const LocalContrast& contrast;
+    const SharpTexture& sharp;
     const NoiseField& noise;
     const FeedbackParams& params;
     const std::vector<std::uint8_t>& withoutRim; // leavesWithoutRim()
@@ -100,9 +98,9 @@ struct FeedForward {
     VDBLIC_INLINE void filterLeaf(std::size_t leaf, std::int32_t* input) const
     {
         const openvdb::Coord origin = domain.origin(leaf);
-        const TextureBricks::Window window = sharp.window(origin);
+        const SharpTexture::Window window = sharp.window(origin);
         const Bricks::Window fieldWindow = field.window(origin);
-        const LocalContrast::Leaf around(contrast, origin);
+        const LocalContrast::Leaf around(sharp.contrast(), origin);
         const WindowBox inside(domain, window.leaves);
         const LeafVelocities displacements(field.end(), field.fieldDomain().refinement, origin);
         const Float8 midway = broadcast8(std::max(1 - 0.25f * substeps, 0.0f)); // a quarter of a frame back
@@ -116,7 +114,7 @@ struct FeedForward {
             // Half a frame back by the midpoint rule.
             const Vector8 way =
                 field.sample(fieldWindow, centre - displacement * 0.25f, midway, last, lanes) * substeps;
-            const TextureBricks::Samples upstream = sharp.at(window, centre - way * 0.5f, lanes);
+            const SharpTexture::Samples upstream = sharp.at(window, centre - way * 0.5f, lanes);
             const Int8 known = upstream.coverage > 0;
             const Float8 carried = anyOf(maskOf(lanes) & ~known)
                                        ? (known ? upstream.value : sharp.at(window, centre, lanes).value)
@@ -158,7 +156,7 @@ struct FeedForward {
     /// Give voxels whose fluid came into the domain during the frame the noise that it brings.
     /// @param before positions a frame ago of the fluid that is in the voxels' centres now
     /// @param lanes  of voxels whose fluid may have come in
-    [[gnu::noinline]] void renewEntering(const TextureBricks::Window& window, const Vector8& centre,
+    [[gnu::noinline]] void renewEntering(const SharpTexture::Window& window, const Vector8& centre,
                                          const Vector8& before, unsigned lanes, Int8& value) const
     {
         for (int z = 0; z < LeafVoxel::kDim; ++z) { // far upstream most fluid was still inside
@@ -222,15 +220,13 @@ LeafValues<std::int32_t> feedForward(VelocityField& field, const LeafValues<floa
                                      int substeps)
 {
     const Domain& domain = field.domain();
-    const LeafValues<float> sharp = sharpened(domain, texture, params.sharpen);
-    TextureBricks bricks(field.fieldDomain().texture, sharp);
-    const LocalContrast contrast(domain, sharp);
-    const std::vector<std::uint8_t> withoutRim = leavesWithoutRim(domain);
-    const FeedForward filter{field, domain, bricks, contrast, noise, params, withoutRim, step, float(substeps)};
-
-    LeafValues<std::int32_t> input = noiseInput(next, noise);
     const FieldDomain& sampled = field.sampledDomain();
     const Slabs slabs(domain, sampled.refinement), velocitySlabs(slabs, *sampled.velocity, sampled.refinement);
+    SharpTexture sharp(field.fieldDomain().texture, texture, params.sharpen, slabs);
+    const std::vector<std::uint8_t> withoutRim = leavesWithoutRim(domain);
+    const FeedForward filter{field, domain, sharp, noise, params, withoutRim, step, float(substeps)};
+
+    LeafValues<std::int32_t> input = noiseInput(next, noise);
     // A sample lies up to a whole frame upstream, and its cell, or the velocity's, reaches one voxel farther.
     const float farthest = std::min(field.largest()[slabs.axis()] * float(substeps), 1e6f);
     const int cell = sampled.refinement.factors[std::size_t(slabs.axis())];
@@ -238,11 +234,11 @@ LeafValues<std::int32_t> feedForward(VelocityField& field, const LeafValues<floa
     slabs.sweep(
         reach,
         [&](std::size_t slab) {
-            bricks.fill(slabs[slab]);
+            sharp.open(slab);
             field.fill(velocitySlabs[slab]);
         },
         [&](std::size_t slab) {
-            bricks.release(slabs[slab]);
+            sharp.close(slab);
             field.release(velocitySlabs[slab]);
         },
         [&](std::size_t slab) {

@@ -1,6 +1,5 @@
 #include "vdblic/lic/local_contrast.h"
 
-#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_window.h"
 
 #include <cstddef>
@@ -35,11 +34,7 @@ VDBLIC_KERNEL void LocalContrast::sumBlocks(const Domain::Mask& mask, const floa
     }
 }
 
-LocalContrast::LocalContrast(const Domain& domain, const LeafValues<float>& values)
-    : mDomain(domain), mMoments(domain.leafCount())
-{
-    forLeaves(domain.local(), [&](std::size_t leaf) { sumBlocks(domain.mask(leaf), values[leaf], mMoments[leaf]); });
-}
+LocalContrast::LocalContrast(const Domain& domain) : mDomain(domain), mMoments(domain.leafCount()) {}
 
 LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& origin)
 {

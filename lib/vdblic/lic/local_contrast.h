@@ -14,18 +14,20 @@ namespace vdblic {
 ///
 /// Moments are taken over blocks of 4³ voxels: wide enough to measure contrast, narrow enough that no feature grows
 /// broader than a few voxels. A voxel's moments are interpolated linearly between the centres of the nearest blocks.
-/// Immutable; any number of threads may read.
+/// Any number of threads may read what is added before.
 class LocalContrast {
   public:
     /// @param domain must outlive this
-    /// Computed in parallel; the result does not depend on the number of threads.
-    LocalContrast(const Domain& domain, const LeafValues<float>& values);
+    explicit LocalContrast(const Domain& domain);
+
+    /// Add a leaf, once. @param values the texture's. Threads may add different leaves.
+    void add(std::size_t leaf, const float* values) { sumBlocks(mDomain.mask(leaf), values, mMoments[leaf]); }
 
     /// Of the eight voxels of a row along z. Not-a-number where no block around has a voxel of the domain.
     struct Row {
         Float8 mean, deviation;
     };
-    /// Gives the rows of one leaf.
+    /// Gives the rows of one leaf; it and those of the 26 around it that the domain has must be added.
     class Leaf {
       public:
         Leaf(const LocalContrast& contrast, const openvdb::Coord& origin);

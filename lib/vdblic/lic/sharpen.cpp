@@ -25,14 +25,18 @@ VDBLIC_KERNEL void sharpenLeaf(const NeighbourSums& sums, const Domain::Mask& ma
 
 } // namespace
 
+void sharpen(const Domain& domain, const LeafValues<float>& texture, std::size_t leaf, float strength,
+             const ValueRange& range, float* result)
+{
+    const NeighbourSums sums = sumNeighbours(domain, texture, leaf, 1);
+    sharpenLeaf(sums, domain.mask(leaf), texture[leaf], strength, range, result);
+}
+
 LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength,
                             const ValueRange& range)
 {
     LeafValues<float> result(domain, 0.0f);
-    forLeaves(domain.local(), [&](std::size_t leaf) {
-        const NeighbourSums sums = sumNeighbours(domain, texture, leaf, 1);
-        sharpenLeaf(sums, domain.mask(leaf), texture[leaf], strength, range, result[leaf]);
-    });
+    forLeaves(domain.local(), [&](std::size_t leaf) { sharpen(domain, texture, leaf, strength, range, result[leaf]); });
     return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include "vdblic/field/domain.h"
 
+#include <cstddef>
 #include <limits>
 
 namespace vdblic {
@@ -19,5 +20,9 @@ struct ValueRange {
 /// Computed in parallel; the result does not depend on the number of threads. Shen & Kao 1998, section 3.3.
 [[nodiscard]] LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength,
                                           const ValueRange& range = {});
+
+/// The same for the voxels of one leaf; 0 where it has none. @param result 512 values, x slowest. Thread-safe.
+void sharpen(const Domain& domain, const LeafValues<float>& texture, std::size_t leaf, float strength,
+             const ValueRange& range, float* result);
 
 } // namespace vdblic

@@ -56,7 +56,9 @@ TEST(LocalContrast, IsMeanAndDeviationOfTheBlocksAround)
         const Coord at = voxel.getCoord();
         voxel.setValue(float(noiseValue(at[0], at[1], at[2], 1)) / float(kNoiseMax));
     }
-    const LocalContrast contrast(domain, values);
+    LocalContrast contrast(domain);
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        contrast.add(leaf, values[leaf]);
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
         const LocalContrast::Leaf around(contrast, domain.origin(leaf));
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {

@@ -2,22 +2,31 @@
 
 #include "vdblic/field/bricks.h"
 #include "vdblic/field/slabs.h"
+#include "vdblic/lic/local_contrast.h"
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 namespace vdblic {
 
-/// A texture, to be sampled between voxels. Any number of threads may sample, and none
-/// while leaves are filled or released.
-class TextureBricks {
+/// A texture sharpened (sharpen.h), to be sampled between voxels, with the contrast around each.
+///
+/// Only the open slabs are in memory. Any number of threads may read, and none while slabs are opened or closed.
+class SharpTexture {
   public:
-    /// @param texture 0 outside the domain; must outlive every fill()
-    TextureBricks(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture);
+    /// @param texture  0 outside the domain; must outlive every open()
+    /// @param strength of the sharpening
+    /// @param slabs    of the domain; must outlive this
+    SharpTexture(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture, float strength,
+                 const Slabs& slabs);
 
-    /// Only leaves that were filled and not released can be sampled.
-    void fill(Slabs::Leaves leaves);
-    void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
+    /// Sharpen a slab, in parallel; slabs are opened in order. Only leaves of open slabs can be sampled.
+    void open(std::size_t slab);
+    void close(std::size_t slab) { mBricks.release(mSlabs[slab]); }
+
+    /// Of the sharpened texture; around a leaf once the 26 next to it are open.
+    [[nodiscard]] const LocalContrast& contrast() const { return mContrast; }
 
     /// Means over the corners in the domain, and the corners' share of the weights; without coverage a mean has no
     /// meaning.
@@ -44,7 +53,14 @@ class TextureBricks {
     }
 
   private:
+    void sharpenSlab(std::size_t slab);
+
     const LeafValues<float>& mTexture;
+    float mStrength;
+    const Slabs& mSlabs;
+    LocalContrast mContrast;
+    std::vector<std::unique_ptr<float[]>> mValues; // sharpened, of leaves whose bricks are still to be filled
+    std::size_t mSharpened = 0;                    // slabs
     BricksOf<2> mBricks;
 };
 
