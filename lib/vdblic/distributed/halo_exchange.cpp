@@ -27,7 +27,7 @@ HaloExchange::HaloExchange(Exchange& exchange, const Partition& partition, const
     }
 }
 
-void HaloExchange::addToOwners(const LeafValues<std::int64_t>& accumulator) const
+void HaloExchange::addToOwners(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const
 {
     std::vector<Exchange::Bytes> messages(mTaken.size());
     std::vector<std::int64_t> words;
@@ -35,8 +35,9 @@ void HaloExchange::addToOwners(const LeafValues<std::int64_t>& accumulator) cons
         for (const std::uint32_t leaf : mTaken[rank]) {
             words.clear();
             bool touched = false;
+            const std::int64_t* const hits = hitsOf(leaf);
             for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel) {
-                words.push_back(accumulator[leaf][voxel.pos()]);
+                words.push_back(hits[voxel.pos()]);
                 touched = touched || words.back() != 0;
             }
             put(messages[rank], touched);
@@ -51,8 +52,9 @@ void HaloExchange::addToOwners(const LeafValues<std::int64_t>& accumulator) cons
             words.resize(mDomain.mask(leaf).countOn());
             message.get(words.data(), words.size());
             auto word = words.begin();
+            std::int64_t* const hits = hitsOf(leaf);
             for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
-                accumulator[leaf][voxel.pos()] += *word++;
+                hits[voxel.pos()] += *word++;
         }
     }
 }

@@ -6,7 +6,9 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace vdblic {
@@ -24,8 +26,9 @@ class HaloExchange {
     [[nodiscard]] Exchange& exchange() const { return mExchange; }
     [[nodiscard]] const Partition& partition() const { return mPartition; }
 
-    /// Add the hits in the halo to those of the leaves' owners. @param accumulator Hits words. Collective.
-    void addToOwners(const LeafValues<std::int64_t>& accumulator) const;
+    /// Add the hits in the halo to those of the leaves' owners. Collective.
+    /// @param hitsOf gives the Hits words of a local leaf
+    void addToOwners(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const;
 
     /// Take the values in the halo from the leaves' owners. Collective.
     /// @param leaves up to how far from the own ones

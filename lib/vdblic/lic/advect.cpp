@@ -258,16 +258,17 @@ class Advection {
         const std::int64_t number = mOutputs.number(frame.velocity.file.frame, part);
         const double seconds = interval / mParams.scatter.substeps;
         if (!mParams.steady) {
-            step.texture = finished(frame.flow, frame.velocity.toVoxelsPerStep(interval), step.texture, mParams.finish);
+            step.texture =
+                finished(frame.flow, frame.velocity.toVoxelsPerStep(interval), std::move(step.texture), mParams.finish);
         }
         TextureFile file = makeTextureFile(mParams, frame, step.texture.tree(), *frame.textureTransform(),
                                            {number, frame.sourceFrame, textureTime, seconds});
+        step.texture = {}; // its grid is freed as soon as its leaves are stored
         mReport.frames.push_back({number, frame.flow.domain->voxelCount(), step.stats, frame.seconds, step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
         Stopwatch watch;
         std::vector<OwnLeaves> own = mShared.store(frame, file, mWriter.isMineNext());
         mReport.frames.back().write = watch.lap();
-        step.texture = {};
         mWriter.write(mOutputs.texture(frame.velocity.file.frame, part), std::move(file), std::move(own));
     }
 

@@ -10,19 +10,18 @@
 #include <cstddef>
 
 namespace vdblic {
-
 namespace {
 
 /// Number of the hits of a row's voxels, and mean of their values: not-a-number where there are none.
 struct HitRow {
     Float8 count, mean;
 };
-VDBLIC_INLINE HitRow hitRow(const std::int64_t* accumulator, int row)
+VDBLIC_INLINE HitRow hitRow(const std::int64_t* hits, int row)
 {
     Float4 count[2], mean[2];
     for (int half = 0; half < 2; ++half) {
         UnsignedLong4 words;
-        __builtin_memcpy(&words, accumulator + row * std::ptrdiff_t(LeafVoxel::kDim) + 4 * half, sizeof words);
+        __builtin_memcpy(&words, hits + row * std::ptrdiff_t(LeafVoxel::kDim) + 4 * half, sizeof words);
         const Double4 sums = toDoubles(words >> Hits::kCountBits), counts = toDoubles(words & Hits::kCountMask);
         count[half] = __builtin_convertvector(counts, Float4);
         mean[half] = __builtin_convertvector(sums / counts, Float4);
@@ -31,60 +30,33 @@ VDBLIC_INLINE HitRow hitRow(const std::int64_t* accumulator, int row)
             __builtin_shufflevector(mean[0], mean[1], 0, 1, 2, 3, 4, 5, 6, 7)};
 }
 
-VDBLIC_KERNEL void convolveLeaf(const Domain::Mask& mask, const std::int64_t* accumulator, const std::int32_t* input,
-                                float* texture)
+} // namespace
+
+VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input,
+                            float* texture)
 {
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
-        const HitRow hits = hitRow(accumulator, row);
-        const Float8 value = hits.count > 0 ? hits.mean : __builtin_convertvector(loadRow(input, row), Float8);
+        const HitRow of = hitRow(hits, row);
+        const Float8 value = of.count > 0 ? of.mean : __builtin_convertvector(loadRow(input, row), Float8);
         storeRow(Domain::activeRow(mask, row) ? value / float(kNoiseMax) : Float8{}, texture, row);
     }
 }
 
-/// A leaf's values in a running mean; null without one.
-struct MeanLeaf {
-    float *mean = nullptr, *weight = nullptr;
-};
-/// @param kept of the older hits' weight
-VDBLIC_KERNEL void convolveLeaf(const Domain::Mask& mask, const std::int64_t* accumulator, const std::int32_t* input,
-                                const MeanLeaf& before, float kept, const MeanLeaf& result)
-{
-    for (int row = 0; row < LeafVoxel::kRows; ++row) {
-        const HitRow hits = hitRow(accumulator, row);
-        const Float8 older = before.weight ? loadRow(before.weight, row) * kept : Float8{};
-        const Float8 weight = older + hits.count;
-        const Float8 mean = before.mean ? loadRow(before.mean, row)
-                                        : __builtin_convertvector(loadRow(input, row), Float8) / float(kNoiseMax);
-        const Float8 moved = mean + (hits.mean / float(kNoiseMax) - mean) * (hits.count / weight);
-        const Int8 on = Domain::activeRow(mask, row);
-        storeRow(on ? hits.count > 0 ? moved : mean : Float8{}, result.mean, row);
-        storeRow(on ? weight : Float8{}, result.weight, row);
-    }
-}
-
-} // namespace
-
-LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
-                           const LeafValues<std::int32_t>& input)
-{
-    LeafValues<float> texture(domain, 0.0f);
-    forLeaves(domain.own(), [&](std::size_t leaf) {
-        convolveLeaf(domain.mask(leaf), accumulator[leaf], input[leaf], texture[leaf]);
-    });
-    return texture;
-}
-
-RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
-                     const LeafValues<std::int32_t>& input, const RunningMean* before, int substeps)
+VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, int substeps,
+                            const MeanLeaf& before, const MeanLeaf& after)
 {
     const float kept = float(substeps - 1) / float(substeps + 1); // of the older hits' weight
-    RunningMean result{LeafValues<float>(domain, 0.0f, domain.own()), LeafValues<float>(domain, 0.0f, domain.own())};
-    forLeaves(domain.own(), [&](std::size_t leaf) {
-        const MeanLeaf older = before ? MeanLeaf{before->mean[leaf], before->weight[leaf]} : MeanLeaf{};
-        convolveLeaf(domain.mask(leaf), accumulator[leaf], input[leaf], older, kept,
-                     {result.mean[leaf], result.weight[leaf]});
-    });
-    return result;
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const HitRow of = hitRow(hits, row);
+        const Float8 older = before.weight ? loadRow(before.weight, row) * kept : Float8{};
+        const Float8 weight = older + of.count;
+        const Float8 mean = before.mean ? loadRow(before.mean, row)
+                                        : __builtin_convertvector(loadRow(input, row), Float8) / float(kNoiseMax);
+        const Float8 moved = mean + (of.mean / float(kNoiseMax) - mean) * (of.count / weight);
+        const Int8 on = Domain::activeRow(mask, row);
+        storeRow(on ? of.count > 0 ? moved : mean : Float8{}, after.mean, row);
+        storeRow(on ? weight : Float8{}, after.weight, row);
+    }
 }
 
 LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own)

@@ -2,18 +2,23 @@
 
 #include "vdblic/field/domain.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace vdblic {
 
-/// The texture of a step: mean of the values that hit each voxel, in [0, 1]; a voxel without hits keeps its input.
+/// The texture of a leaf in a step: the mean of the values that hit each voxel, in [0, 1]; a voxel without hits keeps
+/// its input, one outside the mask has 0.
 ///
-/// @param accumulator Hits words of Scatter::step()
-/// @param input       of the step, fixed-point (kNoiseMax), on the own leaves
-/// @return on the own leaves, with room for the other local ones
-/// Computed in parallel; the result does not depend on the number of threads.
-[[nodiscard]] LeafValues<float> convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
-                                         const LeafValues<std::int32_t>& input);
+/// @param hits    Hits words
+/// @param input   of the step, fixed-point (kNoiseMax)
+/// All have 512 values, x slowest. Thread-safe.
+void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, float* texture);
+
+/// A leaf of a running mean: 512 values of each, x slowest. Both are null if there is none.
+struct MeanLeaf {
+    float *mean = nullptr, *weight = nullptr;
+};
 
 /// The texture with substeps: the mean over the last steps, in which hits count less the older they are.
 ///
@@ -23,12 +28,13 @@ namespace vdblic {
 struct RunningMean {
     LeafValues<float> mean;   ///< in [0, 1]
     LeafValues<float> weight; ///< of the hits that `mean` is of
+
+    [[nodiscard]] MeanLeaf of(std::size_t leaf) const { return {mean[leaf], weight[leaf]}; }
 };
 
-/// The running mean after a step. @param before the mean after the step before, on the same domain; null if none
-/// Otherwise as convolve(), whose texture it is for one substep.
-[[nodiscard]] RunningMean convolve(const Domain& domain, const LeafValues<std::int64_t>& accumulator,
-                                   const LeafValues<std::int32_t>& input, const RunningMean* before, int substeps);
+/// A leaf of the running mean after a step, from the one after the step before. Otherwise as convolve() for one step.
+void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, int substeps,
+              const MeanLeaf& before, const MeanLeaf& after);
 
 /// Values on a domain's own leaves with room for its other local ones. Of a process alone, the values themselves.
 [[nodiscard]] LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own);

@@ -17,14 +17,15 @@ void FinishParams::validate() const
     }
 }
 
-LeafValues<float> finished(const FlowFrame& frame, const openvdb::Mat3d& toStep, const LeafValues<float>& texture,
+LeafValues<float> finished(const FlowFrame& frame, const openvdb::Mat3d& toStep, LeafValues<float> texture,
                            const FinishParams& params)
 {
     if (params.taps == 0) return texture;
     const VelocityLevel velocities{frame.velocities->tree(), frame.refinement.toTexture() * toStep};
     const Domain& domain = *frame.domain;
-    const LeafValues<float> mean = meanAlongFlow(domain, frame.refinement, velocities, texture, params.taps);
-    return sharpened(domain, mean, params.sharpen, {0, 1});
+    texture =
+        meanAlongFlow(domain, frame.refinement, velocities, texture, params.taps); // the old values' memory is free
+    return sharpened(domain, texture, params.sharpen, {0, 1});
 }
 
 } // namespace vdblic

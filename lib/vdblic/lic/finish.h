@@ -21,6 +21,6 @@ struct FinishParams {
 /// @param texture in [0, 1], on the frame's domain; 0 outside
 /// @return in [0, 1], on the frame's domain. Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] LeafValues<float> finished(const FlowFrame& frame, const openvdb::Mat3d& toStep,
-                                         const LeafValues<float>& texture, const FinishParams& params);
+                                         LeafValues<float> texture, const FinishParams& params);
 
 } // namespace vdblic

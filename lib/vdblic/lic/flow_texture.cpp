@@ -138,29 +138,36 @@ class FlowTexture::Pipeline {
         VelocityField field;
         field.prepare(step.start.fieldDomain(), {step.start.velocities->tree(), step.startToStep},
                       {step.end.velocities->tree(), step.endToStep});
-        {
-            const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
-            result.stats =
-                mScatter.step(field, *mInput, accumulator, *step.end.domain, slopeScale(step.interval), step.halo);
-            mLastInterval = step.interval;
-            result.times.load = field.secondsToFill();
-            result.times.scatter = watch.lap() - result.times.load;
-
-            if (mParams.substeps == 1) {
-                result.texture = convolve(domain, accumulator, *mInput);
+        std::optional<RunningMean> mean;
+        if (mParams.substeps > 1)
+            mean = RunningMean{{domain, 0.0f, domain.own()}, {domain, 0.0f, domain.own()}};
+        else
+            result.texture = LeafValues<float>(domain, 0.0f);
+        const auto take = [&](std::size_t leaf, const std::int64_t* hits) {
+            const Domain::Mask& mask = domain.mask(leaf);
+            const std::int32_t* const input = (*mInput)[leaf];
+            if (mean) {
+                convolve(mask, hits, input, mParams.substeps, mMean ? mMean->of(leaf) : MeanLeaf{}, mean->of(leaf));
             } else {
-                mMean = convolve(domain, accumulator, *mInput, mMean ? &*mMean : nullptr, mParams.substeps);
-                result.texture = onLocal(domain, mMean->mean);
+                convolve(mask, hits, input, result.texture[leaf]);
             }
-        } // the accumulator and the input make room for what follows
-        mInput.reset();
+        };
+        result.stats = mScatter.step(field, *mInput, take, *step.end.domain, slopeScale(step.interval), step.halo);
+        mLastInterval = step.interval;
+        result.times.load = field.secondsToFill();
+        result.times.scatter = watch.lap() - result.times.load - mScatter.secondsToTake();
+        if (mean) {
+            mMean = std::move(mean);
+            result.texture = onLocal(domain, mMean->mean);
+        }
+        mInput.reset(); // makes room for what follows
         if (mParams.method == ScatterMethod::kAuflic) {
             if (step.halo) step.halo->takeFromOwners(result.texture, 1); // as far as the mean reaches
             result.texture =
                 meanAlongFlow(domain, step.start.refinement, field.start(), result.texture, mFeedback.taps);
         }
         if (step.halo) step.halo->takeFromOwners(result.texture);
-        result.times.convolve = watch.lap();
+        result.times.convolve = watch.lap() + mScatter.secondsToTake();
         mInput = feedForward(field, result.texture, *step.end.domain, mNoise, mFeedback, mStep, mParams.substeps);
         if (mMean && step.end.domain != step.start.domain) mMean = onDomain(*step.end.domain, *mInput, domain, *mMean);
         result.times.filter = watch.lap();

@@ -1,20 +1,20 @@
 #include "vdblic/lic/scatter.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/stopwatch.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/field/vector.h"
+#include "vdblic/lic/accumulator.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/particle_exchange.h"
 #include "vdblic/lic/seeding.h"
 #include "vdblic/lic/tile_schedule.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 #include <tbb/partitioner.h>
 
 #include <algorithm>
@@ -32,34 +32,54 @@
 namespace vdblic {
 namespace {
 
-/// Totals over an accumulator's own leaves.
+/// What the own leaves have collected.
 struct Collected {
     std::size_t hits = 0, emptyVoxels = 0;
-
-    Collected operator+(const Collected& other) const { return {hits + other.hits, emptyVoxels + other.emptyVoxels}; }
 };
-VDBLIC_KERNEL Collected collectedIn(const std::int64_t* accumulator)
+VDBLIC_KERNEL Collected collectedIn(const std::int64_t* hits)
 {
-    UnsignedLong4 hits{}, empty{};
+    UnsignedLong4 sum{}, empty{};
     for (int i = 0; i < LeafVoxel::kCount; i += 4) { // Hits::kOutside has a count of 0
         UnsignedLong4 words;
-        __builtin_memcpy(&words, accumulator + i, sizeof words);
-        hits += words & Hits::kCountMask;
+        __builtin_memcpy(&words, hits + i, sizeof words);
+        sum += words & Hits::kCountMask;
         empty -= UnsignedLong4(words == 0); // true is −1
     }
-    return {hits[0] + hits[1] + hits[2] + hits[3], empty[0] + empty[1] + empty[2] + empty[3]};
+    return {sum[0] + sum[1] + sum[2] + sum[3], empty[0] + empty[1] + empty[2] + empty[3]};
 }
-Collected collected(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
-{
-    return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, domain.own().size()), Collected{},
-        [&](const tbb::blocked_range<std::size_t>& range, Collected sum) {
-            for (std::size_t number = range.begin(); number < range.end(); ++number)
-                sum = sum + collectedIn(accumulator[domain.own()[number]]);
-            return sum;
-        },
-        std::plus<>());
-}
+
+/// Passes leaves on that have all their hits.
+class Collector {
+  public:
+    Collector(const Domain& domain, Accumulator& accumulator, const TakeHits& take)
+        : mDomain(domain), mAccumulator(accumulator), mTake(take)
+    {
+    }
+
+    void collect(Domain::Leaves leaves)
+    {
+        Stopwatch watch;
+        forLeaves(leaves, [&](std::size_t leaf) {
+            if (!mDomain.isOwn(leaf)) return;
+            const Collected found = collectedIn(mAccumulator[leaf]);
+            mHits += found.hits;
+            mEmptyVoxels += found.emptyVoxels;
+            mTake(leaf, mAccumulator[leaf]);
+        });
+        mAccumulator.close(leaves);
+        mSeconds += watch.lap();
+    }
+
+    [[nodiscard]] Collected all() const { return {mHits, mEmptyVoxels}; }
+    [[nodiscard]] double seconds() const { return mSeconds; }
+
+  private:
+    const Domain& mDomain;
+    Accumulator& mAccumulator;
+    const TakeHits& mTake;
+    std::atomic<std::size_t> mHits = 0, mEmptyVoxels = 0;
+    double mSeconds = 0;
+};
 
 /// The farthest that a path of this step can lead from its own tile, along each axis [voxels].
 std::array<float, 3> longestPaths(const ScatterScene& scene)
@@ -109,7 +129,10 @@ void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coor
 }
 
 /// Scatter every tile.
-std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& field)
+/// @param accumulator its leaves are open while paths may lead to them
+/// @param collect     called with the leaves of each slab that no path leads to any more
+std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& field, Accumulator& accumulator,
+                                      const std::function<void(Slabs::Leaves)>& collect)
 {
     const std::size_t threads = threadCount();
     std::vector<TileScatter> workers;
@@ -125,8 +148,15 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& 
     const auto axis = std::size_t(slabs.axis());
     const int finer = domain.refinement.factors[axis] - 1;
     slabs.sweep(
-        inLeaves(longest[axis] + float(finer)), [&](std::size_t slab) { field.fill(velocitySlabs[slab]); },
-        [&](std::size_t slab) { field.release(velocitySlabs[slab]); },
+        inLeaves(longest[axis] + float(finer)),
+        [&](std::size_t slab) {
+            field.fill(velocitySlabs[slab]);
+            accumulator.open(slabs[slab]);
+        },
+        [&](std::size_t slab) {
+            field.release(velocitySlabs[slab]);
+            collect(slabs[slab]);
+        },
         [&](std::size_t slab) {
             const Domain& texture = *domain.texture;
             if (texture.isWhole()) return scatterSlab(texture, slabs[slab], reach, workers);
@@ -171,23 +201,16 @@ void Scatter::move(Exchange& exchange, const Partition& partition, const Domain&
     handOn(exchange, partition, domain, mBins);
 }
 
-LeafValues<std::int64_t> makeAccumulator(const Domain& domain)
-{
-    LeafValues<std::int64_t> accumulator(domain, 0);
-    forLeaves(domain.local(), [&](std::size_t leaf) {
-        for (auto voxel = domain.mask(leaf).beginOff(); voxel; ++voxel)
-            accumulator[leaf][voxel.pos()] = Hits::kOutside;
-    });
-    return accumulator;
-}
-
-ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>& input,
-                           const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale,
-                           const HaloExchange* halo)
+ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>& input, const TakeHits& take,
+                           const Domain& next, float slopeScale, const HaloExchange* halo)
 {
     const Domain& domain = field.domain();
+    Accumulator accumulator(domain);
+    Collector collector(domain, accumulator, take);
     const ScatterScene scene{mParams, mStep, slopeScale, field, input, accumulator, next, mBins};
-    std::vector<TileScatter> workers = scatterTiles(scene, field);
+    std::vector<TileScatter> workers = scatterTiles(scene, field, accumulator, [&](Slabs::Leaves leaves) {
+        if (!halo) collector.collect(leaves); // paths of other ranks may lead to any
+    });
 
     ScatterStats stats;
     mBins.clear();
@@ -198,10 +221,12 @@ ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>&
     }
     ++mStep;
     if (halo) {
-        halo->addToOwners(accumulator);
+        halo->addToOwners([&](std::size_t leaf) { return accumulator[leaf]; });
+        collector.collect(domain.local());
         handOn(halo->exchange(), halo->partition(), next, mBins);
     }
-    Collected found = collected(domain, accumulator);
+    mSecondsToTake = collector.seconds();
+    Collected found = collector.all();
     if (halo) sumOver(halo->exchange(), stats, found);
     stats.emptyVoxels = found.emptyVoxels;
     const std::size_t weight = mParams.keepsHistory() ? FadingHits::kWeight : 1;

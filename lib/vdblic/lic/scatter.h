@@ -3,18 +3,20 @@
 #include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/field/velocity_field.h"
-#include "vdblic/lic/hits.h"
 #include "vdblic/lic/particle_bins.h"
 #include "vdblic/lic/scatter_params.h"
 #include "vdblic/lic/scatter_stats.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace vdblic {
 
-/// An accumulator for a step on a domain: Hits words without a hit.
-[[nodiscard]] LeafValues<std::int64_t> makeAccumulator(const Domain& domain);
+/// Takes the hits of one of the own leaves after a step.
+/// @param hits 512 Hits words, x slowest
+using TakeHits = std::function<void(std::size_t leaf, const std::int64_t* hits)>;
 
 /// The farthest that a path of a step leads from its start, along an axis [voxels]. @param slope the largest
 /// displacement in a step: the Hermite curve swings beyond its ends by at most 4/27 of the slope at each.
@@ -40,15 +42,16 @@ class Scatter {
     ///
     /// @param field       velocity over the step, as prepare() leaves it; filled slab by slab meanwhile
     /// @param input       fixed-point (kNoiseMax) at the step's start, on the field's domain
-    /// @param accumulator of makeAccumulator(), on the field's domain; receives Hits
+    /// @param take        called for each own leaf, in any order and by several threads
     /// @param next        domain of the step to come; particles outside it end
     /// @param slopeScale  duration of this step over that of the step before, in which slopes were measured
     /// @param halo        of the field's domain, if several ranks share the step: each scatters its own tiles, and gets
     ///                    its own voxels' hits and its own tiles' particles. Collective then.
     /// @throws InputError if a voxel collected 2²³ hits or more
-    ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input,
-                      const LeafValues<std::int64_t>& accumulator, const Domain& next, float slopeScale = 1,
-                      const HaloExchange* halo = nullptr);
+    ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input, const TakeHits& take,
+                      const Domain& next, float slopeScale = 1, const HaloExchange* halo = nullptr);
+    /// In `take`, during the last step, all threads at once.
+    [[nodiscard]] double secondsToTake() const { return mSecondsToTake; }
 
     /// The particles that go on, by the tiles of the domain of the step to come.
     [[nodiscard]] const std::vector<ParticleBins>& particles() const { return mBins; }
@@ -65,6 +68,7 @@ class Scatter {
   private:
     ScatterParams mParams;
     std::uint64_t mStep = 0;
+    double mSecondsToTake = 0;
     std::vector<ParticleBins> mBins; // of the particles that go on, one for each thread that moved some
 };
 

@@ -3,6 +3,7 @@
 #include "vdblic/field/domain.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/velocity_field.h"
+#include "vdblic/lic/accumulator.h"
 #include "vdblic/lic/particle_bins.h"
 #include "vdblic/lic/pathline.h"
 #include "vdblic/lic/scatter_params.h"
@@ -31,7 +32,7 @@ struct ScatterScene {
     float slopeScale;
     const VelocityField& field;
     const LeafValues<std::int32_t>& input;
-    const LeafValues<std::int64_t>& accumulator;
+    const Accumulator& accumulator;
     const Domain& next;
     std::vector<ParticleBins>& arriving; ///< each tile takes its own particles out of them
 };

@@ -2,18 +2,30 @@
 
 #include "vdblic/lic/convolve.h"
 #include "vdblic/lic/feedback.h"
+#include "vdblic/lic/hits.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace vdblic::bench {
 
-std::size_t emptyVoxels(const Domain& domain, const LeafValues<std::int64_t>& accumulator)
+Accumulator makeBucket(const Domain& domain)
 {
-    std::size_t empty = 0;
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
-        empty += std::size_t(std::count(accumulator[leaf], accumulator[leaf] + Domain::kLeafVoxels, 0));
-    return empty;
+    Accumulator bucket(domain);
+    bucket.open(domain.own());
+    return bucket;
+}
+
+LeafValues<float> takeTexture(const Domain& domain, Accumulator& bucket, const LeafValues<std::int32_t>& input,
+                              ScatterStats& stats)
+{
+    LeafValues<float> texture(domain, 0.0f);
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+        stats.emptyVoxels += std::size_t(std::count(bucket[leaf], bucket[leaf] + Domain::kLeafVoxels, 0));
+        convolve(domain.mask(leaf), bucket[leaf], input[leaf], texture[leaf]);
+    }
+    bucket.open(domain.own());
+    return texture;
 }
 
 void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fields, Float4 position,
@@ -57,7 +69,7 @@ LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, std::vector<Veloc
     if (mBuckets.empty()) {
         mInput = noiseInput(domain, mNoise);
         for (std::size_t i = 0; i < mLifeSpan; ++i)
-            mBuckets.push_back(makeAccumulator(domain));
+            mBuckets.push_back(makeBucket(domain));
     }
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
@@ -67,10 +79,7 @@ LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, std::vector<Veloc
             ++mStats.released;
         }
     }
-    LeafValues<std::int64_t>& bucket = mBuckets[k % mLifeSpan];
-    mStats.emptyVoxels = emptyVoxels(domain, bucket);
-    LeafValues<float> texture = convolve(domain, bucket, mInput);
-    bucket = makeAccumulator(domain);
+    LeafValues<float> texture = takeTexture(domain, mBuckets[k % mLifeSpan], mInput, mStats);
     mInput = feedForward(fields[k], texture, domain, mNoise, FeedbackParams{}, k);
     return texture;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/lic/accumulator.h"
 #include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/pathline.h"
 #include "vdblic/lic/scatter.h"
@@ -29,12 +30,16 @@ class EulerUflic {
 
     std::size_t mLifeSpan;
     NoiseField mNoise;
-    std::vector<LeafValues<std::int64_t>> mBuckets;
+    std::vector<Accumulator> mBuckets;
     LeafValues<std::int32_t> mInput;
     ScatterStats mStats;
 };
 
-/// Voxels of a domain that hold no hits.
-[[nodiscard]] std::size_t emptyVoxels(const Domain& domain, const LeafValues<std::int64_t>& accumulator);
+/// An accumulator of all of a domain's voxels.
+[[nodiscard]] Accumulator makeBucket(const Domain& domain);
+
+/// The texture of a bucket, which has no hits afterwards. Counts its voxels without hits.
+[[nodiscard]] LeafValues<float> takeTexture(const Domain& domain, Accumulator& bucket,
+                                            const LeafValues<std::int32_t>& input, ScatterStats& stats);
 
 } // namespace vdblic::bench

@@ -1,8 +1,8 @@
 #include "bench/engine/scap_auflic.h"
 
 #include "bench/engine/euler_uflic.h"
-#include "vdblic/lic/convolve.h"
 #include "vdblic/lic/feedback.h"
+#include "vdblic/lic/hits.h"
 
 #include <algorithm>
 #include <utility>
@@ -80,7 +80,7 @@ bool ScapAuflic::releaseAlong(std::size_t k, const std::vector<VelocityField>& f
     for (const Seed& seed : seeds) {
         for (std::size_t step = 0; step < path.steps.size(); ++step) {
             const auto& voxels = path.steps[step].voxels;
-            const LeafValues<std::int64_t>& bucket = mBuckets[(k + step) % mBuckets.size()];
+            const Accumulator& bucket = mBuckets[(k + step) % mBuckets.size()];
             const std::size_t first = step == 0 ? seed.from : 0;
             for (std::size_t i = first; i < voxels.size(); ++i)
                 bucket[voxels[i] >> 9][voxels[i] & 511] += std::int64_t(Hits::pack(seed.value, 1));
@@ -130,7 +130,7 @@ LeafValues<float> ScapAuflic::scatteringProcess(std::size_t k, std::vector<Veloc
     if (mBuckets.empty()) {
         mInput = noiseInput(domain, mNoise);
         for (int i = 0; i < mParams.lifeSpan; ++i)
-            mBuckets.push_back(makeAccumulator(domain));
+            mBuckets.push_back(makeBucket(domain));
         mFirstRank.assign(1, 0);
         for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
             mFirstRank.push_back(mFirstRank.back() + domain.mask(leaf).countOn());
@@ -142,10 +142,7 @@ LeafValues<float> ScapAuflic::scatteringProcess(std::size_t k, std::vector<Veloc
         seedTile(k, fields, leaf);
     mSaved = std::move(mNext);
 
-    LeafValues<std::int64_t>& bucket = mBuckets[k % mBuckets.size()];
-    mStats.emptyVoxels = emptyVoxels(domain, bucket);
-    LeafValues<float> texture = convolve(domain, bucket, mInput);
-    bucket = makeAccumulator(domain);
+    LeafValues<float> texture = takeTexture(domain, mBuckets[k % mBuckets.size()], mInput, mStats);
     mInput = feedForward(fields[k], texture, domain, mNoise, FeedbackParams{}, k);
     return texture;
 }

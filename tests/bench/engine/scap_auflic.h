@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/lic/accumulator.h"
 #include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/pathline.h"
 #include "vdblic/lic/scatter.h"
@@ -43,7 +44,7 @@ class ScapAuflic {
 
     ScatterParams mParams;
     NoiseField mNoise;
-    std::vector<LeafValues<std::int64_t>> mBuckets;
+    std::vector<Accumulator> mBuckets;
     LeafValues<std::int32_t> mInput;
     std::vector<std::vector<Path>> mSaved, mNext; // by tile
     std::vector<std::uint64_t> mFirstRank;

@@ -4,7 +4,6 @@
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/noise.h"
 #include "vdblic/lic/noise_field.h"
-#include "vdblic/lic/scatter.h"
 
 #include <gtest/gtest.h>
 
@@ -15,14 +14,43 @@
 namespace vdblic {
 namespace {
 
+/// Words without a hit.
+LeafValues<std::int64_t> noHits(const Domain& domain)
+{
+    LeafValues<std::int64_t> hits(domain, 0);
+    for (auto word = hits.tree()->beginValueOff(); word; ++word) {
+        if (word.isVoxelValue()) word.setValue(Hits::kOutside);
+    }
+    return hits;
+}
+
+LeafValues<float> textureOf(const Domain& domain, const LeafValues<std::int64_t>& hits,
+                            const LeafValues<std::int32_t>& input)
+{
+    LeafValues<float> texture(domain, 0.0f);
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        convolve(domain.mask(leaf), hits[leaf], input[leaf], texture[leaf]);
+    return texture;
+}
+
+RunningMean meanAfter(const Domain& domain, const LeafValues<std::int64_t>& hits, const LeafValues<std::int32_t>& input,
+                      const RunningMean* before, int substeps)
+{
+    RunningMean after{{domain, 0.0f}, {domain, 0.0f}};
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        convolve(domain.mask(leaf), hits[leaf], input[leaf], substeps, before ? before->of(leaf) : MeanLeaf{},
+                 after.of(leaf));
+    return after;
+}
+
 TEST(Convolve, DividesSumsByHitsAndKeepsTheInputWhereThereAreNone)
 {
     const auto frames = test::makeFrames({{0, 0, 0}, {1, 0, 0}}, 1, [](auto&, int) { return openvdb::Vec3f(0); });
-    const LeafValues<std::int64_t> accumulator = makeAccumulator(*frames[0].domain);
+    const LeafValues<std::int64_t> hits = noHits(*frames[0].domain);
     LeafValues<std::int32_t> input(*frames[0].domain, 0);
-    accumulator.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(std::uint64_t(3) * 65535, 4)));
+    hits.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(std::uint64_t(3) * 65535, 4)));
     input.tree()->setValue({1, 0, 0}, 13107);
-    const auto texture = convolve(*frames[0].domain, accumulator, input);
+    const auto texture = textureOf(*frames[0].domain, hits, input);
     EXPECT_FLOAT_EQ(texture.tree()->getValue({0, 0, 0}), 0.75f);
     EXPECT_FLOAT_EQ(texture.tree()->getValue({1, 0, 0}), 0.2f);
 }
@@ -34,12 +62,12 @@ struct VariedHits {
         return isHole ? std::nullopt : std::optional(openvdb::Vec3f(0));
     });
     const Domain& domain = *frames[0].domain;
-    LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
+    LeafValues<std::int64_t> words = noHits(domain);
     LeafValues<std::int32_t> input = noiseInput(domain, NoiseField(3));
 
     VariedHits()
     {
-        for (auto word = accumulator.tree()->beginValueOn(); word; ++word) {
+        for (auto word = words.tree()->beginValueOn(); word; ++word) {
             const openvdb::Coord at = word.getCoord();
             const std::uint64_t value = noiseValue(at[0], at[1], at[2], 1), count = value % 5;
             word.setValue(std::int64_t(Hits::pack(count * noiseValue(at[0], at[1], at[2], 2) + count / 3, count)));
@@ -47,12 +75,12 @@ struct VariedHits {
     }
     [[nodiscard]] std::uint64_t count(const openvdb::Coord& at) const
     {
-        return Hits::count(std::uint64_t(accumulator.tree()->getValue(at)));
+        return Hits::count(std::uint64_t(words.tree()->getValue(at)));
     }
     /// The mean of a voxel's hits, or its input.
     [[nodiscard]] float mean(const openvdb::Coord& at) const
     {
-        const double sum = double(Hits::sum(std::uint64_t(accumulator.tree()->getValue(at))));
+        const double sum = double(Hits::sum(std::uint64_t(words.tree()->getValue(at))));
         return (count(at) > 0 ? float(sum / double(count(at))) : float(input.tree()->getValue(at))) / 65535.0f;
     }
 };
@@ -60,7 +88,7 @@ struct VariedHits {
 TEST(Convolve, EveryVoxelHasTheMeanOfItsHits)
 {
     const VariedHits hits;
-    const auto texture = convolve(hits.domain, hits.accumulator, hits.input);
+    const auto texture = textureOf(hits.domain, hits.words, hits.input);
     for (auto value = texture.tree()->cbeginValueOn(); value; ++value)
         ASSERT_EQ(*value, hits.mean(value.getCoord())) << value.getCoord();
     for (auto value = texture.tree()->cbeginValueOff(); value; ++value)
@@ -71,7 +99,7 @@ TEST(RunningMean, EveryVoxelMovesByTheShareOfItsNewHits)
 {
     const VariedHits hits;
     const RunningMean before{{hits.domain, 0.25f}, {hits.domain, 6.0f}};
-    const RunningMean after = convolve(hits.domain, hits.accumulator, hits.input, &before, 2);
+    const RunningMean after = meanAfter(hits.domain, hits.words, hits.input, &before, 2);
     for (auto value = after.mean.tree()->cbeginValueOn(); value; ++value) {
         const openvdb::Coord at = value.getCoord();
         const auto count = float(hits.count(at));
@@ -92,9 +120,9 @@ TEST(RunningMean, CountsOlderHitsLess)
     const Domain& domain = *frames[0].domain;
     const LeafValues<std::int32_t> input(domain, 13107); // 0.2
     const auto step = [&](std::uint64_t sum, std::uint64_t count, const RunningMean* before) {
-        const LeafValues<std::int64_t> accumulator = makeAccumulator(domain);
-        accumulator.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(sum * 65535, count)));
-        return convolve(domain, accumulator, input, before, kSubsteps);
+        const LeafValues<std::int64_t> hits = noHits(domain);
+        hits.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(sum * 65535, count)));
+        return meanAfter(domain, hits, input, before, kSubsteps);
     };
     const RunningMean first = step(3, 4, nullptr), second = step(1, 1, &first), third = step(0, 0, &second);
     EXPECT_FLOAT_EQ(first.mean.tree()->getValue({0, 0, 0}), 0.75f);
