@@ -4,30 +4,25 @@
 
 namespace vdblic {
 
-ParticleBins::Chunk& ParticleBins::grow(Bin& bin)
+void ParticleBins::grow(Bin& bin)
 {
     if (mSpare.empty()) {
-        bin.emplace_back(new Chunk); // not make_unique: it would zero the particles
-        if (mGenerations > 0) bin.back()->generations.reset(new std::uint32_t[Chunk::kCapacity * mGenerations]);
+        bin.chunks.emplace_front();
     } else {
-        bin.push_back(std::move(mSpare.back()));
-        mSpare.pop_back();
+        bin.chunks.splice_after(bin.chunks.before_begin(), mSpare, mSpare.before_begin());
     }
-    return *bin.back();
 }
 
 void ParticleBins::take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations,
                         ParticleBins& user)
 {
-    for (auto& chunk : mBins[tile]) {
-        const std::uint32_t* words = chunk->generations.get();
-        particles.insert(particles.end(), chunk->particles.begin(),
-                         chunk->particles.begin() + std::ptrdiff_t(chunk->count));
-        generations.insert(generations.end(), words, words + chunk->count * mGenerations);
-        chunk->count = 0;
-        user.mSpare.push_back(std::move(chunk));
-    }
-    Bin().swap(mBins[tile]);
+    Bin bin = std::move(mBins[tile]);
+    mBins[tile] = Bin();
+    forEachChunk(bin, [&](std::span<const Particle> some, const std::uint32_t* words) {
+        particles.insert(particles.end(), some.begin(), some.end());
+        generations.insert(generations.end(), words, words + some.size() * mGenerations);
+    });
+    user.mSpare.splice_after(user.mSpare.before_begin(), std::move(bin.chunks));
 }
 
 } // namespace vdblic

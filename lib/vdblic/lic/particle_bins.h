@@ -7,7 +7,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <forward_list>
+#include <span>
 #include <vector>
 
 namespace vdblic {
@@ -36,12 +37,11 @@ class ParticleBins {
     VDBLIC_INLINE void add(std::size_t tile, const Particle& particle, const std::uint32_t* generations)
     {
         Bin& bin = mBins[tile];
-        Chunk* chunk = bin.empty() ? nullptr : bin.back().get();
-        if (!chunk || chunk->count == Chunk::kCapacity) chunk = &grow(bin);
-        chunk->particles[chunk->count] = particle;
-        for (std::size_t i = 0; i < mGenerations; ++i)
-            chunk->generations[chunk->count * mGenerations + i] = generations[i];
-        ++chunk->count;
+        const std::size_t place = bin.count % kCapacity;
+        if (place == 0) grow(bin);
+        bin.chunks.front()[place] = particle;
+        ++bin.count;
+        if (mGenerations > 0) bin.generations.insert(bin.generations.end(), generations, generations + mGenerations);
         for (std::size_t axis = 0; axis < 3; ++axis)
             mLargestSlope[axis] = std::max(mLargestSlope[axis], std::abs(particle.slope[axis]));
     }
@@ -52,40 +52,53 @@ class ParticleBins {
     /// The largest magnitude of any added particle's slope, along each axis [voxels per step].
     [[nodiscard]] const std::array<float, 3>& largestSlope() const { return mLargestSlope; }
 
-    /// Append a tile's particles, in the order they were added, and their generations; empties the bin.
+    /// Append a tile's particles, in any order, and their generations; empties the bin.
     /// @param user receives the chunks, for its own add()
     void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations,
               ParticleBins& user);
 
     /// Free the chunks that were received and not used.
-    void freeSpare() { Bin().swap(mSpare); }
+    void freeSpare() { mSpare.clear(); }
 
     /// Visit a tile's particles: visit(particle, generations).
     template<typename Visit>
     void forEach(std::size_t tile, const Visit& visit) const
     {
-        for (const auto& chunk : mBins[tile]) {
-            for (std::size_t i = 0; i < chunk->count; ++i)
-                visit(chunk->particles[i], chunk->generations.get() + i * mGenerations);
-        }
+        forEachChunk(mBins[tile], [&](std::span<const Particle> particles, const std::uint32_t* words) {
+            for (const Particle& particle : particles) {
+                visit(particle, words);
+                words += mGenerations;
+            }
+        });
     }
 
   private:
-    struct Chunk {
-        static constexpr std::size_t kCapacity = 16; // the last chunk of a bin is half empty
-
+    static constexpr std::size_t kCapacity = 16; // of a chunk; the last one of a bin is half empty
+    using Chunks = std::forward_list<std::array<Particle, kCapacity>>;
+    struct Bin {
+        Chunks chunks; // all but the first are full
         std::size_t count = 0;
-        std::unique_ptr<std::uint32_t[]> generations;
-        std::array<Particle, kCapacity> particles;
+        std::vector<std::uint32_t> generations; // of all particles, in the order they were added
     };
-    using Bin = std::vector<std::unique_ptr<Chunk>>;
 
-    /// An empty chunk at the bin's end.
-    Chunk& grow(Bin& bin);
+    /// Visit a bin's chunks: visit(particles, their generations).
+    template<typename Visit>
+    void forEachChunk(const Bin& bin, const Visit& visit) const
+    {
+        std::size_t end = bin.count;
+        for (const auto& chunk : bin.chunks) {
+            const std::size_t begin = (end - 1) / kCapacity * kCapacity;
+            visit(std::span(chunk).first(end - begin), bin.generations.data() + begin * mGenerations);
+            end = begin;
+        }
+    }
+
+    /// Put an empty chunk first.
+    void grow(Bin& bin);
 
     std::size_t mGenerations = 0;
     std::vector<Bin> mBins;
-    Bin mSpare; // empty chunks
+    Chunks mSpare;
     std::array<float, 3> mLargestSlope{};
 };
 
