@@ -40,6 +40,28 @@ Coord firstOf(const Coord& velocityVoxel, const std::array<int, 3>& factors)
     return {velocityVoxel[0] * factors[0], velocityVoxel[1] * factors[1], velocityVoxel[2] * factors[2]};
 }
 
+/// The mask of one of the leaves over a velocity leaf. @param block number of the leaf along each axis
+MaskLeaf::NodeMaskType refinedMask(const MaskLeaf::NodeMaskType& velocity, const Coord& block,
+                                   const std::array<int, 3>& factors)
+{
+    if (velocity.isOn()) return MaskLeaf::NodeMaskType(true);
+    const auto below = [&](int axis, int voxel) {
+        return (block[axis] * LeafVoxel::kDim + voxel) / factors[std::size_t(axis)];
+    };
+    MaskLeaf::NodeMaskType mask(false);
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const LeafVoxel voxel = LeafVoxel::ofRow(row);
+        const auto under =
+            velocity.getWord<std::uint8_t>(openvdb::Index(LeafVoxel::row(below(0, voxel.x), below(1, voxel.y))));
+        if (under == 0) continue;
+        unsigned bits = 0;
+        for (int z = 0; z < LeafVoxel::kDim; ++z)
+            bits |= unsigned(under >> below(2, z) & 1) << z;
+        mask.getWord<std::uint8_t>(openvdb::Index(row)) = std::uint8_t(bits);
+    }
+    return mask;
+}
+
 } // namespace
 
 Interpolation parseInterpolation(std::string_view text)
@@ -120,9 +142,7 @@ MaskTree::Ptr Refinement::refined(const MaskTree& velocity, int ranks) const
             auto leaf = std::make_unique<MaskLeaf>(
                 first.offsetBy(block[0] * LeafVoxel::kDim, block[1] * LeafVoxel::kDim, block[2] * LeafVoxel::kDim),
                 false);
-            for (openvdb::Index offset = 0; offset < MaskLeaf::SIZE; ++offset) {
-                if (coarseLeaf.isValueOn(coarse(leaf->offsetToGlobalCoord(offset)))) leaf->setValueOn(offset);
-            }
+            leaf->setValueMask(refinedMask(coarseLeaf.getValueMask(), block, factors));
             if (!leaf->isEmpty()) made[i].push_back(std::move(leaf));
         }
     });

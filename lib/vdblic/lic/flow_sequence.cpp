@@ -28,8 +28,9 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
 }
 
 /// @param ranks that share the frame  @param part whose values are needed
+/// @param before the frame before; its domain is used again if the voxels are the same
 LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ranks,
-                 const std::optional<VelocityPart>& part)
+                 const std::optional<VelocityPart>& part, const FlowFrame& before)
 {
     Stopwatch watch;
     LoadedFrame frame;
@@ -37,10 +38,16 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ra
     frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
     frame.velocity = readVelocity(file, params.velocity, part);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;
-    auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
     frame.flow.velocities = frame.velocity.values;
+    const bool isSame = before.domain && params.domain.mask.empty() &&
+                        before.velocities->transform() == values.transform() &&
+                        before.velocities->tree().hasSameTopology(values.tree());
     try {
-        FieldDomain domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame, ranks);
+        FieldDomain domain = before.fieldDomain();
+        if (!isSame) {
+            auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
+            domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame, ranks);
+        }
         frame.flow.domain = std::move(domain.texture);
         frame.flow.refinedFrom = std::move(domain.velocity);
         frame.flow.refinement = domain.refinement;
@@ -74,7 +81,8 @@ std::optional<LoadedFrame> FlowSequence::next()
     if (!mPartition) mPartition = frame.partition;
     lookAhead();
     checkSuccession(frame.velocity);
-    mLast = frame.velocity.values;
+    mLast = frame.flow;
+    if (!mExchange.isAlone()) mLast.domain = mLast.refinedFrom = nullptr; // other parts than a later frame's
     for (const std::string& remark : frame.velocity.remarks)
         sayOnce(remark);
     return frame;
@@ -137,11 +145,11 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
 LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
 {
     const int rank = mExchange.rank(), ranks = mExchange.size();
-    if (mExchange.isAlone()) return load(file, mParams, ranks, std::nullopt);
+    if (mExchange.isAlone()) return load(file, mParams, ranks, std::nullopt, mLast);
     std::shared_ptr<const Partition> partition = mPartition;
     if (!partition) {
         const openvdb::CoordBBox nowhere(openvdb::Coord(1 << 28), openvdb::Coord(1 << 28));
-        const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false});
+        const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false}, {});
         partition =
             std::make_shared<const Partition>(*voxels.flow.velocityDomain(), voxels.flow.refinement.factors, ranks);
     }
@@ -149,7 +157,7 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
     std::optional<VelocityPart> part;
     if (rank > 0 || mParams.velocity.carry.empty())
         part = {partition->box(rank), std::uint64_t(file.frame) % std::uint64_t(ranks) == std::uint64_t(rank)};
-    LoadedFrame frame = load(file, mParams, ranks, part);
+    LoadedFrame frame = load(file, mParams, ranks, part, {});
     frame.partition = std::move(partition);
     keepOwn(frame, rank);
     return frame;
@@ -167,7 +175,7 @@ void FlowSequence::lookAhead()
 
 void FlowSequence::checkSuccession(const VelocityFrame& velocity) const
 {
-    if (!mLast || mLast->transform() == velocity.values->transform()) return;
+    if (!mLast.velocities || mLast.velocities->transform() == velocity.values->transform()) return;
     throw InputError(fmt::format("{}: grid {}: the transform differs from that of the frame before; {}",
                                  velocity.file.path.string(), velocity.gridName,
                                  velocity.mantaflow ? "switch off the adaptive domain in Blender and bake again"

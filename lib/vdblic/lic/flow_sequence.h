@@ -104,8 +104,8 @@ class FlowSequence {
     std::shared_ptr<const Partition> mPartition; // null before the first frame
     std::size_t mTotal = 0;
     FrameSource mSource;
-    openvdb::Vec3SGrid::ConstPtr mLast; // velocity of the previous frame
-    std::int64_t mSpacing = 0;          // of the frame numbers on disk; 0 until known
+    FlowFrame mLast;           // the previous frame
+    std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
     bool mStarted = false;
     std::future<std::optional<FrameFile>> mAhead; // the next file; last member: its thread uses the others
