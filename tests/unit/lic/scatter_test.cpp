@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -135,6 +136,24 @@ TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreadsWhereTilesAreFewAndNear)
     const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
     ASSERT_FALSE(groupsCanRunTogether(*frames[0].domain));
     expectSameForAnyThreads(frames, params(ScatterMethod::kAuflic, 4, 0.5f, true));
+}
+
+TEST(Scatter, GivesTheSameTexturesForAnyNumberOfSlabs)
+{
+    // With one thread slabs are thin, with seven they are one. Paths lead through up to three of the thin ones.
+    const auto frames = test::makeFrames({{0, 0, 0}, {20, 17, 180}}, 5, [](const openvdb::Coord& at, int frame) {
+        const float z = 0.1f * float(at[2]) - 0.4f * float(frame);
+        const bool isHole = (at[2] / 40 + at[0] / 4) % 7 == 0;
+        const openvdb::Vec3f velocity(std::sin(z), std::cos(2 * z), 20 + 19 * std::sin(z));
+        return isHole ? std::nullopt : std::optional(velocity);
+    });
+    {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+        ASSERT_EQ(Slabs(*frames[0].domain).size(), 3u);
+    }
+    for (const ScatterParams& method :
+         {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4, 0.25f, true)})
+        expectSameForAnyThreads(frames, method);
 }
 
 TEST(Scatter, ASinkThatTakesInMoreThanFitsIsTheSameForAnyNumberOfThreads)
