@@ -23,8 +23,8 @@ LeafValues<float> finished(const FlowFrame& frame, const openvdb::Mat3d& toStep,
     if (params.taps == 0) return texture;
     const VelocityLevel velocities{frame.velocities->tree(), frame.refinement.toTexture() * toStep};
     const Domain& domain = *frame.domain;
-    texture =
-        meanAlongFlow(domain, frame.refinement, velocities, texture, params.taps); // the old values' memory is free
+    // The mean replaces the texture, so that there are never three.
+    texture = meanAlongFlow(domain, frame.refinement, velocities, texture, params.taps);
     return sharpened(domain, texture, params.sharpen, {0, 1});
 }
 

@@ -139,10 +139,11 @@ class FlowTexture::Pipeline {
         field.prepare(step.start.fieldDomain(), {step.start.velocities->tree(), step.startToStep},
                       {step.end.velocities->tree(), step.endToStep});
         std::optional<RunningMean> mean;
-        if (mParams.substeps > 1)
+        if (mParams.substeps > 1) {
             mean = RunningMean{{domain, 0.0f, domain.own()}, {domain, 0.0f, domain.own()}};
-        else
+        } else {
             result.texture = LeafValues<float>(domain, 0.0f);
+        }
         const auto take = [&](std::size_t leaf, const std::int64_t* hits) {
             const Domain::Mask& mask = domain.mask(leaf);
             const std::int32_t* const input = (*mInput)[leaf];
