@@ -39,12 +39,12 @@ class RecordReader {
     /// The records of the next leaves. @param end number of the first leaf after them
     Exchange::Bytes takeUpTo(std::size_t end)
     {
-        const auto last = std::lower_bound(mLeaves.numbers.begin() + std::ptrdiff_t(mLeaf), mLeaves.numbers.end(), end);
+        const auto numbers = mLeaves.numbers.begin();
+        const auto last = std::lower_bound(numbers + std::ptrdiff_t(mLeaf), mLeaves.numbers.end(), end) - numbers;
         const auto lengths = mLeaves.stored.lengths.begin();
         Exchange::Bytes records;
-        records.reserve(std::accumulate(lengths + std::ptrdiff_t(mLeaf), lengths + (last - mLeaves.numbers.begin()),
-                                        std::size_t(0)));
-        for (; mLeaf < mLeaves.numbers.size() && mLeaves.numbers[mLeaf] < end; ++mLeaf) {
+        records.reserve(std::accumulate(lengths + std::ptrdiff_t(mLeaf), lengths + last, std::size_t(0)));
+        for (; mLeaf < std::size_t(last); ++mLeaf) {
             std::string& block = mLeaves.stored.blocks[mBlock];
             const std::uint32_t length = mLeaves.stored.lengths[mLeaf];
             records.append(block, mAt, length);
@@ -129,7 +129,7 @@ OwnLeaves storeOwn(const Domain& domain, const openvdb::FloatGrid& grid, VdbComp
 
 void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* stream)
 {
-    if (exchange.isAlone()) { // they are in order
+    if (exchange.isAlone()) { // all leaves are here, in the order of the file
         stream->begin(std::move(grids.front().stored));
         return stream->end();
     }

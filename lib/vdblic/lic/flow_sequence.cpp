@@ -28,7 +28,7 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
 }
 
 /// @param ranks that share the frame  @param part whose values are needed
-/// @param before the frame before; its domain is used again if the voxels are the same
+/// @param before the frame before; its domain, if it is given, is used again where the voxels are the same
 LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ranks,
                  const std::optional<VelocityPart>& part, const FlowFrame& before)
 {
@@ -82,7 +82,7 @@ std::optional<LoadedFrame> FlowSequence::next()
     lookAhead();
     checkSuccession(frame.velocity);
     mLast = frame.flow;
-    if (!mExchange.isAlone()) mLast.domain = mLast.refinedFrom = nullptr; // other parts than a later frame's
+    if (!mExchange.isAlone()) mLast.domain = mLast.refinedFrom = nullptr; // parts of what the next frame needs
     for (const std::string& remark : frame.velocity.remarks)
         sayOnce(remark);
     return frame;
@@ -149,7 +149,7 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
     std::shared_ptr<const Partition> partition = mPartition;
     if (!partition) {
         const openvdb::CoordBBox nowhere(openvdb::Coord(1 << 28), openvdb::Coord(1 << 28));
-        const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false}, {});
+        const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false}, mLast);
         partition =
             std::make_shared<const Partition>(*voxels.flow.velocityDomain(), voxels.flow.refinement.factors, ranks);
     }
@@ -157,7 +157,7 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
     std::optional<VelocityPart> part;
     if (rank > 0 || mParams.velocity.carry.empty())
         part = {partition->box(rank), std::uint64_t(file.frame) % std::uint64_t(ranks) == std::uint64_t(rank)};
-    LoadedFrame frame = load(file, mParams, ranks, part, {});
+    LoadedFrame frame = load(file, mParams, ranks, part, mLast);
     frame.partition = std::move(partition);
     keepOwn(frame, rank);
     return frame;
