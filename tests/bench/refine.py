@@ -13,6 +13,7 @@ import os
 import pathlib
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -59,13 +60,20 @@ def upsampled(source, target, factor):
     vdb.write(target, result, metadata=vdb.readMetadata(source))
 
 
+# A child's peak includes the memory of the process that starts it, so a small one does.
+RUN = """import os, sys, time
+start = time.monotonic()
+null = [(os.POSIX_SPAWN_OPEN, stream, os.devnull, os.O_WRONLY, 0) for stream in (1, 2)]
+_, status, usage = os.wait4(os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ, file_actions=null), 0)
+assert status == 0, sys.argv
+print(time.monotonic() - start, usage.ru_maxrss * 1024)"""
+
+
 def run(command):
     """Runs a command; returns its time [s] and its peak memory [bytes]."""
-    start = time.monotonic()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    assert status == 0, command
-    return time.monotonic() - start, usage.ru_maxrss * 1024
+    small = subprocess.run([sys.executable, "-c", RUN, *map(str, command)], check=True, capture_output=True, text=True)
+    seconds, memory = small.stdout.split()
+    return float(seconds), int(memory)
 
 
 def main():
