@@ -4,7 +4,7 @@
 #include "cli/tool.h"
 #include "cli/velocity_options.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/lic/advect.h"
+#include "vdblic/run/advect.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "cli/tool.h"
 #include "cli/velocity_options.h"
-#include "vdblic/lic/coherence_sequence.h"
+#include "vdblic/coherence/coherence_sequence.h"
 
 #include <vector>
 

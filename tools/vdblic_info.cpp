@@ -2,7 +2,7 @@
 #include "cli/tool.h"
 #include "cli/velocity_options.h"
 #include "vdblic/io/atomic_file.h"
-#include "vdblic/lic/sequence_info.h"
+#include "vdblic/run/sequence_info.h"
 
 #include <string>
 #include <vector>

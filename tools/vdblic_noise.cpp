@@ -1,7 +1,7 @@
 #include "cli/refinement_option.h"
 #include "cli/tool.h"
 #include "vdblic/io/grid_reference.h"
-#include "vdblic/lic/noise_file.h"
+#include "vdblic/noise/noise_file.h"
 
 #include <vector>
 

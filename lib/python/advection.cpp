@@ -1,7 +1,7 @@
 #include "advection.h"
 
 #include "vdblic/field/domain_mask.h"
-#include "vdblic/lic/advect.h"
+#include "vdblic/run/advect.h"
 
 #include <chrono>
 #include <istream>

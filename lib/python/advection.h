@@ -2,7 +2,7 @@
 
 #include "options.h"
 #include "vdblic/core/reporter.h"
-#include "vdblic/lic/advect_params.h"
+#include "vdblic/run/advect_params.h"
 
 #include <condition_variable>
 #include <exception>

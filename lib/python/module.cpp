@@ -2,6 +2,8 @@
 #include "grid_arrays.h"
 #include "options.h"
 #include "picture.h"
+#include "vdblic/coherence/coherence_report.h"
+#include "vdblic/coherence/coherence_sequence.h"
 #include "vdblic/compare/compare.h"
 #include "vdblic/compare/report.h"
 #include "vdblic/core/errors.h"
@@ -9,8 +11,6 @@
 #include "vdblic/field/box_domain.h"
 #include "vdblic/field/synth.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/lic/coherence_report.h"
-#include "vdblic/lic/coherence_sequence.h"
 
 #include <openvdb/openvdb.h>
 #include <pybind11/numpy.h>

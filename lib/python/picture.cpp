@@ -1,9 +1,9 @@
 #include "picture.h"
 
 #include "vdblic/io/texture_name.h"
+#include "vdblic/look/look_preset.h"
+#include "vdblic/look/transfer_file.h"
 #include "vdblic/render/frame_picture.h"
-#include "vdblic/render/look_preset.h"
-#include "vdblic/render/transfer_file.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

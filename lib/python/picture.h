@@ -1,8 +1,8 @@
 #pragma once
 
 #include "options.h"
+#include "vdblic/image/image.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/render/image.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/scene.h"
 

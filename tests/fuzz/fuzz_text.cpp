@@ -3,7 +3,7 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/render/transfer_params.h"
+#include "vdblic/look/transfer_params.h"
 
 #include <cstddef>
 #include <cstdint>

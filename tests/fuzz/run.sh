@@ -15,11 +15,11 @@ compile() {
 }
 
 mkdir -p "$out/corpus/layout" "$out/corpus/text"
-io=lib/vdblic/io render=lib/vdblic/render
+io=lib/vdblic/io look=lib/vdblic/look
 compile fuzz_layout $io/vdb_layout.cpp $io/checksum.cpp &
 compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/frame_list.cpp $io/path_list.cpp \
-    $io/pattern_advice.cpp $io/sequence.cpp $io/grid_reference.cpp $render/transfer_params.cpp $render/color_map.cpp \
-    $render/scalar_axis.cpp
+    $io/pattern_advice.cpp $io/sequence.cpp $io/grid_reference.cpp $look/transfer_params.cpp lib/vdblic/image/color_map.cpp \
+    $look/scalar_axis.cpp
 wait $!
 fuzz() {
     "$out/fuzz_$1" -max_total_time=$((seconds / 2)) -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \

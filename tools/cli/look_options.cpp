@@ -1,7 +1,7 @@
 #include "cli/look_options.h"
 
-#include "vdblic/render/look_preset.h"
-#include "vdblic/render/transfer_file.h"
+#include "vdblic/look/look_preset.h"
+#include "vdblic/look/transfer_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

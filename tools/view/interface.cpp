@@ -3,9 +3,9 @@
 #include "cli/option_names.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/reporter.h"
-#include "vdblic/render/color_map.h"
-#include "vdblic/render/look_preset.h"
-#include "vdblic/render/shading.h"
+#include "vdblic/image/color_map.h"
+#include "vdblic/look/look_preset.h"
+#include "vdblic/look/shading.h"
 #include "view/jpeg.h"
 #include "view/page_files.h"
 

@@ -2,10 +2,10 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/io/atomic_file.h"
-#include "vdblic/render/image_file.h"
+#include "vdblic/look/transfer_file.h"
 #include "vdblic/render/render_sequence.h"
-#include "vdblic/render/transfer_file.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "vdblic/image/image.h"
 #include "vdblic/render/frame_picture.h"
-#include "vdblic/render/image.h"
 #include "view/viewer.h"
 
 #include <nlohmann/json.hpp>

@@ -1,9 +1,9 @@
 #include "view/state.h"
 
 #include "cli/picture_options.h"
+#include "vdblic/camera/camera_keys.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/render/camera_keys.h"
-#include "vdblic/render/json_file.h"
+#include "vdblic/io/json_file.h"
 
 #include <fmt/format.h>
 

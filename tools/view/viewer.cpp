@@ -264,7 +264,7 @@ TextureHistograms Viewer::histograms(const Json& state)
 {
     const RenderParams params = paramsFor(state);
     const auto basis = basisFor(params, false);
-    const TextureVolume::Samples& samples = basis->look.samples;
+    const VolumeSamples& samples = basis->look.samples;
     TextureHistograms result(choiceFor(params, state, basis, source(params.stretch)).look);
     for (const float value : samples.texture)
         result.texture.add(double(value));

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "vdblic/render/histogram.h"
+#include "vdblic/cast/solid.h"
+#include "vdblic/look/histogram.h"
 #include "vdblic/render/scene.h"
-#include "vdblic/render/solid.h"
 #include "view/frame_cache.h"
 #include "view/state.h"
 #include "view/worker.h"

@@ -4,7 +4,7 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/noise.h"
+#include "vdblic/noise/noise.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -8,9 +8,9 @@
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/leaf_velocities.h"
 #include "vdblic/lic/local_contrast.h"
-#include "vdblic/lic/noise.h"
 #include "vdblic/lic/release_turn.h"
 #include "vdblic/lic/sharp_texture.h"
+#include "vdblic/noise/noise.h"
 
 #include <tbb/parallel_for.h>
 

@@ -2,7 +2,7 @@
 
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/feedback_params.h"
-#include "vdblic/lic/noise_field.h"
+#include "vdblic/noise/noise_field.h"
 
 #include <cstdint>
 

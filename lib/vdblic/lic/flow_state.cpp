@@ -5,7 +5,7 @@
 #include "vdblic/field/vector.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/noise.h"
+#include "vdblic/noise/noise.h"
 
 #include <fmt/format.h>
 #include <openvdb/points/PointAttribute.h>

@@ -2,13 +2,13 @@
 
 #include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/flow_frame.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/feedback_params.h"
-#include "vdblic/lic/flow_frame.h"
 #include "vdblic/lic/lic_kernel.h"
-#include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/scatter_params.h"
 #include "vdblic/lic/scatter_stats.h"
+#include "vdblic/noise/noise_field.h"
 
 #include <openvdb/openvdb.h>
 

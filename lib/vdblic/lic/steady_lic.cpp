@@ -5,8 +5,8 @@
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/noise.h"
 #include "vdblic/lic/pathline.h"
+#include "vdblic/noise/noise.h"
 
 #include <tbb/enumerable_thread_specific.h>
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
-#include "vdblic/lic/flow_frame.h"
+#include "vdblic/field/flow_frame.h"
 #include "vdblic/lic/lic_kernel.h"
-#include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/pathline_params.h"
+#include "vdblic/noise/noise_field.h"
 
 #include <openvdb/openvdb.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "vdblic/image/cairo_drawing.h"
+#include "vdblic/look/scalar_axis.h"
 #include "vdblic/render/annotations.h"
-#include "vdblic/render/cairo_drawing.h"
-#include "vdblic/render/scalar_axis.h"
 
 #include <string>
 #include <vector>

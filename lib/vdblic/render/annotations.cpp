@@ -1,9 +1,9 @@
 #include "vdblic/render/annotations.h"
 
+#include "vdblic/image/cairo_drawing.h"
+#include "vdblic/image/color_map.h"
+#include "vdblic/look/look.h"
 #include "vdblic/render/annotated_box.h"
-#include "vdblic/render/cairo_drawing.h"
-#include "vdblic/render/color_map.h"
-#include "vdblic/render/look.h"
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "vdblic/camera/camera.h"
+#include "vdblic/image/image.h"
 #include "vdblic/render/annotation_params.h"
-#include "vdblic/render/camera.h"
-#include "vdblic/render/image.h"
 
 #include <glm/vec3.hpp>
 

@@ -1,7 +1,7 @@
 #include "vdblic/render/frame_picture.h"
 
+#include "vdblic/image/color_map.h"
 #include "vdblic/render/annotations.h"
-#include "vdblic/render/color_map.h"
 #include "vdblic/render/image_attributes.h"
 #include "vdblic/render/nothing_seen.h"
 

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "vdblic/render/image_file.h"
-#include "vdblic/render/light_grid.h"
+#include "vdblic/cast/light_grid.h"
+#include "vdblic/cast/ray_cast_params.h"
+#include "vdblic/cast/solid.h"
+#include "vdblic/cast/supersampling.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/render/picture_share.h"
-#include "vdblic/render/ray_cast_params.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/scene.h"
-#include "vdblic/render/solid.h"
-#include "vdblic/render/supersampling.h"
 
 #include <memory>
 #include <optional>

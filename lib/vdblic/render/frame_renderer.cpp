@@ -1,7 +1,7 @@
 #include "vdblic/render/frame_renderer.h"
 
+#include "vdblic/camera/affine_transform.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/render/affine_transform.h"
 #include "vdblic/render/frame_picture.h"
 #include "vdblic/render/picture_share.h"
 #include "vdblic/render/sequence_bounds.h"

@@ -1,13 +1,13 @@
 #pragma once
 
+#include "vdblic/cast/solid.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/render/histogram.h"
-#include "vdblic/render/image_file.h"
+#include "vdblic/look/histogram.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/scene.h"
-#include "vdblic/render/solid.h"
 
 #include <cstddef>
 #include <memory>

@@ -1,10 +1,10 @@
 #include "vdblic/render/image_attributes.h"
 
+#include "vdblic/camera/camera.h"
+#include "vdblic/image/vector_text.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/render/camera.h"
-#include "vdblic/render/look.h"
+#include "vdblic/look/look.h"
 #include "vdblic/render/render_params.h"
-#include "vdblic/render/vector_text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/render/image_file.h"
+#include "vdblic/image/image_file.h"
 
 namespace vdblic {
 

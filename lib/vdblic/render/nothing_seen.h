@@ -1,9 +1,9 @@
 #pragma once
 
-#include "vdblic/render/camera.h"
-#include "vdblic/render/look.h"
+#include "vdblic/camera/camera.h"
+#include "vdblic/look/look.h"
 #include "vdblic/render/render_params.h"
-#include "vdblic/render/texture_volume.h"
+#include "vdblic/volume/texture_volume.h"
 
 #include <string>
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "vdblic/cast/picture_cuts.h"
 #include "vdblic/core/exchange.h"
-#include "vdblic/render/image.h"
-#include "vdblic/render/picture_cuts.h"
+#include "vdblic/image/image.h"
 
 namespace vdblic {
 

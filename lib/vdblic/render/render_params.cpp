@@ -1,8 +1,8 @@
 #include "vdblic/render/render_params.h"
 
+#include "vdblic/cast/supersampling.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/render/histogram.h"
-#include "vdblic/render/supersampling.h"
+#include "vdblic/look/histogram.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

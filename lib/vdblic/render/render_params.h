@@ -1,13 +1,13 @@
 #pragma once
 
+#include "vdblic/camera/camera.h"
+#include "vdblic/camera/camera_path.h"
+#include "vdblic/cast/ray_cast_params.h"
+#include "vdblic/cast/solid_params.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/io/sequence.h"
+#include "vdblic/look/look_params.h"
 #include "vdblic/render/annotation_params.h"
-#include "vdblic/render/camera.h"
-#include "vdblic/render/camera_path.h"
-#include "vdblic/render/image_file.h"
-#include "vdblic/render/look_params.h"
-#include "vdblic/render/ray_cast_params.h"
-#include "vdblic/render/solid_params.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

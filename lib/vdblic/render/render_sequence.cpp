@@ -3,18 +3,18 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/image/film_writer.h"
+#include "vdblic/image/vector_text.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/texture_name.h"
-#include "vdblic/render/film_writer.h"
+#include "vdblic/look/histogram.h"
+#include "vdblic/look/transfer_file.h"
 #include "vdblic/render/frame_renderer.h"
 #include "vdblic/render/frames_in_flight.h"
-#include "vdblic/render/histogram.h"
 #include "vdblic/render/render_outputs.h"
 #include "vdblic/render/scene.h"
-#include "vdblic/render/transfer_file.h"
-#include "vdblic/render/vector_text.h"
 
 #include <fmt/format.h>
 #include <glm/vec2.hpp>

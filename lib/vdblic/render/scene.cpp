@@ -5,12 +5,12 @@
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
+#include "vdblic/image/color_map.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/render/color_map.h"
-#include "vdblic/render/leaf_share.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/sequence_bounds.h"
-#include "vdblic/render/visible_extent.h"
+#include "vdblic/volume/leaf_share.h"
+#include "vdblic/volume/visible_extent.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -153,7 +153,7 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
 
 void LookBasis::add(const LoadedTexture& frame, Exchange* exchange)
 {
-    TextureVolume::Samples more = frame.volume.samples();
+    VolumeSamples more = frame.volume.samples();
     if (exchange) more = {exchange->join(more.texture), exchange->join(more.driver), exchange->join(more.color)};
     samples.append(more);
     voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "vdblic/camera/camera_path.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/render/camera_path.h"
-#include "vdblic/render/look.h"
-#include "vdblic/render/texture_volume.h"
+#include "vdblic/look/look.h"
+#include "vdblic/volume/texture_volume.h"
 
 #include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
@@ -53,7 +53,7 @@ struct LoadedTexture {
 
 /// What the look of a sequence is chosen from: samples of some of its frames.
 struct LookBasis {
-    TextureVolume::Samples samples;
+    VolumeSamples samples;
     double voxels = 0, volumeBytes = 0; ///< the most of a frame
     std::string opacityBy;              ///< name of the grid that makes opaque
     std::filesystem::path first;        ///< of the files

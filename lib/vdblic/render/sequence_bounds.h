@@ -1,8 +1,8 @@
 #pragma once
 
+#include "vdblic/camera/camera.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_header.h"
-#include "vdblic/render/camera.h"
 
 #include <optional>
 #include <string>

@@ -1,6 +1,6 @@
 #include "bench/engine/coherence_meter.h"
 
-#include "vdblic/lic/coherence.h"
+#include "vdblic/coherence/coherence.h"
 
 #include <cstdint>
 #include <utility>

@@ -2,7 +2,7 @@
 
 #include "bench/engine/figures.h"
 #include "bench/engine/flow.h"
-#include "vdblic/lic/smoothed_texture.h"
+#include "vdblic/coherence/smoothed_texture.h"
 
 #include <cstddef>
 #include <optional>

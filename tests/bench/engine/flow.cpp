@@ -3,7 +3,7 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/analytic_flow.h"
 #include "vdblic/field/synth.h"
-#include "vdblic/lic/flow_sequence.h"
+#include "vdblic/flow/flow_sequence.h"
 
 #include <optional>
 #include <sstream>

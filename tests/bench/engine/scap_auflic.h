@@ -1,9 +1,9 @@
 #pragma once
 
 #include "vdblic/lic/accumulator.h"
-#include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/pathline.h"
 #include "vdblic/lic/scatter.h"
+#include "vdblic/noise/noise_field.h"
 
 #include <cstddef>
 #include <cstdint>

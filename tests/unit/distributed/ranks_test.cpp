@@ -1,7 +1,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/lic/advect.h"
+#include "vdblic/run/advect.h"
 
 #include "distributed/thread_ranks.h"
 #include "temporary_folder.h"

@@ -2,8 +2,8 @@
 
 #include "lic/test_flow.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/noise.h"
-#include "vdblic/lic/noise_field.h"
+#include "vdblic/noise/noise.h"
+#include "vdblic/noise/noise_field.h"
 
 #include <gtest/gtest.h>
 

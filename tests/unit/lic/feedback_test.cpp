@@ -1,11 +1,11 @@
 #include "vdblic/lic/feedback.h"
 
-#include "lic/correlation.h"
+#include "coherence/correlation.h"
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/noise.h"
 #include "vdblic/lic/release_turn.h"
+#include "vdblic/noise/noise.h"
 
 #include <gtest/gtest.h>
 

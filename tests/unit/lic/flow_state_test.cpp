@@ -7,7 +7,7 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/noise.h"
+#include "vdblic/noise/noise.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

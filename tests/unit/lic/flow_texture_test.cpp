@@ -1,6 +1,6 @@
 #include "vdblic/lic/flow_texture.h"
 
-#include "lic/correlation.h"
+#include "coherence/correlation.h"
 #include "lic/test_flow.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/lic/hits.h"

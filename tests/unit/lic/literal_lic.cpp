@@ -5,8 +5,8 @@
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/noise_field.h"
 #include "vdblic/lic/pathline.h"
+#include "vdblic/noise/noise_field.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "vdblic/lic/local_contrast.h"
 
 #include "lic/test_flow.h"
-#include "vdblic/lic/noise.h"
+#include "vdblic/noise/noise.h"
 
 #include <gtest/gtest.h>
 

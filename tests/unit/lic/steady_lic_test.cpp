@@ -3,7 +3,7 @@
 #include "lic/test_flow.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/lic/lic_kernel.h"
-#include "vdblic/lic/noise.h"
+#include "vdblic/noise/noise.h"
 
 #include <gtest/gtest.h>
 

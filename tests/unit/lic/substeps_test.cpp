@@ -1,11 +1,11 @@
 #include "lic/test_flow.h"
 #include "temporary_folder.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/flow/frame_between.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/lic/advect.h"
 #include "vdblic/lic/flow_texture.h"
-#include "vdblic/lic/frame_between.h"
 #include "vdblic/lic/release_turn.h"
+#include "vdblic/run/advect.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

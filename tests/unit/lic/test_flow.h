@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
-#include "vdblic/lic/flow_frame.h"
+#include "vdblic/field/flow_frame.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/lic/scatter_params.h"
 

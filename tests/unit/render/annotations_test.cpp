@@ -1,9 +1,9 @@
 #include "vdblic/render/annotations.h"
 
-#include "render/scene.h"
+#include "cast/test_scene.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/render/annotated_box.h"
-#include "vdblic/render/image_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "vdblic/render/render_sequence.h"
 
-#include "render/scene.h"
+#include "cast/test_scene.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
 

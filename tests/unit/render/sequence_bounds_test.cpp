@@ -1,6 +1,6 @@
 #include "vdblic/render/sequence_bounds.h"
 
-#include "render/scene.h"
+#include "cast/test_scene.h"
 #include "temporary_folder.h"
 #include "vdblic/io/vdb_file.h"
 

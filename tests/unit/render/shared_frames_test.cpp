@@ -1,9 +1,9 @@
+#include "cast/test_scene.h"
 #include "distributed/thread_ranks.h"
-#include "render/scene.h"
+#include "vdblic/cast/light_grid.h"
+#include "vdblic/cast/picture_cuts.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/render/light_grid.h"
-#include "vdblic/render/picture_cuts.h"
 #include "vdblic/render/render_sequence.h"
 #include "vdblic/render/scene.h"
 

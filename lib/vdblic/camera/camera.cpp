@@ -1,0 +1,180 @@
+#include "vdblic/camera/camera.h"
+
+#include "vdblic/camera/framing.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/image/vector_text.h"
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+
+namespace vdblic {
+namespace {
+
+constexpr double kLeastFieldOfView = 0.001; // degrees
+constexpr double kFarthest = 1e7;           // distance of the eye, in diagonals of the box
+
+// Squares of larger lengths overflow single precision.
+constexpr double kFarthestCoordinate = 1e18;
+
+bool representable(const glm::dvec3& v)
+{
+    return std::abs(v.x) <= kFarthestCoordinate && std::abs(v.y) <= kFarthestCoordinate &&
+           std::abs(v.z) <= kFarthestCoordinate;
+}
+
+bool parallel(const glm::dvec3& a, const glm::dvec3& b)
+{
+    return glm::length(glm::cross(glm::normalize(a), glm::normalize(b))) < 1e-9;
+}
+
+/// Refuse a point so far away that double precision cannot tell voxels apart or that lengths overflow.
+void checkDistance(const char* name, const glm::dvec3& point, const Corners& box)
+{
+    const double diagonal = glm::length(box[7] - box[0]);
+    if (glm::length(point - middleOf(box)) <= kFarthest * std::max(diagonal, 1e-6)) return;
+    throw ParameterError(fmt::format("camera {} {} is too far from the volume around {}; bring it closer", name,
+                                     vectorText(point), vectorText(middleOf(box))));
+}
+
+} // namespace
+
+Projection parseProjection(std::string_view text)
+{
+    if (text == "perspective") return Projection::kPerspective;
+    if (text == "orthographic") return Projection::kOrthographic;
+    throw ParameterError(fmt::format("projection '{}' is neither perspective nor orthographic", text));
+}
+
+std::string_view toString(Projection projection)
+{
+    return projection == Projection::kPerspective ? "perspective" : "orthographic";
+}
+
+glm::dvec3 middleOf(const Corners& box)
+{
+    glm::dvec3 middle(0);
+    for (const glm::dvec3& corner : box)
+        middle += corner / 8.0;
+    return middle;
+}
+
+void CameraParams::validate() const
+{
+    const auto check = [](const char* name, const std::optional<glm::dvec3>& v) {
+        if (v && !representable(*v))
+            throw ParameterError(
+                fmt::format("camera {} {} must be at most {}", name, vectorText(*v), kFarthestCoordinate));
+    };
+    check("eye", eye);
+    check("target", target);
+    check("up", up);
+    if (up && !(glm::length(*up) > 0 && std::isfinite(glm::length(*up)))) {
+        throw ParameterError(fmt::format("camera up {} must have a direction", vectorText(*up)));
+    }
+    if (eye && target && *eye == *target) {
+        throw ParameterError(fmt::format("camera eye and target are the same place, {}", vectorText(*eye)));
+    }
+    if (!(fieldOfView >= kLeastFieldOfView && fieldOfView < 180)) {
+        throw ParameterError(
+            fmt::format("field of view {} must be at least {} and below 180 degrees", fieldOfView, kLeastFieldOfView));
+    }
+    if (viewHeight && !(*viewHeight > 0 && std::isfinite(*viewHeight))) {
+        throw ParameterError(fmt::format("view height {} must be above 0", *viewHeight));
+    }
+    if (viewHeight && projection == Projection::kPerspective) {
+        throw ParameterError("a view height is for the orthographic projection; a perspective has a field of view");
+    }
+}
+
+Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size,
+               std::span<const glm::dvec3> subject)
+    : mSize(size), mProjection(params.projection), mUp(params.up.value_or(glm::dvec3(0, 0, 1))),
+      mFieldOfView(params.fieldOfView), mArea{glm::ivec2(0), size}
+{
+    params.validate();
+    const bool perspective = mProjection == Projection::kPerspective;
+    mHalfExtent.y = perspective ? std::tan(glm::radians(mFieldOfView) / 2) : params.viewHeight.value_or(2) / 2;
+    mHalfExtent.x = mHalfExtent.y * double(size.x) / double(size.y);
+    const std::span<const glm::dvec3> points = subject.empty() ? std::span<const glm::dvec3>(box) : subject;
+
+    mTarget = params.target.value_or(middleOf(box));
+    checkDistance("target", mTarget, box);
+    if (params.eye) {
+        mEye = *params.eye;
+        checkDistance("eye", mEye, box);
+        if (mEye == mTarget) {
+            throw ParameterError("camera eye is the middle of the volume, where it looks by default; give a target");
+        }
+    }
+    const glm::dvec3 forward =
+        params.eye ? glm::normalize(mTarget - mEye) : chooseDirection(mProjection, box, mUp, mHalfExtent);
+    if (parallel(forward, mUp)) {
+        if (params.up) throw ParameterError("the camera looks along its up direction; choose another up");
+        mUp = {0, 1, 0};
+    }
+    const glm::dmat3 axes = viewAxes(forward, mUp);
+    const bool tight = !params.eye && !params.target;
+    const Framing framing = tight ? frameTightly(mProjection, axes, points, mHalfExtent)
+                                  : frameAround(mTarget, mProjection, axes, points, mHalfExtent);
+    if (!params.eye) mEye = framing.eye;
+    if (tight) mTarget = mEye + forward * glm::dot(forward, mTarget - mEye);
+    if (!perspective && !params.viewHeight) mHalfExtent = framing.halfExtent;
+
+    mCameraToWorld = glm::dmat4(axes);
+    mCameraToWorld[3] = glm::dvec4(mEye, 1);
+    mWorldToCamera = glm::dmat4(glm::transpose(axes));
+    mWorldToCamera[3] = glm::dvec4(-(glm::transpose(axes) * mEye), 1);
+
+    // By columns. x from −extent to extent becomes 0 to 1, y the same from the top; w is the depth, or 1 if
+    // orthographic.
+    glm::dmat4 cameraToNdc(0);
+    cameraToNdc[0][0] = 0.5 / mHalfExtent.x;
+    cameraToNdc[1][1] = -0.5 / mHalfExtent.y;
+    const glm::dvec4 perDepth = perspective ? glm::dvec4(0.5, 0.5, 1, 1) : glm::dvec4(0, 0, 1, 0);
+    const glm::dvec4 constant = perspective ? glm::dvec4(0, 0, -1, 0) : glm::dvec4(0.5, 0.5, 0, 1);
+    cameraToNdc[2] = perDepth;
+    cameraToNdc[3] = constant;
+    mWorldToNdc = cameraToNdc * mWorldToCamera;
+}
+
+Camera Camera::shifted(const glm::dvec2& pixels) const
+{
+    Camera result = *this;
+    result.mShift += pixels;
+    return result;
+}
+
+Camera Camera::cropped(const PictureArea& area) const
+{
+    Camera result = *this;
+    result.mArea = area;
+    return result;
+}
+
+PictureRays Camera::rays() const
+{
+    const glm::dmat3 axes(mCameraToWorld);
+    const glm::dvec2 pitch = 2.0 * mHalfExtent / glm::dvec2(mSize), corner = mShift * pitch - mHalfExtent;
+    const PictureGradient<glm::dvec3> offset{axes * glm::dvec3(corner.x, -corner.y, 0), axes[0] * pitch.x,
+                                             axes[1] * -pitch.y};
+    const glm::dvec3 none(0);
+    if (mProjection == Projection::kOrthographic) {
+        return {{mEye + offset.corner, offset.perX, offset.perY}, {axes[2], none, none}};
+    }
+    return {{mEye, none, none}, {axes[2] + offset.corner, offset.perX, offset.perY}};
+}
+
+Ray Camera::ray(const glm::dvec2& pixel) const
+{
+    const PictureRays all = rays();
+    return {all.origin(pixel), glm::normalize(all.direction(pixel))};
+}
+
+} // namespace vdblic

@@ -1,0 +1,111 @@
+#include "vdblic/cast/ray_caster.h"
+
+#include "vdblic/camera/camera.h"
+#include "vdblic/cast/ray_cast_params.h"
+#include "vdblic/cast/ray_kernel.h"
+#include "vdblic/cast/ray_setup.h"
+#include "vdblic/cast/sample_shader.h"
+#include "vdblic/cast/solid_caster.h"
+#include "vdblic/core/reporter.h"
+#include "vdblic/look/look.h"
+#include "vdblic/volume/visible_leaves.h"
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+/// The part of a ray's alpha that has a colour.
+float shadedAlpha(const RaySum& sum)
+{
+    return sum.alpha - sum.halo - sum.waiting;
+}
+
+PixelLayers layersOf(const RaySum& sum, const RayTask& task)
+{
+    PixelLayers layers;
+    layers.samples = float(sum.samples);
+    if (!(sum.alpha > 0)) return layers;
+    const float weight = shadedAlpha(sum);
+    const float haloDepth = task.shading[kEntryDepth] * sum.halo + task.shading[kDepthPerStep] * sum.haloDistance;
+    layers.depth = (sum.numbers[0] + haloDepth) / (weight + sum.halo);
+    if (!(weight > 0)) return layers; // halos have nothing but a depth
+    layers.driver = sum.numbers[1] / weight;
+    layers.texture = sum.numbers[2] / weight;
+    const glm::vec3 normal(sum.normal[0], sum.normal[1], sum.normal[2]);
+    if (const float length = glm::length(normal); length > 0) layers.normal = normal / length;
+    return layers;
+}
+
+/// Blend a solid into an image of what is in front of it.
+void addBehind(const SolidPicture& solid, Image& image)
+{
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        if (!std::isfinite(solid.depths[i])) continue;
+        glm::vec4& pixel = image.pixels[i];
+        const float alpha = pixel.a, rest = 1 - alpha;
+        pixel += glm::vec4(solid.colors[i], 1) * rest;
+        pixel.a = 1;
+        if (image.layers.empty()) continue;
+        PixelLayers& layers = image.layers[i];
+        layers.depth = (alpha > 0 ? alpha * layers.depth : 0) + rest * solid.depths[i];
+        const glm::vec3 normal = alpha * layers.normal + rest * solid.normals[i];
+        if (const float length = glm::length(normal); length > 0) layers.normal = normal / length;
+    }
+}
+
+} // namespace
+
+Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
+               const VisibleLeaves& visible, int ray, const Scenery& scenery, const std::stop_token& stop)
+{
+    params.validate();
+    const glm::ivec2 size = camera.size();
+    Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
+    if (params.layers) image.layers.resize(image.pixels.size());
+    std::optional<SolidPicture> solid;
+    if (scenery.solid) solid = castSolid(*scenery.solid, scenery.solidColor, volume, look, camera, scenery.light);
+    const glm::vec3 origin(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
+    const SampleShader shader(volume, look, camera, params, origin, scenery.light);
+    const RaySetup setup(volume, visible, camera, params, shader, ray, solid ? solid->depths.data() : nullptr);
+    const RayKernel kernel(volume, look, params, visible, shader);
+    constexpr int kTile = RaySetup::kTile;
+    const glm::ivec2 low = camera.area().low, tiles = (camera.area().high - low + kTile - 1) / kTile;
+    tbb::parallel_for(0, tiles.x * tiles.y, [&](int tile) {
+        if (stop.stop_requested()) return;
+        std::array<RayTask, RaySetup::kRays> tasks;
+        const int count = setup.rays(low.x + tile % tiles.x * kTile, low.y + tile / tiles.x * kTile, tasks.data());
+        std::array<RaySum, RaySetup::kRays> sums{};
+        kernel.trace(tasks.data(), count, sums.data());
+        for (std::size_t i = 0; i < std::size_t(count); ++i) {
+            const RaySum& sum = sums[i];
+            // Samples too faint to be shaded get the colour of the others.
+            const float part = shadedAlpha(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;
+            const glm::vec3 color = glm::vec3(sum.color[0], sum.color[1], sum.color[2]) * whole;
+            const auto pixel = std::size_t(tasks[i].pixel);
+            image.pixels[pixel] = glm::vec4(color + look.background * sum.halo, sum.alpha);
+            if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);
+        }
+    });
+    if (stop.stop_requested()) throw Stopped{};
+    if (solid) addBehind(*solid, image);
+    return image;
+}
+
+Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params)
+{
+    return castRays(volume, look, camera, params, VisibleLeaves(volume, look));
+}
+
+} // namespace vdblic

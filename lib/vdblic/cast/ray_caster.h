@@ -1,0 +1,46 @@
+#pragma once
+
+#include "vdblic/image/image.h"
+
+#include <glm/vec3.hpp>
+
+#include <stop_token>
+
+namespace vdblic {
+
+class Camera;
+class LightGrid;
+class TextureVolume;
+class VisibleLeaves;
+struct Look;
+struct RayCastParams;
+struct Solid;
+
+/// What is in a picture besides the volume.
+struct Scenery {
+    const Solid* solid = nullptr;
+    glm::vec3 solidColor{0}; ///< linear light
+    const LightGrid* light = nullptr;
+};
+
+/// Cast a ray through each pixel's centre, front to back, with early termination.
+///
+/// Cuts and the active voxels' bounds leave a span of each ray. It is cut at multiples of the step from the eye plus
+/// the pixel's shift: relative to the eye, so that no slope of a face cancels the shifts. A sample lies in the middle
+/// of its step; the first and the last step may be shorter. A sample whose voxel, which covers [i − ½, i + ½), is not
+/// shown has no opacity. Optical depth counts voxels passed in index space, so a picture does not change with the unit
+/// of length. Samples within a voxel of the face where their ray enters are lit as that face. The pixels do not depend
+/// on the number of threads. Thread-safe.
+/// @param visible leaves that are sampled; the others are skipped
+/// @param ray     index among the pixel's rays, for sampleShift() (ray_setup.h)
+/// @param scenery what else is in the picture: rays end at the solid, which is seen through what they have left
+/// @param stop    asks for the end before the picture is complete
+/// @throws ParameterError; Stopped if a stop was requested
+[[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
+                             const RayCastParams& params, const VisibleLeaves& visible, int ray = 0,
+                             const Scenery& scenery = {}, const std::stop_token& stop = {});
+/// The same with the leaves that the look makes visible; an empty volume gives an empty picture.
+[[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
+                             const RayCastParams& params);
+
+} // namespace vdblic

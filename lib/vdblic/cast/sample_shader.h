@@ -1,0 +1,57 @@
+#pragma once
+
+#include "vdblic/cast/depth_cue.h"
+#include "vdblic/cast/ray_sum.h"
+#include "vdblic/cast/ray_task.h"
+#include "vdblic/field/vector.h"
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <vector>
+
+namespace vdblic {
+
+class Camera;
+class LightGrid;
+class ShadeQueue;
+class TextureVolume;
+struct Look;
+struct RayCastParams;
+
+/// Light and colour of samples, eight at a time. Thread-safe.
+class SampleShader {
+  public:
+    /// @param origin of the rays' index space  @param light shadows, or null
+    SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
+                 const glm::vec3& origin = glm::vec3(0), const LightGrid* light = nullptr);
+
+    /// Shade the first eight samples of a queue and add them to their rays' sums, in order.
+    void shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* sums) const;
+
+    /// Light the faces where rays enter.
+    /// @param outward their normals, of length 1 in world space, fourth lane 1; all 0 for a ray that enters through
+    /// none
+    void lightFaces(const Float4* outward, RayTask* tasks, int count) const;
+
+  private:
+    struct Light {
+        Float8 lit, white; // factor on the colour, and light added to it
+    };
+    Light lightSurface(const Float8* normal, const Float8* view) const;
+    Light lightLine(const ShadeQueue& queue, const Float8* view) const;
+    void findShadows(const ShadeQueue& queue, const RayTask* tasks, Float8& result) const;
+    Float8 highlight(Float8 cosine) const;
+    void addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
+
+    const TextureVolume& mVolume;
+    const Look& mLook;
+    float mStep;
+    bool mLayers;
+    DepthCue mCue;
+    glm::vec3 mOrigin;
+    const LightGrid* mLightGrid;
+    std::vector<glm::vec4> mLights; // direction of length 1, intensity
+};
+
+} // namespace vdblic

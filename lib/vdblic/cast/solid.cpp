@@ -1,0 +1,172 @@
+#include "vdblic/cast/solid.h"
+
+#include "vdblic/camera/affine_transform.h"
+#include "vdblic/cast/solid_mesh.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/io/grid_reference.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/io/vdb_file.h"
+
+#include <fmt/format.h>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+#include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/TopologyToLevelSet.h>
+#include <openvdb/tools/ValueTransformer.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+constexpr int kBand = 3;      // half the width of a level set's narrow band [voxels]
+constexpr int kSmoothing = 1; // passes over the stairs of voxels
+
+using SolidTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                                     openvdb::BoolGrid, openvdb::MaskGrid>;
+
+glm::dmat4 toIndex(const openvdb::math::Transform& transform, const glm::dvec3& stretch, const std::string& where)
+{
+    return glm::inverse(glm::scale(glm::dmat4(1), stretch) * affineMatrix(transform, where));
+}
+
+openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
+{
+    checkVoxels(voxels->activeVoxelCount());
+    return openvdb::tools::topologyToLevelSet(*openvdb::MaskGrid::create(voxels), kBand, 0, 0, kSmoothing);
+}
+
+/// What the active voxels leave out of the box around them.
+openvdb::FloatGrid::Ptr complementOf(const openvdb::FloatGrid& texture)
+{
+    const openvdb::CoordBBox box = texture.evalActiveVoxelBoundingBox();
+    const auto rest = std::make_shared<openvdb::MaskTree>();
+    if (!box.empty()) {
+        checkVoxels(box.volume());
+        rest->fill(box, true, true);
+        rest->topologyDifference(openvdb::MaskTree(texture.tree(), false, true, openvdb::TopologyCopy()));
+    }
+    return levelSetOf(rest);
+}
+
+/// The voxels inside a mask, a fog volume or a level set.
+template<typename GridT>
+openvdb::MaskTree::Ptr insideOf(const GridT& grid)
+{
+    if constexpr (std::is_floating_point_v<typename GridT::ValueType>) {
+        if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
+            const auto inside = openvdb::tools::sdfInteriorMask(grid);
+            return std::make_shared<openvdb::MaskTree>(inside->tree(), false, true, openvdb::TopologyCopy());
+        }
+    }
+    auto voxels = std::make_shared<openvdb::MaskTree>(grid.tree(), false, true, openvdb::TopologyCopy());
+    if constexpr (!std::is_same_v<GridT, openvdb::MaskGrid>) {
+        for (auto value = grid.cbeginValueOn(); value; ++value) {
+            if (*value > 0) continue;
+            openvdb::CoordBBox box;
+            value.getBoundingBox(box);
+            voxels->fill(box, false, false);
+        }
+    }
+    return voxels;
+}
+
+/// A level set on cubic voxels is taken as it is.
+openvdb::FloatGrid::Ptr asLevelSet(const openvdb::GridBase& grid, const std::string& where)
+{
+    const auto* floats = dynamic_cast<const openvdb::FloatGrid*>(&grid);
+    if (floats && floats->getGridClass() == openvdb::GRID_LEVEL_SET && floats->hasUniformVoxels()) {
+        auto result = floats->deepCopy();
+        const auto perVoxel = float(1 / result->voxelSize()[0]);
+        openvdb::tools::foreach (result->beginValueAll(),
+                                 [perVoxel](const auto& value) { value.setValue(*value * perVoxel); });
+        openvdb::tools::changeBackground(result->tree(), result->background() * perVoxel);
+        return result;
+    }
+    openvdb::FloatGrid::Ptr result;
+    const bool known = grid.apply<SolidTypes>([&](const auto& typed) { result = levelSetOf(insideOf(typed)); });
+    if (!known) {
+        throw InputError(
+            fmt::format("{}: a {} grid is no solid; use a level set, a fog volume or a mask", where, grid.valueType()));
+    }
+    return result;
+}
+
+/// Refuse a mesh that is far too large for the texture's voxels. @param mesh in index space
+void checkExtent(const TriangleMesh& mesh, const std::filesystem::path& path)
+{
+    constexpr float kFarthest = 1 << 24; // single precision still tells voxels apart
+    double voxels = 0;
+    for (const openvdb::Vec3I& corners : mesh.triangles) {
+        const openvdb::Vec3s a = mesh.points[corners[0]], b = mesh.points[corners[1]], c = mesh.points[corners[2]];
+        voxels += double((b - a).cross(c - a).length()) * kBand;
+    }
+    const bool near = std::all_of(mesh.points.begin(), mesh.points.end(),
+                                  [&](const openvdb::Vec3s& point) { return point.length() <= kFarthest; });
+    if (!near || !(voxels < 1e15)) {
+        throw InputError(fmt::format("{}: is too large for the texture's voxels; bring it into the unit of the texture",
+                                     path.string()));
+    }
+    checkVoxels(std::uint64_t(voxels), path.string());
+}
+
+Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
+                std::int64_t frame)
+{
+    const auto [pattern, name] = parseGridReference(params.source);
+    const std::filesystem::path path = FramePattern(pattern.string()).path(frame);
+    if (isMeshFile(path)) {
+        TriangleMesh mesh = readMesh(path);
+        for (openvdb::Vec3s& point : mesh.points)
+            point = openvdb::Vec3s(texture.transform().worldToIndex(openvdb::Vec3d(point)));
+        checkExtent(mesh, path);
+        const openvdb::math::Transform identity;
+        return {openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(identity, mesh.points, mesh.triangles, float(kBand)),
+                toIndex(texture.transform(), stretch, "grid " + texture.getName())};
+    }
+    const VdbFile file = readVdb(path);
+    const bool first = name.empty() && !file.grids.empty();
+    const auto grid = first ? file.grids.front() : file.get<openvdb::GridBase>(name, "FILE:GRID");
+    const std::string where = fmt::format("{}: grid {}", path.string(), grid->getName());
+    const glm::dmat4 worldToIndex = toIndex(grid->transform(), stretch, where);
+    return {asLevelSet(*grid, where), worldToIndex};
+}
+
+} // namespace
+
+void SolidParams::validate() const
+{
+    for (int channel = 0; channel < 3; ++channel) {
+        if (!(color[channel] >= 0 && color[channel] <= 1))
+            throw ParameterError(fmt::format("solid colour value {} must be between 0 and 1", color[channel]));
+    }
+    if (source.empty() || source == "domain") return;
+    (void)FramePattern(parseGridReference(source).path.string());
+}
+
+bool SolidParams::changes() const
+{
+    return source == "domain" || FramePattern(parseGridReference(source).path.string()).hasField();
+}
+
+Solid makeSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
+                std::int64_t frame)
+{
+    Solid solid = params.source == "domain"
+                      ? Solid{complementOf(texture), toIndex(texture.transform(), stretch, "grid " + texture.getName())}
+                      : readSolid(params, texture, stretch, frame);
+    solid.levelSet->setTransform(openvdb::math::Transform::createLinearTransform());
+    solid.levelSet->setGridClass(openvdb::GRID_LEVEL_SET);
+    return solid;
+}
+
+} // namespace vdblic

@@ -1,0 +1,120 @@
+#include "vdblic/coherence/coherence_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json finiteOrNull(double value)
+{
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json numbers(const std::vector<double>& values)
+{
+    Json result = Json::array();
+    for (const double value : values)
+        result.push_back(finiteOrNull(value));
+    return result;
+}
+
+Json ofFigures(const CoherenceFigures& figures)
+{
+    Json result;
+    for (const NamedFigure& figure : kNamedFigures)
+        result[figure.name] = finiteOrNull(figures.*figure.value);
+    result["along"] = numbers(figures.along);
+    result["across"] = numbers(figures.across);
+    return result;
+}
+
+Json ofClass(std::size_t displacementClass, std::size_t points)
+{
+    const auto& [from, to] = kDisplacementClasses[displacementClass];
+    return {{"from", from}, {"to", to}, {"points", points}};
+}
+
+Json ofClasses(const CleannessByClass& classes)
+{
+    Json result = Json::array();
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+        Json figures = ofClass(i, classes[i].points);
+        for (const CleannessFigure& figure : kCleannessFigures)
+            figures[figure.name] = finiteOrNull(classes[i].*figure.value);
+        result.push_back(figures);
+    }
+    return result;
+}
+
+Json ofEstimate(const Estimate& estimate)
+{
+    return {{"mean", finiteOrNull(estimate.mean)},
+            {"half_width", finiteOrNull(estimate.halfWidth)},
+            {"frames", estimate.frames}};
+}
+
+Json ofMeans(const std::array<MeanCleanness, kDisplacementClasses.size()>& classes)
+{
+    Json result = Json::array();
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+        Json means = ofClass(i, classes[i].points);
+        for (std::size_t k = 0; k < kCleannessFigures.size(); ++k)
+            means[kCleannessFigures[k].name] = ofEstimate(classes[i].figures[k]);
+        result.push_back(means);
+    }
+    return result;
+}
+
+Json ofFrame(const FrameCoherence& frame)
+{
+    Json result = {{"frame", frame.frame},
+                   {"points", frame.points},
+                   {"temporal_points", frame.temporalPoints},
+                   {"raw", ofFigures(frame.raw)},
+                   {"smoothed", ofFigures(frame.smoothed)},
+                   {"by_displacement", ofClasses(frame.byDisplacement)}};
+    if (frame.hits) result["hits"] = {{"mean", frame.hits->mean}, {"zero_share", frame.hits->zeroShare}};
+    return result;
+}
+
+Json ofMeans(const MeanFigures& means)
+{
+    Json result;
+    for (std::size_t i = 0; i < kNamedFigures.size(); ++i)
+        result[kNamedFigures[i].name] = ofEstimate(means.figures[i]);
+    result["along"] = numbers(means.along);
+    result["across"] = numbers(means.across);
+    return result;
+}
+
+} // namespace
+
+std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params)
+{
+    Json frames = Json::array();
+    for (const FrameCoherence& frame : coherence.frames)
+        frames.push_back(ofFrame(frame));
+    Json report = {{"velocity", params.flow.input.pattern}, {"texture", params.texture}};
+    if (coherence.refine != std::array{1, 1, 1}) report["refine"] = coherence.refine;
+    report["parameters"] = {{"texture_name", params.textureName.empty() ? "by metadata" : params.textureName},
+                            {"samples", params.coherence.samples},
+                            {"least_motion", params.coherence.leastMotion}};
+    report["lags"] = coherence.lags;
+    report["frames"] = frames;
+    report["mean"] = {{"raw", ofMeans(coherence.raw)},
+                      {"smoothed", ofMeans(coherence.smoothed)},
+                      {"by_displacement", ofMeans(coherence.byDisplacement)}};
+    // File names need not be valid UTF-8, JSON must be.
+    return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+} // namespace vdblic

@@ -1,0 +1,114 @@
+#pragma once
+
+#include "vdblic/core/exchange.h"
+#include "vdblic/core/reporter.h"
+#include "vdblic/distributed/partition.h"
+#include "vdblic/field/flow_frame.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/field/velocity_frame.h"
+#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/io/sequence.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <future>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+
+/// A frame read from disk, with the domain it is computed on.
+struct LoadedFrame {
+    double sourceFrame = 1; ///< frame number; between two frames a fraction
+    double seconds = 0;     ///< spent on reading
+    VelocityFrame velocity;
+    FlowFrame flow;
+    std::string stamp; ///< FlowSequence::stampOf() from just before reading
+
+    // If several ranks share the run, velocity and flow are this rank's part.
+    std::shared_ptr<const Partition> partition{}; ///< null for a process alone
+    std::vector<openvdb::Coord> rims{};           ///< how far each rank's velocity goes beyond its box [voxels]
+    Float4 largest{};                             ///< largestMagnitude() of the velocity in the rank's box
+
+    [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
+    {
+        return flow.refinement.refined(velocity.values->transform());
+    }
+};
+
+/// Time between two frames [s], and what determined it, for messages.
+struct FrameInterval {
+    double seconds;
+    const char* source;
+};
+
+/// Reads a velocity sequence frame by frame. While a frame is used, a thread waits for the name of the next one's file,
+/// and the system reads that file into its cache: a frame read ahead would take the memory of one more velocity.
+///
+/// Choices made for the user go to the reporter, each once. Not thread-safe.
+class FlowSequence {
+  public:
+    /// @param lines    source of the paths if the input is `-`
+    /// @param exchange with the ranks that share the run: each gets its part of every frame
+    /// @throws InputError, ParameterError
+    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange);
+
+    /// The number of frames; 0 if it is unknown.
+    [[nodiscard]] std::size_t total() const { return mTotal; }
+
+    /// Pass over a frame without reading it. Only before the first call of next().
+    /// @return its file, or nothing at the end
+    std::optional<FrameFile> skip() { return mSource(); }
+
+    /// A text that changes whenever the frame or one of its files does: its number, and the stamps of input and mask.
+    [[nodiscard]] std::string stampOf(const FrameFile& file) const;
+
+    /// The next frame, or nothing at the end.
+    /// @throws InputError if it cannot be read or its transform is not that of the frame before
+    std::optional<LoadedFrame> next();
+
+    /// The frame on disk after the last one that `input.frames` selects: the flow after the last frame leads to it.
+    /// @return nothing if there is none, or it cannot be read, with a warning
+    std::optional<LoadedFrame> after();
+
+    /// The time from a frame to the next. @param next the frame after it, or null
+    /// @throws InputError if the files' times do not ascend
+    FrameInterval intervalAfter(const LoadedFrame& current, const LoadedFrame* next);
+
+    /// The spacing of the frame numbers on disk, 0 until known; a run that goes on where this one is needs it.
+    [[nodiscard]] std::int64_t spacing() const { return mSpacing; }
+    void setSpacing(std::int64_t spacing) { mSpacing = spacing; }
+
+    /// Give the ranks their parts of the frames to come by another partition.
+    void cutAs(std::shared_ptr<const Partition> partition) { mPartition = std::move(partition); }
+
+    /// Report how the velocity of a frame is understood. @param largest displacement in a step [voxels]
+    void describe(const LoadedFrame& frame, const FrameInterval& interval, double largest);
+
+  private:
+    [[nodiscard]] LoadedFrame loadPart(const FrameFile& file) const;
+    void lookAhead();
+    void checkSuccession(const VelocityFrame& velocity) const;
+    void sayOnce(const std::string& message);
+
+    FlowSequenceParams mParams;
+    Reporter& mReporter;
+    const Exchange& mExchange;
+    std::shared_ptr<const Partition> mPartition; // null before the first frame
+    std::size_t mTotal = 0;
+    FrameSource mSource;
+    FlowFrame mLast;           // the previous frame
+    std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
+    std::set<std::string> mSaid;
+    bool mStarted = false;
+    std::future<std::optional<FrameFile>> mAhead; // the next file; last member: its thread uses the others
+};
+
+} // namespace vdblic

@@ -1,0 +1,76 @@
+#include "vdblic/flow/frame_between.h"
+
+#include <openvdb/tree/LeafManager.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3f;
+using openvdb::Vec3STree;
+using Values = openvdb::tree::ValueAccessor<const Vec3STree>;
+
+/// Interpolates between two trees where both are active, and takes the value of the one that is active elsewhere.
+class ValuesBetween {
+  public:
+    ValuesBetween(const Vec3STree& before, const Vec3STree& after, const openvdb::Mat3s& unit, float fraction)
+        : mBefore(before), mAfter(after), mUnit(unit), mFraction(fraction)
+    {
+    }
+
+    /// One of the trees must be active there.
+    [[nodiscard]] Vec3f at(const Coord& voxel)
+    {
+        Vec3f before, after;
+        const bool hasBefore = mBefore.probeValue(voxel, before), hasAfter = mAfter.probeValue(voxel, after);
+        after = mUnit * after;
+        if (!hasAfter) return before;
+        return hasBefore ? before + (after - before) * mFraction : after;
+    }
+
+  private:
+    Values mBefore, mAfter;
+    openvdb::Mat3s mUnit; // from values after to the unit of those before
+    float mFraction;
+};
+
+/// Matrix from the stored values of one frame to those of another.
+openvdb::Mat3s unitChange(const VelocityFrame& from, const VelocityFrame& to)
+{
+    if (from.unit == to.unit && from.scale == to.scale) return openvdb::Mat3s::identity();
+    return openvdb::Mat3s(to.toVoxelsPerStep(1).inverse() * from.toVoxelsPerStep(1));
+}
+
+} // namespace
+
+LoadedFrame frameBetween(const LoadedFrame& before, const LoadedFrame& after, double fraction)
+{
+    const Vec3STree &first = before.velocity.values->tree(), &second = after.velocity.values->tree();
+    const ValuesBetween between(first, second, unitChange(after.velocity, before.velocity), float(fraction));
+    auto tree = std::make_shared<Vec3STree>(first, Vec3f(0), openvdb::TopologyCopy());
+    tree->topologyUnion(second);
+    openvdb::tree::LeafManager<Vec3STree> leaves(*tree);
+    leaves.foreach ([&](Vec3STree::LeafNodeType& leaf, std::size_t) {
+        ValuesBetween values = between;
+        for (auto voxel = leaf.beginValueOn(); voxel; ++voxel)
+            voxel.setValue(values.at(voxel.getCoord()));
+    });
+    ValuesBetween values = between;
+    auto tile = tree->beginValueOn();
+    tile.setMaxDepth(tile.getLeafDepth() - 1);
+    for (; tile; ++tile)
+        tile.setValue(values.at(tile.getCoord()));
+
+    LoadedFrame frame = before;
+    frame.sourceFrame += (after.sourceFrame - before.sourceFrame) * fraction;
+    frame.seconds = 0;
+    frame.velocity.values = openvdb::Vec3SGrid::create(tree);
+    frame.velocity.values->setTransform(before.velocity.values->transform().copy());
+    frame.flow.velocities = frame.velocity.values;
+    return frame;
+}
+
+} // namespace vdblic

@@ -1,0 +1,133 @@
+#include "vdblic/flow/frame_halo.h"
+
+#include "vdblic/distributed/velocity_halo.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/velocity_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+
+/// Let a domain have other local leaves. @param own, local boxes in its index space
+void setPart(std::shared_ptr<const Domain>& domain, const openvdb::CoordBBox& own, const openvdb::CoordBBox& local)
+{
+    if (domain) domain = domain->part(leavesIn(*domain, own), leavesIn(*domain, local));
+}
+
+/// Reduce a frame to a rank's own part.
+void keepPart(LoadedFrame& frame, int rank, openvdb::Vec3SGrid& values)
+{
+    const openvdb::CoordBBox own = frame.partition->box(rank), texture = frame.partition->textureBox(rank);
+    const auto grid = openvdb::Vec3SGrid::create(takenOut(values.tree(), own));
+    grid->insertMeta(values);
+    grid->setTransform(values.transform().copy());
+    frame.velocity.values = grid;
+    frame.flow.velocities = grid;
+    frame.rims.clear();
+    frame.largest = largestMagnitude(grid->tree());
+    setPart(frame.flow.domain, texture, texture);
+    setPart(frame.flow.refinedFrom, own, own);
+}
+
+constexpr int kLeaf = LeafVoxel::kDim, kFewest = 2; // leaves: mean along the flow and sharpening reach one each
+
+/// The depth of a halo in which paths of some length stay. @param farthest along each axis [texture voxels]
+Coord depthFor(const std::array<double, 3>& farthest)
+{
+    constexpr double kFarAway = 1e6;
+    Coord depth;
+    for (int axis = 0; axis < 3; ++axis) { // A cell reaches into the next leaf.
+        const double leaves = std::ceil(std::min(farthest[std::size_t(axis)], kFarAway) / kLeaf) + 1;
+        depth[axis] = std::max(int(leaves), kFewest) * kLeaf;
+    }
+    return depth;
+}
+
+} // namespace
+
+void keepOwn(LoadedFrame& frame, int rank)
+{
+    if (rank != 0) frame.velocity.carried.clear();
+    // A carried grid may be the velocity itself.
+    const openvdb::Vec3SGrid::Ptr values =
+        frame.velocity.carried.empty() ? frame.velocity.values : frame.velocity.values->deepCopy();
+    keepPart(frame, rank, *values);
+}
+
+void moveTo(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition)
+{
+    std::vector<openvdb::CoordBBox> boxes;
+    for (int rank = 0; rank < exchange.size(); ++rank)
+        boxes.push_back(partition->box(rank));
+    const openvdb::Vec3SGrid::Ptr values = frame.velocity.values;
+    addParts(values->tree(), exchange, *frame.partition, boxes);
+    frame.partition = std::move(partition);
+    keepPart(frame, exchange.rank(), *values);
+}
+
+std::vector<Coord> haloDepths(Exchange& exchange, const Partition& partition, const Farthest& farthest)
+{
+    const auto ranks = std::size_t(partition.ranks()), mine = std::size_t(exchange.rank());
+    std::vector<double> paths(3 * ranks, 0); // along three axes, from each rank's voxels
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        paths[3 * mine + axis] = std::max(farthest.path[axis], farthest.upstream[axis]);
+    exchange.max(paths);
+
+    Coord depth;
+    for (Coord next = depthFor({}); next != depth;) {
+        depth = next;
+        const openvdb::CoordBBox around = dilated(partition.textureBox(int(mine)), depth);
+        std::array<double, 3> most{};
+        for (std::size_t rank = 0; rank < ranks; ++rank) {
+            if (!around.hasOverlap(partition.textureBox(int(rank)))) continue;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                most[axis] = std::max(most[axis], paths[3 * rank + axis]);
+        }
+        next = depthFor(most);
+    }
+
+    std::vector<double> shared(3 * ranks, 0);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        shared[3 * mine + axis] = depth[int(axis)];
+    exchange.max(shared);
+    std::vector<Coord> depths;
+    for (std::size_t rank = 0; rank < ranks; ++rank)
+        depths.emplace_back(int(shared[3 * rank]), int(shared[3 * rank + 1]), int(shared[3 * rank + 2]));
+    return depths;
+}
+
+void surround(Exchange& exchange, LoadedFrame& frame, const std::vector<Coord>& depths)
+{
+    const Partition& partition = *frame.partition;
+    const auto mine = std::size_t(exchange.rank());
+    frame.rims.resize(depths.size(), Coord(0, 0, 0));
+    bool isDeeper = false; // at any rank
+    for (std::size_t rank = 0; rank < depths.size(); ++rank) {
+        Coord rim;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int factor = frame.flow.refinement.factors[std::size_t(axis)];
+            rim[axis] = ((depths[rank][axis] / kLeaf + factor - 1) / factor + 1) * kLeaf;
+        }
+        isDeeper = isDeeper || Coord::lessThan(frame.rims[rank], rim);
+        frame.rims[rank].maxComponent(rim);
+    }
+    if (isDeeper) {
+        std::vector<openvdb::CoordBBox> boxes;
+        for (std::size_t rank = 0; rank < depths.size(); ++rank)
+            boxes.push_back(dilated(partition.box(int(rank)), frame.rims[rank]));
+        addParts(frame.velocity.values->tree(), exchange, partition, boxes);
+    }
+    const openvdb::CoordBBox own = partition.box(int(mine)), texture = partition.textureBox(int(mine));
+    setPart(frame.flow.domain, texture, dilated(texture, depths[mine]));
+    setPart(frame.flow.refinedFrom, own, dilated(own, frame.rims[mine]));
+}
+
+} // namespace vdblic

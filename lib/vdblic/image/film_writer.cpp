@@ -1,0 +1,154 @@
+#include "vdblic/image/film_writer.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
+#include <fcntl.h>
+#include <spawn.h>
+#include <string>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+/// A pipe's two ends, which programs started later do not inherit.
+std::array<int, 2> makePipe()
+{
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+        throw OutputError(fmt::format("no pipe to ffmpeg: {}", std::generic_category().message(errno)));
+    return ends;
+}
+
+} // namespace
+
+FilmWriter::FilmWriter(const std::filesystem::path& path, const glm::ivec2& size, double framesPerSecond)
+    : mPath(path), mFile(path, AtomicFile::Temporary::kNamed)
+{
+    // A fixed number of threads, so that the film does not depend on the machine.
+    std::vector<std::string> words = {"ffmpeg",
+                                      "-loglevel",
+                                      "error",
+                                      "-y",
+                                      "-f",
+                                      "rawvideo",
+                                      "-pixel_format",
+                                      "rgb24",
+                                      "-video_size",
+                                      fmt::format("{}x{}", size.x, size.y),
+                                      "-framerate",
+                                      fmt::format("{}", framesPerSecond),
+                                      "-i",
+                                      "pipe:0",
+                                      "-vf",
+                                      "pad=ceil(iw/2)*2:ceil(ih/2)*2,format=yuv420p",
+                                      "-c:v",
+                                      "libx264",
+                                      "-crf",
+                                      "20",
+                                      "-threads",
+                                      "4",
+                                      "-fflags",
+                                      "+bitexact",
+                                      "-flags:v",
+                                      "+bitexact",
+                                      "-movflags",
+                                      "+faststart",
+                                      "-f",
+                                      "mp4",
+                                      mFile.temporary().string()};
+    std::vector<char*> arguments;
+    for (std::string& word : words)
+        arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const auto [input, toInput] = makePipe();
+    const auto [fromMessages, messages] = makePipe();
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
+    // In a group of its own ffmpeg does not get the terminal's signals: this process decides when it ends.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    const int error = ::posix_spawnp(&mProcess, arguments[0], &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(input);
+    ::close(messages);
+    mInput = toInput;
+    mMessages = fromMessages;
+    if (error == 0) return;
+    mProcess = -1;
+    close();
+    throw OutputError(
+        fmt::format("{}: ffmpeg, which makes films, cannot be started: {}; install it, or make images and "
+                    "join them elsewhere",
+                    path.string(), std::generic_category().message(error)));
+}
+
+FilmWriter::~FilmWriter()
+{
+    if (mProcess > 0) ::kill(mProcess, SIGKILL);
+    close();
+}
+
+void FilmWriter::add(std::string_view bytes)
+{
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(mInput, bytes.data(), bytes.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) fail();
+        bytes.remove_prefix(std::size_t(written));
+    }
+}
+
+void FilmWriter::finish()
+{
+    ::close(std::exchange(mInput, -1));
+    int status = 0;
+    while (::waitpid(mProcess, &status, 0) < 0 && errno == EINTR) {
+    }
+    mProcess = -1;
+    if (status != 0) fail();
+    close();
+    mFile.commit();
+}
+
+/// Throw what ffmpeg says.
+void FilmWriter::fail()
+{
+    ::close(std::exchange(mInput, -1));
+    std::string text;
+    std::array<char, 1024> part{};
+    ssize_t count = 0;
+    while (text.size() < 4096 && (count = ::read(mMessages, part.data(), part.size())) > 0)
+        text.append(part.data(), std::size_t(count));
+    while (!text.empty() && text.back() == '\n')
+        text.pop_back();
+    throw OutputError(fmt::format("{}: ffmpeg cannot write the film: {}", mPath.string(),
+                                  text.empty() ? "it ended without a message" : text.substr(text.rfind('\n') + 1)));
+}
+
+/// Close what is open, and wait for ffmpeg.
+void FilmWriter::close()
+{
+    for (int* end : {&mInput, &mMessages}) {
+        if (*end >= 0) ::close(std::exchange(*end, -1));
+    }
+    while (mProcess > 0 && ::waitpid(mProcess, nullptr, 0) < 0 && errno == EINTR) {
+    }
+    mProcess = -1;
+}
+
+} // namespace vdblic

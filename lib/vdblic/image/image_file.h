@@ -1,0 +1,75 @@
+#pragma once
+
+#include "vdblic/image/image.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace vdblic {
+
+enum class ImageFormat { kExr, kPng };
+
+/// The format a file name's extension asks for. @throws ParameterError if it is neither .exr nor .png
+[[nodiscard]] ImageFormat imageFormat(const std::filesystem::path& path);
+
+/// An attribute in the header of an EXR file.
+using ImageAttribute = std::variant<int, float, std::string, glm::vec2, glm::vec3>;
+struct ImageHeader {
+    std::vector<std::pair<std::string, ImageAttribute>> attributes;
+    glm::mat4 worldToCamera{1}, worldToNdc{1}; ///< OpenEXR's standard attributes
+    float screenWindowWidth = 1;               ///< width of the picture at distance 1
+};
+
+/// A background as displayed (sRGB) with its own alpha, each 0 to 1.
+struct Background {
+    glm::dvec3 color{0.04, 0.05, 0.07};
+    double alpha = 0;
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+/// What an .exr file can hold besides colour and alpha.
+enum class ImageLayer { kDepth, kNormal, kDriver, kTexture, kSamples };
+
+/// `depth`, `normal`, `magnitude` (the scalar that colours), `texture`, `samples`, or `all`. @throws ParameterError on
+/// other names
+[[nodiscard]] std::vector<ImageLayer> parseImageLayers(const std::vector<std::string>& names);
+
+/// Format of .exr files.
+struct ExrParams {
+    std::string precision = "half"; ///< of colour and alpha: `half` or `float`
+    std::string compression = "zip";
+    /// Channels `Z`, `N.X` `N.Y` `N.Z`, `magnitude`, `texture` and `samples`, 32-bit floats.
+    std::vector<ImageLayer> layers{};
+
+    /// @throws ParameterError
+    void validate() const;
+};
+/// OpenEXR's compressions, in its own spelling: none, rle, zips, zip, piz ...
+[[nodiscard]] std::vector<std::string> exrCompressions();
+
+/// The bytes of an .exr file: RGBA premultiplied, linear Rec. 709, over the background with its alpha, then layers and
+/// the annotations' channels annotation.R, .G, .B and .A.
+[[nodiscard]] std::string encodeExr(const Image& image, const ImageHeader& header, const Background& background,
+                                    const ExrParams& params = {});
+/// The picture as displayed: 8-bit sRGB, annotations over it and the background's colour behind it; red, green and blue
+/// of each pixel, rows from the top.
+[[nodiscard]] std::string displayBytes(const Image& image, const Background& background);
+/// The bytes of a .png file that shows displayBytes().
+[[nodiscard]] std::string encodePng(const Image& image, const Background& background);
+
+/// Write an image atomically, in the format of its extension.
+/// @throws ParameterError; OutputError naming the file and the reason, such as a full disk
+void writeImage(const std::filesystem::path& path, const Image& image, const ImageHeader& header,
+                const Background& background, const ExrParams& params = {});
+
+} // namespace vdblic

@@ -1,0 +1,41 @@
+#include "vdblic/io/json_file.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+namespace vdblic {
+namespace {
+
+/// "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while parsing value - unexpected
+/// ..." → "line 3, column 5: unexpected ..."
+std::string plainWords(const std::string& message)
+{
+    const std::size_t line = message.find("line "), colon = message.find(": ", line), dash = message.find(" - ", colon);
+    if (dash == std::string::npos) return message;
+    return fmt::format("{}: {}", message.substr(line, colon - line), message.substr(dash + 3));
+}
+
+} // namespace
+
+nlohmann::json readJson(const std::filesystem::path& path)
+{
+    errno = 0;
+    std::ifstream stream(path);
+    if (!stream) {
+        throw InputError(fmt::format("{}: cannot be read: {}", path.string(), std::generic_category().message(errno)));
+    }
+    try {
+        return nlohmann::json::parse(stream);
+    } catch (const nlohmann::json::exception& error) {
+        throw InputError(fmt::format("{}: is no JSON: {}", path.string(), plainWords(error.what())));
+    }
+}
+
+} // namespace vdblic

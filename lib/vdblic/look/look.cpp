@@ -1,0 +1,134 @@
+#include "vdblic/look/look.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+constexpr double kMostChosenOpacity = 0.95; // of a voxel, where chosen automatically
+
+constexpr double kMostRatio = 1e4; // of the ends of a logarithmic range, where chosen automatically
+
+// The automatic opacity has a point every tenth of the range.
+constexpr int kPoints = 11;
+constexpr double kSlow = 0.1;    // positions up to this are transparent
+constexpr double kRarity = 1.2;  // 0: frequency does not count; 1: opacity is inverse to frequency
+constexpr double kRarest = 0.15; // least frequency that counts, in equal shares
+
+float percentile(std::vector<float>& values, double share)
+{
+    const auto found = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), found, values.end());
+    return *found + 0.0f; // of the two zeros the one above
+}
+
+std::array<double, 2> rangeOf(std::vector<float> drivers, ValueScale scale)
+{
+    const bool isLog = scale == ValueScale::kLogarithmic;
+    if (isLog) {
+        std::erase_if(drivers, [](float value) { return !(value >= float(ScalarAxis::kLeastValue)); });
+        if (drivers.empty()) {
+            throw InputError(fmt::format("a logarithmic scale shows values of {} or more, and there is none; make "
+                                         "`color_scale` or `opacity_scale` linear",
+                                         ScalarAxis::kLeastValue));
+        }
+    }
+    const double low = percentile(drivers, 0.02), high = percentile(drivers, 0.99);
+    if (!(std::max(std::abs(low), std::abs(high)) <= ScalarAxis::kMostValue)) {
+        throw InputError(
+            fmt::format("the values {} to {} are too large to be shown; choose some with `range`", low, high));
+    }
+    // A driver of one value is at the top of the range, or at its bottom if it is 0.
+    if (!(low < high)) return {isLog ? high / 10 : 0, high > 0 ? high : 1};
+    return {isLog ? std::max(low, high / kMostRatio) : low, high};
+}
+
+/// A scalar of both signs, such as q, makes opaque from 0 on.
+std::array<double, 2> opacityRangeOf(const std::vector<float>& drivers, ValueScale scale)
+{
+    const auto [low, high] = rangeOf(drivers, scale);
+    return {low < 0 && high > 0 ? 0 : low, high};
+}
+
+TextureModulation stretch(std::vector<float> textures, const LookParams& params)
+{
+    const float low = percentile(textures, 0.1), high = percentile(textures, 0.98);
+    // A texture of one value has no structure.
+    if (!(low < high)) return {0, 1, 0, 0};
+    return {low, high, float(params.textureStrength), float(params.limbDarkening)};
+}
+
+/// Opacity rises with the driver and with the rarity of its value: common values would hide the others. The order of
+/// the samples does not matter: sums are of integers.
+std::vector<OpacityPoint> chooseOpacity(const VolumeSamples& samples, double voxelDepth, const ScalarAxis& axis,
+                                        const TextureModulation& texture)
+{
+    // Amount of texture near each point.
+    constexpr double kUnit = 0x1p32;
+    std::array<std::uint64_t, kPoints> amounts{};
+    std::uint64_t total = 0;
+    for (std::size_t i = 0; i < samples.texture.size(); ++i) {
+        const double position = axis.position(double(samples.driver[i]));
+        const double density = double(texture.density(texture.stretched(broadcast8(samples.texture[i])))[0]);
+        const auto amount = std::uint64_t(density * kUnit);
+        amounts[std::size_t(std::lround(std::clamp(position, 0.0, 1.0) * (kPoints - 1)))] += amount;
+        total += amount;
+    }
+    std::vector<OpacityPoint> points(kPoints);
+    double depth = 0; // mean optical depth of a voxel
+    for (int i = 0; i < kPoints; ++i) {
+        const double position = double(i) / (kPoints - 1);
+        const double share = std::max(double(amounts[i]) / double(total) * kPoints, kRarest);
+        points[i] = {position, std::max(position - kSlow, 0.0) / std::pow(share, kRarity)};
+        depth += points[i].opacity * double(amounts[i]) / (kUnit * double(samples.texture.size()));
+    }
+    const double scale = depth > 0 ? voxelDepth / depth : 1;
+    for (OpacityPoint& point : points)
+        point.opacity = std::min(-std::expm1(-point.opacity * scale), kMostChosenOpacity);
+    return points;
+}
+
+} // namespace
+
+bool Look::contributes(const LeafRange& range) const
+{
+    // Interpolation may round past its corners' values.
+    const float highest = range.highTexture + 1e-5f * std::abs(range.highTexture);
+    const Float8 stretched = texture.stretched(broadcast8(highest));
+    return transfer.contributes(range.lowDriver, range.highDriver) &&
+           (texture.density(stretched) + halo.density(texture, stretched))[0] > 0;
+}
+
+Look chooseLook(const LookParams& params, const VolumeSamples& samples, double thickness)
+{
+    params.validate();
+    if (samples.texture.empty())
+        throw InputError("no active voxel that is shown holds a finite number; check the grid, `roi` and `roi_box`");
+    TransferParams transfer = params.transfer;
+    const bool one = samples.color.empty();
+    const ValueScale opacityScale = transfer.opacityScale.value_or(one ? transfer.colorScale : ValueScale::kLinear);
+    if (!transfer.range) transfer.range = rangeOf(one ? samples.driver : samples.color, transfer.colorScale);
+    if (!one && !transfer.opacityRange) transfer.opacityRange = opacityRangeOf(samples.driver, opacityScale);
+    const TextureModulation texture = stretch(samples.texture, params);
+    if (transfer.opacity.empty()) {
+        transfer.opacity = chooseOpacity(samples, params.opticalDepth / thickness,
+                                         {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture);
+    }
+    return {.transfer = TransferFunction(transfer),
+            .texture = texture,
+            .shading = params.shading,
+            .halo = {float(params.halo)},
+            .depthCue = float(params.depthCue),
+            .shadows = float(params.shadows)};
+}
+
+} // namespace vdblic

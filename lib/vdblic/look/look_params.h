@@ -1,0 +1,24 @@
+#pragma once
+
+#include "vdblic/look/shading.h"
+#include "vdblic/look/transfer_params.h"
+
+namespace vdblic {
+
+/// How a picture is to look. chooseLook() chooses what is left open.
+struct LookParams {
+    TransferParams transfer;
+    double textureStrength = 1; ///< of the modulation of opacity by texture, 0 to 1
+    double limbDarkening = 1;   ///< of the modulation of colour by texture, 0 to 1
+    Shading shading;
+    double opticalDepth = 3; ///< of a path through the volume, where opacity is chosen automatically
+    double halo = 0;         ///< strength of halos, at least 0
+    double depthCue = 0;     ///< share of the background in the colour of the farthest sample, 0 to 1
+
+    double shadows = 0; ///< share of the light that full shadow takes away, 0 to 1
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+} // namespace vdblic

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "vdblic/look/look.h"
+
+#include <glm/vec3.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdblic {
+
+/// A look with a name, tuned to be good on unknown data.
+struct LookPreset {
+    LookParams look;
+    glm::dvec3 background;                ///< display (sRGB) values
+    std::vector<std::string> opacityBy{}; ///< as RenderParams has it
+};
+
+/// The names lookPreset() knows.
+[[nodiscard]] std::vector<std::string> lookPresetNames();
+
+/// `flow`: coloured streaks, lit; `vortex`: the same, opaque where the flow turns; `ink`: dark strokes on paper;
+/// `smoke`: soft and grey; `xray`: all depths at once.
+/// @throws ParameterError on an unknown name, listing the known ones
+[[nodiscard]] LookPreset lookPreset(std::string_view name);
+
+} // namespace vdblic

@@ -1,0 +1,137 @@
+#include "vdblic/look/transfer_params.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+namespace vdblic {
+namespace {
+
+/// How a curve's points are written.
+struct PointSyntax {
+    const char *name, *value, *example;
+};
+constexpr PointSyntax kOpacitySyntax{"opacity", "OPACITY", "0:0,0.5:0.1,1:0.8"};
+constexpr PointSyntax kColorSyntax{"colours", "#RRGGBB", "0:#102040,0.5:#e2581a,1:#fff6d5"};
+
+double parseNumber(std::string_view text, std::string_view all, const PointSyntax& syntax)
+{
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+        throw ParameterError(
+            fmt::format("{} '{}': '{}' is not a number; write points as {}", syntax.name, all, text, syntax.example));
+    }
+    return value;
+}
+
+glm::dvec3 parseColor(std::string_view text, std::string_view all)
+{
+    unsigned value = 0;
+    const bool hasSize = text.size() == 7 && text[0] == '#';
+    const char* const begin = text.data() + (hasSize ? 1 : 0);
+    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value, 16);
+    if (!hasSize || error != std::errc{} || end != text.data() + text.size()) {
+        throw ParameterError(fmt::format("colours '{}': '{}' is not a colour #RRGGBB in hexadecimal digits; write "
+                                         "points as {}",
+                                         all, text, kColorSyntax.example));
+    }
+    return glm::dvec3(value >> 16, value >> 8 & 255, value & 255) / 255.0;
+}
+
+/// Cut `POSITION:VALUE,...` into points. @param visit called with each point's two texts
+template<typename Visit>
+void forPoints(std::string_view text, const PointSyntax& syntax, const Visit& visit)
+{
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::string_view part = text.substr(begin, end - begin);
+        const std::size_t colon = part.find(':');
+        if (colon == std::string_view::npos) {
+            throw ParameterError(fmt::format("{} '{}': '{}' is not POSITION:{}; write points as {}", syntax.name, text,
+                                             part, syntax.value, syntax.example));
+        }
+        visit(part.substr(0, colon), part.substr(colon + 1));
+        begin = end + 1;
+    }
+}
+
+void checkOpacity(const std::vector<OpacityPoint>& points)
+{
+    double previous = 0;
+    for (const OpacityPoint& point : points) {
+        if (!(point.position >= previous && point.position <= 1)) {
+            throw ParameterError(fmt::format(
+                "opacity position {} must be between 0 and 1 and not before the previous one", point.position));
+        }
+        if (!(point.opacity >= 0 && point.opacity <= 1)) {
+            throw ParameterError(
+                fmt::format("opacity {} at position {} must be between 0 and 1", point.opacity, point.position));
+        }
+        previous = point.position;
+    }
+}
+
+void checkColors(const std::vector<ColorPoint>& points)
+{
+    double previous = 0;
+    for (const auto& [position, color] : points) {
+        if (!(position >= previous && position <= 1)) {
+            throw ParameterError(
+                fmt::format("colour position {} must be between 0 and 1 and not before the previous one", position));
+        }
+        for (int channel = 0; channel < 3; ++channel) {
+            if (!(color[channel] >= 0 && color[channel] <= 1)) {
+                throw ParameterError(
+                    fmt::format("colour value {} at position {} must be between 0 and 1", color[channel], position));
+            }
+        }
+        previous = position;
+    }
+}
+
+} // namespace
+
+std::vector<OpacityPoint> parseOpacity(std::string_view text)
+{
+    std::vector<OpacityPoint> points;
+    forPoints(text, kOpacitySyntax, [&](std::string_view position, std::string_view opacity) {
+        points.push_back({parseNumber(position, text, kOpacitySyntax), parseNumber(opacity, text, kOpacitySyntax)});
+    });
+    checkOpacity(points);
+    return points;
+}
+
+std::vector<ColorPoint> parseColors(std::string_view text)
+{
+    std::vector<ColorPoint> points;
+    forPoints(text, kColorSyntax, [&](std::string_view position, std::string_view color) {
+        points.push_back({parseNumber(position, text, kColorSyntax), parseColor(color, text)});
+    });
+    checkColors(points);
+    return points;
+}
+
+std::string opacityText(const std::vector<OpacityPoint>& points)
+{
+    std::string text;
+    for (const OpacityPoint& point : points) {
+        text += fmt::format("{}{}:{}", text.empty() ? "" : ",", point.position, point.opacity);
+    }
+    return text;
+}
+
+void TransferParams::validate() const
+{
+    (void)colorMapPoints(colorMap);
+    checkOpacity(opacity);
+    checkColors(colors);
+    if (range) ScalarAxis{*range, colorScale}.validate("color_scale");
+    if (opacityRange) ScalarAxis{*opacityRange, opacityScale.value_or(ValueScale::kLinear)}.validate("opacity_scale");
+}
+
+} // namespace vdblic

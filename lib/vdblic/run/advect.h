@@ -1,0 +1,30 @@
+#pragma once
+
+#include "vdblic/core/exchange.h"
+#include "vdblic/core/reporter.h"
+#include "vdblic/run/advect_params.h"
+
+#include <iosfwd>
+
+namespace vdblic {
+
+/// A run warns of displacements longer than this [voxels per step]: over such a distance velocity is hardly linear in
+/// time.
+inline constexpr double kLargeDisplacement = 16;
+
+/// Compute and write the texture of every frame (makeTextureFile()). Computing and writing overlap.
+///
+/// The run writes checkpoints beside the outputs from time to time and when it is interrupted, and removes the last one
+/// when it is complete (docs/survival.md). A run with `resume` goes on from the checkpoint: its outputs are the same as
+/// without the interruption, and those written before are reported again as finished.
+///
+/// @param lines source of the paths if the input is `-`
+/// @throws ParameterError, InputError, OutputError, Stopped; outputs written before stay
+void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter);
+
+/// The same by several ranks, to the same bytes (docs/distributed.md). Every rank reads the sequence; rank 0 writes.
+/// @param lines    counts at rank 0  @param reporter of this rank: give one that is silent to all but rank 0
+/// @param exchange with the other ranks, which call this with the same parameters
+void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange);
+
+} // namespace vdblic

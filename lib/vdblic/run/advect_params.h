@@ -1,0 +1,67 @@
+#pragma once
+
+#include "vdblic/field/domain_mask.h"
+#include "vdblic/field/velocity_frame.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/lic/feedback_params.h"
+#include "vdblic/lic/finish.h"
+#include "vdblic/lic/lic_kernel.h"
+#include "vdblic/lic/scatter_params.h"
+#include "vdblic/run/texture_format.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdblic {
+
+/// From a velocity sequence to a texture sequence.
+struct AdvectParams {
+    SequenceParams input;
+    std::string output; ///< pattern of the texture files
+    VelocityParams velocity;
+    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
+    DomainParams domain;
+    ScatterParams scatter;
+    FeedbackParams feedback;
+    FinishParams finish{};
+    std::optional<LicKernel> steady; ///< steady LIC of each frame on its own, instead of scatter.method
+    std::string noise;               ///< FILE or FILE:GRID; empty: generated from the seed
+    std::uint32_t seed = 1;          ///< of the generated noise
+    /// Frames that the first one stands still for before it is written; nothing: the life span, 0 for LIC.
+    std::optional<int> preroll;
+    /// Frames on disk before the first of `input.frames` that are computed but not written; nothing: up to twice the
+    /// life span, 0 for LIC.
+    std::optional<int> leadIn{};
+    int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
+    std::string textureName = "density";
+    std::vector<std::string> derived{}; ///< further grids computed from the velocity: of kDerivedNames
+    TextureFormat format{};
+    std::string json{};                   ///< file for the RunReport; empty: none
+    bool resume = false;                  ///< go on from the checkpoint that an earlier run left, if there is one
+    bool restart = false;                 ///< remove that checkpoint and start from the beginning
+    bool keepCheckpoint = false;          ///< leave a checkpoint when all is done, so that further frames can follow
+    std::optional<int> checkpointEvery{}; ///< frames between checkpoints, 0 for none; nothing: CheckpointSchedule's
+
+    void validate() const; ///< @throws ParameterError
+
+    [[nodiscard]] std::string_view methodName() const; ///< `auflic`, `uflic` or `lic`
+    [[nodiscard]] int prerollFrames() const;           ///< as given, else the default
+    [[nodiscard]] std::uint64_t prerollSteps() const;  ///< with their substeps
+    [[nodiscard]] int leadInFrames() const;            ///< as given, else the default
+    [[nodiscard]] std::uint64_t
+    warmUpSteps() const; ///< the steps of preroll and lead-in, whose textures are not written
+    /// The number of intervals between frames that are computed after so many steps, without the preroll.
+    [[nodiscard]] std::uint64_t framesDone(std::uint64_t steps) const;
+    /// The number of textures to write that are computed after so many steps, those of preroll and lead-in included.
+    [[nodiscard]] std::uint64_t texturesDone(std::uint64_t steps) const;
+    /// The number of the next step, after so many, among its frame's substeps.
+    [[nodiscard]] int substep(std::uint64_t steps) const;
+    /// The number of textures of so many frames; 0 if that is not known. There is nothing between the last and a next.
+    [[nodiscard]] std::size_t textures(std::size_t frames) const;
+};
+
+} // namespace vdblic

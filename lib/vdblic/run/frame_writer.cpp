@@ -1,0 +1,136 @@
+#include "vdblic/run/frame_writer.h"
+
+#include "vdblic/core/stopwatch.h"
+#include "vdblic/distributed/message.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace vdblic {
+
+FrameWriter::FrameWriter(Reporter& reporter, Exchange& exchange, std::size_t total, VdbCompression compression,
+                         int writers)
+    : mReporter(reporter), mExchange(exchange), mTotal(total), mCompression(compression),
+      mWriters(std::size_t(std::min(writers, exchange.size())))
+{
+}
+
+FrameWriter::~FrameWriter()
+{
+    giveUp();
+}
+
+void FrameWriter::write(std::filesystem::path path, TextureFile file, std::vector<OwnLeaves> own)
+{
+    if (isMineNext()) mFile = std::move(file);
+    mWaiting.push_back({std::move(path), std::move(own)});
+    if (mWaiting.size() == mWriters) report(begin());
+}
+
+void FrameWriter::finish()
+{
+    report(begin());
+    report(finishBegun());
+}
+
+void FrameWriter::finishWriting()
+{
+    const auto tryToReport = [this](const Paths& paths) {
+        try {
+            report(paths);
+        } catch (...) { // nobody reads the reports
+        }
+    };
+    const auto waiting = double(mWaiting.size());
+    std::array<double, 2> most = {waiting, -waiting};
+    mExchange.max(most);
+    if (most[0] != -most[1]) mWaiting.clear();
+    tryToReport(begin());
+    tryToReport(finishBegun());
+}
+
+/// Begin to write the files that wait, after those before. @return the files that are now finished
+FrameWriter::Paths FrameWriter::begin()
+{
+    Paths finished = finishBegun();
+    if (mWaiting.empty()) return finished;
+    const auto rank = std::size_t(mExchange.rank());
+    if (rank < mWaiting.size()) {
+        mStream.emplace(mFile.computed);
+        mPending =
+            std::async(std::launch::async, [this, path = mWaiting[rank].path, held = std::move(mFile)]() mutable {
+                const TextureFile file = std::move(held); // freed when written; `held` lives as long as mPending
+                Stopwatch watch;
+                try {
+                    writeStoredVdb(path, file.grids, file.metadata, mCompression, &*mStream);
+                } catch (...) {
+                    mStream->giveUp();
+                    throw;
+                }
+                return watch.lap();
+            });
+    }
+    deliverWaiting();
+    for (Waiting& file : mWaiting)
+        mBegun.push_back(std::move(file.path));
+    mWaiting.clear();
+    return finished;
+}
+
+void FrameWriter::deliverWaiting()
+{
+    const std::uint64_t before = mExchange.sent();
+    try {
+        for (std::size_t grid = 0; grid < mWaiting.front().own.size(); ++grid) {
+            std::vector<OwnLeaves> leaves;
+            for (Waiting& file : mWaiting)
+                leaves.push_back(std::move(file.own[grid]));
+            deliver(mExchange, std::move(leaves), mPending.valid() ? &*mStream : nullptr);
+        }
+    } catch (...) { // at all ranks
+        mWaiting.clear();
+        giveUp();
+        throw;
+    }
+    mSent += mExchange.sent() - before;
+}
+
+/// Wait until the files that were begun are finished. @return their paths
+FrameWriter::Paths FrameWriter::finishBegun()
+{
+    Paths paths = std::exchange(mBegun, {});
+    if (paths.empty()) return paths;
+    Exchange::Bytes seconds;
+    if (mPending.valid()) put(seconds, mPending.get());
+    for (const Exchange::Bytes& message : mExchange.gather(std::move(seconds))) {
+        if (!message.empty()) mSeconds.push_back(MessageReader(message).get<double>());
+    }
+    mDone += paths.size();
+    return paths;
+}
+
+/// End the thread that writes, if it waits for leaves that will not come.
+void FrameWriter::giveUp()
+{
+    if (mStream) mStream->giveUp();
+    if (mPending.valid()) mPending.wait();
+    mPending = {};
+}
+
+void FrameWriter::report(const Paths& paths)
+{
+    std::size_t done = mDone - paths.size();
+    for (const std::filesystem::path& path : paths) {
+        mReporter.finished(path);
+        mReporter.progress(++done, mTotal);
+    }
+}
+
+void FrameWriter::pass(const std::filesystem::path& path)
+{
+    ++mDone;
+    mReporter.finished(path);
+}
+
+} // namespace vdblic

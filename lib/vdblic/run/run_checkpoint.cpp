@@ -1,0 +1,235 @@
+#include "vdblic/run/run_checkpoint.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/distributed/partition.h"
+#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/io/file_stamp.h"
+#include "vdblic/lic/flow_texture.h"
+#include "vdblic/run/advect_params.h"
+#include "vdblic/run/run_outputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <new>
+#include <numeric>
+#include <system_error>
+#include <utility>
+
+namespace vdblic {
+namespace {
+
+/// A part of a texture's state as a checkpoint holds it.
+struct SavedPart {
+    VdbFile file;
+    openvdb::CoordBBox box;
+};
+SavedPart stateOf(const FlowTexture& texture, std::size_t part, const openvdb::math::Transform& transform)
+{
+    FlowTexture::Saved saved = texture.save(part);
+    for (const auto& grid : saved.grids)
+        grid->setTransform(transform.copy());
+    return {{std::move(saved.grids), {}, {}}, saved.box};
+}
+
+} // namespace
+
+RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter, Exchange& exchange)
+    : mParams(params), mOutputs(outputs), mReporter(reporter), mExchange(exchange), mParameters(parameterTexts(params)),
+      mSchedule(params.checkpointEvery)
+{
+}
+
+std::optional<Checkpoint> RunCheckpoint::find()
+{
+    const bool isThere = isFinished(mOutputs.checkpoint());
+    mExchange.agree(); // before rank 0 removes it
+    if (isThere && !mParams.resume && !mParams.restart) {
+        throw ParameterError(
+            fmt::format("{}: an earlier run left this checkpoint; go on from it with `resume`, or remove "
+                        "it and start from the beginning with `restart`",
+                        mOutputs.checkpoint().string()));
+    }
+    if (!mParams.resume) return std::nullopt;
+    if (!isThere) {
+        mReporter.say(fmt::format("no {}: starting from the beginning", mOutputs.checkpoint().string()));
+        return std::nullopt;
+    }
+    Checkpoint before = readCheckpoint(mOutputs.checkpoint(), mParameters);
+    mExpected = before.inputs;
+    return before;
+}
+
+std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& before, FlowSequence& flow)
+{
+    const int substeps = mParams.scatter.substeps;
+    const std::uint64_t frames = mParams.framesDone(before.position.steps);
+    std::vector<std::filesystem::path> outputs;
+    for (std::uint64_t i = 0; i < frames; ++i) {
+        const std::optional<FrameFile> file = flow.skip();
+        if (!file) {
+            mReporter.checkStop();
+            refuseCheckpoint(mOutputs.checkpoint(),
+                             fmt::format("has {} frames done, the input has only {} now: give all of them", frames, i));
+        }
+        noteInput(file->path, flow.stampOf(*file));
+        if (i < std::uint64_t(mParams.leadInFrames())) continue;
+        mOutputs.startAt(file->frame);
+        addFinished(*file, substeps, outputs);
+    }
+    return outputs;
+}
+
+/// Add the outputs of a frame's first substeps. @throws InputError if one is missing
+void RunCheckpoint::addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const
+{
+    for (int part = 0; part < parts; ++part) {
+        outputs.push_back(mOutputs.texture(file.frame, part));
+        if (isFinished(outputs.back())) continue;
+        refuseCheckpoint(
+            mOutputs.checkpoint(),
+            fmt::format("tells that {} was finished, but it is not there: put it back", outputs.back().string()));
+    }
+}
+
+void RunCheckpoint::checkEnds(const Checkpoint& before, const FrameFile& last) const
+{
+    if (mParams.substep(before.position.steps) == 0) return;
+    refuseCheckpoint(
+        mOutputs.checkpoint(),
+        fmt::format("has textures after frame {} done, the input ends with that frame now: give all frames",
+                    last.frame));
+}
+
+void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture,
+                            FlowSequence& flow, std::vector<std::filesystem::path>& finished) const
+{
+    const RunPosition& position = before.position;
+    flow.setSpacing(position.frameSpacing);
+    if (mParams.framesDone(position.steps) >= std::uint64_t(mParams.leadInFrames()))
+        addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
+    auto state = before.states.begin();
+    auto part = before.parts.begin();
+    const auto isElsewhere = [&](const CheckpointPart& one) {
+        return frame.partition && !frame.partition->textureBox(mExchange.rank()).hasOverlap(one.box);
+    };
+    const auto next = [&]() -> std::optional<VdbFile> { // one at a time is in memory
+        if (state != before.states.end()) return *state++;
+        part = std::find_if_not(part, before.parts.end(), isElsewhere);
+        return part != before.parts.end() ? std::optional(readPart(before, *part++)) : std::nullopt;
+    };
+    try {
+        texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain, next);
+    } catch (const InputError& error) {
+        refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
+    }
+    mReporter.say(fmt::format("{}: {} textures are done", mOutputs.checkpoint().string(), finished.size()));
+}
+
+VdbFile RunCheckpoint::readPart(const Checkpoint& before, const CheckpointPart& part) const
+{
+    if (!isFinished(part.path)) {
+        refuseCheckpoint(mOutputs.checkpoint(),
+                         fmt::format("needs {}, which is not there: put it back", part.path.string()));
+    }
+    Checkpoint read = readCheckpoint(part.path, mParameters);
+    if (read.position.steps != before.position.steps || read.states.empty())
+        refuseCheckpoint(mOutputs.checkpoint(), fmt::format("does not belong to {}", part.path.string()));
+    return std::move(read.states.front());
+}
+
+void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::string& stamp)
+{
+    const std::size_t index = mInputs.size();
+    mInputs.push_back(stamp);
+    if (index >= mExpected.size() || mExpected[index] == stamp) return;
+    throw InputError(fmt::format("{}: differs from what the interrupted run read: {}; put that back, or delete {} to "
+                                 "start from the beginning",
+                                 path.string(), stampDifference(mExpected[index], stamp),
+                                 mOutputs.checkpoint().string()));
+}
+
+void RunCheckpoint::stepDone(const RunPosition& position, const LoadedFrame& frame)
+{
+    mUnsaved = {position, frame.textureTransform()};
+    mSchedule.stepDone();
+}
+
+void RunCheckpoint::write(const FlowTexture& texture)
+{
+    const Unsaved unsaved = std::move(mUnsaved.value());
+    mUnsaved.reset();
+    const auto start = CheckpointSchedule::Clock::now();
+    Checkpoint checkpoint{unsaved.position, mInputs, {}};
+    // A step depends on the frames at both ends of its interval and on none after them.
+    const std::size_t lastStep = std::max(unsaved.position.steps, std::uint64_t(1)) - 1;
+    checkpoint.inputs.resize(std::min<std::size_t>(mParams.framesDone(lastStep) + 2, mInputs.size()));
+    try {
+        if (mExchange.isAlone() && texture.parts() == 1) {
+            checkpoint.states.push_back(stateOf(texture, 0, *unsaved.transform).file);
+            writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+            removeParts({}); // of a larger state before
+        } else {
+            writeParts(texture, unsaved, std::move(checkpoint));
+        }
+    } catch (const std::bad_alloc&) {
+        throw InputError(fmt::format("{}: takes more than the {} of memory that may be used: raise `max_memory`, or "
+                                     "give `checkpoint_every` 0 to do without",
+                                     mOutputs.checkpoint().string(), memoryText(double(memoryLimit()))));
+    } catch (const OutputError& error) {
+        throw OutputError(fmt::format("{}; `checkpoint_every` 0 does without checkpoints", error.what()));
+    }
+    mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
+}
+
+/// Every rank writes its parts, then rank 0 the file that lists them: until then the checkpoint before is valid.
+void RunCheckpoint::writeParts(const FlowTexture& texture, const Unsaved& unsaved, Checkpoint checkpoint)
+{
+    const std::vector<std::size_t> counts = mExchange.join(std::vector<std::size_t>{texture.parts()});
+    const std::size_t first = std::accumulate(counts.begin(), counts.begin() + mExchange.rank(), std::size_t(0));
+    const auto path = [&](std::size_t part) { return mOutputs.checkpointPart(unsaved.position.steps, part); };
+    std::vector<openvdb::CoordBBox> boxes;
+    try {
+        for (std::size_t part = 0; part < texture.parts(); ++part) {
+            SavedPart saved = stateOf(texture, part, *unsaved.transform);
+            boxes.push_back(saved.box);
+            checkpoint.states.push_back(std::move(saved.file));
+            writeCheckpoint(path(first + part), checkpoint, mParameters);
+            checkpoint.states.clear();
+        }
+        for (const openvdb::CoordBBox& box : mExchange.join(boxes))
+            checkpoint.parts.push_back({path(checkpoint.parts.size()), box});
+        if (mExchange.isFirst()) writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
+        mExchange.agree();
+    } catch (...) {
+        std::error_code ignored;
+        for (std::size_t part = 0; part < boxes.size(); ++part)
+            std::filesystem::remove(path(first + part), ignored);
+        throw;
+    }
+    if (mExchange.isFirst()) removeParts(unsaved.position.steps);
+}
+
+/// Remove the parts of checkpoints. @param but steps whose parts stay
+void RunCheckpoint::removeParts(std::optional<std::uint64_t> but) const
+{
+    for (const std::filesystem::path& part : mOutputs.checkpointParts(but))
+        std::filesystem::remove(part);
+}
+
+void RunCheckpoint::remove() const
+{
+    if (!mExchange.isFirst()) return;
+    std::error_code error;
+    std::filesystem::remove(mOutputs.checkpoint(), error);
+    if (!error) {
+        removeParts({});
+        return;
+    }
+    throw OutputError(fmt::format("{}: cannot be removed: {}", mOutputs.checkpoint().string(), error.message()));
+}
+
+} // namespace vdblic

@@ -1,0 +1,272 @@
+#include "vdblic/run/sequence_info.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/io/checksum.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/io/vdb_header.h"
+#include "vdblic/io/velocity_grids.h"
+#include "vdblic/run/advect.h"
+#include "vdblic/run/memory_estimate.h"
+#include "vdblic/run/sequence_advice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <type_traits>
+
+namespace vdblic {
+namespace {
+
+using ValueGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                                     openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
+
+/// Set the frames of a sequence that are on disk, and those that are missing. @return their files
+std::vector<FrameFile> findFiles(const SequenceParams& input, SequenceInfo& info)
+{
+    if (input.pattern == "-")
+        throw ParameterError("paths on standard input cannot be inspected; name a file or a pattern");
+    const FramePattern pattern(input.pattern);
+    std::vector<FrameFile> files;
+    if (!pattern.hasField()) {
+        files = selectFrames(input);
+        info.frames = {files.front().frame};
+        return files;
+    }
+    const std::vector<std::int64_t> found = pattern.framesOnDisk();
+    if (found.empty()) (void)selectFrames(input); // tells what matches
+    std::vector<std::int64_t> wanted;
+    if (input.frames.empty()) {
+        const std::int64_t spacing = frameSpacing(input);
+        for (std::int64_t frame = found.front(); frame <= found.back() && wanted.size() < kMaxFrames; frame += spacing)
+            wanted.push_back(frame);
+    } else {
+        wanted = parseFrameList(input.frames);
+    }
+    std::set_difference(wanted.begin(), wanted.end(), found.begin(), found.end(), std::back_inserter(info.missing));
+    info.frames = found;
+    if (!input.frames.empty()) {
+        info.frames.clear();
+        std::set_intersection(wanted.begin(), wanted.end(), found.begin(), found.end(),
+                              std::back_inserter(info.frames));
+    }
+    if (info.frames.empty())
+        throw InputError(fmt::format("{}: no frame of {} is on disk", input.pattern, input.frames));
+    for (const std::int64_t frame : info.frames)
+        files.push_back({frame, pattern.path(frame)});
+    return files;
+}
+
+void addHeader(const openvdb::GridBase& grid, SequenceInfo& info)
+{
+    const auto sameName = [&](const GridInfo& known) { return known.name == grid.getName(); };
+    auto known = std::find_if(info.grids.begin(), info.grids.end(), sameName);
+    if (known == info.grids.end()) {
+        GridInfo first;
+        first.name = grid.getName();
+        first.type = grid.valueType() + (grid.saveFloatAsHalf() ? ", half on disk" : "");
+        first.gridClass = openvdb::GridBase::gridClassToString(grid.getGridClass());
+        first.leastVoxels = std::numeric_limits<std::uint64_t>::max();
+        first.transform = grid.transform().copy();
+        known = info.grids.insert(known, first);
+    }
+    const auto number = [&](const char* key) { return std::uint64_t(numericMetadata(grid, key).value_or(0)); };
+    const std::uint64_t voxels = number(openvdb::GridBase::META_FILE_VOXEL_COUNT);
+    ++known->files;
+    known->leastVoxels = std::min(known->leastVoxels, voxels);
+    known->mostVoxels = std::max(known->mostVoxels, voxels);
+    known->mostMemory = std::max(known->mostMemory, number(openvdb::GridBase::META_FILE_MEM_BYTES));
+    known->box.expand(storedBox(grid).value_or(openvdb::CoordBBox()));
+    known->transformChanges = known->transformChanges || *known->transform != grid.transform();
+}
+
+template<typename GridT>
+void addValues(const GridT& grid, ValueInfo& info)
+{
+    for (auto value = grid.cbeginValueOn(); value; ++value) {
+        double number = 0;
+        if constexpr (std::is_arithmetic_v<typename GridT::ValueType>) {
+            number = double(*value);
+        } else {
+            number = double(value->length());
+        }
+        if (std::isfinite(number)) {
+            info.low = std::min(info.low, number);
+            info.high = std::max(info.high, number);
+        } else {
+            info.notFinite += value.getVoxelCount();
+        }
+    }
+}
+
+void addValues(const VdbFile& file, SequenceInfo& info)
+{
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    for (GridInfo& of : info.grids) {
+        const auto grid = file.find<openvdb::GridBase>(of.name);
+        if (!grid) continue;
+        ValueInfo values = of.values.value_or(ValueInfo{kInfinity, -kInfinity});
+        const bool known = grid->apply<ValueGrids>([&](const auto& typed) { addValues(typed, values); });
+        if (known && values.low <= values.high) of.values = values;
+    }
+}
+
+/// Times of a frame, from the metadata of its velocity's grid or of its file.
+struct FrameTimes {
+    std::optional<double> time, dt;
+};
+
+/// The velocity by the headers of a file; nothing if there is none. @param times of the frame
+std::optional<VelocityInfo> velocityOf(const VdbFile& header, const VelocityParams& params, FrameTimes& times)
+{
+    std::vector<std::string> names = {params.grid};
+    if (params.grid.empty()) names = velocityNames(header);
+    if (names.empty()) names = vectorNames(header);
+    if (names.empty()) return std::nullopt;
+    const VelocityGrids grids = findVelocityGrids(header, names.front());
+    VelocityInfo velocity;
+    velocity.grid = grids.name;
+    const openvdb::GridBase& first = *grids.values.front();
+    const bool mantaflow = first.getGridClass() == openvdb::GRID_STAGGERED && first["file_base_resolution"];
+    velocity.unit = params.unit.value_or(mantaflow ? VelocityUnit::kVoxelPerSecond : VelocityUnit::kWorldPerSecond);
+    velocity.scale = params.scale * (mantaflow && !params.unit ? kMantaflowScale : 1);
+    const auto metadata = [&](const char* key) {
+        const auto ofGrid = numericMetadata(first, key);
+        return ofGrid ? ofGrid : numericMetadata(header.metadata, key);
+    };
+    times = {metadata("time"), metadata("dt")};
+    return velocity;
+}
+
+/// @param first, second times of the first two frames
+void setInterval(const SequenceInfoParams& params, const FrameTimes& first, const FrameTimes& second,
+                 VelocityInfo& velocity)
+{
+    constexpr double kDefaultFps = 24;
+    velocity.interval = 1 / kDefaultFps;
+    velocity.intervalSource = "24 frames a second by default";
+    if (first.dt && *first.dt > 0) {
+        velocity.interval = *first.dt;
+        velocity.intervalSource = "by the files' dt";
+    }
+    if (first.time && second.time && *second.time > *first.time) {
+        velocity.interval = *second.time - *first.time;
+        velocity.intervalSource = "by the files' times";
+    }
+    if (params.frameSpacing) {
+        velocity.interval = *params.frameSpacing;
+        velocity.intervalSource = "as given";
+    }
+}
+
+double meanLength(const openvdb::Vec3SGrid& grid, const openvdb::Mat3s& matrix)
+{
+    double sum = 0, count = 0;
+    for (auto value = grid.cbeginValueOn(); value; ++value) {
+        sum += double((matrix * *value).length()) * double(value.getVoxelCount());
+        count += double(value.getVoxelCount());
+    }
+    return count > 0 ? sum / count : 0;
+}
+
+/// The displacements of a frame, added to those before. @param frames already added
+void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::size_t frames, VelocityInfo& velocity)
+{
+    VelocityParams reading = params.velocity;
+    reading.nonFinite = NonFinite::kZero;
+    reading.carry.clear();
+    VelocityFrame frame = readVelocity(file, reading);
+    if (!velocity.motion) velocity.motion.emplace();
+    MotionInfo& motion = *velocity.motion;
+    const double mean = meanLength(*frame.values, openvdb::Mat3s(frame.toVoxelsPerStep(velocity.interval)));
+    motion.mean += (mean - motion.mean) / double(frames + 1);
+    const double largest = frame.largestDisplacement(velocity.interval);
+    if (largest < motion.largest && frames > 0) return;
+    motion.largest = largest;
+    motion.frame = file.frame;
+    motion.otherUnits.clear();
+    constexpr double kLeast = 0.1; // voxels a step
+    for (const VelocityUnit unit : {VelocityUnit::kWorldPerSecond, VelocityUnit::kWorldPerFrame,
+                                    VelocityUnit::kVoxelPerSecond, VelocityUnit::kVoxelPerFrame}) {
+        frame.unit = unit;
+        const double other = frame.largestDisplacement(velocity.interval);
+        if (unit == velocity.unit || other < kLeast || other > kLargeDisplacement) continue;
+        motion.otherUnits.push_back(fmt::format("{}: {:.3g}", toString(unit), other));
+    }
+}
+
+/// What a run with default parameters takes. @param frames to compute
+void estimateRun(const SequenceInfo& info, std::size_t frames, VelocityInfo& velocity)
+{
+    constexpr double kSeconds = 0.22e-6; // of processor time for a voxel and frame (docs/performance.md)
+    constexpr double kPreroll = 4;
+    double memory = 0;
+    for (const GridInfo& grid : info.grids) {
+        if (velocity.grid.find(grid.name) == std::string::npos) continue;
+        velocity.voxels = std::max(velocity.voxels, grid.mostVoxels);
+        memory += double(grid.mostMemory);
+    }
+    // Voxels of whole leaves, at three floats each.
+    velocity.memory = advectBytes(std::max(double(velocity.voxels), memory / (3 * sizeof(float))));
+    velocity.seconds = double(velocity.voxels) * (double(frames) + kPreroll) * kSeconds;
+}
+
+} // namespace
+
+void SequenceInfoParams::validate() const
+{
+    FlowSequenceParams{input, velocity, frameSpacing, {}}.validate();
+}
+
+SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& reporter)
+{
+    params.validate();
+    SequenceInfo info;
+    info.pattern = params.input.pattern;
+    const std::vector<FrameFile> files = findFiles(params.input, info);
+    std::vector<FrameTimes> times;
+    std::vector<FrameFile> readable;
+    for (const FrameFile& file : files) {
+        reporter.checkStop();
+        try {
+            VdbHeader header = readVdbHeader(file.path);
+            std::ifstream stream(file.path, std::ios::binary);
+            const std::uintmax_t size = std::filesystem::file_size(file.path);
+            info.bytes += size;
+            info.withChecksums += hasChecksums(readLayout(stream, size)) ? 1 : 0;
+            for (const openvdb::GridBase::Ptr& grid : header.grids)
+                addHeader(*grid, info);
+            const auto creator = header.metadata.getMetadata<openvdb::StringMetadata>("creator");
+            if (creator && info.creator.empty()) info.creator = creator->value();
+            FrameTimes ofFrame;
+            auto velocity = velocityOf({header.grids, header.metadata, file.path}, params.velocity, ofFrame);
+            if (velocity && !info.velocity) info.velocity = std::move(velocity);
+            if (times.size() < 2) times.push_back(ofFrame);
+            readable.push_back(file);
+        } catch (const InputError& error) {
+            info.damaged.emplace_back(error.what());
+        }
+    }
+    if (info.velocity) {
+        setInterval(params, times.front(), times.back(), *info.velocity);
+        estimateRun(info, files.size(), *info.velocity);
+    }
+    for (std::size_t i = 0; params.values && i < readable.size(); ++i) {
+        reporter.checkStop();
+        try {
+            addValues(readVdb(readable[i].path), info);
+            if (info.velocity) addMotion(readable[i], params, i, *info.velocity);
+        } catch (const InputError& error) {
+            info.damaged.emplace_back(error.what());
+        }
+    }
+    info.advice = adviceFor(info);
+    return info;
+}
+
+} // namespace vdblic

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "vdblic/core/exchange.h"
+#include "vdblic/distributed/halo_exchange.h"
+#include "vdblic/distributed/leaf_delivery.h"
+#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/run/texture_file.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+struct AdvectParams;
+class FlowTexture;
+
+/// What the ranks of a run tell each other about its frames. All functions but store() are collective, and do nothing
+/// for a process alone. Not thread-safe.
+class SharedRun {
+  public:
+    /// Both must outlive this.
+    SharedRun(const AdvectParams& params, Exchange& exchange) : mParams(params), mExchange(exchange) {}
+
+    /// Check that all ranks read the same frame. @param stamp of the frame, empty if there is none. @throws InputError
+    void checkSame(const std::string& stamp) const;
+
+    /// The largest displacement in a step, at any rank [voxels]. @param interval seconds of the step
+    [[nodiscard]] double largestDisplacement(const LoadedFrame& frame, double interval) const;
+
+    /// Cut a frame's domain anew, and hand over its parts and the texture's state, if the ranks' shares of it have
+    /// become so unequal that this pays. @return whether that was done, as a text
+    [[nodiscard]] std::optional<std::string> balance(LoadedFrame& frame, FlowTexture& texture);
+
+    /// Take from the other ranks what the steps between two frames need.
+    /// @param seconds between the frames  @param texture that makes the steps
+    void surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture);
+
+    /// The exchange of a step that starts from a frame, whose surroundings are there; nothing for a process alone.
+    [[nodiscard]] std::optional<HaloExchange> haloOf(const LoadedFrame& start) const;
+
+    /// Store the leaves of a frame's grids that this rank computed, for FrameWriter::write(). Not collective.
+    /// @param isWriter whether this rank writes the file: its grids then get all leaves, without values
+    [[nodiscard]] std::vector<OwnLeaves> store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const;
+
+  private:
+    const AdvectParams& mParams;
+    Exchange& mExchange;
+    double mLeastImbalance = 1;          // that the last attempt to cut anew found possible
+    std::vector<openvdb::Coord> mDepths; // of the ranks' halos [texture voxels]
+};
+
+} // namespace vdblic

@@ -1,0 +1,134 @@
+#include "vdblic/run/texture_file.h"
+
+#include "vdblic/field/derived_grids.h"
+#include "vdblic/field/domain.h"
+#include "vdblic/field/for_leaves.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/resample.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/field/velocity_leaf.h"
+#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/io/texture_name.h"
+#include "vdblic/run/advect_params.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+VDBLIC_KERNEL void fillMagnitudes(const Domain::Mask& mask, const VelocityLeaf& velocities, float* magnitudes)
+{
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        const Float8 magnitude = squareRoots(squaredLength(velocities.row(row).velocities));
+        storeRow(Domain::activeRow(mask, row) ? magnitude : Float8{}, magnitudes, row);
+    }
+}
+
+openvdb::FloatTree::Ptr magnitudeOf(const FlowFrame& frame)
+{
+    const Domain& domain = *frame.velocityDomain();
+    const LeafValues<float> magnitude(domain, 0.0f);
+    const VelocityLevel velocities{frame.velocities->tree(), frame.toWorldPerSecond};
+    forLeaves(domain.local(), [&](std::size_t leaf) {
+        fillMagnitudes(domain.mask(leaf), VelocityLeaf(velocities, domain.origin(leaf)), magnitude[leaf]);
+    });
+    return magnitude.tree();
+}
+
+openvdb::FloatGrid::Ptr fogVolume(const openvdb::FloatTree::Ptr& tree, const std::string& name,
+                                  const openvdb::math::Transform& transform)
+{
+    auto grid = openvdb::FloatGrid::create(tree);
+    grid->setName(name);
+    grid->setTransform(transform.copy());
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return grid;
+}
+
+/// A tree with all of a domain's voxels: the texture's, unless other ranks have parts of it.
+openvdb::FloatTree::Ptr wholeTree(const Domain& domain, const openvdb::FloatTree::Ptr& texture)
+{
+    if (domain.isWhole()) return texture;
+    return std::make_shared<openvdb::FloatTree>(domain.topology(), 0.0f, openvdb::TopologyCopy());
+}
+
+openvdb::MetaMap parameterMetadata(const AdvectParams& params)
+{
+    openvdb::MetaMap metadata;
+    metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.textureName));
+    metadata.insertMeta("method", openvdb::StringMetadata(std::string(params.methodName())));
+    if (params.steady) metadata.insertMeta("kernel", openvdb::StringMetadata(std::string(toString(*params.steady))));
+    metadata.insertMeta("life_span", openvdb::Int32Metadata(params.scatter.lifeSpan));
+    metadata.insertMeta("substeps", openvdb::Int32Metadata(params.scatter.substeps));
+    if (params.scatter.method == ScatterMethod::kAuflic && !params.steady) {
+        metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
+        metadata.insertMeta("history", openvdb::BoolMetadata(params.scatter.history));
+    }
+    const std::array<int, 3>& factors = params.domain.refinement.factors;
+    metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
+    metadata.insertMeta("interpolation",
+                        openvdb::StringMetadata(std::string(toString(params.domain.refinement.interpolation))));
+    metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(params.scatter.pathline.sampleSpacing));
+    metadata.insertMeta("tolerance", openvdb::FloatMetadata(params.scatter.pathline.tolerance));
+    if (!params.steady) {
+        metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
+        metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
+        metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
+        metadata.insertMeta("finish", openvdb::Int32Metadata(params.finish.taps));
+        metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
+        if (params.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(params.leadInFrames()));
+    }
+    if (params.noise.empty()) {
+        metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));
+    } else {
+        metadata.insertMeta("noise", openvdb::StringMetadata(params.noise));
+    }
+    return metadata;
+}
+
+} // namespace
+
+TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame,
+                            const openvdb::FloatTree::Ptr& texture, const openvdb::math::Transform& transform,
+                            const TextureTime& time)
+{
+    const VelocityFrame& velocity = frame.velocity;
+    const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
+    std::vector<openvdb::FloatGrid::Ptr> scalars =
+        derivedGrids(params.derived, *frame.flow.velocityDomain(), *velocity.values, frame.flow.toWorldPerSecond);
+    scalars.insert(scalars.begin(), fogVolume(magnitudeOf(frame.flow), "magnitude", velocity.values->transform()));
+    openvdb::GridPtrVec carried = velocity.carried;
+    if (params.format.scalars == ScalarVoxels::kTexture && !frame.flow.refinement.isNone()) {
+        for (openvdb::FloatGrid::Ptr& scalar : scalars)
+            scalar = resampled(*scalar, *textureGrid);
+        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*frame.flow.domain, texture), "", transform);
+        for (openvdb::GridBase::Ptr& grid : carried) {
+            if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) grid = resampled(*scalar, *like);
+        }
+    }
+    if (params.format.precision == GridPrecision::kHalf) {
+        textureGrid->setSaveFloatAsHalf(true);
+        for (const openvdb::FloatGrid::Ptr& scalar : scalars)
+            saveAsHalf(*scalar);
+    }
+
+    TextureFile file;
+    file.grids = {textureGrid};
+    file.grids.insert(file.grids.end(), scalars.begin(), scalars.end());
+    file.computed = file.grids.size();
+    file.grids.insert(file.grids.end(), carried.begin(), carried.end());
+    file.metadata = parameterMetadata(params);
+    if (!velocity.sourceCreator.empty())
+        file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
+    file.metadata.insertMeta("frame", openvdb::Int64Metadata(time.frame));
+    file.metadata.insertMeta("source_frame", openvdb::DoubleMetadata(time.sourceFrame));
+    file.metadata.insertMeta("time", openvdb::DoubleMetadata(time.time));
+    file.metadata.insertMeta("dt", openvdb::DoubleMetadata(time.interval));
+    return file;
+}
+
+} // namespace vdblic

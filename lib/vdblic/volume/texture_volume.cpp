@@ -1,0 +1,194 @@
+#include "vdblic/volume/texture_volume.h"
+
+#include "vdblic/camera/affine_transform.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/mix_bits.h"
+#include "vdblic/look/look.h"
+#include "vdblic/volume/leaf_share.h"
+#include "vdblic/volume/texture_block.h"
+
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar)
+{
+    if (texture.transform() == scalar.transform()) return;
+    throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
+                                 texture.getName(), scalar.getName()));
+}
+
+/// The part of a domain that a rank has.
+std::shared_ptr<const Domain> partOf(const Domain& whole, const LeafShare& share, int rim)
+{
+    std::vector<std::uint32_t> own, needed;
+    for (std::uint32_t leaf = 0; leaf < whole.leafCount(); ++leaf) {
+        if (share.owns(whole.origin(leaf))) own.push_back(leaf);
+        if (share.needs(whole.origin(leaf), rim)) needed.push_back(leaf);
+    }
+    return whole.part(std::move(own), std::move(needed));
+}
+
+/// A number for the first voxel of a leaf, from which those of its other voxels follow by their offsets; above 0.
+std::uint64_t numberOf(const openvdb::Coord& origin)
+{
+    constexpr int kBits = 21; // of an axis: more than a domain can span
+    std::uint64_t number = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        number = number << kBits | (std::uint64_t(origin[axis] >> LeafVoxel::kLog2Dim) & ((1u << kBits) - 1));
+    return number * LeafVoxel::kCount;
+}
+
+} // namespace
+
+TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
+                             const glm::dvec3& stretch, const RecordUse& use)
+    : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) *
+                    affineMatrix(texture.transform(), "grid " + texture.getName())),
+      mWorldToIndex(glm::inverse(mIndexToWorld))
+{
+    checkTransforms(texture, driver);
+    mDomain = std::make_shared<const Domain>(
+        std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()),
+        use.share ? use.share->ranks() : 1);
+    if (use.share) mDomain = partOf(domain(), *use.share, use.rim);
+    const std::size_t leaves = leafCount();
+    if (leaves > std::numeric_limits<std::uint32_t>::max() / kPaddedSize) {
+        throw InputError(fmt::format("grid {} has {} leaves; at most {} can be rendered: cut it into parts",
+                                     texture.getName(), leaves,
+                                     std::numeric_limits<std::uint32_t>::max() / kPaddedSize));
+    }
+    mRanges.resize(leaves);
+    mShown.resize(leaves);
+    mHasRecords.resize(leaves);
+    mValues = std::make_unique_for_overwrite<ValueRecord[]>(leaves * kPaddedSize);
+    if (use.gradients) mGradients = std::make_unique_for_overwrite<GradientRecord[]>(leaves * kPaddedSize);
+
+    // Gradients are covectors. The factor makes them independent of the unit of length.
+    const glm::dmat3 linear(mIndexToWorld);
+    const double voxelSize = std::cbrt(std::abs(glm::determinant(linear)));
+    const glm::mat3 gradientToWorld(glm::transpose(glm::inverse(linear)) * voxelSize);
+
+    std::atomic<std::size_t> unusable{0};
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
+        const auto block = std::make_unique<TextureBlock>();
+        for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
+            block->copy(texture.tree(), driver.tree(), origin(leaf));
+            mRanges[leaf] = block->range();
+            mShown[leaf] = domain().mask(domain().local()[leaf]);
+            const std::size_t found = block->removeInactive(mShown[leaf]);
+            if (found > 0 && isOwn(leaf)) unusable += found;
+            // Lanes of the ray caster that have no ray read the first leaf.
+            mHasRecords[leaf] = leaf == 0 || !use.look || use.look->contributes(mRanges[leaf]);
+            if (!mHasRecords[leaf]) continue;
+            block->extend();
+            block->writeValues(mValues.get() + leaf * kPaddedSize);
+            if (mGradients) block->writeGradients(gradientToWorld, mGradients.get() + leaf * kPaddedSize);
+        }
+    });
+    mUnusable = unusable;
+
+    if (empty()) return;
+    openvdb::CoordBBox box;
+    domain().topology().evalActiveVoxelBoundingBox(box);
+    for (int axis = 0; axis < 3; ++axis) {
+        mLow[axis] = box.min()[axis] - 0.5;
+        mHigh[axis] = box.max()[axis] + 0.5;
+    }
+}
+
+void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors)
+{
+    checkTransforms(texture, colors);
+    const std::size_t leaves = leafCount();
+    mColors = std::make_unique_for_overwrite<float[]>(leaves * kPaddedSize);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
+        const auto block = std::make_unique<TextureBlock>();
+        for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
+            if (!mHasRecords[leaf]) continue;
+            block->copy(texture.tree(), colors.tree(), origin(leaf));
+            block->extend();
+            block->writeDrivers(mColors.get() + leaf * kPaddedSize);
+        }
+    });
+}
+
+void TextureVolume::cut(const Domain& kept)
+{
+    tbb::parallel_for(std::size_t(0), mShown.size(), [&](std::size_t leaf) {
+        const openvdb::Coord c = origin(leaf);
+        const int found = kept.findLeaf(Int4{c[0], c[1], c[2]});
+        if (found >= 0) {
+            mShown[leaf] &= kept.mask(std::size_t(found));
+        } else {
+            mShown[leaf].setOff();
+        }
+    });
+}
+
+int TextureVolume::findLeaf(const openvdb::Coord& voxel) const
+{
+    const int found = domain().findLeaf(Int4{voxel[0], voxel[1], voxel[2]});
+    if (found < 0 || domain().isWhole()) return found;
+    const Domain::Leaves all = domain().local();
+    return int(std::lower_bound(all.begin(), all.end(), std::uint32_t(found)) - all.begin());
+}
+
+Corners TextureVolume::corners() const
+{
+    Corners result;
+    for (unsigned i = 0; i < 8; ++i) {
+        const glm::dvec3 corner(i & 1 ? mHigh.x : mLow.x, i & 2 ? mHigh.y : mLow.y, i & 4 ? mHigh.z : mLow.z);
+        result[i] = glm::dvec3(mIndexToWorld * glm::dvec4(corner, 1));
+    }
+    return result;
+}
+
+VolumeSamples TextureVolume::samples() const
+{
+    constexpr std::uint64_t kMost = 1 << 18, kAll = std::numeric_limits<std::uint64_t>::max();
+    const std::uint64_t voxels = domain().voxelCount(), highest = voxels <= kMost ? kAll : kAll / voxels * kMost;
+    const auto add = [&](std::size_t leaf, VolumeSamples& samples) {
+        if (!isOwn(leaf)) return;
+        const std::uint64_t number = numberOf(origin(leaf));
+        for (unsigned offset = 0; offset < LeafVoxel::kCount; ++offset) {
+            if (mixBits(number + offset) > highest || !mShown[leaf].isOn(offset)) continue;
+            const LeafVoxel at = LeafVoxel::at(offset);
+            const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
+            samples.texture.push_back(mValues[record].texture);
+            samples.driver.push_back(mValues[record].driver);
+            if (mColors) samples.color.push_back(mColors[record]);
+        }
+    };
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, leafCount()), VolumeSamples{},
+        [&](const tbb::blocked_range<std::size_t>& leaves, VolumeSamples samples) {
+            for (std::size_t leaf = leaves.begin(); leaf < leaves.end(); ++leaf)
+                add(leaf, samples);
+            return samples;
+        },
+        [](VolumeSamples first, const VolumeSamples& second) {
+            first.append(second);
+            return first;
+        });
+}
+
+} // namespace vdblic

@@ -1,0 +1,230 @@
+#include "vdblic/cast/solid.h"
+
+#include "cast/test_scene.h"
+#include "temporary_folder.h"
+#include "vdblic/cast/light_grid.h"
+#include "vdblic/cast/supersampling.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/volume/visible_leaves.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace vdblic {
+namespace {
+
+using openvdb::Coord;
+
+constexpr double kRadius = 12;
+const glm::dvec3 kMiddle(31.5);
+
+/// The depth at which a ray meets the sphere; infinite if it does not.
+double sphereDepth(const Ray& ray, const Camera& camera)
+{
+    const glm::dvec3 from = ray.origin - kMiddle;
+    const double along = glm::dot(from, ray.direction), rest = along * along - glm::dot(from, from) + kRadius * kRadius;
+    if (rest < 0) return std::numeric_limits<double>::infinity();
+    const glm::dvec3 hit = ray.origin + ray.direction * (-along - std::sqrt(rest));
+    return (camera.worldToCamera() * glm::dvec4(hit, 1)).z;
+}
+
+/// A thin uniform medium of 64³ voxels.
+openvdb::FloatGrid::Ptr medium()
+{
+    return boxGrid("density", boxOf(64, 64, 64), [](const Coord&) { return 1.0f; });
+}
+
+class Solids : public testing::Test {
+  protected:
+    /// Render through the medium with the sphere in its middle, and compare with silhouette, depth and blending.
+    void expectSphere(const std::string& source, double tolerance)
+    {
+        const auto texture = medium();
+        const TextureVolume volume(*texture, *texture);
+        const Look look = plainLook(0.01);
+        const Solid solid = makeSolid({.source = source}, *texture, glm::dvec3(1), 1);
+        const Camera camera = cameraAlong(volume, {0.8, 0.5, -0.3}, 160, 30, {80, 80});
+        const Image image = castSamples(volume, look, camera, {.leastTransmittance = 0, .layers = true}, 1,
+                                        {&solid, {0, 1, 0}, nullptr});
+        const Image alone = castRays(volume, look, camera, {.leastTransmittance = 0});
+        int seen = 0;
+        for (int y = 0; y < 80; ++y) {
+            for (int x = 0; x < 80; ++x) {
+                const double depth = sphereDepth(camera.ray({x + 0.5, y + 0.5}), camera);
+                const auto& pixel = image.at(x, y);
+                if (!std::isfinite(depth)) {
+                    if (std::isfinite(outerDepth(camera, x, y, tolerance))) continue; // may go either way
+                    EXPECT_EQ(pixel, alone.at(x, y)) << x << " " << y;
+                    continue;
+                }
+                if (!std::isfinite(outerDepth(camera, x, y, -tolerance))) continue;
+                ++seen;
+                ASSERT_EQ(pixel.a, 1) << x << " " << y;
+                // White medium in front, green sphere behind, nothing from behind the sphere.
+                const double entry = entryDepth(volume, camera, x, y);
+                const double way =
+                    (depth - entry) *
+                    glm::length(glm::dvec3(volume.worldToIndex() * glm::dvec4(viewPerDepth(camera, x, y), 0)));
+                const double front = 1 - std::pow(0.99, way);
+                EXPECT_NEAR(pixel.r, front, 0.012 * (1 + tolerance)) << x << " " << y;
+                EXPECT_GT(pixel.g, pixel.r + 0.2f * float(1 - front));
+            }
+        }
+        EXPECT_GT(seen, 150);
+    }
+
+    /// The depth of a larger or smaller sphere.
+    static double outerDepth(const Camera& camera, int x, int y, double more)
+    {
+        const Ray ray = camera.ray({x + 0.5, y + 0.5});
+        const glm::dvec3 from = ray.origin - kMiddle;
+        const double along = glm::dot(from, ray.direction), radius = kRadius + more;
+        return along * along - glm::dot(from, from) + radius * radius < 0 ? std::numeric_limits<double>::infinity() : 0;
+    }
+    static glm::dvec3 viewPerDepth(const Camera& camera, int x, int y)
+    {
+        const Ray ray = camera.ray({x + 0.5, y + 0.5});
+        return ray.direction / (camera.worldToCamera() * glm::dvec4(ray.direction, 0)).z;
+    }
+    /// Where a ray enters the medium.
+    static double entryDepth(const TextureVolume& volume, const Camera& camera, int x, int y)
+    {
+        const glm::dvec3 along = viewPerDepth(camera, x, y), eye = camera.eye();
+        const Corners box = volume.corners();
+        double enter = 0;
+        for (int axis = 0; axis < 3; ++axis)
+            enter = std::max(
+                enter, std::min((box[0][axis] - eye[axis]) / along[axis], (box[7][axis] - eye[axis]) / along[axis]));
+        return enter;
+    }
+
+    TemporaryFolder mFolder;
+};
+
+TEST_F(Solids, ALevelSetIsTheSphereItself)
+{
+    const auto sphere =
+        openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(float(kRadius), openvdb::Vec3f(31.5f), 0.5f);
+    sphere->setName("body");
+    writeVdb(mFolder / "sphere.vdb", {sphere}, {});
+    expectSphere((mFolder / "sphere.vdb").string() + ":body", 0.15);
+}
+
+TEST_F(Solids, AMaskIsTheSphereToAVoxel)
+{
+    const auto mask = boxGrid("mask", boxOf(64, 64, 64), [](const Coord& c) {
+        return glm::distance(glm::dvec3(c.x(), c.y(), c.z()), kMiddle) < kRadius ? 1.0f : 0.0f;
+    });
+    writeVdb(mFolder / "mask.vdb", {mask}, {});
+    expectSphere((mFolder / "mask.vdb").string(), 0.9);
+}
+
+TEST_F(Solids, AMeshIsTheSphereToAVoxel)
+{
+    constexpr int kRings = 48, kSegments = 96;
+    std::ofstream file(mFolder / "sphere.obj");
+    const auto vertex = [&](int ring, int segment) {
+        const double polar = M_PI * ring / kRings, angle = 2 * M_PI * segment / kSegments;
+        file << "v " << kMiddle.x + kRadius * std::sin(polar) * std::cos(angle) << " "
+             << kMiddle.y + kRadius * std::sin(polar) * std::sin(angle) << " " << kMiddle.z + kRadius * std::cos(polar)
+             << "\n";
+    };
+    for (int ring = 0; ring < kRings; ++ring) {
+        for (int segment = 0; segment < kSegments; ++segment) {
+            vertex(ring, segment);
+            vertex(ring + 1, segment);
+            vertex(ring + 1, segment + 1);
+            vertex(ring, segment + 1);
+            file << "f -4 -3 -2 -1\n";
+        }
+    }
+    file.close();
+    expectSphere((mFolder / "sphere.obj").string(), 0.5);
+    std::ofstream(mFolder / "open.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::ofstream(mFolder / "broken.stl") << "solid x\n facet\n";
+    for (const char* bad : {"open.obj", "broken.stl", "none.ply", "none.vdb"}) {
+        try {
+            (void)makeSolid({.source = (mFolder / bad).string()}, *medium(), glm::dvec3(1), 1);
+            ADD_FAILURE() << bad;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(bad), std::string::npos) << error.what();
+        }
+    }
+}
+
+TEST_F(Solids, TheDomainLeavesOutABox)
+{
+    // A camera along x, stretched along z: the hole is 20 voxels high and wide.
+    const auto texture = boxGrid("density", boxOf(64, 64, 64), [](const Coord&) { return 1.0f; });
+    for (auto voxel = openvdb::CoordBBox({22, 22, 22}, {41, 41, 41}).begin(); voxel; ++voxel)
+        texture->tree().setValueOff(*voxel);
+    const glm::dvec3 stretch(1, 1, 2);
+    const TextureVolume volume(*texture, *texture, stretch);
+    const Solid solid = makeSolid({.source = "domain"}, *texture, stretch, 1);
+    const Camera camera({.projection = Projection::kOrthographic,
+                         .eye = glm::dvec3(-100, 31.5, 63),
+                         .target = glm::dvec3(0, 31.5, 63),
+                         .viewHeight = 128},
+                        volume.corners(), {128, 128});
+    const Image image = castRays(volume, plainLook(0.5), camera, {.layers = true},
+                                 VisibleLeaves(volume, plainLook(0.5)), 0, {&solid, {0, 1, 0}, nullptr});
+    int pixels = 0;
+    for (int y = 0; y < 128; ++y) {
+        for (int x = 0; x < 128; ++x)
+            pixels += image.at(x, y).a == 1;
+    }
+    EXPECT_NEAR(pixels, 20 * 40, 100);                                      // corners are rounded
+    EXPECT_NEAR(image.layers[std::size_t(64 * 128 + 64)].depth, 121.5, 22); // most of the light is from the medium
+}
+
+TEST(Shadows, TransmittanceOfASlabIsAnalytic)
+{
+    const auto texture = boxGrid("density", boxOf(64, 48, 40), [](const Coord&) { return 1.0f; });
+    const TextureVolume volume(*texture, *texture);
+    const Look look = plainLook(0.02);
+    const double extinction = -std::log1p(-0.02);
+    for (const glm::dvec3& light : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -3), glm::dvec3(0.2, 0.9, 0.1)}) {
+        const LightGrid grid(volume, look, light, 1, nullptr);
+        const LightGrid half(volume, look, light, 0.5, nullptr);
+        const glm::dvec3 unit = glm::normalize(light);
+        for (const glm::dvec3& at : {glm::dvec3(20, 20, 20), glm::dvec3(31.3, 12.2, 9), glm::dvec3(50, 40, 30)}) {
+            double way = 1e9; // to the face where the light enters
+            for (int axis = 0; axis < 3; ++axis) {
+                const double size[] = {63.5, 47.5, 39.5};
+                if (unit[axis] != 0)
+                    way = std::min(way, ((unit[axis] > 0 ? size[axis] : -0.5) - at[axis]) / unit[axis]);
+            }
+            EXPECT_NEAR(grid.at(at), std::exp(-extinction * way), 0.01) << at.x << " " << light.x;
+            EXPECT_NEAR(half.at(at), 0.5 + 0.5 * std::exp(-extinction * way), 0.005);
+        }
+    }
+}
+
+TEST(Shadows, DarkenSamplesByTheirStrength)
+{
+    // Lit from behind: the front of a thick medium is in shadow.
+    const auto texture = boxGrid("density", boxOf(64, 24, 24), [](const Coord&) { return 1.0f; });
+    const TextureVolume volume(*texture, *texture);
+    Look look = plainLook(0.3);
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.01, {9, 9});
+    const Image lit = castRays(volume, look, camera, {});
+    const VisibleLeaves visible(volume, look);
+    for (const double strength : {0.4, 1.0}) {
+        const LightGrid grid(volume, look, {1, 0, 0}, strength, nullptr);
+        const Image image = castRays(volume, look, camera, {}, visible, 0, {.light = &grid});
+        EXPECT_NEAR(image.at(4, 4).r, lit.at(4, 4).r * (1 - strength), 1e-3);
+        EXPECT_EQ(image.at(4, 4).a, lit.at(4, 4).a);
+    }
+    const LightGrid front(volume, look, {-1, 0, 0}, 1, nullptr);
+    // ∫ T · T over a thick medium is half of ∫ T.
+    EXPECT_NEAR(castRays(volume, look, camera, {.step = 0.1}, visible, 0, {.light = &front}).at(4, 4).r, 0.5, 0.06);
+}
+
+} // namespace
+} // namespace vdblic
