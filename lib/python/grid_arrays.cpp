@@ -205,4 +205,12 @@ openvdb::MetaMap toMetadata(const py::dict& dictionary)
     return metadata;
 }
 
+openvdb::GridPtrVec toGrids(const py::list& dictionaries)
+{
+    openvdb::GridPtrVec grids;
+    for (const py::handle& dictionary : dictionaries)
+        grids.push_back(toGrid(dictionary.cast<py::dict>()));
+    return grids;
+}
+
 } // namespace vdblic::python

@@ -17,6 +17,8 @@ namespace vdblic::python {
 /// @throws ParameterError naming what is wrong
 [[nodiscard]] openvdb::GridBase::Ptr toGrid(const pybind11::dict& dictionary);
 
+[[nodiscard]] openvdb::GridPtrVec toGrids(const pybind11::list& dictionaries); ///< as toGrid()
+
 [[nodiscard]] pybind11::dict toDictionary(const openvdb::MetaMap& metadata);
 [[nodiscard]] openvdb::MetaMap toMetadata(const pybind11::dict& dictionary);
 

@@ -1,7 +1,7 @@
-#include "advection.h"
 #include "grid_arrays.h"
 #include "options.h"
 #include "picture.h"
+#include "textures.h"
 #include "vdblic/coherence/coherence_report.h"
 #include "vdblic/coherence/coherence_sequence.h"
 #include "vdblic/compare/compare.h"
@@ -45,18 +45,10 @@ py::tuple readVolume(const std::string& path)
     return py::make_tuple(grids, toDictionary(file.metadata));
 }
 
-openvdb::GridPtrVec gridsOf(const py::list& dictionaries)
-{
-    openvdb::GridPtrVec grids;
-    for (const py::handle& dictionary : dictionaries)
-        grids.push_back(toGrid(dictionary.cast<py::dict>()));
-    return grids;
-}
-
 void writeVolume(const std::string& path, const py::list& dictionaries, const py::dict& metadata,
                  const std::string& compression, bool half)
 {
-    const openvdb::GridPtrVec made = gridsOf(dictionaries);
+    const openvdb::GridPtrVec made = toGrids(dictionaries);
     openvdb::GridCPtrVec grids(made.begin(), made.end());
     for (const auto& grid : made)
         grid->setSaveFloatAsHalf(half);
@@ -69,7 +61,7 @@ void writeVolume(const std::string& path, const py::list& dictionaries, const py
 /// The picture of a volume. The array shares the image's memory.
 py::array_t<float> render(Picture& picture, const py::list& dictionaries, const py::dict& metadata, std::int64_t frame)
 {
-    const VdbFile volume{gridsOf(dictionaries), toMetadata(metadata), "volume"};
+    const VdbFile volume{toGrids(dictionaries), toMetadata(metadata), "volume"};
     auto image = std::make_unique<Image>();
     {
         const py::gil_scoped_release release;
@@ -128,22 +120,6 @@ std::string coherence(const std::string& velocity, const std::string& texture, c
     return toJson(coherenceOfSequence(params, silent), params);
 }
 
-/// The next event of a run as (kind, text). Ctrl-C is noticed while waiting.
-py::tuple nextEvent(AdvectionRun& run)
-{
-    static constexpr const char* kKinds[] = {"nothing", "needs", "finished", "said", "warned", "done"};
-    for (;;) {
-        AdvectionRun::Event event;
-        {
-            const py::gil_scoped_release release;
-            event = run.next();
-        }
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-        if (event.kind != AdvectionRun::Kind::kNothing)
-            return py::make_tuple(kKinds[std::size_t(event.kind)], event.text);
-    }
-}
-
 } // namespace
 } // namespace vdblic::python
 
@@ -167,12 +143,11 @@ PYBIND11_MODULE(_core, module)
     module.def("synth", &synth);
     module.def("diff", &diff);
     module.def("coherence", &coherence);
-    py::class_<AdvectionRun>(module, "AdvectionRun")
-        .def(py::init(
-            [](const py::dict& options) { return std::make_unique<AdvectionRun>(advectParams(Options(options))); }))
-        .def("next", &nextEvent)
-        .def("answer", &AdvectionRun::answer)
-        .def("stop", [](AdvectionRun& run) { run.stop(); });
+    py::class_<Textures>(module, "Textures")
+        .def(py::init([](const py::dict& options, py::object frames, py::function tell) {
+            return std::make_unique<Textures>(Options(options), std::move(frames), std::move(tell));
+        }))
+        .def("next", &Textures::next);
     py::class_<Picture>(module, "Picture")
         .def(
             py::init([](const py::dict& options) { return std::make_unique<Picture>(renderParams(Options(options))); }))

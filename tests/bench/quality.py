@@ -32,7 +32,7 @@ FLOWS = {
 }
 LEVERS = ["--method uflic", "--method lic", "--life 8", "--life 16", "--release-window 0.125", "--release-window 0.5",
           "--release-window 1", "--sharpen 0.5", "--sharpen 2", "--noise-share 0.05", "--noise-share 0.2",
-          "--jitter bits", "--finish 1", "--finish 2", "--finish 3", "--substeps 4"]
+          "--method auflic-2004", "--finish 1", "--finish 2", "--finish 3", "--substeps 4"]
 HEADER = ("| {} | isolated [%] | line | angle [°] | deviation | temporal | same place | along [voxels] | "
           "across [voxels] |\n|---|{}---|---|---|---|---|---|---|---|")
 CLASS_COLUMNS = [("isolated", 100, 3), ("line", 1, 2), ("angle", 1, 1), ("deviation", 1, 3), ("temporal", 1, 3),

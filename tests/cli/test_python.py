@@ -120,10 +120,10 @@ class Advect(ToolTest):
                 (ValueError, "frame 1 has the shape", ([numpy.zeros((4, 4, 4))],), {}),
                 (ValueError, "`life_span`|life", (fields(1),), {"life_span": 0}),
                 (ValueError, "`refine` cannot be", (fields(1),), {"refine": "x"}),
-                (ValueError, "method 'x'", (fields(1),), {"method": "x"}),
+                (ValueError, "'x' is none of auflic, auflic-2004, uflic, lic", (fields(1),), {"method": "x"}),
                 (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
                 (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
-                (ValueError, "standard input named none", ([],), {})):
+                (ValueError, "no frame to compute: the input has none", ([],), {})):
             with self.subTest(words), self.assertRaisesRegex(error, words):
                 list(vdblic.advect(*arguments, **options))
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy
 
 from . import _core
-from .volumes import Grid, Volume, read, write
+from .volumes import Grid, Volume, as_dictionaries
 
 _LOG = logging.getLogger("vdblic")
 
@@ -40,13 +40,13 @@ def advect(
                    one frame ahead; frames count from 1.
     frame_spacing  seconds between frames; by default from the times, else 1/24
     voxel_size     of plain arrays: one length or three
-    method         auflic, uflic or lic
+    method         auflic, auflic-2004, uflic or lic
     refine         texture voxels along each axis in a voxel of the velocity: one number or three
     substeps       textures for each interval between frames
     life_span      of a seed, in frames
-    parameters     what else the library's AdvectParams hold: frames, clamp_frames (of a pattern), kernel, velocity,
+    parameters     what else the library's AdvectParams hold: frames, clamp_frames (of a pattern), velocity,
                    velocity_unit, velocity_scale, non_finite, carry, derived, mask, box, world_box, interpolation,
-                   noise, preroll, lead_in, release_window, sample_spacing, tolerance, sharpen, jitter, noise_share, finish,
+                   noise, preroll, lead_in, release_window, sample_spacing, tolerance, sharpen, noise_share, finish,
                    texture_name, scalars, precision
 
     Closing the iterator, an error in `frames` and Ctrl-C stop the run after the step in progress. Warnings are
@@ -61,14 +61,13 @@ def advect(
     if isinstance(frames, (str, os.PathLike)):
         options["input"] = os.fspath(frames)
     else:
-        options["input"] = "-"
         source = iter(frames)
     return _textures(options, source, voxel_size)
 
 
 PARAMETERS = frozenset(
-    "frames clamp_frames kernel velocity velocity_unit velocity_scale non_finite carry derived mask box world_box"
-    " interpolation noise preroll lead_in release_window sample_spacing tolerance sharpen jitter noise_share finish"
+    "frames clamp_frames velocity velocity_unit velocity_scale non_finite carry derived mask box world_box"
+    " interpolation noise preroll lead_in release_window sample_spacing tolerance sharpen noise_share finish"
     " texture_name scalars precision".split()
 )
 
@@ -81,39 +80,21 @@ def _checked(parameters):
 
 
 def _textures(options, source, voxel_size):
-    """Run the library in a thread. It reads and writes files in a folder that holds a few frames at most."""
-    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        inputs = _inputs(source, voxel_size, pathlib.Path(folder)) if source is not None else iter(())
-        run = _core.AdvectionRun({**options, "output": f"{folder}/texture.%06d.vdb"})
-        try:
-            while (event := run.next())[0] != "done":
-                kind, text = event
-                if kind == "needs":
-                    run.answer(next(inputs, ""))
-                elif kind == "finished":
-                    texture = read(text)
-                    os.unlink(text)
-                    yield texture
-                elif kind == "warned":
-                    warnings.warn(text, stacklevel=2)
-                else:
-                    _LOG.info(text)
-        finally:
-            run.stop()
-            del run  # waits for its end, before the folder goes
+    frames = None
+    if source is not None:
+        volumes = (_volume(frame, voxel_size, number) for number, frame in enumerate(source, 1))
+        frames = ((as_dictionaries(volume.grids), volume.metadata) for volume in volumes)
+    textures = _core.Textures(options, frames, _tell)
+    while (texture := textures.next()) is not None:
+        grids, metadata = texture
+        yield Volume((Grid(**grid) for grid in grids), metadata)
 
 
-def _inputs(frames, voxel_size, folder):
-    """Write each frame when it is asked for, and remove the one before the last, which the run has read."""
-    paths = []
-    for number, frame in enumerate(frames, 1):
-        path = folder / f"velocity.{number:06}.vdb"
-        volume = _volume(frame, voxel_size, number)
-        write(path, volume, compression="none")
-        paths.append(path)
-        if len(paths) > 2:
-            paths.pop(0).unlink()
-        yield str(path)
+def _tell(kind, message):
+    if kind == "warned":
+        warnings.warn(message, stacklevel=3)
+    else:
+        _LOG.info(message)
 
 
 def _volume(frame, voxel_size, number):

@@ -11,6 +11,7 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/io/vdb_header.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -72,7 +73,7 @@ std::string toString(const Refinement& refinement)
 }
 
 /// A texture read from a file.
-struct LoadedTexture {
+struct MeasuredTexture {
     std::filesystem::path path;
     SmoothedTexture texture;
     openvdb::math::Transform::ConstPtr transform;
@@ -111,14 +112,14 @@ SmoothedTexture smoothedTexture(const openvdb::FloatGrid& grid, const std::strin
     }
 }
 
-LoadedTexture readTexture(const std::filesystem::path& path, const std::string& given)
+MeasuredTexture readTexture(const std::filesystem::path& path, const std::string& given)
 {
     const VdbFile file = readVdb(path);
     const std::string name = textureName(file.metadata, given);
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
     const std::string where = fmt::format("{}: grid {}", path.string(), name);
-    LoadedTexture loaded{path, smoothedTexture(*grid, where), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file),
-                         name};
+    MeasuredTexture loaded{path, smoothedTexture(*grid, where), grid->transformPtr(), hitsOf<openvdb::FloatGrid>(file),
+                           name};
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int32Grid>(file);
     if (!loaded.hits) loaded.hits = hitsOf<openvdb::Int64Grid>(file);
     if (loaded.texture.domain().voxelCount() > 0 && !std::isfinite(loaded.texture.rawContrast().deviation)) {
@@ -178,7 +179,7 @@ class TextureFiles {
         const std::vector<std::int64_t> numbers =
             mPattern.hasField() ? mPattern.framesOnDisk() : std::vector<std::int64_t>{};
         if (numbers.empty()) return;
-        const openvdb::MetaMap metadata = readVdb(mPattern.path(numbers.front())).metadata;
+        const openvdb::MetaMap metadata = readVdbHeader(mPattern.path(numbers.front())).metadata;
         const double substeps = numericMetadata(metadata, "substeps").value_or(1);
         const auto source = numericMetadata(metadata, "source_frame"), number = numericMetadata(metadata, "frame");
         constexpr double kMost = 64;
@@ -192,10 +193,10 @@ class TextureFiles {
 };
 
 /// Read the texture of a velocity's frame, which must have the velocity's transform or a refined one.
-LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
+MeasuredTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
 {
     const VelocityFrame& velocity = frame.velocity;
-    LoadedTexture loaded = readTexture(files.path(velocity.file.frame), name);
+    MeasuredTexture loaded = readTexture(files.path(velocity.file.frame), name);
     const auto refinement = Refinement::between(velocity.values->transform(), *loaded.transform);
     if (!refinement) {
         throw InputError(
@@ -208,10 +209,10 @@ LoadedTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, con
 }
 
 /// Read the texture after another one, which must have the same transform.
-LoadedTexture successorOf(const LoadedTexture& before, const LoadedFrame& frame, const TextureFiles& files,
-                          const std::string& name)
+MeasuredTexture successorOf(const MeasuredTexture& before, const LoadedFrame& frame, const TextureFiles& files,
+                            const std::string& name)
 {
-    LoadedTexture loaded = textureOf(frame, files, name);
+    MeasuredTexture loaded = textureOf(frame, files, name);
     if (loaded.refinement == before.refinement) return loaded;
     throw InputError(fmt::format("{}: grid {}: {} texture voxels fill a voxel of the velocity, in {} {}; make all "
                                  "textures with one refinement",
@@ -240,11 +241,12 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     if (!params.json.empty() && !params.plot.empty()) checkDistinct(params.json, params.plot);
     std::istringstream noLines;
     const OneProcess alone;
-    FlowSequence flow(params.flow, noLines, reporter, alone);
+    std::size_t total = 0;
+    FlowSequence flow(params.flow, openSequence(params.flow.input, noLines, total), reporter, alone);
 
     SequenceCoherence result;
     std::optional<LoadedFrame> current = flow.next(), next;
-    std::optional<LoadedTexture> texture, nextTexture;
+    std::optional<MeasuredTexture> texture, nextTexture;
     if (current) {
         texture = textureOf(*current, files, params.textureName);
         result.refine = texture->refinement.factors;
@@ -267,9 +269,9 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         if (result.frames.empty())
             flow.describe(*current, interval, current->velocity.largestDisplacement(interval.seconds));
         VelocityField field;
-        field.build({texture->texture.sharedDomain(), current->flow.velocityDomain(), texture->refinement},
-                    {current->flow.velocities->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},
-                    {end.flow.velocities->tree(), end.velocity.toVoxelsPerStep(interval.seconds)});
+        field.build({texture->texture.sharedDomain(), current->domain.velocity, texture->refinement},
+                    {current->velocity.values->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},
+                    {end.velocity.values->tree(), end.velocity.toVoxelsPerStep(interval.seconds)});
         FrameCoherence frame = measureCoherence(texture->texture, nextTexture ? &nextTexture->texture : nullptr, field,
                                                 params.coherence, current->velocity.file.frame);
         frame.hits = texture->hits;
@@ -280,7 +282,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
                                       frame.frame, params.coherence.leastMotion));
         }
         result.frames.push_back(frame);
-        reporter.progress(result.frames.size(), flow.total());
+        reporter.progress(result.frames.size(), total);
     }
     result.raw = meanOf(result.frames, &FrameCoherence::raw, result.lags.size());
     result.smoothed = meanOf(result.frames, &FrameCoherence::smoothed, result.lags.size());

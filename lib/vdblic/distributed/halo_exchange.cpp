@@ -1,9 +1,8 @@
 #include "vdblic/distributed/halo_exchange.h"
 
-#include "vdblic/distributed/message.h"
+#include "vdblic/core/message.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -27,7 +26,7 @@ HaloExchange::HaloExchange(Exchange& exchange, const Partition& partition, const
     }
 }
 
-void HaloExchange::addToOwners(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const
+void HaloExchange::addHits(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const
 {
     std::vector<Exchange::Bytes> messages(mTaken.size());
     std::vector<std::int64_t> words;
@@ -59,18 +58,10 @@ void HaloExchange::addToOwners(const std::function<std::int64_t*(std::size_t lea
     }
 }
 
-void HaloExchange::takeFromOwners(const LeafValues<float>& values, int leaves) const
+void HaloExchange::takeHalo(const LeafValues<float>& values, int leaves) const
 {
-    take(values, std::vector<openvdb::Coord>(mDepths.size(), openvdb::Coord(leaves * LeafVoxel::kDim)));
-}
-
-void HaloExchange::takeFromOwners(const LeafValues<float>& values) const
-{
-    take(values, mDepths);
-}
-
-void HaloExchange::take(const LeafValues<float>& values, const std::vector<openvdb::Coord>& depths) const
-{
+    const std::vector<openvdb::Coord> near(mDepths.size(), openvdb::Coord(leaves * LeafVoxel::kDim));
+    const std::vector<openvdb::Coord>& depths = leaves == kWholeHalo ? mDepths : near;
     std::vector<Exchange::Bytes> messages(mGiven.size());
     std::vector<float> numbers;
     for (std::size_t rank = 0; rank < mGiven.size(); ++rank) {
@@ -95,6 +86,27 @@ void HaloExchange::take(const LeafValues<float>& values, const std::vector<openv
             auto number = numbers.begin();
             for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
                 values[leaf][voxel.pos()] = *number++;
+        }
+    }
+}
+
+void HaloExchange::send(const Domain& domain, const std::function<void(std::size_t, Exchange::Bytes&)>& write,
+                        const std::function<void(std::size_t, MessageReader&)>& read) const
+{
+    std::vector<Exchange::Bytes> messages(std::size_t(mExchange.size()));
+    for (const std::uint32_t leaf : domain.local()) {
+        if (domain.isOwn(leaf)) continue;
+        Exchange::Bytes about;
+        write(leaf, about);
+        if (about.empty()) continue;
+        Exchange::Bytes& message = messages[std::size_t(mPartition.ownerOfTexture(domain.origin(leaf)))];
+        put(message, leaf);
+        message += about;
+    }
+    for (const Exchange::Bytes& bytes : mExchange.swap(std::move(messages))) {
+        for (MessageReader message(bytes); !message.atEnd();) {
+            const auto leaf = message.get<std::uint32_t>();
+            read(leaf, message);
         }
     }
 }

@@ -3,19 +3,21 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/distributed/partition.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_owners.h"
 
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace vdblic {
 
 /// The leaves around a rank's own ones, its halo, and those of its own that lie in the halos of others. Both sides of
 /// an exchange list the same leaves in the same order, so messages hold values only.
-class HaloExchange {
+class HaloExchange final : public LeafOwners {
   public:
     /// @param domain with this rank's own leaves, and as local ones those in its halo; must outlive this, like exchange
     ///               and partition
@@ -23,21 +25,14 @@ class HaloExchange {
     HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain,
                  std::vector<openvdb::Coord> depths);
 
-    [[nodiscard]] Exchange& exchange() const { return mExchange; }
-    [[nodiscard]] const Partition& partition() const { return mPartition; }
-
-    /// Add the hits in the halo to those of the leaves' owners. Collective.
-    /// @param hitsOf gives the Hits words of a local leaf
-    void addToOwners(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const;
-
-    /// Take the values in the halo from the leaves' owners. Collective.
-    /// @param leaves up to how far from the own ones
-    void takeFromOwners(const LeafValues<float>& values, int leaves) const;
-    void takeFromOwners(const LeafValues<float>& values) const;
+    [[nodiscard]] bool areSeveral() const override { return true; }
+    void addHits(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const override;
+    void takeHalo(const LeafValues<float>& values, int leaves) const override;
+    void send(const Domain& domain, const std::function<void(std::size_t leaf, Exchange::Bytes&)>& write,
+              const std::function<void(std::size_t leaf, MessageReader&)>& read) const override;
+    void sum(std::span<std::uint64_t> numbers) const override { mExchange.sum(numbers); }
 
   private:
-    void take(const LeafValues<float>& values, const std::vector<openvdb::Coord>& depths) const;
-
     Exchange& mExchange;
     const Partition& mPartition;
     const Domain& mDomain;

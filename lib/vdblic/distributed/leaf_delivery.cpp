@@ -1,6 +1,6 @@
 #include "vdblic/distributed/leaf_delivery.h"
 
-#include "vdblic/distributed/message.h"
+#include "vdblic/core/message.h"
 
 #include <algorithm>
 #include <memory>

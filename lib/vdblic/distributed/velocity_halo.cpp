@@ -1,6 +1,6 @@
 #include "vdblic/distributed/velocity_halo.h"
 
-#include "vdblic/distributed/message.h"
+#include "vdblic/core/message.h"
 #include "vdblic/field/domain.h"
 
 #include <array>

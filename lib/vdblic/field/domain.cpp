@@ -61,7 +61,7 @@ Domain::Domain(openvdb::MaskTree::Ptr topology, int ranks) : mTopology(std::move
     placeLeaves();
 }
 
-std::shared_ptr<const Domain> Domain::part(std::vector<std::uint32_t> own, std::vector<std::uint32_t> local) const
+std::shared_ptr<const Domain> Domain::ofRank(std::vector<std::uint32_t> own, std::vector<std::uint32_t> local) const
 {
     auto domain = std::make_shared<Domain>(*this);
     domain->mOwn = std::move(own);

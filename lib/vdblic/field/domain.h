@@ -37,8 +37,8 @@ class Domain {
     explicit Domain(openvdb::MaskTree::Ptr topology, int ranks = 1);
 
     /// The same domain with other own and local leaves. @param own, local ascending; local ones include the own
-    [[nodiscard]] std::shared_ptr<const Domain> part(std::vector<std::uint32_t> own,
-                                                     std::vector<std::uint32_t> local) const;
+    [[nodiscard]] std::shared_ptr<const Domain> ofRank(std::vector<std::uint32_t> own,
+                                                       std::vector<std::uint32_t> local) const;
     [[nodiscard]] Leaves own() const { return mOwn; }
     [[nodiscard]] Leaves local() const { return mLocal; }
     [[nodiscard]] bool isOwn(std::size_t leaf) const { return mIsOwn.empty() || mIsOwn[leaf]; }

@@ -12,7 +12,6 @@ namespace vdblic {
 struct FlowFrame {
     std::shared_ptr<const Domain> domain; ///< of the texture
     openvdb::Vec3SGrid::ConstPtr velocities;
-    openvdb::Mat3d toWorldPerSecond; ///< stored value → world units per second
 
     // Of a texture with other voxels than the velocity:
     Refinement refinement{};

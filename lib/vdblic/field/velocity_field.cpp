@@ -1,6 +1,5 @@
 #include "vdblic/field/velocity_field.h"
 
-#include "vdblic/core/stopwatch.h"
 #include "vdblic/field/cubic_brick.h"
 #include "vdblic/field/largest_value.h"
 #include "vdblic/field/velocity_leaf.h"
@@ -75,7 +74,6 @@ Float4 largestVelocity(Float4 magnitude, const openvdb::Mat3d& toStep)
 
 void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
 {
-    Stopwatch watch;
     mDomain = std::move(domain);
     const Refinement& refinement = mDomain.refinement;
     mSampled = refinement.interpolation == Interpolation::kCubic ? FieldDomain(mDomain.texture) : mDomain;
@@ -89,12 +87,10 @@ void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, cons
     mBricks.cover(mSampled.velocity);
     mLargest = larger(largestVelocity(largestMagnitude(mStart->velocities), mStart->toStep),
                       largestVelocity(largestMagnitude(mEnd->velocities), mEnd->toStep));
-    mSeconds = watch.lap();
 }
 
 void VelocityField::fill(Slabs::Leaves leaves)
 {
-    Stopwatch watch;
     mBricks.fill(leaves, [&](std::size_t leaf, Record* records) {
         if (mDomain.refinement.interpolation == Interpolation::kCubic) {
             CubicBrick brick(mDomain.refinement, mSampled.velocity->origin(leaf));
@@ -104,7 +100,6 @@ void VelocityField::fill(Slabs::Leaves leaves)
         }
         fillBrick(*mStart, *mEnd, mDomain.velocity->origin(leaf), records);
     });
-    mSeconds += watch.lap();
 }
 
 void VelocityField::build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)

@@ -96,9 +96,6 @@ class VelocityField {
     /// An upper bound of the velocity's magnitude anywhere, along each axis [voxels per step].
     [[nodiscard]] Float4 largest() const { return mLargest; }
 
-    /// Wall time of the last prepare() and every fill() since.
-    [[nodiscard]] double secondsToFill() const { return mSeconds; }
-
     /// Of the texture.
     [[nodiscard]] const Domain& domain() const { return *mDomain.texture; }
     [[nodiscard]] const FieldDomain& fieldDomain() const { return mDomain; }
@@ -111,7 +108,6 @@ class VelocityField {
     Bricks mBricks;
     std::optional<VelocityLevel> mStart, mEnd; // in voxels of the texture per step
     Float4 mLargest{};
-    double mSeconds = 0;
 };
 
 } // namespace vdblic

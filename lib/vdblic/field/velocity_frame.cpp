@@ -128,6 +128,22 @@ void VelocityParams::validate() const
     }
 }
 
+VelocityConvention conventionOf(const openvdb::GridBase& grid, const VelocityParams& params)
+{
+    const bool isMantaflow = grid.getGridClass() == openvdb::GRID_STAGGERED && grid["file_base_resolution"];
+    return {params.unit.value_or(isMantaflow ? VelocityUnit::kVoxelPerSecond : VelocityUnit::kWorldPerSecond),
+            params.scale * (isMantaflow && !params.unit ? kMantaflowScale : 1), isMantaflow};
+}
+
+FrameTimes timesOf(const openvdb::GridBase& grid, const openvdb::MetaMap& file)
+{
+    const auto of = [&](const char* key) {
+        const auto ofGrid = numericMetadata(grid, key);
+        return ofGrid ? ofGrid : numericMetadata(file, key);
+    };
+    return {of("time"), of("dt")};
+}
+
 Mat3d VelocityFrame::toWorldPerSecond(double interval) const
 {
     const bool voxels = unit == VelocityUnit::kVoxelPerSecond || unit == VelocityUnit::kVoxelPerFrame;
@@ -161,7 +177,9 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, 
         if (!isCentred) box.expand(kLeaf); // the values at voxel centres need those of the next voxels
         return box.isInside(origin);
     };
-    const VdbFile contents = part ? readVdb(file.path, isKept, part->verify) : readVdb(file.path);
+    const VdbFile contents = file.contents ? *file.contents
+                             : part        ? readVdb(file.path, isKept, part->verify)
+                                           : readVdb(file.path);
     VelocityFrame frame;
     frame.file = file;
     std::string name = params.grid;
@@ -190,20 +208,12 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, 
     frame.values = found.values;
     mendNonFinite(frame, params.nonFinite);
 
-    frame.mantaflow = found.staggered && (*found.values)["file_base_resolution"];
-    frame.scale = params.scale;
-    frame.unit = params.unit.value_or(frame.mantaflow ? VelocityUnit::kVoxelPerSecond : VelocityUnit::kWorldPerSecond);
+    static_cast<VelocityConvention&>(frame) = conventionOf(*grids.values.front(), params);
+    static_cast<FrameTimes&>(frame) = timesOf(*found.values, contents.metadata);
     if (frame.mantaflow && !params.unit) {
-        frame.scale *= kMantaflowScale;
         frame.remarks.push_back(fmt::format(
             "a Mantaflow cache: velocities taken as voxel/s x {} (at Blender's time scale 1)", kMantaflowScale));
     }
-    const auto metadata = [&](const char* key) {
-        const auto ofGrid = numericMetadata(*found.values, key);
-        return ofGrid ? ofGrid : numericMetadata(contents.metadata, key);
-    };
-    frame.time = metadata("time");
-    frame.dt = metadata("dt");
     if (const auto creator = contents.metadata.getMetadata<openvdb::StringMetadata>("creator")) {
         frame.sourceCreator = creator->value();
     }

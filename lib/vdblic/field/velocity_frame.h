@@ -35,15 +35,27 @@ struct VelocityParams {
     void validate() const; ///< @throws ParameterError
 };
 
+/// How stored velocities are understood.
+struct VelocityConvention {
+    VelocityUnit unit = VelocityUnit::kWorldPerSecond;
+    double scale = 1;
+    bool mantaflow = false; ///< a cache of Blender's Mantaflow
+};
+/// @param grid of the velocity, or of its first component, as it is stored
+[[nodiscard]] VelocityConvention conventionOf(const openvdb::GridBase& grid, const VelocityParams& params);
+
+/// Times of a frame [s], as far as its metadata has them.
+struct FrameTimes {
+    std::optional<double> time, dt;
+};
+/// @param grid of the velocity; what its metadata lack is taken from the file's
+[[nodiscard]] FrameTimes timesOf(const openvdb::GridBase& grid, const openvdb::MetaMap& file);
+
 /// The velocity of one frame.
-struct VelocityFrame {
+struct VelocityFrame : VelocityConvention, FrameTimes {
     FrameFile file;
     std::string gridName;           ///< "velocity", or "vel.x, vel.y, vel.z"
     openvdb::Vec3SGrid::Ptr values; ///< on voxel centres, in the stored unit
-    VelocityUnit unit = VelocityUnit::kWorldPerSecond;
-    double scale = 1;
-    std::optional<double> time, dt; ///< seconds, from metadata
-    bool mantaflow = false;         ///< a cache of Blender's Mantaflow
     std::string sourceCreator;      ///< file metadata `creator`
     openvdb::GridPtrVec carried;
     std::vector<std::string> remarks; ///< choices made on the user's behalf
@@ -62,7 +74,7 @@ struct VelocityPart {
     bool verify = true;     ///< whether the file's checksums are checked, which takes all its bytes
 };
 
-/// Read the velocity of one file in any of the conventions of docs/formats.md.
+/// Read the velocity of one file, or of a volume in memory, in any of the conventions of docs/formats.md.
 ///
 /// @throws InputError if there is none, its transform is sheared or a frustum, or a value is not finite; the
 ///         message names file, grid, first voxel and count

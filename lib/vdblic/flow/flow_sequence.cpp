@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -17,11 +16,9 @@
 namespace vdblic {
 namespace {
 
-constexpr double kDefaultFps = 24;
-
 std::string frameStamp(const FrameFile& file, const DomainParams& domain)
 {
-    std::string stamp = fmt::format("frame {}, {}", file.frame, fileStamp(file.path));
+    std::string stamp = fmt::format("frame {}, {}", file.frame, file.contents ? "in memory" : fileStamp(file.path));
     if (domain.mask.empty()) return stamp;
     const FramePattern mask(parseGridReference(domain.mask).path.string());
     return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame)));
@@ -38,19 +35,15 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ra
     frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
     frame.velocity = readVelocity(file, params.velocity, part);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;
-    frame.flow.velocities = frame.velocity.values;
     const bool isSame = before.domain && params.domain.mask.empty() &&
                         before.velocities->transform() == values.transform() &&
                         before.velocities->tree().hasSameTopology(values.tree());
     try {
-        FieldDomain domain = before.fieldDomain();
+        frame.domain = before.fieldDomain();
         if (!isSame) {
             auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
-            domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame, ranks);
+            frame.domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame, ranks);
         }
-        frame.flow.domain = std::move(domain.texture);
-        frame.flow.refinedFrom = std::move(domain.velocity);
-        frame.flow.refinement = domain.refinement;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
     }
@@ -60,9 +53,8 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ra
 
 } // namespace
 
-FlowSequence::FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange)
-    : mParams(std::move(params)), mReporter(reporter), mExchange(exchange),
-      mSource(openSequence(mParams.input, lines, mTotal))
+FlowSequence::FlowSequence(FlowSequenceParams params, FrameSource source, Reporter& reporter, const Exchange& exchange)
+    : mParams(std::move(params)), mReporter(reporter), mExchange(exchange), mSource(std::move(source))
 {
 }
 
@@ -73,15 +65,15 @@ std::string FlowSequence::stampOf(const FrameFile& file) const
 
 std::optional<LoadedFrame> FlowSequence::next()
 {
-    if (!mStarted) lookAhead();
+    if (!mStarted) lookAhead(std::launch::deferred);
     if (!mAhead.valid()) return std::nullopt;
     const std::optional<FrameFile> file = mAhead.get();
     if (!file) return std::nullopt;
     LoadedFrame frame = loadPart(*file);
     if (!mPartition) mPartition = frame.partition;
-    lookAhead();
+    lookAhead(file->contents ? std::launch::deferred : std::launch::async);
     checkSuccession(frame.velocity);
-    mLast = frame.flow;
+    mLast = frame.flow();
     if (!mExchange.isAlone()) mLast.domain = mLast.refinedFrom = nullptr; // parts of what the next frame needs
     for (const std::string& remark : frame.velocity.remarks)
         sayOnce(remark);
@@ -113,19 +105,16 @@ FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const Load
         if (mSpacing == 0) mSpacing = mParams.input.pattern == "-" ? difference : frameSpacing(mParams.input);
         if (difference > 0 && mSpacing > 0) skipped = double(difference) / double(mSpacing);
     }
-    if (mParams.frameSpacing) return {*mParams.frameSpacing * skipped, "as given"};
-    if (next && velocity.time && next->velocity.time) {
-        const double seconds = *next->velocity.time - *velocity.time;
-        if (seconds > 0 && std::isfinite(seconds)) return {seconds, "by the files' times"};
+    const auto interval = frameInterval(mParams.frameSpacing, velocity, next ? &next->velocity : nullptr, skipped);
+    if (!interval) {
         throw InputError(fmt::format("{}: its time {} does not come after the time {} of the frame before; give the "
                                      "frame spacing with `frame_spacing`",
                                      next->velocity.file.path.string(), *next->velocity.time, *velocity.time));
     }
-    if (velocity.dt && *velocity.dt > 0 && std::isfinite(*velocity.dt))
-        return {*velocity.dt * skipped, "by the file's dt"};
-    sayOnce(fmt::format("no time or dt in the files: taking {} frames a second; give `frame_spacing` if it is another",
-                        kDefaultFps));
-    return {skipped / kDefaultFps, "by default"};
+    if (interval->isAssumed) {
+        sayOnce("no time or dt in the files: taking 24 frames a second; give `frame_spacing` if it is another");
+    }
+    return *interval;
 }
 
 void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& interval, double largest)
@@ -150,8 +139,7 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
     if (!partition) {
         const openvdb::CoordBBox nowhere(openvdb::Coord(1 << 28), openvdb::Coord(1 << 28));
         const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false}, mLast);
-        partition =
-            std::make_shared<const Partition>(*voxels.flow.velocityDomain(), voxels.flow.refinement.factors, ranks);
+        partition = std::make_shared<const Partition>(*voxels.domain.velocity, voxels.domain.refinement.factors, ranks);
     }
     // Carried grids, which rank 0 writes, are whole. The ranks verify the files in turn.
     std::optional<VelocityPart> part;
@@ -163,12 +151,12 @@ LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
     return frame;
 }
 
-void FlowSequence::lookAhead()
+void FlowSequence::lookAhead(std::launch how)
 {
     mStarted = true;
-    mAhead = std::async(std::launch::async, [this] {
+    mAhead = std::async(how, [this] {
         std::optional<FrameFile> file = mSource();
-        if (file) cacheFile(file->path);
+        if (file && !file->contents) cacheFile(file->path);
         return file;
     });
 }

@@ -3,10 +3,12 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/distributed/partition.h"
+#include "vdblic/field/field_domain.h"
 #include "vdblic/field/flow_frame.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/field/velocity_frame.h"
 #include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/flow/frame_interval.h"
 #include "vdblic/io/sequence.h"
 
 #include <openvdb/openvdb.h>
@@ -14,7 +16,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <future>
-#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <set>
@@ -29,39 +30,34 @@ struct LoadedFrame {
     double sourceFrame = 1; ///< frame number; between two frames a fraction
     double seconds = 0;     ///< spent on reading
     VelocityFrame velocity;
-    FlowFrame flow;
+    FieldDomain domain;
     std::string stamp; ///< FlowSequence::stampOf() from just before reading
 
-    // If several ranks share the run, velocity and flow are this rank's part.
+    // If several ranks share the run, velocity and domain are this rank's part.
     std::shared_ptr<const Partition> partition{}; ///< null for a process alone
     std::vector<openvdb::Coord> rims{};           ///< how far each rank's velocity goes beyond its box [voxels]
     Float4 largest{};                             ///< largestMagnitude() of the velocity in the rank's box
 
+    [[nodiscard]] FlowFrame flow() const
+    {
+        return {domain.texture, velocity.values, domain.refinement, domain.velocity};
+    }
     [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
     {
-        return flow.refinement.refined(velocity.values->transform());
+        return domain.refinement.refined(velocity.values->transform());
     }
 };
 
-/// Time between two frames [s], and what determined it, for messages.
-struct FrameInterval {
-    double seconds;
-    const char* source;
-};
-
 /// Reads a velocity sequence frame by frame. While a frame is used, a thread waits for the name of the next one's file,
-/// and the system reads that file into its cache: a frame read ahead would take the memory of one more velocity.
+/// and the system reads that file into its cache: a frame read ahead would take the memory of one more velocity. Frames
+/// in memory are asked for as they are needed, in the caller's thread.
 ///
 /// Choices made for the user go to the reporter, each once. Not thread-safe.
 class FlowSequence {
   public:
-    /// @param lines    source of the paths if the input is `-`
+    /// @param source   of the frames
     /// @param exchange with the ranks that share the run: each gets its part of every frame
-    /// @throws InputError, ParameterError
-    FlowSequence(FlowSequenceParams params, std::istream& lines, Reporter& reporter, const Exchange& exchange);
-
-    /// The number of frames; 0 if it is unknown.
-    [[nodiscard]] std::size_t total() const { return mTotal; }
+    FlowSequence(FlowSequenceParams params, FrameSource source, Reporter& reporter, const Exchange& exchange);
 
     /// Pass over a frame without reading it. Only before the first call of next().
     /// @return its file, or nothing at the end
@@ -94,7 +90,7 @@ class FlowSequence {
 
   private:
     [[nodiscard]] LoadedFrame loadPart(const FrameFile& file) const;
-    void lookAhead();
+    void lookAhead(std::launch how);
     void checkSuccession(const VelocityFrame& velocity) const;
     void sayOnce(const std::string& message);
 
@@ -102,7 +98,6 @@ class FlowSequence {
     Reporter& mReporter;
     const Exchange& mExchange;
     std::shared_ptr<const Partition> mPartition; // null before the first frame
-    std::size_t mTotal = 0;
     FrameSource mSource;
     FlowFrame mLast;           // the previous frame
     std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known

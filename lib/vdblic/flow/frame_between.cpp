@@ -69,7 +69,6 @@ LoadedFrame frameBetween(const LoadedFrame& before, const LoadedFrame& after, do
     frame.seconds = 0;
     frame.velocity.values = openvdb::Vec3SGrid::create(tree);
     frame.velocity.values->setTransform(before.velocity.values->transform().copy());
-    frame.flow.velocities = frame.velocity.values;
     return frame;
 }
 

@@ -19,7 +19,7 @@ using openvdb::Coord;
 /// Let a domain have other local leaves. @param own, local boxes in its index space
 void setPart(std::shared_ptr<const Domain>& domain, const openvdb::CoordBBox& own, const openvdb::CoordBBox& local)
 {
-    if (domain) domain = domain->part(leavesIn(*domain, own), leavesIn(*domain, local));
+    if (domain) domain = domain->ofRank(leavesIn(*domain, own), leavesIn(*domain, local));
 }
 
 /// Reduce a frame to a rank's own part.
@@ -30,11 +30,10 @@ void keepPart(LoadedFrame& frame, int rank, openvdb::Vec3SGrid& values)
     grid->insertMeta(values);
     grid->setTransform(values.transform().copy());
     frame.velocity.values = grid;
-    frame.flow.velocities = grid;
     frame.rims.clear();
     frame.largest = largestMagnitude(grid->tree());
-    setPart(frame.flow.domain, texture, texture);
-    setPart(frame.flow.refinedFrom, own, own);
+    setPart(frame.domain.texture, texture, texture);
+    setPart(frame.domain.velocity, own, own);
 }
 
 constexpr int kLeaf = LeafVoxel::kDim, kFewest = 2; // leaves: mean along the flow and sharpening reach one each
@@ -62,7 +61,7 @@ void keepOwn(LoadedFrame& frame, int rank)
     keepPart(frame, rank, *values);
 }
 
-void moveTo(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition)
+void handOver(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition)
 {
     std::vector<openvdb::CoordBBox> boxes;
     for (int rank = 0; rank < exchange.size(); ++rank)
@@ -113,7 +112,7 @@ void surround(Exchange& exchange, LoadedFrame& frame, const std::vector<Coord>& 
     for (std::size_t rank = 0; rank < depths.size(); ++rank) {
         Coord rim;
         for (int axis = 0; axis < 3; ++axis) {
-            const int factor = frame.flow.refinement.factors[std::size_t(axis)];
+            const int factor = frame.domain.refinement.factors[std::size_t(axis)];
             rim[axis] = ((depths[rank][axis] / kLeaf + factor - 1) / factor + 1) * kLeaf;
         }
         isDeeper = isDeeper || Coord::lessThan(frame.rims[rank], rim);
@@ -126,8 +125,8 @@ void surround(Exchange& exchange, LoadedFrame& frame, const std::vector<Coord>& 
         addParts(frame.velocity.values->tree(), exchange, partition, boxes);
     }
     const openvdb::CoordBBox own = partition.box(int(mine)), texture = partition.textureBox(int(mine));
-    setPart(frame.flow.domain, texture, dilated(texture, depths[mine]));
-    setPart(frame.flow.refinedFrom, own, dilated(own, frame.rims[mine]));
+    setPart(frame.domain.texture, texture, dilated(texture, depths[mine]));
+    setPart(frame.domain.velocity, own, dilated(own, frame.rims[mine]));
 }
 
 } // namespace vdblic

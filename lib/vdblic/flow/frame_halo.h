@@ -16,7 +16,7 @@ namespace vdblic {
 void keepOwn(LoadedFrame& frame, int rank);
 
 /// Give each rank its part of a frame in another partition. Collective.
-void moveTo(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition);
+void handOver(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition);
 
 /// How far paths lead that no step between two frames exceeds, from a rank's own voxels.
 struct Farthest {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -49,10 +50,13 @@ class FramePattern {
     std::optional<int> mWidth; // of the frame field; 1 for no padding
 };
 
+struct VdbFile;
+
 /// One file of a sequence.
 struct FrameFile {
     std::int64_t frame = 1;
-    std::filesystem::path path;
+    std::filesystem::path path;                ///< of a frame in memory: what messages call it
+    std::shared_ptr<const VdbFile> contents{}; ///< of a frame in memory
 };
 
 /// Returns the next file of a sequence, or nothing at its end.

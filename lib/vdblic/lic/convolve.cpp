@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -28,6 +29,33 @@ VDBLIC_INLINE HitRow hitRow(const std::int64_t* hits, int row)
     }
     return {__builtin_shufflevector(count[0], count[1], 0, 1, 2, 3, 4, 5, 6, 7),
             __builtin_shufflevector(mean[0], mean[1], 0, 1, 2, 3, 4, 5, 6, 7)};
+}
+
+/// Values on a domain's own leaves with room for its other local ones. Of a process alone, the values themselves.
+LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own)
+{
+    if (domain.isWhole()) return own;
+    LeafValues<float> local(domain, 0.0f);
+    forLeaves(domain.own(), [&](std::size_t leaf) { std::copy_n(own[leaf], LeafVoxel::kCount, local[leaf]); });
+    return local;
+}
+
+/// The running mean on another domain: a new voxel has its input, without weight.
+RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,
+                     const RunningMean& mean)
+{
+    RunningMean result{LeafValues<float>(to, 0.0f, to.own()), LeafValues<float>(to, 0.0f, to.own())};
+    forLeaves(to.own(), [&](std::size_t leaf) {
+        const openvdb::Coord origin = to.origin(leaf);
+        const int there = from.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
+        for (auto voxel = to.mask(leaf).beginOn(); voxel; ++voxel) {
+            const auto i = voxel.pos();
+            const bool isOld = there >= 0 && from.isActive(there, i);
+            result.mean[leaf][i] = isOld ? mean.mean[std::size_t(there)][i] : float(input[leaf][i]) / float(kNoiseMax);
+            if (isOld) result.weight[leaf][i] = mean.weight[std::size_t(there)][i];
+        }
+    });
+    return result;
 }
 
 } // namespace
@@ -59,29 +87,37 @@ VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, 
     }
 }
 
-LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own)
+Convolution::Convolution(const Domain& domain, const LeafValues<std::int32_t>& input, int substeps,
+                         std::optional<RunningMean> before)
+    : mDomain(domain), mInput(input), mSubsteps(substeps), mBefore(std::move(before))
 {
-    if (domain.isWhole()) return own;
-    LeafValues<float> local(domain, 0.0f);
-    forLeaves(domain.own(), [&](std::size_t leaf) { std::copy_n(own[leaf], LeafVoxel::kCount, local[leaf]); });
-    return local;
+    if (substeps > 1) {
+        mAfter = {{domain, 0.0f, domain.own()}, {domain, 0.0f, domain.own()}};
+    } else {
+        mTexture = LeafValues<float>(domain, 0.0f);
+    }
 }
 
-RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,
-                     const RunningMean& mean)
+void Convolution::take(std::size_t leaf, const std::int64_t* hits) const
 {
-    RunningMean result{LeafValues<float>(to, 0.0f, to.own()), LeafValues<float>(to, 0.0f, to.own())};
-    forLeaves(to.own(), [&](std::size_t leaf) {
-        const openvdb::Coord origin = to.origin(leaf);
-        const int there = from.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-        for (auto voxel = to.mask(leaf).beginOn(); voxel; ++voxel) {
-            const auto i = voxel.pos();
-            const bool isOld = there >= 0 && from.isActive(there, i);
-            result.mean[leaf][i] = isOld ? mean.mean[std::size_t(there)][i] : float(input[leaf][i]) / float(kNoiseMax);
-            if (isOld) result.weight[leaf][i] = mean.weight[std::size_t(there)][i];
-        }
-    });
-    return result;
+    if (mAfter) {
+        convolve(mDomain.mask(leaf), hits, mInput[leaf], mSubsteps, mBefore ? mBefore->of(leaf) : MeanLeaf{},
+                 mAfter->of(leaf));
+    } else {
+        convolve(mDomain.mask(leaf), hits, mInput[leaf], mTexture[leaf]);
+    }
+}
+
+LeafValues<float> Convolution::texture()
+{
+    mBefore.reset();
+    return mAfter ? onLocal(mDomain, mAfter->mean) : std::move(mTexture);
+}
+
+std::optional<RunningMean> Convolution::meanOn(const Domain& next, const LeafValues<std::int32_t>& input)
+{
+    if (!mAfter || &next == &mDomain) return std::move(mAfter);
+    return onDomain(next, input, mDomain, *mAfter);
 }
 
 } // namespace vdblic

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace vdblic {
 
@@ -36,11 +37,31 @@ struct RunningMean {
 void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, int substeps,
               const MeanLeaf& before, const MeanLeaf& after);
 
-/// Values on a domain's own leaves with room for its other local ones. Of a process alone, the values themselves.
-[[nodiscard]] LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own);
+/// The texture of a step, made leaf by leaf as soon as a leaf has all its hits.
+class Convolution {
+  public:
+    /// @param domain, input of the step; must outlive every take()
+    /// @param before the running mean after the step before, on the domain; nothing in the first step and without
+    ///               substeps
+    Convolution(const Domain& domain, const LeafValues<std::int32_t>& input, int substeps,
+                std::optional<RunningMean> before);
 
-/// The running mean on another domain: a new voxel has its input, without weight.
-[[nodiscard]] RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,
-                                   const RunningMean& mean);
+    /// Threads may take different leaves. @param hits Hits words of an own leaf
+    void take(std::size_t leaf, const std::int64_t* hits) const;
+
+    /// The texture after all leaves were taken, in [0, 1], with room for the halo. Called once.
+    [[nodiscard]] LeafValues<float> texture();
+
+    /// The running mean for the step to come, if there are substeps. Called once, after texture().
+    /// @param next its domain  @param input of that step: a new voxel has it, without weight
+    [[nodiscard]] std::optional<RunningMean> meanOn(const Domain& next, const LeafValues<std::int32_t>& input);
+
+  private:
+    const Domain& mDomain;
+    const LeafValues<std::int32_t>& mInput;
+    int mSubsteps;
+    std::optional<RunningMean> mBefore, mAfter;
+    LeafValues<float> mTexture; // without substeps
+};
 
 } // namespace vdblic

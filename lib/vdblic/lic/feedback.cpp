@@ -41,13 +41,6 @@ VDBLIC_INLINE Int8 toFixed(Float8 value)
     return __builtin_convertvector(clampToUnit(value) * kFullScale + 0.5f, Int8);
 }
 
-/// The top bit from the texture, the rest from the noise; values near the ends are stretched to them.
-float jitterBits(float texture, float noise)
-{
-    const float value = (texture > 0.5f ? 0.5f : 0.0f) + std::fmod(noise, 0.5f);
-    return value > 0.9f ? 1.0f : value < 0.1f ? 0.0f : value;
-}
-
 /// The domain's share of the trilinear weights at a position.
 float coverageAt(const Domain& domain, Float4 position)
 {
@@ -140,12 +133,6 @@ struct FeedForward {
         Float8 original;
         for (int z = 0; z < LeafVoxel::kDim; ++z)
             original[z] = float(input[z]) / kFullScale;
-        if (params.jitter == Jitter::kBits) {
-            Float8 jittered;
-            for (int z = 0; z < LeafVoxel::kDim; ++z)
-                jittered[z] = jitterBits(carried[z], original[z]);
-            return toFixed(jittered);
-        }
         const LocalContrast::Row local = around.row(first.x, first.y);
         const Float8 least = broadcast8(params.deviation / kMaxGain);
         const Float8 gain = params.deviation / (local.deviation > least ? local.deviation : least);

@@ -6,18 +6,6 @@
 
 namespace vdblic {
 
-Jitter parseJitter(std::string_view text)
-{
-    if (text == "mix") return Jitter::kMix;
-    if (text == "bits") return Jitter::kBits;
-    throw ParameterError(fmt::format("jitter '{}' is neither mix nor bits", text));
-}
-
-std::string_view toString(Jitter jitter)
-{
-    return jitter == Jitter::kMix ? "mix" : "bits";
-}
-
 void FeedbackParams::validate() const
 {
     if (!(sharpen >= 0 && sharpen <= 100)) {

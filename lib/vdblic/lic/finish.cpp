@@ -17,8 +17,8 @@ void FinishParams::validate() const
     }
 }
 
-LeafValues<float> finished(const FlowFrame& frame, const openvdb::Mat3d& toStep, LeafValues<float> texture,
-                           const FinishParams& params)
+LeafValues<float> finish(const FlowFrame& frame, const openvdb::Mat3d& toStep, LeafValues<float> texture,
+                         const FinishParams& params)
 {
     if (params.taps == 0) return texture;
     const VelocityLevel velocities{frame.velocities->tree(), frame.refinement.toTexture() * toStep};

@@ -20,7 +20,7 @@ struct FinishParams {
 /// @param toStep  stored value → any multiple of voxels of the velocity, in index space; only directions count
 /// @param texture in [0, 1], on the frame's domain; 0 outside. Moved in, it is freed before the result is made
 /// @return in [0, 1], on the frame's domain. Computed in parallel; the result does not depend on the number of threads.
-[[nodiscard]] LeafValues<float> finished(const FlowFrame& frame, const openvdb::Mat3d& toStep,
-                                         LeafValues<float> texture, const FinishParams& params);
+[[nodiscard]] LeafValues<float> finish(const FlowFrame& frame, const openvdb::Mat3d& toStep, LeafValues<float> texture,
+                                       const FinishParams& params);
 
 } // namespace vdblic

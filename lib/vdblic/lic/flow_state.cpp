@@ -29,7 +29,7 @@ using openvdb::points::PointDataGrid;
 using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
 
 constexpr const char *kNoise = "noise", *kMean = "mean", *kWeight = "weight", *kParticles = "particles";
-constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kAlive = "alive", *kGenerations = "generations";
+constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kAlive = "alive", *kWords = "words";
 constexpr float kScale = 65536; // exact in a float, and leaves its low bytes empty for the compressor
 
 openvdb::FloatGrid::Ptr namedGrid(const LeafValues<float>& values, const char* name)
@@ -65,8 +65,8 @@ class LeafPoints {
     LeafPoints(const std::vector<ParticleBins>& bins, std::size_t tile)
     {
         for (const ParticleBins& some : bins) {
-            some.forEach(tile, [&](const Particle& particle, const std::uint32_t* generations) {
-                mPoints.push_back({particle, generations, nearestVoxel(particle.position)});
+            some.forEach(tile, [&](const Particle& particle, const std::uint32_t* words) {
+                mPoints.push_back({particle, words, nearestVoxel(particle.position)});
             });
         }
         // Sorted by id within a voxel: equal states give equal files, whichever thread held a particle.
@@ -76,12 +76,12 @@ class LeafPoints {
         });
     }
 
-    /// @param words Generation words of each point; if none, the values that are alive are stored
+    /// @param words that each particle carries beside its Hits
     void write(PointLeaf& leaf, openvdb::Index words) const
     {
         leaf.setOffsets(ends());
         AttributeWriteHandle<Vec3f> position(leaf.attributeArray(kPosition)), slope(leaf.attributeArray(kSlope));
-        AttributeWriteHandle<std::int64_t> id(leaf.attributeArray(kId));
+        AttributeWriteHandle<std::int64_t> id(leaf.attributeArray(kId)), alive(leaf.attributeArray(kAlive));
         openvdb::Index n = 0;
         for (const Point& point : mPoints) {
             const Particle& particle = point.particle;
@@ -89,26 +89,20 @@ class LeafPoints {
             position.set(n, Vec3f(from - point.voxel.asVec3d()));
             slope.set(n, Vec3f(particle.slope.data()));
             id.set(n, std::int64_t(particle.id));
+            alive.set(n, std::int64_t(particle.alive));
             ++n;
         }
-        words > 0 ? writeGenerations(leaf, words) : writeAlive(leaf);
+        if (words > 0) writeWords(leaf, words);
     }
 
   private:
-    void writeAlive(PointLeaf& leaf) const
+    void writeWords(PointLeaf& leaf, openvdb::Index words) const
     {
-        AttributeWriteHandle<std::int64_t> alive(leaf.attributeArray(kAlive));
-        openvdb::Index n = 0;
-        for (const Point& point : mPoints)
-            alive.set(n++, std::int64_t(point.particle.alive));
-    }
-    void writeGenerations(PointLeaf& leaf, openvdb::Index words) const
-    {
-        AttributeWriteHandle<std::int32_t> generations(leaf.attributeArray(kGenerations));
+        AttributeWriteHandle<std::int32_t> all(leaf.attributeArray(kWords));
         openvdb::Index n = 0;
         for (const Point& point : mPoints) {
             for (openvdb::Index i = 0; i < words; ++i)
-                generations.set(n, i, std::int32_t(point.generations[i]));
+                all.set(n, i, std::int32_t(point.words[i]));
             ++n;
         }
     }
@@ -129,7 +123,7 @@ class LeafPoints {
 
     struct Point {
         Particle particle;
-        const std::uint32_t* generations;
+        const std::uint32_t* words;
         Coord voxel;
     };
     std::vector<Point> mPoints;
@@ -158,50 +152,15 @@ openvdb::Index countPoints(const PointLeaf& leaf)
     return count;
 }
 
-/// What the particles of a leaf carry.
-class Carried {
-  public:
-    Carried(const PointLeaf& leaf, openvdb::Index count, openvdb::Index words) : mWords(words)
-    {
-        if (words > 0) {
-            mGenerations.emplace(attributeOf<std::int32_t>(leaf, kGenerations, count, words));
-        } else {
-            mAlive.emplace(attributeOf<std::int64_t>(leaf, kAlive, count));
-        }
-    }
-
-    /// @return the values alive of a point  @param n of the point  @throws InputError if no run leaves such values
-    std::uint64_t get(openvdb::Index n)
-    {
-        if (mAlive) {
-            const auto alive = std::uint64_t(mAlive->get(n));
-            const std::uint64_t weight = Hits::count(alive);
-            if (weight == 0 || weight > FadingHits::kWeightLimit || Hits::sum(alive) > weight * kNoiseMax)
-                throw InputError("a particle carries values that no run leaves");
-            return alive;
-        }
-        std::uint64_t alive = 0;
-        for (openvdb::Index i = 0; i < openvdb::Index(mWords.size()); ++i) {
-            mWords[i] = std::uint32_t(mGenerations->get(n, i));
-            alive += Generation::hits(mWords[i]);
-        }
-        return alive;
-    }
-    [[nodiscard]] const std::uint32_t* words() const { return mWords.data(); } ///< of the last point
-
-  private:
-    std::vector<std::uint32_t> mWords;
-    std::optional<AttributeHandle<std::int64_t>> mAlive;
-    std::optional<AttributeHandle<std::int32_t>> mGenerations;
-};
-
 /// Add a leaf's points to the bin of a tile.
 void readLeaf(const PointLeaf& leaf, std::size_t tile, ParticleBins& bins)
 {
     const openvdb::Index count = countPoints(leaf);
     const auto position = attributeOf<Vec3f>(leaf, kPosition, count), slope = attributeOf<Vec3f>(leaf, kSlope, count);
-    const auto id = attributeOf<std::int64_t>(leaf, kId, count);
-    Carried carried(leaf, count, openvdb::Index(bins.generations()));
+    const auto id = attributeOf<std::int64_t>(leaf, kId, count), alive = attributeOf<std::int64_t>(leaf, kAlive, count);
+    std::vector<std::uint32_t> words(bins.words());
+    std::optional<AttributeHandle<std::int32_t>> allWords;
+    if (!words.empty()) allWords.emplace(attributeOf<std::int32_t>(leaf, kWords, count, openvdb::Index(words.size())));
     openvdb::Index n = 0;
     for (openvdb::Index voxel = 0; voxel < PointLeaf::SIZE; ++voxel) {
         const openvdb::Vec3d centre = leaf.offsetToGlobalCoord(voxel).asVec3d();
@@ -217,8 +176,13 @@ void readLeaf(const PointLeaf& leaf, std::size_t tile, ParticleBins& bins)
                 }
             }
             particle.id = std::uint64_t(id.get(n));
-            particle.alive = carried.get(n);
-            bins.add(tile, particle, carried.words());
+            particle.alive = std::uint64_t(alive.get(n));
+            const std::uint64_t hits = Hits::count(particle.alive);
+            if (hits == 0 || hits > Particle::kMostHits || Hits::sum(particle.alive) > hits * kNoiseMax)
+                throw InputError("a particle carries values that no run leaves");
+            for (openvdb::Index i = 0; i < openvdb::Index(words.size()); ++i)
+                words[i] = std::uint32_t(allWords->get(n, i));
+            bins.add(tile, particle, words.data());
         }
     }
 }
@@ -252,9 +216,9 @@ struct FlowStateReader::StoredLeaf {
     const float* values;
 };
 
-FlowStateReader::FlowStateReader(const Domain& domain, std::size_t generations, bool hasMean)
+FlowStateReader::FlowStateReader(const Domain& domain, std::size_t words, bool hasMean)
     : mDomain(domain), mState{LeafValues<std::int32_t>(domain, 0, domain.own()), std::nullopt,
-                              ParticleBins(domain.leafCount(), generations)}
+                              ParticleBins(domain.leafCount(), words)}
 {
     mFound[kNoise].resize(domain.leafCount());
     if (hasMean) {
@@ -331,7 +295,7 @@ openvdb::GridPtrVec meanGrids(const Domain& domain, Domain::Leaves leaves, const
 openvdb::GridBase::Ptr particleGrid(const Domain& domain, Domain::Leaves some, const std::vector<ParticleBins>& bins)
 {
     openvdb::initialize(); // registers the attribute types
-    const auto words = openvdb::Index(bins.empty() ? 0 : bins.front().generations());
+    const auto words = openvdb::Index(bins.empty() ? 0 : bins.front().words());
     auto grid = PointDataGrid::create();
     grid->setName(kParticles);
     const auto descriptor =
@@ -347,11 +311,8 @@ openvdb::GridBase::Ptr particleGrid(const Domain& domain, Domain::Leaves some, c
     }
     openvdb::points::appendAttribute<Vec3f>(grid->tree(), kSlope);
     openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kId);
-    if (words > 0) {
-        openvdb::points::appendAttribute<std::int32_t>(grid->tree(), kGenerations, 0, words);
-    } else {
-        openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kAlive);
-    }
+    openvdb::points::appendAttribute<std::int64_t>(grid->tree(), kAlive);
+    if (words > 0) openvdb::points::appendAttribute<std::int32_t>(grid->tree(), kWords, 0, words);
     forLeaves(some, [&](std::size_t leaf) {
         if (leaves[leaf]) LeafPoints(bins, leaf).write(*leaves[leaf], words);
     });

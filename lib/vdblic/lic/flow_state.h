@@ -22,9 +22,9 @@ struct VdbFile;
 ///
 /// `noise`: the noise-jittered texture that seeds take their values from, float, multiples of 1/65536 in [0, 1). With
 /// substeps also `mean` and `weight`, the RunningMean. `particles`: points with the attributes `slope` (velocity there,
-/// voxels per step), `id` (step of release << 43 | number of the release voxel) and `generations` (Generation words, by
-/// release frame modulo the life span; for UFLIC a single one). A point's position is stored relative to the centre of
-/// its voxel, so no bit of it is lost.
+/// voxels per step), `id` (step of release << 43 | number of the release voxel), `alive` (the Hits that it carries)
+/// and, where it carries more, `words`. A point's position is stored relative to the centre of its voxel, so no bit of
+/// it is lost.
 ///
 /// The grids are made for some leaves of the domain at a time, so that no second copy of the whole state is in memory.
 
@@ -51,8 +51,8 @@ struct FlowState {
 class FlowStateReader {
   public:
     /// @param domain      must outlive this
-    /// @param generations words that each particle carries; 0: the values that are alive
-    FlowStateReader(const Domain& domain, std::size_t generations, bool hasMean);
+    /// @param words  that each particle carries beside its Hits
+    FlowStateReader(const Domain& domain, std::size_t words, bool hasMean);
 
     /// Take what a file holds of the own leaves.
     /// @throws InputError, without the file's name, if a grid is missing or does not fit the domain

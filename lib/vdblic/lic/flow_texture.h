@@ -1,13 +1,12 @@
 #pragma once
 
-#include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/field/flow_frame.h"
+#include "vdblic/field/leaf_owners.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/lic/feedback_params.h"
-#include "vdblic/lic/lic_kernel.h"
-#include "vdblic/lic/scatter_params.h"
 #include "vdblic/lic/scatter_stats.h"
+#include "vdblic/lic/stage_clock.h"
+#include "vdblic/lic/texture_params.h"
 #include "vdblic/noise/noise_field.h"
 
 #include <openvdb/openvdb.h>
@@ -18,7 +17,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <vector>
 
 namespace vdblic {
 
@@ -28,17 +26,7 @@ struct FlowStep {
     const FlowFrame& end;
     openvdb::Mat3d startToStep, endToStep; ///< stored values of the two frames → voxels per step
     double interval = 1;                   ///< seconds
-    const HaloExchange* halo = nullptr;    ///< of the first frame's domain, if several ranks share the step
-};
-
-/// Seconds spent, in the parts of the paper's Table 2.
-struct StageTimes {
-    double load = 0;     ///< building the field from what was read
-    double scatter = 0;  ///< advancing pathlines and depositing values
-    double convolve = 0; ///< dividing sums by hits, and the mean along the flow
-    double filter = 0;   ///< sharpening, contrast and noise
-
-    StageTimes& operator+=(const StageTimes& other);
+    const LeafOwners& owners = kSoleOwner; ///< of the leaves of the first frame's domain
 };
 
 /// The texture of one step, with the work and the time spent on it.
@@ -48,50 +36,42 @@ struct FlowTextureStep {
     StageTimes times;
 };
 
-/// The textures of one field in memory, step by step: scatter, convolve, filter, feed forward (UFLIC's pipeline; Liu &
-/// Moorhead 2004, Figure 1a), or line integral convolution of each frame on its own (Cabral & Leedom 1993).
+/// The textures of one field in memory, step by step.
 ///
 /// Steps are computed in parallel; textures do not depend on the number of threads. One object serves one thread at a
 /// time; distinct objects are independent.
 class FlowTexture {
   public:
-    /// @param steady if it has a value, every frame is convolved on its own with this kernel; of `scatter` only the
-    /// life
-    ///               span and the pathlines' parameters count then
-    /// @throws ParameterError
-    FlowTexture(const ScatterParams& scatter, const FeedbackParams& feedback, NoiseField noise,
-                std::optional<LicKernel> steady = std::nullopt);
-    ~FlowTexture();
-    FlowTexture(FlowTexture&&) noexcept;
-    FlowTexture& operator=(FlowTexture&&) noexcept;
+    virtual ~FlowTexture() = default;
 
     /// Compute the texture of the frame that a step starts from. Each step must start from the frame that the step
     /// before it ended at. Collective if several ranks share the step.
     /// @throws InputError if a voxel collected 2²³ hits or more
-    FlowTextureStep advance(const FlowStep& step);
-
-    /// The largest displacement of a pathline that goes on, along each axis [texture voxels per step]: no more than
-    /// this can be added by pathlines to what the frames of the step to come ask for. @param interval seconds of that
-    /// step
-    [[nodiscard]] std::array<float, 3> largestSlope(double interval) const;
+    [[nodiscard]] virtual FlowTextureStep advance(const FlowStep& step) = 0;
 
     /// The number of steps made.
-    [[nodiscard]] std::uint64_t steps() const;
+    [[nodiscard]] virtual std::uint64_t steps() const = 0;
 
-    /// Hand the state over to the ranks that own its voxels in another partition. Collective; at least one step must
+    /// The farthest that a path of the step to come can lead, along each axis [texture voxels].
+    /// @param displacement of the flow in an interval between frames, at most  @param interval seconds of the step
+    [[nodiscard]] virtual std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
+                                                            double interval) const = 0;
+
+    /// Hand the state over to the ranks that own its leaves in another partition. Collective; at least one step must
     /// have been made.
-    /// @param domain of the frame that the next step starts from, with this rank's own leaves in that partition
-    void move(Exchange& exchange, const Partition& partition, std::shared_ptr<const Domain> domain);
+    /// @param domain of the frame that the next step starts from: its own leaves are this rank's in that partition, its
+    ///               local ones are those and the ones it had before
+    virtual void handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain) = 0;
 
     /// The state between two steps, on a part of the domain.
     struct Saved {
-        openvdb::GridPtrVec grids; ///< of flow_state.h; none for steady LIC, which starts anew in every frame
+        openvdb::GridPtrVec grids; ///< none if every frame starts anew
         openvdb::CoordBBox box;    ///< of the part's leaves
     };
-    /// In how many parts the state is saved: the more the larger it is, up to eight.
-    [[nodiscard]] std::size_t parts() const;
+    /// In how many parts the state is saved.
+    [[nodiscard]] virtual std::size_t parts() const = 0;
     /// At least one step must have been made. @param part 0 to parts() − 1
-    [[nodiscard]] Saved save(std::size_t part) const;
+    [[nodiscard]] virtual Saved save(std::size_t part) const = 0;
 
     /// Continue from the saved state of another FlowTexture with these parameters: its next steps and those of this one
     /// are the same to the bit.
@@ -102,12 +82,11 @@ class FlowTexture {
     /// @param next     returns the parts one by one, of all ranks that saved, and nothing after the last; together they
     ///                 have at least the domain's own leaves
     /// @throws InputError, without the file's name, if the state does not fit these parameters and the domain
-    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
-                 const std::function<std::optional<VdbFile>()>& next);
-
-  private:
-    class Pipeline;
-    std::unique_ptr<Pipeline> mPipeline;
+    virtual void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                         const std::function<std::optional<VdbFile>()>& next) = 0;
 };
+
+/// The textures of a method. @throws ParameterError
+[[nodiscard]] std::unique_ptr<FlowTexture> makeFlowTexture(const TextureParams& params, NoiseField noise);
 
 } // namespace vdblic

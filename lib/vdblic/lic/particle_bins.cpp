@@ -13,14 +13,14 @@ void ParticleBins::grow(Bin& bin)
     }
 }
 
-void ParticleBins::take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations,
+void ParticleBins::take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& words,
                         ParticleBins& user)
 {
     Bin bin = std::move(mBins[tile]);
     mBins[tile] = Bin();
-    forEachChunk(bin, [&](std::span<const Particle> some, const std::uint32_t* words) {
+    forEachChunk(bin, [&](std::span<const Particle> some, const std::uint32_t* ofSome) {
         particles.insert(particles.end(), some.begin(), some.end());
-        generations.insert(generations.end(), words, words + some.size() * mGenerations);
+        words.insert(words.end(), ofSome, ofSome + some.size() * mWords);
     });
     user.mSpare.splice_after(user.mSpare.before_begin(), std::move(bin.chunks));
 }

@@ -13,9 +13,10 @@
 
 namespace vdblic {
 
-/// The moving end of a pathline. The values it carries are kept apart, one Generation word for each generation.
+/// The moving end of a pathline. What it carries beside the Hits is kept apart, as words.
 struct Particle {
-    static constexpr int kVoxelBits = 43; // of the id
+    static constexpr int kVoxelBits = 43;                              // of the id
+    static constexpr std::uint64_t kMostHits = std::uint64_t(1) << 18; // that it carries between steps
 
     std::array<float, 3> position; ///< index space, voxel centres at integers
     std::array<float, 3> slope;    ///< velocity there, voxels per time step
@@ -29,45 +30,45 @@ struct Particle {
 /// memory of one set. Not thread-safe, but for take() on distinct tiles with distinct users.
 class ParticleBins {
   public:
-    /// @param generations words that each particle carries
-    ParticleBins(std::size_t tiles, std::size_t generations) : mGenerations(generations), mBins(tiles) {}
+    /// @param words that each particle carries beside its Hits
+    ParticleBins(std::size_t tiles, std::size_t words) : mWords(words), mBins(tiles) {}
     ParticleBins(ParticleBins&&) = default; // chunks cannot be copied
     ParticleBins& operator=(ParticleBins&&) = default;
 
-    VDBLIC_INLINE void add(std::size_t tile, const Particle& particle, const std::uint32_t* generations)
+    VDBLIC_INLINE void add(std::size_t tile, const Particle& particle, const std::uint32_t* words)
     {
         Bin& bin = mBins[tile];
         const std::size_t place = bin.count % kCapacity;
         if (place == 0) grow(bin);
         bin.chunks.front()[place] = particle;
         ++bin.count;
-        if (mGenerations > 0) bin.generations.insert(bin.generations.end(), generations, generations + mGenerations);
+        if (mWords > 0) bin.words.insert(bin.words.end(), words, words + mWords);
         for (std::size_t axis = 0; axis < 3; ++axis)
             mLargestSlope[axis] = std::max(mLargestSlope[axis], std::abs(particle.slope[axis]));
     }
 
-    /// Words that each particle carries.
-    [[nodiscard]] std::size_t generations() const { return mGenerations; }
+    /// Words that each particle carries beside its Hits.
+    [[nodiscard]] std::size_t words() const { return mWords; }
 
     /// The largest magnitude of any added particle's slope, along each axis [voxels per step].
     [[nodiscard]] const std::array<float, 3>& largestSlope() const { return mLargestSlope; }
 
-    /// Append a tile's particles, in any order, and their generations; empties the bin.
+    /// Append a tile's particles, in any order, and their words; empties the bin.
     /// @param user receives the chunks, for its own add()
-    void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& generations,
+    void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& words,
               ParticleBins& user);
 
     /// Free the chunks that were received and not used.
     void freeSpare() { mSpare.clear(); }
 
-    /// Visit a tile's particles: visit(particle, generations).
+    /// Visit a tile's particles: visit(particle, words).
     template<typename Visit>
     void forEach(std::size_t tile, const Visit& visit) const
     {
         forEachChunk(mBins[tile], [&](std::span<const Particle> particles, const std::uint32_t* words) {
             for (const Particle& particle : particles) {
                 visit(particle, words);
-                words += mGenerations;
+                words += mWords;
             }
         });
     }
@@ -78,17 +79,17 @@ class ParticleBins {
     struct Bin {
         Chunks chunks; // all but the first are full
         std::size_t count = 0;
-        std::vector<std::uint32_t> generations; // of all particles, in the order they were added
+        std::vector<std::uint32_t> words; // of all particles, in the order they were added
     };
 
-    /// Visit a bin's chunks: visit(particles, their generations).
+    /// Visit a bin's chunks: visit(particles, their words).
     template<typename Visit>
     void forEachChunk(const Bin& bin, const Visit& visit) const
     {
         std::size_t end = bin.count;
         for (const auto& chunk : bin.chunks) {
             const std::size_t begin = (end - 1) / kCapacity * kCapacity;
-            visit(std::span(chunk).first(end - begin), bin.generations.data() + begin * mGenerations);
+            visit(std::span(chunk).first(end - begin), bin.words.data() + begin * mWords);
             end = begin;
         }
     }
@@ -96,7 +97,7 @@ class ParticleBins {
     /// Put an empty chunk first.
     void grow(Bin& bin);
 
-    std::size_t mGenerations = 0;
+    std::size_t mWords = 0;
     std::vector<Bin> mBins;
     Chunks mSpare;
     std::array<float, 3> mLargestSlope{};

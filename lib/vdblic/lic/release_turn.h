@@ -1,9 +1,12 @@
 #pragma once
 
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/lic/particle_bins.h"
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace vdblic {
@@ -20,5 +23,22 @@ namespace vdblic {
     const auto count = std::uint64_t(substeps);
     return step % count == hash * count >> 32;
 }
+
+/// A step among the frames of particles, which begin at the substep of their release.
+class FrameTurn {
+  public:
+    FrameTurn(std::uint64_t step, int substeps) : mSubsteps(std::uint64_t(substeps)), mEnding((step + 1) % mSubsteps) {}
+
+    /// The substep that a particle was released in.
+    [[nodiscard]] VDBLIC_INLINE std::size_t substepOf(std::uint64_t id) const
+    {
+        return mSubsteps == 1 ? 0 : std::size_t((id >> Particle::kVoxelBits) % mSubsteps); // mostly without a division
+    }
+    /// Whether a frame of the particle ends with the step.
+    [[nodiscard]] VDBLIC_INLINE bool endsFrameOf(std::uint64_t id) const { return substepOf(id) == mEnding; }
+
+  private:
+    std::uint64_t mSubsteps, mEnding;
+};
 
 } // namespace vdblic

@@ -1,17 +1,19 @@
 #include "vdblic/lic/scatter.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/core/stopwatch.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/lic/accumulator.h"
+#include "vdblic/lic/fading_values.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/lic/particle_exchange.h"
+#include "vdblic/lic/path_reach.h"
 #include "vdblic/lic/seeding.h"
+#include "vdblic/lic/single_value.h"
 #include "vdblic/lic/tile_schedule.h"
+#include "vdblic/lic/value_window.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -20,7 +22,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -51,14 +52,14 @@ VDBLIC_KERNEL Collected collectedIn(const std::int64_t* hits)
 /// Passes leaves on that have all their hits.
 class Collector {
   public:
-    Collector(const Domain& domain, Accumulator& accumulator, const TakeHits& take)
-        : mDomain(domain), mAccumulator(accumulator), mTake(take)
+    Collector(const Domain& domain, Accumulator& accumulator, const TakeHits& take, StageClock& clock)
+        : mDomain(domain), mAccumulator(accumulator), mTake(take), mClock(clock)
     {
     }
 
     void collect(Domain::Leaves leaves)
     {
-        Stopwatch watch;
+        const auto stage = mClock.enter(&StageTimes::convolve);
         forLeaves(leaves, [&](std::size_t leaf) {
             if (!mDomain.isOwn(leaf)) return;
             const Collected found = collectedIn(mAccumulator[leaf]);
@@ -67,18 +68,16 @@ class Collector {
             mTake(leaf, mAccumulator[leaf]);
         });
         mAccumulator.close(leaves);
-        mSeconds += watch.lap();
     }
 
     [[nodiscard]] Collected all() const { return {mHits, mEmptyVoxels}; }
-    [[nodiscard]] double seconds() const { return mSeconds; }
 
   private:
     const Domain& mDomain;
     Accumulator& mAccumulator;
     const TakeHits& mTake;
+    StageClock& mClock;
     std::atomic<std::size_t> mHits = 0, mEmptyVoxels = 0;
-    double mSeconds = 0;
 };
 
 /// The farthest that a path of this step can lead from its own tile, along each axis [voxels].
@@ -89,20 +88,15 @@ std::array<float, 3> longestPaths(const ScatterScene& scene)
         float slope = scene.field.largest()[int(axis)];
         for (const ParticleBins& bins : scene.arriving)
             slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
-        constexpr float kFarAway = 1e6f;
-        longest[axis] = std::min(longestPath(slope), kFarAway);
+        longest[axis] = longestPath(slope);
     }
     return longest;
 }
 
-int inLeaves(float voxels)
-{
-    return int(std::ceil(voxels / float(LeafVoxel::kDim)));
-}
-
 /// Scatter the tiles of a slab, in parallel. Integer additions commute, so the order of tiles is free.
+template<typename Carried>
 void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach,
-                 std::vector<TileScatter>& workers)
+                 std::vector<TileScatter<Carried>>& workers)
 {
     const auto onEveryThread = [&](const auto& work) {
         tbb::parallel_for(std::size_t(0), workers.size(), work, tbb::simple_partitioner());
@@ -128,29 +122,32 @@ void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coor
     }
 }
 
-/// Scatter every tile.
+/// Scatter every tile. The particles that go on take the place of those that arrived.
 /// @param accumulator its leaves are open while paths may lead to them
+/// @param fill        called with the leaves of each slab of the velocity, to fill the field's
 /// @param collect     called with the leaves of each slab that no path leads to any more
-std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& field, Accumulator& accumulator,
-                                      const std::function<void(Slabs::Leaves)>& collect)
+template<typename Carried>
+ScatterStats scatterTiles(const ScatterScene& scene, VelocityField& field, Accumulator& accumulator,
+                          const std::function<void(Slabs::Leaves)>& fill,
+                          const std::function<void(Slabs::Leaves)>& collect)
 {
     const std::size_t threads = threadCount();
-    std::vector<TileScatter> workers;
+    std::vector<TileScatter<Carried>> workers;
     workers.reserve(threads);
     for (std::size_t thread = 0; thread < threads; ++thread)
         workers.emplace_back(scene);
 
     const std::array<float, 3> longest = longestPaths(scene);
-    const openvdb::Coord reach(inLeaves(longest[0]), inLeaves(longest[1]), inLeaves(longest[2]));
+    const openvdb::Coord reach(leavesReached(longest[0]), leavesReached(longest[1]), leavesReached(longest[2]));
     const FieldDomain& domain = field.sampledDomain();
     const Slabs slabs(*domain.texture, domain.refinement), velocitySlabs(slabs, *domain.velocity, domain.refinement);
     // The velocity's cell around a position begins up to one of its voxels before.
     const auto axis = std::size_t(slabs.axis());
     const int finer = domain.refinement.factors[axis] - 1;
     slabs.sweep(
-        inLeaves(longest[axis] + float(finer)),
+        leavesReached(longest[axis] + float(finer)),
         [&](std::size_t slab) {
-            field.fill(velocitySlabs[slab]);
+            fill(velocitySlabs[slab]);
             accumulator.open(slabs[slab]);
         },
         [&](std::size_t slab) {
@@ -165,11 +162,33 @@ std::vector<TileScatter> scatterTiles(const ScatterScene& scene, VelocityField& 
                          [&](std::uint32_t leaf) { return texture.isOwn(leaf); });
             scatterSlab(texture, own, reach, workers);
         });
-    return workers;
+
+    ScatterStats stats;
+    scene.arriving.clear();
+    for (TileScatter<Carried>& worker : workers) {
+        stats += worker.stats();
+        worker.leaving().freeSpare();
+        scene.arriving.push_back(std::move(worker.leaving()));
+    }
+    return stats;
+}
+
+/// Call what = [&]<typename Carried>() with what a method's particles carry.
+template<typename What>
+auto withCarried(TextureMethod method, const What& what)
+{
+    switch (method) {
+    case TextureMethod::kUflic:
+        return what.template operator()<SingleValue>();
+    case TextureMethod::kAuflic2004:
+        return what.template operator()<ValueWindow>();
+    default:
+        return what.template operator()<FadingValues>();
+    }
 }
 
 /// Add up what the ranks did.
-void sumOver(Exchange& exchange, ScatterStats& stats, Collected& found)
+void sumOver(const LeafOwners& owners, ScatterStats& stats, Collected& found)
 {
     std::size_t* const figures[] = {&stats.particles, &stats.blocked,    &stats.released, &stats.reused,
                                     &stats.copied,    &stats.steps,      &stats.deposits, &stats.hits,
@@ -177,14 +196,14 @@ void sumOver(Exchange& exchange, ScatterStats& stats, Collected& found)
     std::vector<std::uint64_t> sums;
     for (const std::size_t* figure : figures)
         sums.push_back(*figure);
-    exchange.sum(sums);
+    owners.sum(sums);
     for (std::size_t i = 0; i < sums.size(); ++i)
         *figures[i] = sums[i];
 }
 
 } // namespace
 
-Scatter::Scatter(const ScatterParams& params) : mParams(params)
+Scatter::Scatter(const TextureParams& params) : mParams(params)
 {
     params.validate();
 }
@@ -196,40 +215,70 @@ void Scatter::restore(std::uint64_t steps, ParticleBins particles)
     mBins.push_back(std::move(particles));
 }
 
-void Scatter::move(Exchange& exchange, const Partition& partition, const Domain& domain)
+std::size_t Scatter::wordsOfParticles() const
 {
-    handOn(exchange, partition, domain, mBins);
+    return withCarried(mParams.method, [&]<typename Carried>() { return Carried::words(mParams); });
+}
+
+void Scatter::handOver(const LeafOwners& owners, const Domain& domain)
+{
+    if (!owners.areSeveral()) return;
+    const std::size_t words = mBins.front().words();
+    ParticleBins arrived(domain.leafCount(), words);
+    std::vector<Particle> particles;
+    std::vector<std::uint32_t> wordsOfAll;
+    owners.send(
+        domain,
+        [&](std::size_t leaf, Exchange::Bytes& message) {
+            particles.clear();
+            wordsOfAll.clear();
+            for (ParticleBins& some : mBins)
+                some.take(leaf, particles, wordsOfAll, some);
+            if (particles.empty()) return;
+            put(message, std::uint32_t(particles.size()));
+            put(message, particles.data(), particles.size());
+            put(message, wordsOfAll.data(), wordsOfAll.size());
+        },
+        [&](std::size_t leaf, MessageReader& message) {
+            particles.resize(message.get<std::uint32_t>());
+            wordsOfAll.resize(particles.size() * words);
+            message.get(particles.data(), particles.size());
+            message.get(wordsOfAll.data(), wordsOfAll.size());
+            for (std::size_t i = 0; i < particles.size(); ++i)
+                arrived.add(leaf, particles[i], wordsOfAll.data() + i * words);
+        });
+    for (ParticleBins& some : mBins)
+        some.freeSpare();
+    mBins.push_back(std::move(arrived));
 }
 
 ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>& input, const TakeHits& take,
-                           const Domain& next, float slopeScale, const HaloExchange* halo)
+                           const Domain& next, float slopeScale, const LeafOwners& owners, StageClock& clock)
 {
     const Domain& domain = field.domain();
     Accumulator accumulator(domain);
-    Collector collector(domain, accumulator, take);
+    Collector collector(domain, accumulator, take, clock);
+    const auto fill = [&](Slabs::Leaves leaves) {
+        const auto stage = clock.enter(&StageTimes::load);
+        field.fill(leaves);
+    };
+    const auto collect = [&](Slabs::Leaves leaves) {
+        if (!owners.areSeveral()) collector.collect(leaves); // paths of other ranks may lead to any
+    };
     const ScatterScene scene{mParams, mStep, slopeScale, field, input, accumulator, next, mBins};
-    std::vector<TileScatter> workers = scatterTiles(scene, field, accumulator, [&](Slabs::Leaves leaves) {
-        if (!halo) collector.collect(leaves); // paths of other ranks may lead to any
+    ScatterStats stats = withCarried(mParams.method, [&]<typename Carried>() {
+        return scatterTiles<Carried>(scene, field, accumulator, fill, collect);
     });
-
-    ScatterStats stats;
-    mBins.clear();
-    for (TileScatter& worker : workers) {
-        stats += worker.stats();
-        worker.leaving().freeSpare();
-        mBins.push_back(std::move(worker.leaving()));
-    }
     ++mStep;
-    if (halo) {
-        halo->addToOwners([&](std::size_t leaf) { return accumulator[leaf]; });
+    if (owners.areSeveral()) {
+        owners.addHits([&](std::size_t leaf) { return accumulator[leaf]; });
         collector.collect(domain.local());
-        handOn(halo->exchange(), halo->partition(), next, mBins);
     }
-    mSecondsToTake = collector.seconds();
+    handOver(owners, next);
     Collected found = collector.all();
-    if (halo) sumOver(halo->exchange(), stats, found);
+    sumOver(owners, stats, found);
     stats.emptyVoxels = found.emptyVoxels;
-    const std::size_t weight = mParams.keepsHistory() ? FadingHits::kWeight : 1;
+    const std::uint64_t weight = withCarried(mParams.method, []<typename Carried>() { return Carried::kWeight; });
     if (found.hits != stats.hits) {
         throw InputError(
             fmt::format("a voxel collected more than {} hits in one step: the flow has a sink that swallows "

@@ -1,11 +1,12 @@
 #pragma once
 
-#include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/leaf_owners.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/particle_bins.h"
-#include "vdblic/lic/scatter_params.h"
 #include "vdblic/lic/scatter_stats.h"
+#include "vdblic/lic/stage_clock.h"
+#include "vdblic/lic/texture_params.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -18,14 +19,6 @@ namespace vdblic {
 /// @param hits 512 Hits words, x slowest
 using TakeHits = std::function<void(std::size_t leaf, const std::int64_t* hits)>;
 
-/// The farthest that a path of a step leads from its start, along an axis [voxels]. @param slope the largest
-/// displacement in a step: the Hermite curve swings beyond its ends by at most 4/27 of the slope at each.
-[[nodiscard]] constexpr float longestPath(float slope)
-{
-    constexpr float kSwing = 1 + 2 * 4.0f / 27, kRounding = 1; // voxels
-    return kSwing * slope + kRounding;
-}
-
 /// The value scattering of UFLIC and AUFLIC in streaming form (docs/algorithm.md).
 ///
 /// Instead of advecting each seed through its whole life span into a ring of time buckets, every live particle is
@@ -36,39 +29,38 @@ using TakeHits = std::function<void(std::size_t leaf, const std::int64_t* hits)>
 /// Sources: Shen & Kao 1998 (UFLIC); Liu & Moorhead 2002, 2004 (AUFLIC).
 class Scatter {
   public:
-    explicit Scatter(const ScatterParams& params); ///< @throws ParameterError
+    explicit Scatter(const TextureParams& params); ///< @throws ParameterError
 
-    /// Carry every particle over one time step, releasing seeds as the method does.
+    /// A scattering process: carry every particle over one time step, releasing seeds as the method does.
     ///
     /// @param field       velocity over the step, as prepare() leaves it; filled slab by slab meanwhile
     /// @param input       fixed-point (kNoiseMax) at the step's start, on the field's domain
     /// @param take        called for each own leaf, in any order and by several threads
     /// @param next        domain of the step to come; particles outside it end
     /// @param slopeScale  duration of this step over that of the step before, in which slopes were measured
-    /// @param halo        of the field's domain, if several ranks share the step: each scatters its own tiles, and gets
-    ///                    its own voxels' hits and its own tiles' particles. Collective then.
+    /// @param owners      of the field's leaves: a rank scatters its own tiles, and gets its own voxels' hits and its
+    /// own
+    ///                    tiles' particles
+    /// @param clock       of the stages: filling the field is `load`, `take` is `convolve`
     /// @throws InputError if a voxel collected 2²³ hits or more
     ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input, const TakeHits& take,
-                      const Domain& next, float slopeScale = 1, const HaloExchange* halo = nullptr);
-    /// In `take`, during the last step, all threads at once.
-    [[nodiscard]] double secondsToTake() const { return mSecondsToTake; }
+                      const Domain& next, float slopeScale, const LeafOwners& owners, StageClock& clock);
 
     /// The particles that go on, by the tiles of the domain of the step to come.
     [[nodiscard]] const std::vector<ParticleBins>& particles() const { return mBins; }
 
-    /// Hand the particles over to the ranks that own them in another partition. Collective.
-    /// @param domain of the step to come: its own leaves are this rank's in that partition, its local ones include
-    /// those
-    ///               it had before
-    void move(Exchange& exchange, const Partition& partition, const Domain& domain);
+    [[nodiscard]] std::size_t wordsOfParticles() const; ///< that each particle carries beside its Hits
+
+    /// Hand the particles over to the ranks that own the leaves they are in. Collective.
+    /// @param domain of the step to come; its local leaves are all that a particle can be in
+    void handOver(const LeafOwners& owners, const Domain& domain);
 
     /// Continue from the state of another Scatter after `steps` steps. @param particles those of the other
     void restore(std::uint64_t steps, ParticleBins particles);
 
   private:
-    ScatterParams mParams;
+    TextureParams mParams;
     std::uint64_t mStep = 0;
-    double mSecondsToTake = 0;
     std::vector<ParticleBins> mBins; // of the particles that go on, one for each thread that moved some
 };
 

@@ -1,8 +1,11 @@
 #include "vdblic/lic/seeding.h"
 
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/lic/fading_values.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/lic/release_turn.h"
+#include "vdblic/lic/single_value.h"
+#include "vdblic/lic/value_window.h"
 
 #include <algorithm>
 #include <atomic>
@@ -47,41 +50,27 @@ VDBLIC_INLINE bool deposit(std::int64_t& voxel, std::uint64_t hits)
 
 } // namespace
 
-TileScatter::TileScatter(const ScatterScene& scene)
-    : mScene(scene), mDomain(scene.field.domain()), mAuflic(scene.params.method == ScatterMethod::kAuflic),
-      mHistory(scene.params.keepsHistory()), mGenerationCount(scene.params.generations()),
-      mGenerations(mGenerationCount), mLeaving(scene.next.leafCount(), mGenerationCount)
+template<typename Carried>
+TileScatter<Carried>::TileScatter(const ScatterScene& scene)
+    : mScene(scene), mDomain(scene.field.domain()), mCarried(scene.params, scene.step),
+      mWordCount(Carried::words(scene.params)), mWords(mWordCount), mLeaving(scene.next.leafCount(), mWordCount)
 {
-    const auto frames = std::uint64_t(scene.params.lifeSpan), substeps = std::uint64_t(scene.params.substeps);
-    for (std::uint64_t release = 0; release < substeps; ++release) {
-        const std::uint64_t step = scene.step + (substeps - release) % substeps, frame = step / substeps;
-        mClocks.push_back({std::uint32_t(frame % frames),
-                           std::uint32_t((step + frames * substeps - 1) / substeps % frames),
-                           std::uint32_t((frame + 1) % frames), (step + 1) % substeps == 0});
-    }
-}
-
-VDBLIC_INLINE const GenerationClock& TileScatter::clockOf(const Particle& particle) const
-{
-    if (mClocks.size() == 1) return mClocks.front(); // without a division
-    return mClocks[std::size_t((particle.id >> Particle::kVoxelBits) % mClocks.size())];
 }
 
 /// Carry the particle's values along its path, and take up those of open voxels on the way.
 /// @return whether the particle stayed inside the domain
+template<typename Carried>
 template<bool kShared>
-VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
+VDBLIC_INLINE bool TileScatter<Carried>::scatterPath(int lane, bool mayTakeUp)
 {
     std::uint64_t alive = mParticle.alive;
-    std::uint32_t* const current = mGenerationCount > 0 ? &mGenerations[clockOf(mParticle).current] : nullptr;
+    std::uint32_t* const now = mCarried.now(mParticle, mWords.data());
     std::size_t deposits = 0, hits = 0;
     std::uint32_t taken = 0;
     const auto takeUp = [&](unsigned offset) {
-        if (!mOpen.isOn(offset) || (current && Generation::count(*current) == Generation::kMaxCount)) return;
+        if (!mOpen.isOn(offset) || Carried::isFull(now)) return;
         mOpen.setOff(offset);
-        const auto value = std::uint32_t(mInput[offset]);
-        if (current) *current = Generation::add(*current, value);
-        alive = mHistory ? FadingHits::add(alive, value) : alive + Hits::pack(value, 1);
+        Carried::add(alive, now, std::uint64_t(mInput[offset]));
         ++taken;
     };
     const auto add = [&](WindowVoxel sample) {
@@ -119,27 +108,11 @@ VDBLIC_INLINE bool TileScatter::scatterPath(int lane, bool mayTakeUp)
     return inside;
 }
 
-/// Without history: whether the particle took up nothing in the frame of the step before.
-VDBLIC_INLINE bool TileScatter::wasBlocked() const
-{
-    return Generation::count(mGenerations[clockOf(mParticle).before]) == 0;
-}
-
 /// Keep the particle for the next step, unless none of its values is left.
-VDBLIC_INLINE void TileScatter::keep(int lane)
+template<typename Carried>
+VDBLIC_INLINE void TileScatter<Carried>::keep(int lane)
 {
-    if (!mAuflic) {
-        const std::uint64_t age = mScene.step - (mParticle.id >> Particle::kVoxelBits);
-        if (age + 1 >= std::uint64_t(mScene.params.lifeSpan) * mClocks.size()) return;
-    } else if (const GenerationClock& clock = clockOf(mParticle); clock.endsFrame) {
-        if (mHistory) {
-            mParticle.alive = FadingHits::fade(mParticle.alive, std::uint64_t(mScene.params.lifeSpan));
-        } else {
-            mParticle.alive -= Generation::hits(mGenerations[clock.oldest]);
-            mGenerations[clock.oldest] = 0;
-        }
-        if (mParticle.alive == 0) return;
-    }
+    if (!mCarried.age(mParticle, mWords.data())) return;
     const WindowVoxel end{mEnds[lane]};
     const Float4 position = mBatch.position.lane(lane);
     const int leaf = end.slot() == LeafWindow::kElsewhere ? mScene.next.findLeaf(voxelOf(position))
@@ -147,15 +120,16 @@ VDBLIC_INLINE void TileScatter::keep(int lane)
     if (leaf < 0 || !mScene.next.isActive(leaf, end.offset())) return;
     mParticle.position = toArray(position);
     mParticle.slope = toArray(mBatch.slope.lane(lane));
-    mLeaving.add(std::size_t(leaf), mParticle, mGenerations.data());
+    mLeaving.add(std::size_t(leaf), mParticle, mWords.data());
 }
 
 /// Advance the batch by the step, and find the voxels that its paths pass and end in.
-VDBLIC_INLINE void TileScatter::trace()
+template<typename Carried>
+VDBLIC_INLINE void TileScatter<Carried>::trace()
 {
     const PathlineParams& params = mScene.params.pathline;
     advancePaths(mScene.field, mFieldWindow, params, mBatch);
-    const float window = std::min(mScene.params.releaseWindow * float(mClocks.size()), 1.0f); // of this step
+    const float window = std::min(mScene.params.releaseWindow * float(mScene.params.substeps), 1.0f); // of this step
     samplePaths(mBatch, mDomain, mWindow, params.sampleSpacing, window, mSamples);
     const Vector8& end = mBatch.position;
     const Int8 x = floorToInt(end.x + 0.5f), y = floorToInt(end.y + 0.5f), z = floorToInt(end.z + 0.5f);
@@ -163,25 +137,28 @@ VDBLIC_INLINE void TileScatter::trace()
 }
 
 /// Collect the tile's particles of earlier steps and the order of their turns.
-void TileScatter::takeArriving()
+template<typename Carried>
+void TileScatter<Carried>::takeArriving()
 {
     mParticles.clear();
-    mParticleGenerations.clear();
+    mParticleWords.clear();
     for (ParticleBins& bins : mScene.arriving)
-        bins.take(mLeaf, mParticles, mParticleGenerations, mLeaving);
+        bins.take(mLeaf, mParticles, mParticleWords, mLeaving);
     mTurns.clear();
-    const std::uint64_t newestFirst = mHistory ? ~std::uint64_t(0) << Particle::kVoxelBits : 0;
+    constexpr std::uint64_t kNewestFirst = Carried::kAlone ? ~std::uint64_t(0) << Particle::kVoxelBits : 0;
     for (std::size_t i = 0; i < mParticles.size(); ++i) {
         const unsigned voxel = Domain::offset(voxelOf(toVector(mParticles[i].position)));
-        mTurns.push_back({mParticles[i].id ^ newestFirst, std::uint32_t(i), voxel});
+        mTurns.push_back({mParticles[i].id ^ kNewestFirst, std::uint32_t(i), voxel});
     }
     if (!mReleases) return; // additions commute: any order will do
     sortTurns();
-    if (mHistory) coalesce(); // after sorting: where more values meet than fit, the order decides which are kept
+    if constexpr (Carried::kAlone)
+        join(); // after sorting: where more values meet than fit, the order decides which are kept
 }
 
 /// Only the first of the particles in a voxel will find it open: that one takes over the values of the others.
-void TileScatter::coalesce()
+template<typename Carried>
+void TileScatter<Carried>::join()
 {
     constexpr std::uint32_t kNone = ~std::uint32_t(0);
     std::array<std::uint32_t, LeafVoxel::kCount> first;
@@ -192,15 +169,14 @@ void TileScatter::coalesce()
             heir = turn.particle;
             return false;
         }
-        std::uint64_t& alive = mParticles[heir].alive;
-        const std::uint64_t both = alive + mParticles[turn.particle].alive;
-        if (Hits::count(both) <= FadingHits::kMostWeight) alive = both;
+        if constexpr (Carried::kAlone) Carried::join(mParticles[heir].alive, mParticles[turn.particle].alive);
         return true;
     });
 }
 
 /// Sort turns by merging: particles arrive in few runs that are sorted already, one from each tile around.
-void TileScatter::sortTurns()
+template<typename Carried>
+void TileScatter<Carried>::sortTurns()
 {
     const auto earlier = [](const Turn& a, const Turn& b) { return a.order < b.order; };
     mRuns.assign(1, 0);
@@ -224,15 +200,16 @@ void TileScatter::sortTurns()
     }
 }
 
+template<typename Carried>
 template<bool kShared>
-VDBLIC_INLINE void TileScatter::advanceLive()
+VDBLIC_INLINE void TileScatter<Carried>::advanceLive()
 {
     std::array<const Turn*, kLanes> turns;
     auto turn = mTurns.begin();
     while (turn != mTurns.end()) {
         int count = 0;
         for (; turn != mTurns.end() && count < kLanes; ++turn) {
-            if (mHistory && mReleases && !mOpen.isOn(turn->voxel)) {
+            if (Carried::kAlone && mReleases && !mOpen.isOn(turn->voxel)) {
                 ++mStats.blocked;
                 continue;
             }
@@ -245,14 +222,14 @@ VDBLIC_INLINE void TileScatter::advanceLive()
         trace();
         for (int lane = 0; lane < count; ++lane) {
             const Turn& mine = *turns[std::size_t(lane)];
-            if (mHistory && mReleases && !mOpen.isOn(mine.voxel)) { // closed by a particle of this batch
+            if (Carried::kAlone && mReleases && !mOpen.isOn(mine.voxel)) { // closed by a particle of this batch
                 ++mStats.blocked;
                 continue;
             }
             mParticle = mParticles[mine.particle];
-            std::copy_n(mParticleGenerations.begin() + std::ptrdiff_t(mine.particle * mGenerationCount),
-                        mGenerationCount, mGenerations.begin());
-            const bool inside = scatterPath<kShared>(lane, mReleases && (mHistory || (mAuflic && !wasBlocked())));
+            std::copy_n(mParticleWords.begin() + std::ptrdiff_t(mine.particle * mWordCount), mWordCount,
+                        mWords.begin());
+            const bool inside = scatterPath<kShared>(lane, mReleases && mCarried.mayTakeUp(mParticle, mWords.data()));
             ++mStats.particles;
             mStats.reused += mTaken > 0;
             mStats.copied += mTaken > 0 ? mTaken - 1 : 0;
@@ -261,8 +238,9 @@ VDBLIC_INLINE void TileScatter::advanceLive()
     }
 }
 
+template<typename Carried>
 template<bool kShared>
-VDBLIC_INLINE void TileScatter::releaseNew()
+VDBLIC_INLINE void TileScatter<Carried>::releaseNew()
 {
     const openvdb::Coord origin = mDomain.origin(mLeaf);
     const std::uint64_t firstId = mScene.step << Particle::kVoxelBits | mDomain.firstVoxelNumber(mLeaf);
@@ -287,21 +265,19 @@ VDBLIC_INLINE void TileScatter::releaseNew()
             // A particle earlier in the batch may have closed the voxel.
             if (!mOpen.isOn(offset)) continue;
             mParticle.id = ids[std::size_t(lane)];
-            const auto value = std::uint32_t(mInput[offset]);
-            mParticle.alive = mHistory  ? FadingHits::steady(value, std::uint64_t(mScene.params.lifeSpan))
-                              : mAuflic ? 0
-                                        : Hits::pack(value, 1);
-            std::fill(mGenerations.begin(), mGenerations.end(), 0u);
-            const bool inside = scatterPath<kShared>(lane, mAuflic);
+            mParticle.alive = mCarried.atRelease(std::uint64_t(mInput[offset]));
+            std::fill(mWords.begin(), mWords.end(), 0u);
+            const bool inside = scatterPath<kShared>(lane, Carried::kTakesUp);
             ++mStats.released;
-            if (mAuflic) mStats.copied += mTaken - 1;
+            if (Carried::kTakesUp) mStats.copied += mTaken - 1;
             if (inside) keep(lane);
         }
     }
 }
 
+template<typename Carried>
 template<bool kShared>
-VDBLIC_INLINE void TileScatter::runTile()
+VDBLIC_INLINE void TileScatter<Carried>::runTile()
 {
     const std::size_t stepsBefore = mBatch.steps;
     advanceLive<kShared>();
@@ -310,16 +286,19 @@ VDBLIC_INLINE void TileScatter::runTile()
 }
 
 // The two kernels.
-VDBLIC_KERNEL void runShared(TileScatter& self)
+template<typename Carried>
+VDBLIC_KERNEL void runShared(TileScatter<Carried>& self)
 {
-    self.runTile<true>();
+    self.template runTile<true>();
 }
-VDBLIC_KERNEL void runAlone(TileScatter& self)
+template<typename Carried>
+VDBLIC_KERNEL void runAlone(TileScatter<Carried>& self)
 {
-    self.runTile<false>();
+    self.template runTile<false>();
 }
 
-void TileScatter::run(std::size_t leaf, bool shared)
+template<typename Carried>
+void TileScatter<Carried>::run(std::size_t leaf, bool shared)
 {
     mLeaf = leaf;
     mWindow = LeafWindow(mDomain, mDomain.origin(leaf));
@@ -335,5 +314,9 @@ void TileScatter::run(std::size_t leaf, bool shared)
     takeArriving();
     shared ? runShared(*this) : runAlone(*this);
 }
+
+template class TileScatter<FadingValues>;
+template class TileScatter<ValueWindow>;
+template class TileScatter<SingleValue>;
 
 } // namespace vdblic

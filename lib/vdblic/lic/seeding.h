@@ -6,8 +6,8 @@
 #include "vdblic/lic/accumulator.h"
 #include "vdblic/lic/particle_bins.h"
 #include "vdblic/lic/pathline.h"
-#include "vdblic/lic/scatter_params.h"
 #include "vdblic/lic/scatter_stats.h"
+#include "vdblic/lic/texture_params.h"
 
 #include <array>
 #include <cstddef>
@@ -16,18 +16,9 @@
 
 namespace vdblic {
 
-/// Which of a particle's Generation words a step adds to, and which values end with the step. A word holds the values
-/// of one frame's substeps; a particle's frames begin at the substep of its release.
-struct GenerationClock {
-    std::uint32_t current; ///< index of this step's word
-    std::uint32_t before;  ///< index of the word of the step before
-    std::uint32_t oldest;  ///< index of the word whose values end next
-    bool endsFrame;        ///< the oldest values end with this step
-};
-
 /// Everything the tiles of a step share.
 struct ScatterScene {
-    const ScatterParams& params;
+    const TextureParams& params;
     std::uint64_t step;
     float slopeScale;
     const VelocityField& field;
@@ -50,14 +41,13 @@ struct ScatterScene {
 /// that is still open, in scan order, releases a particle of its own, which likewise takes up the open voxels it
 /// passes.
 ///
-/// A particle whose own voxel is closed when its turn comes is blocked. With ScatterParams::history the particles
-/// released last go first, and a blocked particle ends; of several that begin the step in one voxel, the first takes
-/// over the values of the others. Without history the oldest go first; a particle that took up nothing in a whole step
-/// takes up no more, and ends when its values have expired. With UFLIC every voxel releases a particle, and no particle
-/// takes up a second value.
+/// A particle whose own voxel is closed when its turn comes is blocked. What becomes of it, in which order the
+/// particles have their turns, and whether they take up values at all depends on what they carry.
 ///
 /// One object serves one thread; it writes to nothing outside itself but the accumulator and the arriving bins of its
 /// tile.
+/// @tparam Carried what a particle carries: FadingValues, ValueWindow or SingleValue
+template<typename Carried>
 class TileScatter {
   public:
     explicit TileScatter(const ScatterScene& scene);
@@ -77,9 +67,8 @@ class TileScatter {
         std::uint32_t voxel;    // its offset in the leaf
     };
 
-    [[nodiscard]] const GenerationClock& clockOf(const Particle& particle) const;
     void takeArriving();
-    void coalesce();
+    void join();
     void sortTurns();
     template<bool kShared>
     void runTile();
@@ -88,19 +77,19 @@ class TileScatter {
     template<bool kShared>
     void releaseNew();
     void trace();
-    [[nodiscard]] bool wasBlocked() const;
     template<bool kShared>
     bool scatterPath(int lane, bool mayTakeUp);
     void keep(int lane);
 
-    friend void runShared(TileScatter& self);
-    friend void runAlone(TileScatter& self);
+    template<typename C>
+    friend void runShared(TileScatter<C>& self);
+    template<typename C>
+    friend void runAlone(TileScatter<C>& self);
 
     const ScatterScene& mScene;
     const Domain& mDomain;
-    const bool mAuflic, mHistory;
-    const std::size_t mGenerationCount;
-    std::vector<GenerationClock> mClocks; // by the substep of release
+    const Carried mCarried;
+    const std::size_t mWordCount; // of each particle
 
     // The tile being computed.
     std::size_t mLeaf = 0;
@@ -111,7 +100,7 @@ class TileScatter {
     const std::int32_t* mInput = nullptr;
     Domain::Mask mOpen;
     std::vector<Particle> mParticles;
-    std::vector<std::uint32_t> mParticleGenerations;
+    std::vector<std::uint32_t> mParticleWords;
     std::vector<Turn> mTurns, mMerged;
     std::vector<std::size_t> mRuns;
 
@@ -120,7 +109,7 @@ class TileScatter {
     PathSamples mSamples;
     alignas(32) int mEnds[kLanes] = {}; // codes of the voxels in mNextWindow that the paths end in
     Particle mParticle{};
-    std::vector<std::uint32_t> mGenerations;
+    std::vector<std::uint32_t> mWords;
     std::uint32_t mTaken = 0; // values that it took up in this step
 
     ParticleBins mLeaving;

@@ -19,16 +19,17 @@ using TextureRecord = BricksOf<2>::Record;
 VDBLIC_KERNEL void fillBrick(const Domain& domain, const std::vector<std::unique_ptr<float[]>>& values,
                              const LeafWindow& window, TextureRecord* records)
 {
-    constexpr int kDim = LeafVoxel::kDim;
-    for (int x = 0; x <= kDim; ++x) {
-        for (int y = 0; y <= kDim; ++y) {
+    for (int x = 0; x <= LeafVoxel::kDim; ++x) {
+        for (int y = 0; y <= LeafVoxel::kDim; ++y) {
             const int slot = LeafWindow::slot(LeafVoxel::leafCoordinate(x) + 1, LeafVoxel::leafCoordinate(y) + 1, 1);
             const int here = window.leaves[std::size_t(slot)], after = window.leaves[std::size_t(slot) + 1];
             const int row = LeafVoxel::row(x, y);
             const auto bitsOf = [&](int leaf) {
                 return leaf < 0 ? 0u : domain.mask(std::size_t(leaf)).getWord<std::uint8_t>(openvdb::Index(row));
             };
-            const auto rowOf = [&](int leaf) { return values[std::size_t(leaf)].get() + row * std::ptrdiff_t(kDim); };
+            const auto rowOf = [&](int leaf) {
+                return values[std::size_t(leaf)].get() + row * std::ptrdiff_t(LeafVoxel::kDim);
+            };
             TextureRecord* const to = records + BricksOf<2>::index(x, y, 0);
             const Float8 coverage = maskOf(bitsOf(here)) ? broadcast8(1) : Float8{};
             Float8 texture{};
@@ -36,8 +37,8 @@ VDBLIC_KERNEL void fillBrick(const Domain& domain, const std::vector<std::unique
             const Float8 low = __builtin_shufflevector(texture, coverage, 0, 8, 1, 9, 2, 10, 3, 11);
             const Float8 high = __builtin_shufflevector(texture, coverage, 4, 12, 5, 13, 6, 14, 7, 15);
             __builtin_memcpy(to, &low, sizeof low);
-            __builtin_memcpy(to + kDim / 2, &high, sizeof high);
-            to[kDim] = (bitsOf(after) & 1) != 0 ? TextureRecord{{*rowOf(after), 1}} : TextureRecord{};
+            __builtin_memcpy(to + LeafVoxel::kDim / 2, &high, sizeof high);
+            to[LeafVoxel::kDim] = (bitsOf(after) & 1) != 0 ? TextureRecord{{*rowOf(after), 1}} : TextureRecord{};
         }
     }
 }

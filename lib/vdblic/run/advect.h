@@ -8,10 +8,6 @@
 
 namespace vdblic {
 
-/// A run warns of displacements longer than this [voxels per step]: over such a distance velocity is hardly linear in
-/// time.
-inline constexpr double kLargeDisplacement = 16;
-
 /// Compute and write the texture of every frame (makeTextureFile()). Computing and writing overlap.
 ///
 /// The run writes checkpoints beside the outputs from time to time and when it is interrupted, and removes the last one

@@ -2,8 +2,8 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/field/derived_grids.h"
-#include "vdblic/flow/flow_sequence_params.h"
 #include "vdblic/io/output_pattern.h"
+#include "vdblic/lic/finish.h"
 
 #include <fmt/format.h>
 
@@ -19,11 +19,10 @@ constexpr int kMaxPreroll = 10000; // and of a lead-in
 
 void AdvectParams::validate() const
 {
-    FlowSequenceParams{input, velocity, frameSpacing, domain}.validate();
+    flow.validate();
     checkExtension(output, {".vdb"});
-    scatter.validate();
-    feedback.validate();
-    finish.validate();
+    texture.validate();
+    FinishParams{finishTaps()}.validate();
     if (preroll && (*preroll < 0 || *preroll > kMaxPreroll)) {
         throw ParameterError(fmt::format("preroll {} must lie between 0 and {}", *preroll, kMaxPreroll));
     }
@@ -45,7 +44,7 @@ void AdvectParams::validate() const
     if (textureName.empty() || isOutput(textureName)) {
         throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
     }
-    for (const std::string& name : velocity.carry) {
+    for (const std::string& name : flow.velocity.carry) {
         if (name != textureName && !isOutput(name)) continue;
         throw ParameterError(fmt::format("the grid '{}' to carry along has the name of an output; leave one of the two "
                                          "out, or give `texture_name` another",
@@ -53,35 +52,36 @@ void AdvectParams::validate() const
     }
 }
 
-std::string_view AdvectParams::methodName() const
-{
-    return steady ? "lic" : scatter.method == ScatterMethod::kAuflic ? "auflic" : "uflic";
-}
-
 int AdvectParams::prerollFrames() const
 {
-    return preroll.value_or(steady ? 0 : scatter.lifeSpan);
+    return preroll.value_or(isSteady(texture.method) ? 0 : texture.lifeSpan);
 }
 
 std::uint64_t AdvectParams::prerollSteps() const
 {
-    return std::uint64_t(prerollFrames()) * std::uint64_t(scatter.substeps);
+    return std::uint64_t(prerollFrames()) * std::uint64_t(texture.substeps);
 }
 
 int AdvectParams::leadInFrames() const
 {
     constexpr int kLifeSpans = 2; // measured: docs/quality.md
-    return leadIn.value_or(steady ? 0 : kLifeSpans * scatter.lifeSpan);
+    return leadIn.value_or(isSteady(texture.method) ? 0 : kLifeSpans * texture.lifeSpan);
+}
+
+int AdvectParams::finishTaps() const
+{
+    const bool isPublished = isSteady(texture.method) || texture.method == TextureMethod::kAuflic2004;
+    return finish.value_or(isPublished ? 0 : FinishParams{}.taps);
 }
 
 std::uint64_t AdvectParams::warmUpSteps() const
 {
-    return prerollSteps() + std::uint64_t(leadIn.value_or(0)) * std::uint64_t(scatter.substeps);
+    return prerollSteps() + std::uint64_t(leadIn.value_or(0)) * std::uint64_t(texture.substeps);
 }
 
 std::uint64_t AdvectParams::framesDone(std::uint64_t steps) const
 {
-    return (std::max(steps, prerollSteps()) - prerollSteps()) / std::uint64_t(scatter.substeps);
+    return (std::max(steps, prerollSteps()) - prerollSteps()) / std::uint64_t(texture.substeps);
 }
 
 std::uint64_t AdvectParams::texturesDone(std::uint64_t steps) const
@@ -91,12 +91,12 @@ std::uint64_t AdvectParams::texturesDone(std::uint64_t steps) const
 
 int AdvectParams::substep(std::uint64_t steps) const
 {
-    return int((std::max(steps, prerollSteps()) - prerollSteps()) % std::uint64_t(scatter.substeps));
+    return int((std::max(steps, prerollSteps()) - prerollSteps()) % std::uint64_t(texture.substeps));
 }
 
 std::size_t AdvectParams::textures(std::size_t frames) const
 {
-    return frames > 0 ? (frames - 1) * std::size_t(scatter.substeps) + 1 : 0;
+    return frames > 0 ? (frames - 1) * std::size_t(texture.substeps) + 1 : 0;
 }
 
 } // namespace vdblic

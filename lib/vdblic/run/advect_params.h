@@ -1,40 +1,29 @@
 #pragma once
 
-#include "vdblic/field/domain_mask.h"
-#include "vdblic/field/velocity_frame.h"
-#include "vdblic/io/sequence.h"
-#include "vdblic/lic/feedback_params.h"
-#include "vdblic/lic/finish.h"
-#include "vdblic/lic/lic_kernel.h"
-#include "vdblic/lic/scatter_params.h"
+#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/lic/texture_params.h"
 #include "vdblic/run/texture_format.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace vdblic {
 
 /// From a velocity sequence to a texture sequence.
 struct AdvectParams {
-    SequenceParams input;
+    FlowSequenceParams flow;
     std::string output; ///< pattern of the texture files
-    VelocityParams velocity;
-    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
-    DomainParams domain;
-    ScatterParams scatter;
-    FeedbackParams feedback;
-    FinishParams finish{};
-    std::optional<LicKernel> steady; ///< steady LIC of each frame on its own, instead of scatter.method
-    std::string noise;               ///< FILE or FILE:GRID; empty: generated from the seed
-    std::uint32_t seed = 1;          ///< of the generated noise
+    TextureParams texture;
+    std::optional<int> finish{}; ///< FinishParams::taps; nothing: finishTaps()
+    std::string noise;           ///< FILE or FILE:GRID; empty: generated from the seed
+    std::uint32_t seed = 1;      ///< of the generated noise
     /// Frames that the first one stands still for before it is written; nothing: the life span, 0 for LIC.
     std::optional<int> preroll;
-    /// Frames on disk before the first of `input.frames` that are computed but not written; nothing: up to twice the
-    /// life span, 0 for LIC.
+    /// Frames on disk before the first of `flow.input.frames` that are computed but not written; nothing: up to twice
+    /// the life span, 0 for LIC.
     std::optional<int> leadIn{};
     int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
     std::string textureName = "density";
@@ -48,10 +37,10 @@ struct AdvectParams {
 
     void validate() const; ///< @throws ParameterError
 
-    [[nodiscard]] std::string_view methodName() const; ///< `auflic`, `uflic` or `lic`
-    [[nodiscard]] int prerollFrames() const;           ///< as given, else the default
-    [[nodiscard]] std::uint64_t prerollSteps() const;  ///< with their substeps
-    [[nodiscard]] int leadInFrames() const;            ///< as given, else the default
+    [[nodiscard]] int prerollFrames() const;          ///< as given, else the default
+    [[nodiscard]] std::uint64_t prerollSteps() const; ///< with their substeps
+    [[nodiscard]] int leadInFrames() const;           ///< as given, else the default
+    [[nodiscard]] int finishTaps() const;             ///< as given, else the default: none for what is as published
     [[nodiscard]] std::uint64_t
     warmUpSteps() const; ///< the steps of preroll and lead-in, whose textures are not written
     /// The number of intervals between frames that are computed after so many steps, without the preroll.

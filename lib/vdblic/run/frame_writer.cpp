@@ -1,7 +1,7 @@
 #include "vdblic/run/frame_writer.h"
 
+#include "vdblic/core/message.h"
 #include "vdblic/core/stopwatch.h"
-#include "vdblic/distributed/message.h"
 
 #include <algorithm>
 #include <array>

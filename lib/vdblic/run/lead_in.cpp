@@ -13,14 +13,14 @@ namespace vdblic {
 
 AdvectParams withLeadIn(AdvectParams params, Reporter& reporter)
 {
-    const std::vector<std::int64_t> before = framesAround(params.input).before;
+    const std::vector<std::int64_t> before = framesAround(params.flow.input).before;
     const std::size_t count = std::min(std::size_t(params.leadInFrames()), before.size());
     params.leadIn = int(count);
     params.framesBefore = int(before.size() - count);
     if (count == 0) return params;
     if (params.framesBefore > 0) params.preroll = params.preroll.value_or(0);
     const std::vector<std::int64_t> frames(before.end() - std::ptrdiff_t(count), before.end());
-    params.input.frames = fmt::format("{},{}", fmt::join(frames, ","), params.input.frames);
+    params.flow.input.frames = fmt::format("{},{}", fmt::join(frames, ","), params.flow.input.frames);
     const std::string more = params.framesBefore == 0
                                  ? ""
                                  : fmt::format("; with `lead_in` {} the textures would be those of a "

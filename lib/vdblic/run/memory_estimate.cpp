@@ -1,6 +1,6 @@
 #include "vdblic/run/memory_estimate.h"
 
-#include "vdblic/field/flow_frame.h"
+#include "vdblic/field/field_domain.h"
 #include "vdblic/run/advect_params.h"
 
 namespace vdblic {
@@ -17,14 +17,15 @@ double advectBytes(double voxels)
     return kProcess + (kVelocity + kTexture) * voxels;
 }
 
-double advectBytes(const AdvectParams& params, const FlowFrame& first)
+double advectBytes(const AdvectParams& params, const FieldDomain& first)
 {
     double texture = kTexture;
-    if (params.scatter.method == ScatterMethod::kUflic) texture += kParticle * (params.scatter.lifeSpan - 1);
-    if (params.scatter.substeps > 1) texture += 20;
+    if (params.texture.method == TextureMethod::kUflic) texture += kParticle * (params.texture.lifeSpan - 1);
+    if (params.texture.method == TextureMethod::kAuflic2004) texture += kParticle + 4 * params.texture.lifeSpan;
+    if (params.texture.substeps > 1) texture += 20;
     if (first.refinement.interpolation == Interpolation::kCubic) texture += 12;
     const auto voxels = [](const Domain& domain) { return double(domain.local().size()) * Domain::kLeafVoxels; };
-    return kProcess + kVelocity * voxels(*first.velocityDomain()) + texture * voxels(*first.domain);
+    return kProcess + kVelocity * voxels(*first.velocity) + texture * voxels(*first.texture);
 }
 
 } // namespace vdblic

@@ -36,22 +36,21 @@ std::string textOf(const std::optional<std::array<T, kCount>>& values)
 ParameterTexts parameterTexts(const AdvectParams& params)
 {
     const auto text = [](const auto& value) { return fmt::format("{}", value); };
-    const auto& [method, life, substeps, window, history, pathline] = params.scatter;
-    const auto& [taps, sharpen, jitter, noiseShare, deviation] = params.feedback;
-    const auto& [velocity, unit, scale, nonFinite, carry] = params.velocity;
-    const auto& [mask, box, worldBox, refinement] = params.domain;
+    const auto& [method, life, substeps, window, pathline, feedback] = params.texture;
+    const auto& [taps, sharpen, noiseShare, deviation] = feedback;
+    const auto& [velocity, unit, scale, nonFinite, carry] = params.flow.velocity;
+    const auto& [mask, box, worldBox, refinement] = params.flow.domain;
     const std::string noise =
         params.noise.empty() ? ""
                              : fmt::format("{} ({})", params.noise, fileStamp(parseGridReference(params.noise).path));
     return {
-        {"method", text(params.methodName())},
-        {"kernel", params.steady ? text(toString(*params.steady)) : ""},
+        {"method", text(nameOf(method))},
         {"life_span", text(life)},
         {"substeps", text(substeps)},
         {"velocity", velocity},
         {"velocity_unit", unit ? text(toString(*unit)) : ""},
         {"velocity_scale", text(scale)},
-        {"dt", textOf(params.frameSpacing)},
+        {"dt", textOf(params.flow.frameSpacing)},
         {"non_finite", nonFinite == NonFinite::kZero ? "zero" : "refuse"},
         {"carry", textOf(carry)},
         {"derived", textOf(params.derived)},
@@ -68,14 +67,12 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         {"sample_spacing", text(pathline.sampleSpacing)},
         {"tolerance", text(pathline.tolerance)},
         {"sharpen", text(sharpen)},
-        {"jitter", text(toString(jitter))},
         {"noise_share", text(noiseShare)},
-        {"finish", text(params.finish.taps)},
+        {"finish", text(params.finishTaps())},
         {"texture_name", params.textureName},
         {"precision", text(toString(params.format.precision))},
         {"compression", text(toString(params.format.compression))},
         {"scalars", text(toString(params.format.scalars))},
-        {"history", text(history)},
         {"mean_along_flow", text(taps)},
         {"deviation", text(deviation)},
     };

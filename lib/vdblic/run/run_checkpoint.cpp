@@ -58,15 +58,15 @@ std::optional<Checkpoint> RunCheckpoint::find()
         mReporter.say(fmt::format("no {}: starting from the beginning", mOutputs.checkpoint().string()));
         return std::nullopt;
     }
-    Checkpoint before = readCheckpoint(mOutputs.checkpoint(), mParameters);
-    mExpected = before.inputs;
-    return before;
+    Checkpoint checkpoint = readCheckpoint(mOutputs.checkpoint(), mParameters);
+    mExpected = checkpoint.inputs;
+    return checkpoint;
 }
 
-std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& before, FlowSequence& flow)
+std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& checkpoint, FlowSequence& flow)
 {
-    const int substeps = mParams.scatter.substeps;
-    const std::uint64_t frames = mParams.framesDone(before.position.steps);
+    const int substeps = mParams.texture.substeps;
+    const std::uint64_t frames = mParams.framesDone(checkpoint.position.steps);
     std::vector<std::filesystem::path> outputs;
     for (std::uint64_t i = 0; i < frames; ++i) {
         const std::optional<FrameFile> file = flow.skip();
@@ -84,10 +84,10 @@ std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& bef
 }
 
 /// Add the outputs of a frame's first substeps. @throws InputError if one is missing
-void RunCheckpoint::addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const
+void RunCheckpoint::addFinished(const FrameFile& file, int substeps, std::vector<std::filesystem::path>& outputs) const
 {
-    for (int part = 0; part < parts; ++part) {
-        outputs.push_back(mOutputs.texture(file.frame, part));
+    for (int substep = 0; substep < substeps; ++substep) {
+        outputs.push_back(mOutputs.texture(file.frame, substep));
         if (isFinished(outputs.back())) continue;
         refuseCheckpoint(
             mOutputs.checkpoint(),
@@ -95,48 +95,47 @@ void RunCheckpoint::addFinished(const FrameFile& file, int parts, std::vector<st
     }
 }
 
-void RunCheckpoint::checkEnds(const Checkpoint& before, const FrameFile& last) const
+void RunCheckpoint::checkEnds(const Checkpoint& checkpoint, const FrameFile& last) const
 {
-    if (mParams.substep(before.position.steps) == 0) return;
+    if (mParams.substep(checkpoint.position.steps) == 0) return;
     refuseCheckpoint(
         mOutputs.checkpoint(),
         fmt::format("has textures after frame {} done, the input ends with that frame now: give all frames",
                     last.frame));
 }
 
-void RunCheckpoint::restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture,
-                            FlowSequence& flow, std::vector<std::filesystem::path>& finished) const
+void RunCheckpoint::restore(const Checkpoint& checkpoint, const LoadedFrame& frame, FlowTexture& texture,
+                            std::vector<std::filesystem::path>& outputs) const
 {
-    const RunPosition& position = before.position;
-    flow.setSpacing(position.frameSpacing);
+    const RunPosition& position = checkpoint.position;
     if (mParams.framesDone(position.steps) >= std::uint64_t(mParams.leadInFrames()))
-        addFinished(frame.velocity.file, mParams.substep(position.steps), finished);
-    auto state = before.states.begin();
-    auto part = before.parts.begin();
+        addFinished(frame.velocity.file, mParams.substep(position.steps), outputs);
+    auto state = checkpoint.states.begin();
+    auto part = checkpoint.parts.begin();
     const auto isElsewhere = [&](const CheckpointPart& one) {
         return frame.partition && !frame.partition->textureBox(mExchange.rank()).hasOverlap(one.box);
     };
     const auto next = [&]() -> std::optional<VdbFile> { // one at a time is in memory
-        if (state != before.states.end()) return *state++;
-        part = std::find_if_not(part, before.parts.end(), isElsewhere);
-        return part != before.parts.end() ? std::optional(readPart(before, *part++)) : std::nullopt;
+        if (state != checkpoint.states.end()) return *state++;
+        part = std::find_if_not(part, checkpoint.parts.end(), isElsewhere);
+        return part != checkpoint.parts.end() ? std::optional(readPart(checkpoint, *part++)) : std::nullopt;
     };
     try {
-        texture.restore(position.steps, position.interval / mParams.scatter.substeps, frame.flow.domain, next);
+        texture.restore(position.steps, position.interval / mParams.texture.substeps, frame.domain.texture, next);
     } catch (const InputError& error) {
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
     }
-    mReporter.say(fmt::format("{}: {} textures are done", mOutputs.checkpoint().string(), finished.size()));
+    mReporter.say(fmt::format("{}: {} textures are done", mOutputs.checkpoint().string(), outputs.size()));
 }
 
-VdbFile RunCheckpoint::readPart(const Checkpoint& before, const CheckpointPart& part) const
+VdbFile RunCheckpoint::readPart(const Checkpoint& checkpoint, const CheckpointPart& part) const
 {
     if (!isFinished(part.path)) {
         refuseCheckpoint(mOutputs.checkpoint(),
                          fmt::format("needs {}, which is not there: put it back", part.path.string()));
     }
     Checkpoint read = readCheckpoint(part.path, mParameters);
-    if (read.position.steps != before.position.steps || read.states.empty())
+    if (read.position.steps != checkpoint.position.steps || read.states.empty())
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("does not belong to {}", part.path.string()));
     return std::move(read.states.front());
 }
@@ -216,8 +215,11 @@ void RunCheckpoint::writeParts(const FlowTexture& texture, const Unsaved& unsave
 /// Remove the parts of checkpoints. @param but steps whose parts stay
 void RunCheckpoint::removeParts(std::optional<std::uint64_t> but) const
 {
-    for (const std::filesystem::path& part : mOutputs.checkpointParts(but))
-        std::filesystem::remove(part);
+    for (const std::filesystem::path& part : mOutputs.checkpointParts(but)) {
+        std::error_code error;
+        std::filesystem::remove(part, error);
+        if (error) throw OutputError(fmt::format("{}: cannot be removed: {}", part.string(), error.message()));
+    }
 }
 
 void RunCheckpoint::remove() const

@@ -42,17 +42,17 @@ class RunCheckpoint {
 
     /// Pass over the frames that the interrupted run finished. @return their outputs
     /// @throws InputError if one of them, input or output, is missing or differs
-    [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& before, FlowSequence& flow);
+    [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& checkpoint, FlowSequence& flow);
 
     /// Check that the sequence may end with a frame. @throws InputError if textures after that frame are finished
-    void checkEnds(const Checkpoint& before, const FrameFile& last) const;
+    void checkEnds(const Checkpoint& checkpoint, const FrameFile& last) const;
 
     /// Put the state of the interrupted run into a new one.
-    /// @param frame    that the next step starts from or after
-    /// @param finished outputs of passOver(); receives those of the frame's substeps that were finished
+    /// @param frame   that the next step starts from or after
+    /// @param outputs of passOver(); receives those of the frame's substeps that were finished
     /// @throws InputError
-    void restore(const Checkpoint& before, const LoadedFrame& frame, FlowTexture& texture, FlowSequence& flow,
-                 std::vector<std::filesystem::path>& finished) const;
+    void restore(const Checkpoint& checkpoint, const LoadedFrame& frame, FlowTexture& texture,
+                 std::vector<std::filesystem::path>& outputs) const;
 
     // Running.
 
@@ -81,10 +81,10 @@ class RunCheckpoint {
         openvdb::math::Transform::Ptr transform; // of the grids in the checkpoint
     };
 
-    [[nodiscard]] VdbFile readPart(const Checkpoint& before, const CheckpointPart& part) const;
+    [[nodiscard]] VdbFile readPart(const Checkpoint& checkpoint, const CheckpointPart& part) const;
     void writeParts(const FlowTexture& texture, const Unsaved& unsaved, Checkpoint checkpoint);
     void removeParts(std::optional<std::uint64_t> but) const;
-    void addFinished(const FrameFile& file, int parts, std::vector<std::filesystem::path>& outputs) const;
+    void addFinished(const FrameFile& file, int substeps, std::vector<std::filesystem::path>& outputs) const;
 
     const AdvectParams& mParams;
     RunOutputs& mOutputs;

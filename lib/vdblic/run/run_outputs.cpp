@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace vdblic {
@@ -22,7 +23,7 @@ namespace {
 std::string checkpointName(const AdvectParams& params)
 {
     if (params.leadIn.value_or(0) == 0 && params.framesBefore == 0) return "checkpoint";
-    const std::int64_t first = selectedFrames(params.input).at(std::size_t(params.leadIn.value_or(0)));
+    const std::int64_t first = selectedFrames(params.flow.input).at(std::size_t(params.leadIn.value_or(0)));
     return fmt::format("checkpoint.{:04}", first);
 }
 
@@ -33,18 +34,22 @@ RunOutputs::RunOutputs(const AdvectParams& params)
 {
 }
 
-std::int64_t RunOutputs::number(std::int64_t frame, int part) const
+std::int64_t textureNumber(std::int64_t first, std::int64_t frame, int substeps, int substep)
 {
-    const std::int64_t first = mFirst.value_or(frame);
     std::int64_t number = 0;
     if (__builtin_sub_overflow(frame, first, &number) ||
-        __builtin_mul_overflow(number, std::int64_t(mParams.scatter.substeps), &number) ||
-        __builtin_add_overflow(number, first, &number) || __builtin_add_overflow(number, std::int64_t(part), &number)) {
-        throw ParameterError(
-            fmt::format("frame {} has no number in a sequence of {} `substeps` that starts at frame {}", frame,
-                        mParams.scatter.substeps, first));
+        __builtin_mul_overflow(number, std::int64_t(substeps), &number) ||
+        __builtin_add_overflow(number, first, &number) ||
+        __builtin_add_overflow(number, std::int64_t(substep), &number)) {
+        throw ParameterError(fmt::format(
+            "frame {} has no number in a sequence of {} `substeps` that starts at frame {}", frame, substeps, first));
     }
     return number;
+}
+
+std::int64_t RunOutputs::number(std::int64_t frame, int substep) const
+{
+    return textureNumber(mFirst.value_or(frame), frame, mParams.texture.substeps, substep);
 }
 
 std::filesystem::path RunOutputs::checkpointPart(std::uint64_t steps, std::size_t part) const
@@ -58,17 +63,20 @@ std::vector<std::filesystem::path> RunOutputs::checkpointParts(std::optional<std
     const std::string stem = mCheckpoint.stem().string() + ".s";
     const std::filesystem::path folder = mCheckpoint.parent_path();
     std::vector<std::filesystem::path> parts;
-    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder)) {
+    std::error_code error;
+    std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, error);
+    for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
         unsigned long long steps = 0;
         unsigned long long part = 0;
         int end = 0;
-        const std::string name = entry.path().filename().string();
+        const std::string name = entry->path().filename().string();
         if (!name.starts_with(stem)) continue;
         if (std::sscanf(name.c_str() + stem.size(), "%llu.p%llu.vdb%n", &steps, &part, &end) != 2 || end == 0 ||
             name.size() != stem.size() + std::size_t(end) || steps == but)
             continue;
-        parts.push_back(entry.path());
+        parts.push_back(entry->path());
     }
+    if (error) throw OutputError(fmt::format("{}: cannot be listed: {}", folder.string(), error.message()));
     return parts;
 }
 
@@ -76,12 +84,12 @@ void RunOutputs::check(std::size_t textures)
 {
     if (textures > 0) checkOutputPattern(mTextures, textures);
     checkOutput(mCheckpoint);
-    if (mParams.input.pattern != "-") {
-        const std::vector<std::int64_t> frames = selectedFrames(mParams.input);
+    if (mParams.flow.input.pattern != "-") {
+        const std::vector<std::int64_t> frames = selectedFrames(mParams.flow.input);
         for (auto frame = frames.begin() + mParams.leadIn.value_or(0); frame != frames.end(); ++frame) {
             startAt(*frame);
-            for (int part = 0; part < mParams.scatter.substeps; ++part)
-                checkReplaceable(texture(*frame, part));
+            for (int substep = 0; substep < mParams.texture.substeps; ++substep)
+                checkReplaceable(texture(*frame, substep));
         }
     }
     if (mParams.json.empty()) return;
@@ -92,20 +100,20 @@ void RunOutputs::check(std::size_t textures)
 
 void RunOutputs::checkInputs(const FrameFile& velocity) const
 {
-    std::vector<std::string> references = {mParams.noise, mParams.domain.mask};
+    std::vector<std::string> references = {mParams.noise, mParams.flow.domain.mask};
     for (std::string& reference : references) {
         if (!reference.empty()) reference = parseGridReference(reference).path.string();
     }
-    if (mParams.input.pattern != "-") references.push_back(mParams.input.pattern);
-    for (int part = 0; part < mParams.scatter.substeps; ++part) {
-        const std::int64_t output = number(velocity.frame, part);
+    if (mParams.flow.input.pattern != "-") references.push_back(mParams.flow.input.pattern);
+    for (int substep = 0; substep < mParams.texture.substeps; ++substep) {
+        const std::int64_t output = number(velocity.frame, substep);
         std::vector<std::filesystem::path> inputs = {velocity.path};
         for (const std::string& reference : references) {
             if (!reference.empty()) inputs.push_back(FramePattern(reference).path(output));
         }
-        checkReplaceable(texture(velocity.frame, part));
+        checkReplaceable(texture(velocity.frame, substep));
         for (const std::filesystem::path& input : inputs) {
-            checkNotInput(texture(velocity.frame, part), input);
+            checkNotInput(texture(velocity.frame, substep), input);
             checkNotInput(mCheckpoint, input);
             if (!mParams.json.empty()) checkNotInput(mParams.json, input);
         }

@@ -12,6 +12,10 @@ namespace vdblic {
 
 struct AdvectParams;
 
+/// The number of a texture: the first frame keeps its number, and substeps count on.
+/// @param substep its number after the frame. @throws ParameterError if the number is too large
+[[nodiscard]] std::int64_t textureNumber(std::int64_t first, std::int64_t frame, int substeps, int substep);
+
 /// The files that a run over a sequence writes: textures, a checkpoint beside them, and a report if one is wanted.
 class RunOutputs {
   public:
@@ -21,12 +25,11 @@ class RunOutputs {
     /// Number the outputs from the sequence's first frame; later calls change nothing.
     void startAt(std::int64_t frame) { mFirst = mFirst.value_or(frame); }
 
-    /// The number of a texture: the first frame keeps its number, and substeps count on.
-    /// @param part number of the substep after the frame. @throws ParameterError if the number is too large
-    [[nodiscard]] std::int64_t number(std::int64_t frame, int part) const;
-    [[nodiscard]] std::filesystem::path texture(std::int64_t frame, int part) const
+    /// As textureNumber().
+    [[nodiscard]] std::int64_t number(std::int64_t frame, int substep) const;
+    [[nodiscard]] std::filesystem::path texture(std::int64_t frame, int substep) const
     {
-        return mTextures.path(number(frame, part));
+        return mTextures.path(number(frame, substep));
     }
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
     /// A part of the checkpoint after some steps.

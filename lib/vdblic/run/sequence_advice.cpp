@@ -1,6 +1,6 @@
 #include "vdblic/run/sequence_advice.h"
 
-#include "vdblic/run/advect.h"
+#include "vdblic/run/texture_run.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

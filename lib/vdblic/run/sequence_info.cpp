@@ -2,13 +2,14 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/flow/frame_interval.h"
 #include "vdblic/io/checksum.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/io/velocity_grids.h"
-#include "vdblic/run/advect.h"
 #include "vdblic/run/memory_estimate.h"
 #include "vdblic/run/sequence_advice.h"
+#include "vdblic/run/texture_run.h"
 
 #include <fmt/format.h>
 
@@ -116,11 +117,6 @@ void addValues(const VdbFile& file, SequenceInfo& info)
     }
 }
 
-/// Times of a frame, from the metadata of its velocity's grid or of its file.
-struct FrameTimes {
-    std::optional<double> time, dt;
-};
-
 /// The velocity by the headers of a file; nothing if there is none. @param times of the frame
 std::optional<VelocityInfo> velocityOf(const VdbFile& header, const VelocityParams& params, FrameTimes& times)
 {
@@ -132,36 +128,23 @@ std::optional<VelocityInfo> velocityOf(const VdbFile& header, const VelocityPara
     VelocityInfo velocity;
     velocity.grid = grids.name;
     const openvdb::GridBase& first = *grids.values.front();
-    const bool mantaflow = first.getGridClass() == openvdb::GRID_STAGGERED && first["file_base_resolution"];
-    velocity.unit = params.unit.value_or(mantaflow ? VelocityUnit::kVoxelPerSecond : VelocityUnit::kWorldPerSecond);
-    velocity.scale = params.scale * (mantaflow && !params.unit ? kMantaflowScale : 1);
-    const auto metadata = [&](const char* key) {
-        const auto ofGrid = numericMetadata(first, key);
-        return ofGrid ? ofGrid : numericMetadata(header.metadata, key);
-    };
-    times = {metadata("time"), metadata("dt")};
+    const VelocityConvention convention = conventionOf(first, params);
+    velocity.unit = convention.unit;
+    velocity.scale = convention.scale;
+    times = timesOf(first, header.metadata);
     return velocity;
 }
 
-/// @param first, second times of the first two frames
-void setInterval(const SequenceInfoParams& params, const FrameTimes& first, const FrameTimes& second,
-                 VelocityInfo& velocity)
+/// @param files, times of the first two frames that can be read, or of one
+void setInterval(const SequenceInfoParams& params, const std::vector<FrameFile>& files,
+                 const std::vector<FrameTimes>& times, VelocityInfo& velocity)
 {
-    constexpr double kDefaultFps = 24;
-    velocity.interval = 1 / kDefaultFps;
-    velocity.intervalSource = "24 frames a second by default";
-    if (first.dt && *first.dt > 0) {
-        velocity.interval = *first.dt;
-        velocity.intervalSource = "by the files' dt";
-    }
-    if (first.time && second.time && *second.time > *first.time) {
-        velocity.interval = *second.time - *first.time;
-        velocity.intervalSource = "by the files' times";
-    }
-    if (params.frameSpacing) {
-        velocity.interval = *params.frameSpacing;
-        velocity.intervalSource = "as given";
-    }
+    const bool isOne = files.size() < 2;
+    const double skipped = isOne ? 1 : double(files[1].frame - files[0].frame) / double(frameSpacing(params.input));
+    auto interval = frameInterval(params.frameSpacing, times[0], isOne ? nullptr : &times[1], skipped);
+    if (!interval) interval = frameInterval(params.frameSpacing, {{}, times[0].dt}, nullptr, skipped);
+    velocity.interval = interval->seconds;
+    velocity.intervalSource = interval->source;
 }
 
 double meanLength(const openvdb::Vec3SGrid& grid, const openvdb::Mat3s& matrix)
@@ -253,7 +236,7 @@ SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& r
         }
     }
     if (info.velocity) {
-        setInterval(params, times.front(), times.back(), *info.velocity);
+        setInterval(params, readable, times, *info.velocity);
         estimateRun(info, files.size(), *info.velocity);
     }
     for (std::size_t i = 0; params.values && i < readable.size(); ++i) {

@@ -1,10 +1,10 @@
 #include "vdblic/run/shared_run.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/flow/frame_halo.h"
 #include "vdblic/lic/flow_texture.h"
-#include "vdblic/lic/scatter.h"
 #include "vdblic/run/advect_params.h"
 
 #include <fmt/format.h>
@@ -13,7 +13,9 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <iterator>
 #include <memory>
+#include <utility>
 
 namespace vdblic {
 
@@ -39,46 +41,51 @@ std::optional<std::string> SharedRun::balance(LoadedFrame& frame, FlowTexture& t
 {
     if (mExchange.isAlone() || texture.steps() == 0) return std::nullopt;
     constexpr double kUnequal = 1.15, kBetter = 0.9;
-    const Domain& domain = *frame.flow.velocityDomain();
+    const Domain& domain = *frame.domain.velocity;
     const double now = frame.partition->imbalance(domain);
     if (now < kUnequal * mLeastImbalance) return std::nullopt;
-    auto partition = std::make_shared<const Partition>(domain, frame.flow.refinement.factors, mExchange.size());
+    auto partition = std::make_shared<const Partition>(domain, frame.domain.refinement.factors, mExchange.size());
     const double then = partition->imbalance(domain);
     mLeastImbalance = then;
     if (then > kBetter * now) return std::nullopt;
-    moveTo(mExchange, frame, partition);
-    texture.move(mExchange, *partition, frame.flow.domain);
+    const std::shared_ptr<const Domain> before = frame.domain.texture;
+    handOver(mExchange, frame, partition);
+    const Domain::Leaves had = before->own(), has = frame.domain.texture->own();
+    std::vector<std::uint32_t> either;
+    std::set_union(had.begin(), had.end(), has.begin(), has.end(), std::back_inserter(either));
+    const auto both = before->ofRank({has.begin(), has.end()}, std::move(either));
+    const std::vector<openvdb::Coord> noHalo(std::size_t(mExchange.size()), openvdb::Coord(0));
+    texture.handOver(HaloExchange(mExchange, *partition, *both, noHalo), both);
     return fmt::format("cut anew among the ranks: the largest part had {:.2f} of the mean, now {:.2f}", now, then);
 }
 
 void SharedRun::surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture)
 {
     if (mExchange.isAlone()) return;
-    if (end.partition != start.partition) moveTo(mExchange, end, start.partition);
+    if (end.partition != start.partition) handOver(mExchange, end, start.partition);
     const auto largest = [&](const LoadedFrame& frame) {
-        const openvdb::Mat3d toTexture = frame.flow.refinement.toTexture();
+        const openvdb::Mat3d toTexture = frame.domain.refinement.toTexture();
         return largestVelocity(frame.largest, toTexture * frame.velocity.toVoxelsPerStep(seconds));
     };
     const Float4 before = largest(start), after = largest(end);
-    const int substeps = mParams.scatter.substeps;
-    const std::array<float, 3> slope = texture.largestSlope(seconds / substeps);
+    std::array<float, 3> displacement{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        displacement[axis] = std::max(before[int(axis)], after[int(axis)]);
+    const std::array<float, 3> path = texture.farthestPath(displacement, seconds / mParams.texture.substeps);
     Farthest farthest{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const float frame = std::max(before[int(axis)], after[int(axis)]);
-        const float step = mParams.steady ? 0.5f * float(mParams.scatter.lifeSpan) * frame : frame / float(substeps);
-        const float finer = float(start.flow.refinement.factors[axis]) - 1;
-        farthest.path[axis] = longestPath(std::max(step, slope[axis])) + finer;
-        farthest.upstream[axis] = frame + 1;
+        farthest.path[axis] = path[axis] + float(start.domain.refinement.factors[axis]) - 1;
+        farthest.upstream[axis] = displacement[axis] + 1;
     }
     mDepths = haloDepths(mExchange, *start.partition, farthest);
     vdblic::surround(mExchange, start, mDepths);
     if (&end != &start) vdblic::surround(mExchange, end, mDepths);
 }
 
-std::optional<HaloExchange> SharedRun::haloOf(const LoadedFrame& start) const
+std::unique_ptr<const LeafOwners> SharedRun::ownersOf(const LoadedFrame& start) const
 {
-    if (mExchange.isAlone()) return std::nullopt;
-    return std::make_optional<HaloExchange>(mExchange, *start.partition, *start.flow.domain, mDepths);
+    if (mExchange.isAlone()) return std::make_unique<const SoleOwner>();
+    return std::make_unique<const HaloExchange>(mExchange, *start.partition, *start.domain.texture, mDepths);
 }
 
 std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const
@@ -87,7 +94,7 @@ std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& f
     for (std::size_t i = 0; i < file.computed; ++i) {
         const auto grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[i]);
         const bool isFine = i == 0 || mParams.format.scalars == ScalarVoxels::kTexture;
-        const Domain& domain = isFine ? *frame.flow.domain : *frame.flow.velocityDomain();
+        const Domain& domain = isFine ? *frame.domain.texture : *frame.domain.velocity;
         stored.push_back(storeOwn(domain, *grid, mParams.format.compression));
         if (isWriter) file.grids[i] = withoutValues(domain, *grid);
     }

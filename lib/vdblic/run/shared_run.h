@@ -1,14 +1,15 @@
 #pragma once
 
 #include "vdblic/core/exchange.h"
-#include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/distributed/leaf_delivery.h"
+#include "vdblic/field/leaf_owners.h"
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/run/texture_file.h"
 
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,8 +40,8 @@ class SharedRun {
     /// @param seconds between the frames  @param texture that makes the steps
     void surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture);
 
-    /// The exchange of a step that starts from a frame, whose surroundings are there; nothing for a process alone.
-    [[nodiscard]] std::optional<HaloExchange> haloOf(const LoadedFrame& start) const;
+    /// The owners of a frame's leaves in a step that starts from it; its surroundings must be there.
+    [[nodiscard]] std::unique_ptr<const LeafOwners> ownersOf(const LoadedFrame& start) const;
 
     /// Store the leaves of a frame's grids that this rank computed, for FrameWriter::write(). Not collective.
     /// @param isWriter whether this rank writes the file: its grids then get all leaves, without values

@@ -7,14 +7,16 @@
 #include "vdblic/field/resample.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/field/velocity_leaf.h"
-#include "vdblic/flow/flow_sequence.h"
 #include "vdblic/io/texture_name.h"
+#include "vdblic/lic/finish.h"
 #include "vdblic/run/advect_params.h"
+#include "vdblic/run/texture_run.h"
 
 #include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -28,11 +30,12 @@ VDBLIC_KERNEL void fillMagnitudes(const Domain::Mask& mask, const VelocityLeaf& 
     }
 }
 
-openvdb::FloatTree::Ptr magnitudeOf(const FlowFrame& frame)
+/// @param toWorldPerSecond of stored values
+openvdb::FloatTree::Ptr magnitudeOf(const Domain& domain, const openvdb::Vec3STree& values,
+                                    const openvdb::Mat3d& toWorldPerSecond)
 {
-    const Domain& domain = *frame.velocityDomain();
     const LeafValues<float> magnitude(domain, 0.0f);
-    const VelocityLevel velocities{frame.velocities->tree(), frame.toWorldPerSecond};
+    const VelocityLevel velocities{values, toWorldPerSecond};
     forLeaves(domain.local(), [&](std::size_t leaf) {
         fillMagnitudes(domain.mask(leaf), VelocityLeaf(velocities, domain.origin(leaf)), magnitude[leaf]);
     });
@@ -60,25 +63,22 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
 {
     openvdb::MetaMap metadata;
     metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.textureName));
-    metadata.insertMeta("method", openvdb::StringMetadata(std::string(params.methodName())));
-    if (params.steady) metadata.insertMeta("kernel", openvdb::StringMetadata(std::string(toString(*params.steady))));
-    metadata.insertMeta("life_span", openvdb::Int32Metadata(params.scatter.lifeSpan));
-    metadata.insertMeta("substeps", openvdb::Int32Metadata(params.scatter.substeps));
-    if (params.scatter.method == ScatterMethod::kAuflic && !params.steady) {
-        metadata.insertMeta("release_window", openvdb::FloatMetadata(params.scatter.releaseWindow));
-        metadata.insertMeta("history", openvdb::BoolMetadata(params.scatter.history));
-    }
-    const std::array<int, 3>& factors = params.domain.refinement.factors;
+    const TextureParams& texture = params.texture;
+    metadata.insertMeta("method", openvdb::StringMetadata(std::string(nameOf(texture.method))));
+    metadata.insertMeta("life_span", openvdb::Int32Metadata(texture.lifeSpan));
+    metadata.insertMeta("substeps", openvdb::Int32Metadata(texture.substeps));
+    if (texture.method == TextureMethod::kAuflic || texture.method == TextureMethod::kAuflic2004)
+        metadata.insertMeta("release_window", openvdb::FloatMetadata(texture.releaseWindow));
+    const Refinement& refinement = params.flow.domain.refinement;
+    const std::array<int, 3>& factors = refinement.factors;
     metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
-    metadata.insertMeta("interpolation",
-                        openvdb::StringMetadata(std::string(toString(params.domain.refinement.interpolation))));
-    metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(params.scatter.pathline.sampleSpacing));
-    metadata.insertMeta("tolerance", openvdb::FloatMetadata(params.scatter.pathline.tolerance));
-    if (!params.steady) {
-        metadata.insertMeta("sharpen", openvdb::FloatMetadata(params.feedback.sharpen));
-        metadata.insertMeta("jitter", openvdb::StringMetadata(std::string(toString(params.feedback.jitter))));
-        metadata.insertMeta("noise_share", openvdb::FloatMetadata(params.feedback.noiseShare));
-        metadata.insertMeta("finish", openvdb::Int32Metadata(params.finish.taps));
+    metadata.insertMeta("interpolation", openvdb::StringMetadata(std::string(toString(refinement.interpolation))));
+    metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
+    metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
+    metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));
+    if (!isSteady(texture.method)) {
+        metadata.insertMeta("sharpen", openvdb::FloatMetadata(texture.feedback.sharpen));
+        metadata.insertMeta("noise_share", openvdb::FloatMetadata(texture.feedback.noiseShare));
         metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
         if (params.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(params.leadInFrames()));
     }
@@ -92,20 +92,27 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
 
 } // namespace
 
-TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame,
-                            const openvdb::FloatTree::Ptr& texture, const openvdb::math::Transform& transform,
-                            const TextureTime& time)
+TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::int64_t number)
 {
+    const LoadedFrame& frame = made.frame;
     const VelocityFrame& velocity = frame.velocity;
+    const openvdb::Mat3d toWorldPerSecond = velocity.toWorldPerSecond(made.interval);
+    const openvdb::math::Transform::Ptr ofTexture = frame.textureTransform();
+    const openvdb::math::Transform& transform = *ofTexture;
+    const openvdb::FloatTree::Ptr texture = finish(frame.flow(), velocity.toVoxelsPerStep(made.interval),
+                                                   std::move(made.step.texture), {params.finishTaps()})
+                                                .tree();
     const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
     std::vector<openvdb::FloatGrid::Ptr> scalars =
-        derivedGrids(params.derived, *frame.flow.velocityDomain(), *velocity.values, frame.flow.toWorldPerSecond);
-    scalars.insert(scalars.begin(), fogVolume(magnitudeOf(frame.flow), "magnitude", velocity.values->transform()));
+        derivedGrids(params.derived, *frame.domain.velocity, *velocity.values, toWorldPerSecond);
+    scalars.insert(scalars.begin(),
+                   fogVolume(magnitudeOf(*frame.domain.velocity, velocity.values->tree(), toWorldPerSecond),
+                             "magnitude", velocity.values->transform()));
     openvdb::GridPtrVec carried = velocity.carried;
-    if (params.format.scalars == ScalarVoxels::kTexture && !frame.flow.refinement.isNone()) {
+    if (params.format.scalars == ScalarVoxels::kTexture && !frame.domain.refinement.isNone()) {
         for (openvdb::FloatGrid::Ptr& scalar : scalars)
             scalar = resampled(*scalar, *textureGrid);
-        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*frame.flow.domain, texture), "", transform);
+        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*frame.domain.texture, texture), "", transform);
         for (openvdb::GridBase::Ptr& grid : carried) {
             if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) grid = resampled(*scalar, *like);
         }
@@ -124,10 +131,10 @@ TextureFile makeTextureFile(const AdvectParams& params, const LoadedFrame& frame
     file.metadata = parameterMetadata(params);
     if (!velocity.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
-    file.metadata.insertMeta("frame", openvdb::Int64Metadata(time.frame));
-    file.metadata.insertMeta("source_frame", openvdb::DoubleMetadata(time.sourceFrame));
-    file.metadata.insertMeta("time", openvdb::DoubleMetadata(time.time));
-    file.metadata.insertMeta("dt", openvdb::DoubleMetadata(time.interval));
+    file.metadata.insertMeta("frame", openvdb::Int64Metadata(number));
+    file.metadata.insertMeta("source_frame", openvdb::DoubleMetadata(frame.sourceFrame));
+    file.metadata.insertMeta("time", openvdb::DoubleMetadata(made.time));
+    file.metadata.insertMeta("dt", openvdb::DoubleMetadata(made.interval / params.texture.substeps));
     return file;
 }
 

@@ -44,7 +44,7 @@ std::shared_ptr<const Domain> partOf(const Domain& whole, const LeafShare& share
         if (share.owns(whole.origin(leaf))) own.push_back(leaf);
         if (share.needs(whole.origin(leaf), rim)) needed.push_back(leaf);
     }
-    return whole.part(std::move(own), std::move(needed));
+    return whole.ofRank(std::move(own), std::move(needed));
 }
 
 /// A number for the first voxel of a leaf, from which those of its other voxels follow by their offsets; above 0.

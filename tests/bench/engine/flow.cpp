@@ -18,7 +18,7 @@ Flow analyticFlow(const BoxSize& size, int frames, const std::shared_ptr<const D
     const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
     Flow flow;
     for (int k = 0; k < frames; ++k) {
-        flow.frames.push_back({domain, sampleFlow(function, *domain, *transform, k * kDt), openvdb::Mat3d::identity()});
+        flow.frames.push_back({domain, sampleFlow(function, *domain, *transform, k * kDt)});
         flow.toStep.push_back(openvdb::Mat3d::identity() * kDt);
     }
     return flow;
@@ -32,14 +32,15 @@ Flow flowOfFiles(const std::string& pattern, const std::string& range)
     Reporter silent;
     std::istringstream noLines;
     const OneProcess alone;
-    FlowSequence sequence(params, noLines, silent, alone);
+    std::size_t total = 0;
+    FlowSequence sequence(params, openSequence(params.input, noLines, total), silent, alone);
     Flow flow;
     std::optional<LoadedFrame> frame = sequence.next();
     while (frame) {
         std::optional<LoadedFrame> next = sequence.next();
         const double seconds = sequence.intervalAfter(*frame, next ? &*next : nullptr).seconds;
         flow.toStep.push_back(frame->velocity.toVoxelsPerStep(seconds));
-        flow.frames.push_back(std::move(frame->flow));
+        flow.frames.push_back(frame->flow());
         frame = std::move(next);
     }
     return flow;

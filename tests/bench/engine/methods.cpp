@@ -5,7 +5,6 @@
 #include "bench/engine/euler_uflic.h"
 #include "bench/engine/scap_auflic.h"
 #include "vdblic/field/velocity_field.h"
-#include "vdblic/lic/feedback_params.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/noise/noise_field.h"
 
@@ -41,29 +40,28 @@ Figures runProcesses(const Flow& flow, int lifeSpan, Method&& method)
     return figures;
 }
 
-ScatterParams scatterParams(ScatterMethod method, int lifeSpan, float window, bool history)
+TextureParams scatterParams(TextureMethod method, int lifeSpan, float window)
 {
-    ScatterParams params;
+    TextureParams params;
     params.method = method;
     params.lifeSpan = lifeSpan;
     params.releaseWindow = window;
-    params.history = history;
     return params;
 }
 
 } // namespace
 
-Figures runPipeline(const Flow& flow, const ScatterParams& scatter, bool coherence)
+Figures runPipeline(const Flow& flow, const TextureParams& scatter, bool coherence)
 {
-    FlowTexture pipeline(scatter, FeedbackParams{}, NoiseField(1));
+    const auto pipeline = makeFlowTexture(scatter, NoiseField(1));
     Figures figures;
     CoherenceMeter meter;
     for (int i = 0; i < scatter.lifeSpan; ++i)
-        (void)pipeline.advance({flow.frames[0], flow.frames[0], flow.toStep[0], flow.toStep[0], 1.0});
+        (void)pipeline->advance({flow.frames[0], flow.frames[0], flow.toStep[0], flow.toStep[0], 1.0});
     double cpu = 0, wall = 0;
     for (std::size_t k = 0; k < flow.steps(); ++k) {
         const double cpuBefore = cpuTime(), wallBefore = wallTime();
-        const FlowTextureStep result = pipeline.advance(flow.step(k));
+        const FlowTextureStep result = pipeline->advance(flow.step(k));
         cpu += cpuTime() - cpuBefore;
         wall += wallTime() - wallBefore;
         figures.times += result.times;
@@ -79,19 +77,16 @@ Figures runPipeline(const Flow& flow, const ScatterParams& scatter, bool coheren
 nlohmann::json compareMethods(const Flow& flow, const char* title)
 {
     printHeading(title);
-    const auto auflic = [](float window, bool history) {
-        return scatterParams(ScatterMethod::kAuflic, 4, window, history);
-    };
     nlohmann::json rows;
     rows.push_back(printRow("UFLIC as in the paper, Euler", runProcesses(flow, 4, EulerUflic(4, NoiseField(1)))));
-    rows.push_back(printRow("UFLIC", runPipeline(flow, scatterParams(ScatterMethod::kUflic, 4, 1, false), true)));
+    rows.push_back(printRow("UFLIC", runPipeline(flow, scatterParams(TextureMethod::kUflic, 4, 1), true)));
     rows.push_back(
         printRow("AUFLIC as in the paper, window 0.25", runProcesses(flow, 4, ScapAuflic(4, 0.25f, NoiseField(1)))));
     for (const float window : {0.125f, 0.25f, 0.5f}) {
-        rows.push_back(printRow(fmt::format("AUFLIC, window {}, coasting", window),
-                                runPipeline(flow, auflic(window, false), true)));
-        rows.push_back(
-            printRow(fmt::format("AUFLIC, window {}, history", window), runPipeline(flow, auflic(window, true), true)));
+        rows.push_back(printRow(fmt::format("AUFLIC as published, window {}", window),
+                                runPipeline(flow, scatterParams(TextureMethod::kAuflic2004, 4, window), true)));
+        rows.push_back(printRow(fmt::format("AUFLIC, window {}", window),
+                                runPipeline(flow, scatterParams(TextureMethod::kAuflic, 4, window), true)));
     }
     return rows;
 }

@@ -2,7 +2,7 @@
 
 #include "bench/engine/figures.h"
 #include "bench/engine/flow.h"
-#include "vdblic/lic/scatter_params.h"
+#include "vdblic/lic/texture_params.h"
 
 #include <nlohmann/json.hpp>
 
@@ -10,7 +10,7 @@ namespace vdblic::bench {
 
 /// Run FlowTexture over a flow, after a preroll of one life span that is not measured.
 /// @param coherence whether to measure it, too
-[[nodiscard]] Figures runPipeline(const Flow& flow, const ScatterParams& scatter, bool coherence);
+[[nodiscard]] Figures runPipeline(const Flow& flow, const TextureParams& scatter, bool coherence);
 
 /// Compare the methods, the paper's order of work included, at a life span of 4: prints a table.
 nlohmann::json compareMethods(const Flow& flow, const char* title);

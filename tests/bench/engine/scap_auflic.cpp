@@ -11,7 +11,7 @@ namespace vdblic::bench {
 namespace {
 
 VDBLIC_KERNEL void trace(const VelocityField& field, const LeafWindow& window, const openvdb::Coord& tile,
-                         const ScatterParams& params, PathBatch& batch, PathSamples& samples)
+                         const TextureParams& params, PathBatch& batch, PathSamples& samples)
 {
     advancePaths(field, field.window(tile), params.pathline, batch);
     samplePaths(batch, field.domain(), window, params.pathline.sampleSpacing, params.releaseWindow, samples);

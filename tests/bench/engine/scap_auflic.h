@@ -42,7 +42,7 @@ class ScapAuflic {
     bool releaseAlong(std::size_t k, const std::vector<VelocityField>& fields, std::size_t leaf, Path& path);
     void extend(const VelocityField& field, Path& path);
 
-    ScatterParams mParams;
+    TextureParams mParams;
     NoiseField mNoise;
     std::vector<Accumulator> mBuckets;
     LeafValues<std::int32_t> mInput;

@@ -38,12 +38,12 @@ std::shared_ptr<const Domain> ball(const BoxSize& size, double share)
 nlohmann::json sweepParameters()
 {
     nlohmann::json rows;
-    const ScatterParams standard;
+    const TextureParams standard;
     printHeading("By life span, 96 x 96 x 96, 6 frames");
     const BoxSize cube{96, 96, 96};
     const Flow flow = analyticFlow(cube, 7, boxDomain(cube));
     for (const int life : {4, 8, 16, 32}) {
-        ScatterParams params;
+        TextureParams params;
         params.lifeSpan = life;
         rows.push_back(printRow("life span " + std::to_string(life), runPipeline(flow, params, false)));
     }

@@ -68,7 +68,7 @@ TEST(LeafDelivery, BringsAllLeavesInOrder)
         for (const std::uint32_t leaf : every) {
             if (int(leaf / 7 % (kRanks - 1)) == rank) own.push_back(leaf);
         }
-        const std::shared_ptr<const Domain> part = domain.part(own, own);
+        const std::shared_ptr<const Domain> part = domain.ofRank(own, own);
         std::vector<OwnLeaves> leaves;
         leaves.reserve(grids.size());
         for (const auto& grid : grids)

@@ -59,10 +59,10 @@ Vec3f turning(const Coord& at, int frame, float speed)
 AdvectParams paramsIn(const TemporaryFolder& folder, const std::string& output)
 {
     AdvectParams params;
-    params.input.pattern = folder / "v.%04d.vdb";
+    params.flow.input.pattern = folder / "v.%04d.vdb";
     params.output = folder / (output + ".%04d.vdb");
-    params.frameSpacing = 1;
-    params.velocity.unit = VelocityUnit::kVoxelPerFrame;
+    params.flow.frameSpacing = 1;
+    params.flow.velocity.unit = VelocityUnit::kVoxelPerFrame;
     params.preroll = 2;
     params.derived = {"vorticity"};
     return params;
@@ -94,7 +94,7 @@ void expectSameFiles(const TemporaryFolder& folder, const std::vector<int>& rank
         AdvectParams shared = paramsIn(folder, fmt::format("by{}", number));
         change(shared);
         advectBy(number, shared);
-        const int textures = (kFrames - 1) * params.scatter.substeps + 1;
+        const int textures = (kFrames - 1) * params.texture.substeps + 1;
         for (int frame = 1; frame <= textures; ++frame) {
             const std::string expected = bytesOf(folder / fmt::format("one.{:04}.vdb", frame));
             ASSERT_GT(expected.size(), 100u) << frame;
@@ -112,13 +112,10 @@ TEST(Ranks, WriteTheBytesOfOneProcess)
     writeSequence(folder, {Coord(-20, -4, 0), Coord(43, 27, 30)},
                   [](const Coord& at, int frame) { return turning(at, frame, 3); });
     expectSameFiles(folder, {2, 3, 7}, kAsItIs);
-    expectSameFiles(folder, {4}, [](AdvectParams& params) { params.scatter.method = ScatterMethod::kUflic; });
-    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.steady = LicKernel::kHann; });
-    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.scatter.history = false; });
-    expectSameFiles(folder, {2}, [](AdvectParams& params) {
-        params.scatter.substeps = 3;
-        params.feedback.jitter = Jitter::kBits;
-    });
+    expectSameFiles(folder, {4}, [](AdvectParams& params) { params.texture.method = TextureMethod::kUflic; });
+    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.texture.method = TextureMethod::kLic; });
+    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.texture.method = TextureMethod::kAuflic2004; });
+    expectSameFiles(folder, {2}, [](AdvectParams& params) { params.texture.substeps = 3; });
 }
 
 TEST(Ranks, WriteTheBytesOfOneProcessWithRefinedTextures)
@@ -126,11 +123,11 @@ TEST(Ranks, WriteTheBytesOfOneProcessWithRefinedTextures)
     const TemporaryFolder folder;
     writeSequence(folder, {Coord(-9, -4, 0), Coord(22, 12, 14)},
                   [](const Coord& at, int frame) { return turning(at, frame, 1.5f); });
-    expectSameFiles(folder, {2, 5}, [](AdvectParams& params) { params.domain.refinement.factors = {3, 2, 3}; });
+    expectSameFiles(folder, {2, 5}, [](AdvectParams& params) { params.flow.domain.refinement.factors = {3, 2, 3}; });
     expectSameFiles(folder, {3}, [](AdvectParams& params) {
-        params.domain.refinement = {{2, 2, 2}, Interpolation::kCubic};
+        params.flow.domain.refinement = {{2, 2, 2}, Interpolation::kCubic};
         params.format.scalars = ScalarVoxels::kTexture;
-        params.scatter.substeps = 2;
+        params.texture.substeps = 2;
     });
 }
 
@@ -231,14 +228,14 @@ TEST(Ranks, CutADomainAnewThatMovesAway)
     });
     expectSameFiles(folder, {2, 5}, kAsItIs);
     expectSameFiles(folder, {3}, [](AdvectParams& params) {
-        params.scatter.substeps = 2;
-        params.domain.refinement.factors = {2, 1, 1};
+        params.texture.substeps = 2;
+        params.flow.domain.refinement.factors = {2, 1, 1};
     });
-    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.steady = LicKernel::kHann; });
+    expectSameFiles(folder, {3}, [](AdvectParams& params) { params.texture.method = TextureMethod::kLic; });
 
     AdvectParams params = paramsIn(folder, "told");
     params.keepCheckpoint = true;
-    params.input.frames = "1-3";
+    params.flow.input.frames = "1-3";
     std::string told;
     test::ThreadRanks(3).run([&](Exchange& exchange) {
         std::istringstream noLines;
@@ -248,7 +245,7 @@ TEST(Ranks, CutADomainAnewThatMovesAway)
     });
     EXPECT_NE(told.find("frame 2: cut anew among the ranks"), std::string::npos) << told;
 
-    params.input.frames.clear(); // the checkpoint is that of the new parts
+    params.flow.input.frames.clear(); // the checkpoint is that of the new parts
     params.resume = true;
     params.keepCheckpoint = false;
     advectBy(2, params);
@@ -279,7 +276,7 @@ TEST(Ranks, GoOnFromTheCheckpointOfAnyNumberOfRanks)
     };
     const int ranks[] = {3, 1, 5};
     for (int frame = 2; frame <= kFrames; ++frame) { // each run ends a frame later
-        params.input.frames = fmt::format("1-{}", frame);
+        params.flow.input.frames = fmt::format("1-{}", frame);
         params.resume = frame > 2;
         params.keepCheckpoint = frame < kFrames;
         const int number = ranks[frame - 2];

@@ -46,7 +46,8 @@ class FlowSequenceFrames : public testing::Test {
         std::istringstream noPaths;
         Reporter silent;
         const OneProcess alone;
-        FlowSequence sequence(params, noPaths, silent, alone);
+        std::size_t total = 0;
+        FlowSequence sequence(params, openSequence(params.input, noPaths, total), silent, alone);
         std::vector<LoadedFrame> frames;
         while (std::optional<LoadedFrame> frame = sequence.next())
             frames.push_back(std::move(*frame));
@@ -62,12 +63,12 @@ TEST_F(FlowSequenceFrames, WithTheSameVoxelsShareADomain)
     write({12, 12, 20, 12});
     const std::vector<LoadedFrame> frames = read(false);
     ASSERT_EQ(frames.size(), 4u);
-    EXPECT_EQ(frames[1].flow.domain, frames[0].flow.domain);
-    EXPECT_EQ(frames[1].flow.velocityDomain(), frames[0].flow.velocityDomain());
+    EXPECT_EQ(frames[1].domain.texture, frames[0].domain.texture);
+    EXPECT_EQ(frames[1].domain.velocity, frames[0].domain.velocity);
     for (std::size_t i = 0; i < frames.size(); ++i) {
         const std::size_t voxels = i == 2 ? 2000 : 1200;
-        EXPECT_EQ(frames[i].flow.domain->voxelCount(), 8 * voxels) << i;
-        EXPECT_EQ(frames[i].flow.velocityDomain()->voxelCount(), voxels) << i;
+        EXPECT_EQ(frames[i].domain.texture->voxelCount(), 8 * voxels) << i;
+        EXPECT_EQ(frames[i].domain.velocity->voxelCount(), voxels) << i;
         EXPECT_EQ(frames[i].velocity.values->tree().getValue({3, 3, 3})[0], float(i + 1));
     }
 }
@@ -78,7 +79,7 @@ TEST_F(FlowSequenceFrames, HaveTheMaskOfTheirOwnNumber)
     const std::vector<LoadedFrame> frames = read(true);
     ASSERT_EQ(frames.size(), 3u);
     for (std::size_t i = 0; i < frames.size(); ++i)
-        EXPECT_EQ(frames[i].flow.domain->voxelCount(), 8 * 100 * (12 - (i + 1))) << i;
+        EXPECT_EQ(frames[i].domain.texture->voxelCount(), 8 * 100 * (12 - (i + 1))) << i;
 }
 
 } // namespace

@@ -138,13 +138,17 @@ TEST(RunningMean, OnAnotherDomainStartsNewVoxelsFromTheirInput)
 {
     const auto from = test::makeFrames({{0, 0, 0}, {9, 0, 0}}, 1, [](auto&, int) { return openvdb::Vec3f(0); });
     const auto to = test::makeFrames({{5, 0, 0}, {12, 0, 0}}, 1, [](auto&, int) { return openvdb::Vec3f(0); });
-    const RunningMean mean{{*from[0].domain, 0.5f}, {*from[0].domain, 7.0f}};
-    const LeafValues<std::int32_t> input(*to[0].domain, 13107); // 0.2
-    const RunningMean moved = onDomain(*to[0].domain, input, *from[0].domain, mean);
+    const LeafValues<std::int32_t> before(*from[0].domain, 6554), input(*to[0].domain, 13107); // 0.1, 0.2
+    Convolution convolution(*from[0].domain, before, 2, RunningMean{{*from[0].domain, 0.5f}, {*from[0].domain, 6.0f}});
+    const std::vector<std::int64_t> noHits(LeafVoxel::kCount, 0);
+    for (std::size_t leaf = 0; leaf < from[0].domain->leafCount(); ++leaf)
+        convolution.take(leaf, noHits.data());
+    EXPECT_EQ(convolution.texture().tree()->getValue({3, 0, 0}), 0.5f);
+    const RunningMean moved = convolution.meanOn(*to[0].domain, input).value();
     EXPECT_EQ(moved.mean.tree()->activeVoxelCount(), 8u);
     for (int x = 5; x <= 12; ++x) {
         EXPECT_FLOAT_EQ(moved.mean.tree()->getValue({x, 0, 0}), x < 10 ? 0.5f : 0.2f) << x;
-        EXPECT_EQ(moved.weight.tree()->getValue({x, 0, 0}), x < 10 ? 7 : 0) << x;
+        EXPECT_EQ(moved.weight.tree()->getValue({x, 0, 0}), x < 10 ? 2 : 0) << x; // a third of the weight is kept
     }
 }
 

@@ -167,37 +167,6 @@ TEST(FeedForward, FluidThatEntersContinuesTheStreaksThatEnteredBefore)
     EXPECT_GT(compared, 50u);
 }
 
-TEST(FeedForward, BitsTakeTheTopBitFromTheTextureAndTheRestFromTheNoise)
-{
-    struct Known {
-        float noise;
-        double dark, bright; // results for a texture of 0.2 and of 0.8
-    };
-    // The remainder of the noise by ½, and ½ more for the bright texture; below 0.1 and above 0.9 stretched to the
-    // ends.
-    const std::array<Known, 6> known = {{{0.05f, 0, 0.55},
-                                         {0.25f, 0.25, 0.75},
-                                         {0.45f, 0.45, 1},
-                                         {0.55f, 0, 0.55},
-                                         {0.75f, 0.25, 0.75},
-                                         {0.95f, 0.45, 1}}};
-    const auto frames = test::makeFrames({{0, 0, 0}, {5, 0, 0}}, 1, [](auto&, int) { return Vec3f(0); });
-    const auto grid = openvdb::FloatGrid::create();
-    for (int x = 0; x < int(known.size()); ++x)
-        grid->tree().setValue({x, 0, 0}, known[std::size_t(x)].noise);
-    FeedbackParams params;
-    params.jitter = Jitter::kBits;
-    for (const bool bright : {false, true}) {
-        const LeafValues<float> texture = uniformTexture(*frames[0].domain, bright ? 0.8f : 0.2f);
-        const auto next = feedForwardOver(frames, texture, *frames[0].domain, NoiseField(kSeed, grid), params, 0);
-        for (int x = 0; x < int(known.size()); ++x) {
-            const Known& expected = known[std::size_t(x)];
-            EXPECT_NEAR(next.tree()->getValue({x, 0, 0}) / 65535.0, bright ? expected.bright : expected.dark, 3e-5)
-                << expected.noise << " and a texture of " << (bright ? 0.8 : 0.2);
-        }
-    }
-}
-
 /// The mix filter as docs/algorithm.md has it, voxel by voxel in double precision, for fluid at rest.
 class PlainMix {
   public:
@@ -298,13 +267,6 @@ TEST(FeedbackParams, RefusesValuesOutOfRange)
     EXPECT_THROW(FeedbackParams{.deviation = 0}.validate(), ParameterError);
     EXPECT_THROW(FeedbackParams{.deviation = std::nanf("")}.validate(), ParameterError);
     EXPECT_NO_THROW(FeedbackParams{}.validate());
-}
-
-TEST(FeedbackParams, JittersHaveNames)
-{
-    EXPECT_EQ(parseJitter("mix"), Jitter::kMix);
-    EXPECT_EQ(toString(parseJitter("bits")), "bits");
-    EXPECT_THROW((void)parseJitter("noise"), ParameterError);
 }
 
 } // namespace

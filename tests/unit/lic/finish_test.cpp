@@ -27,7 +27,7 @@ LeafValues<float> finishedSpot(const FlowFrame& frame, const Coord& spot, int ta
 {
     const LeafValues<float> texture(*frame.domain, 0.0f);
     texture.tree()->setValue(spot, 0.9f);
-    return finished(frame, openvdb::Mat3d::identity(), texture, {taps, 0});
+    return finish(frame, openvdb::Mat3d::identity(), texture, {taps, 0});
 }
 
 TEST(Finished, IsAMeanAlongTheFlowWithWeightsThatFallLinearly)
@@ -69,8 +69,8 @@ TEST(Finished, KeepsStreaksOfARefinedFlow)
         const Coord at = voxel.getCoord();
         voxel.setValue(0.5f + 0.4f * std::sin(0.7f * float(at[0] - at[1])));
     }
-    const LeafValues<float> mean = finished(frames[0], openvdb::Mat3d::identity(), texture, {2, 0});
-    const LeafValues<float> sharp = finished(frames[0], openvdb::Mat3d::identity(), texture, {2, 2});
+    const LeafValues<float> mean = finish(frames[0], openvdb::Mat3d::identity(), texture, {2, 0});
+    const LeafValues<float> sharp = finish(frames[0], openvdb::Mat3d::identity(), texture, {2, 2});
     double before = 0, after = 0, most = 0;
     for (auto value = texture.tree()->cbeginValueOn(); value; ++value) {
         const Coord at = value.getCoord();
@@ -93,7 +93,7 @@ TEST(Finished, DoesNotDependOnThreads)
     std::vector<LeafValues<float>> results;
     for (const std::size_t threads : {1, 2, 7}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        results.push_back(finished(frames[0], openvdb::Mat3d::identity(), texture, {}));
+        results.push_back(finish(frames[0], openvdb::Mat3d::identity(), texture, {}));
     }
     for (auto value = results[0].tree()->cbeginValueOn(); value; ++value) {
         ASSERT_EQ(*value, results[1].tree()->getValue(value.getCoord()));

@@ -1,5 +1,7 @@
 #include "vdblic/lic/flow_state.h"
 
+#include "vdblic/lic/fading_values.h"
+
 #include "lic/test_flow.h"
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
@@ -77,52 +79,50 @@ std::size_t differingVoxels(const LeafValues<float>& a, const LeafValues<float>&
     return differing;
 }
 
-class SavedState : public testing::TestWithParam<ScatterParams> {};
+class SavedState : public testing::TestWithParam<TextureParams> {};
 
 TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
 {
     const auto frames = test::unsteadyFlowWithHole(kStateSteps + 1); // every frame has another domain
     const auto expected = test::streamedTextures(frames, kStateSteps, GetParam());
     for (const std::size_t saved : {1, 2, 5, 8}) {
-        FlowTexture before(GetParam(), FeedbackParams{}, NoiseField(7));
+        const auto before = makeFlowTexture(GetParam(), NoiseField(7));
         for (std::size_t k = 0; k < saved; ++k)
-            (void)before.advance(test::stepFrom(frames, k));
-        FlowTexture after(GetParam(), FeedbackParams{}, NoiseField(7));
-        after.restore(before.steps(), 1, frames[saved].domain, source(throughFiles(before)));
-        EXPECT_EQ(after.steps(), saved);
+            (void)before->advance(test::stepFrom(frames, k));
+        const auto after = makeFlowTexture(GetParam(), NoiseField(7));
+        after->restore(before->steps(), 1, frames[saved].domain, source(throughFiles(*before)));
+        EXPECT_EQ(after->steps(), saved);
         for (std::size_t k = saved; k < kStateSteps; ++k) {
-            EXPECT_EQ(differingVoxels(after.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u)
+            EXPECT_EQ(differingVoxels(after->advance(test::stepFrom(frames, k)).texture, expected[k]), 0u)
                 << "step " << k << " after " << saved;
         }
         // Saving takes nothing away.
         for (std::size_t k = saved; k < kStateSteps; ++k) {
-            EXPECT_EQ(differingVoxels(before.advance(test::stepFrom(frames, k)).texture, expected[k]), 0u);
+            EXPECT_EQ(differingVoxels(before->advance(test::stepFrom(frames, k)).texture, expected[k]), 0u);
         }
     }
 }
 
-ScatterParams params(ScatterMethod method, int lifeSpan, bool history = false)
+TextureParams params(TextureMethod method, int lifeSpan)
 {
-    ScatterParams result;
+    TextureParams result;
     result.method = method;
     result.lifeSpan = lifeSpan;
-    result.history = history;
     return result;
 }
 
-std::string nameOf(const testing::TestParamInfo<ScatterParams>& info)
+std::string nameOf(const testing::TestParamInfo<TextureParams>& info)
 {
-    const char* method = info.param.method == ScatterMethod::kUflic ? "Uflic"
-                         : info.param.history                       ? "AuflicWithHistory"
-                                                                    : "Auflic";
+    const char* method = info.param.method == TextureMethod::kUflic    ? "Uflic"
+                         : info.param.method == TextureMethod::kAuflic ? "Auflic"
+                                                                       : "Auflic2004";
     return fmt::format("{}Life{}", method, info.param.lifeSpan);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, SavedState,
-                         testing::Values(params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
-                                         params(ScatterMethod::kAuflic, 4, true),
-                                         params(ScatterMethod::kAuflic, 1, true),
-                                         params(ScatterMethod::kAuflic, 20, true)),
+                         testing::Values(params(TextureMethod::kUflic, 4), params(TextureMethod::kAuflic2004, 4),
+                                         params(TextureMethod::kAuflic, 4), params(TextureMethod::kAuflic, 1),
+                                         params(TextureMethod::kAuflic, 20)),
                          nameOf);
 
 std::shared_ptr<const Domain> box(const openvdb::CoordBBox& voxels)
@@ -158,7 +158,7 @@ TEST(ParticleGrid, KeepsEveryBitOfAParticle)
         for (const float y : coordinates) {
             Particle particle{{x, y, -x}, {1e-38f * x, y, -3e30f}, 0, (number + 1) << Particle::kVoxelBits | number};
             const std::array<std::uint32_t, 2> words = {std::uint32_t(number * 65535) << 8 | 3, ~std::uint32_t(0)};
-            particle.alive = Generation::hits(words[0]) + Generation::hits(words[1]);
+            particle.alive = Hits::pack(number * 65535, number + 1);
             const int leaf = domain->findLeaf(voxelOf(Float4{x, y, -x, 0}));
             ASSERT_GE(leaf, 0);
             bins.add(std::size_t(leaf), particle, words.data());
@@ -216,20 +216,20 @@ TEST(InputGrid, KeepsEveryValue)
 TEST(SavedStates, ThatDoNotFitAreRefused)
 {
     const auto frames = test::unsteadyFlowWithHole(4);
-    FlowTexture texture(ScatterParams{}, FeedbackParams{}, NoiseField(7));
+    const auto texture = makeFlowTexture(TextureParams{}, NoiseField(7));
     for (std::size_t k = 0; k < 2; ++k)
-        (void)texture.advance(test::stepFrom(frames, k));
-    const std::vector<VdbFile> state = throughFiles(texture);
-    FlowTexture other(ScatterParams{}, FeedbackParams{}, NoiseField(7));
-    EXPECT_NO_THROW(other.restore(2, 1, frames[2].domain, source(state)));
-    EXPECT_THROW(other.restore(2, 1, frames[3].domain, source(state)), InputError);
+        (void)texture->advance(test::stepFrom(frames, k));
+    const std::vector<VdbFile> state = throughFiles(*texture);
+    const auto other = makeFlowTexture(TextureParams{}, NoiseField(7));
+    EXPECT_NO_THROW(other->restore(2, 1, frames[2].domain, source(state)));
+    EXPECT_THROW(other->restore(2, 1, frames[3].domain, source(state)), InputError);
     for (std::size_t missing = 0; missing < state.front().grids.size(); ++missing) {
         std::vector<VdbFile> part = state;
         part.front().grids.erase(part.front().grids.begin() + std::ptrdiff_t(missing));
-        EXPECT_THROW(other.restore(2, 1, frames[2].domain, source(part)), InputError);
+        EXPECT_THROW(other->restore(2, 1, frames[2].domain, source(part)), InputError);
     }
-    FlowTexture window(params(ScatterMethod::kAuflic, 4, false), FeedbackParams{}, NoiseField(7));
-    EXPECT_THROW(window.restore(2, 1, frames[2].domain, source(state)), InputError);
+    const auto window = makeFlowTexture(params(TextureMethod::kAuflic2004, 4), NoiseField(7));
+    EXPECT_THROW(window->restore(2, 1, frames[2].domain, source(state)), InputError);
 }
 
 TEST(SavedStates, OfLargeDomainsAreInParts)
@@ -238,22 +238,22 @@ TEST(SavedStates, OfLargeDomainsAreInParts)
     const auto frames = test::makeFrames({Coord(0, 0, 0), Coord(519, 519, 0)}, 4, [](const Coord& at, int k) {
         return Vec3f(1.5f * std::sin(0.05f * float(at[1] + k)), 1.5f * std::cos(0.07f * float(at[0])), 0);
     });
-    ScatterParams scatter;
+    TextureParams scatter;
     scatter.substeps = 2; // with a running mean
-    const auto texture = [&] { return FlowTexture(scatter, FeedbackParams{}, NoiseField(7)); };
-    FlowTexture before = texture(), after = texture(), incomplete = texture();
+    const auto texture = [&] { return makeFlowTexture(scatter, NoiseField(7)); };
+    const auto before = texture(), after = texture(), incomplete = texture();
     for (std::size_t k = 0; k < 2; ++k)
-        (void)before.advance(test::stepFrom(frames, k));
-    ASSERT_EQ(before.parts(), 2u);
-    openvdb::CoordBBox both = before.save(0).box;
-    both.expand(before.save(1).box);
+        (void)before->advance(test::stepFrom(frames, k));
+    ASSERT_EQ(before->parts(), 2u);
+    openvdb::CoordBBox both = before->save(0).box;
+    both.expand(before->save(1).box);
     EXPECT_EQ(both, openvdb::CoordBBox({0, 0, 0}, {519, 519, 7}));
-    const std::vector<VdbFile> files = throughFiles(before);
-    after.restore(before.steps(), 1, frames[2].domain, source({files[1], files[0]})); // in any order
-    EXPECT_EQ(differingVoxels(after.advance(test::stepFrom(frames, 2)).texture,
-                              before.advance(test::stepFrom(frames, 2)).texture),
+    const std::vector<VdbFile> files = throughFiles(*before);
+    after->restore(before->steps(), 1, frames[2].domain, source({files[1], files[0]})); // in any order
+    EXPECT_EQ(differingVoxels(after->advance(test::stepFrom(frames, 2)).texture,
+                              before->advance(test::stepFrom(frames, 2)).texture),
               0u);
-    EXPECT_THROW(incomplete.restore(before.steps(), 1, frames[2].domain, source({files[1]})), InputError);
+    EXPECT_THROW(incomplete->restore(before->steps(), 1, frames[2].domain, source({files[1]})), InputError);
 }
 
 TEST(ParticleGrid, IsRefusedWithValuesThatNoRunLeaves)
@@ -273,22 +273,26 @@ TEST(ParticleGrid, IsRefusedWithValuesThatNoRunLeaves)
     EXPECT_THROW(readWith(Hits::pack(0, Hits::kCountMask)), InputError);
 }
 
-TEST(FadingHits, LoseTheSameShareInEveryFrame)
+TEST(FadingValues, LoseTheSameShareInEveryFrame)
 {
-    for (const std::uint64_t life : {2, 4, 20, 1000}) {
-        const std::uint64_t steady = FadingHits::steady(60000, life);
-        const std::uint64_t again = FadingHits::fade(FadingHits::add(steady, 60000), life);
+    const auto withOneMore = [](std::uint64_t word, std::uint64_t value) {
+        FadingValues::add(word, nullptr, value);
+        return word;
+    };
+    for (const int life : {2, 4, 20, 1000}) {
+        const std::uint64_t steady = FadingValues({.lifeSpan = life}, 0).atRelease(60000);
+        const std::uint64_t again = FadingValues::faded(withOneMore(steady, 60000), std::uint64_t(life));
         EXPECT_NEAR(double(Hits::count(again)), double(Hits::count(steady)), 0.5) << life;
         EXPECT_EQ(Hits::sum(again), 60000 * Hits::count(again)) << life;
     }
     std::uint64_t word = Hits::pack(3000, 3000);
     for (int frame = 0; frame < 4; ++frame)
-        word = FadingHits::fade(word, 4);
+        word = FadingValues::faded(word, 4);
     EXPECT_NEAR(double(Hits::count(word)), 3000 * 16 / 81.0, 2); // two thirds stay
-    EXPECT_EQ(FadingHits::fade(FadingHits::add(0, 5), 1), 0u);
-    EXPECT_EQ(FadingHits::steady(5, 1), 0u);
+    EXPECT_EQ(FadingValues::faded(withOneMore(0, 5), 1), 0u);
+    EXPECT_EQ(FadingValues({.lifeSpan = 1}, 0).atRelease(5), 0u);
     for (int frame = 0; frame < 40; ++frame) // nothing stays for ever
-        word = word > 0 ? FadingHits::fade(word, 4) : 0;
+        word = word > 0 ? FadingValues::faded(word, 4) : 0;
     EXPECT_EQ(word, 0u);
 }
 

@@ -35,15 +35,15 @@ Correlation shifted(const LeafValues<float>& a, const LeafValues<float>& b, cons
     return correlation;
 }
 
-std::vector<LeafValues<float>> texturesOf(const Vec3f& velocity, ScatterMethod method, int steps)
+std::vector<LeafValues<float>> texturesOf(const Vec3f& velocity, TextureMethod method, int steps)
 {
     const auto frames = test::makeFrames(kFlowBox, steps + 1, [&](const Coord&, int) { return velocity; });
-    ScatterParams scatter;
+    TextureParams scatter;
     scatter.method = method;
     return test::streamedTextures(frames, steps, scatter);
 }
 
-class FlowTextures : public testing::TestWithParam<ScatterMethod> {};
+class FlowTextures : public testing::TestWithParam<TextureMethod> {};
 
 TEST_P(FlowTextures, OfAUniformFlowAreLongAlongItAndShortAcross)
 {
@@ -97,7 +97,7 @@ TEST_P(FlowTextures, OfAFlowAtRestStayTheNoiseTheyWere)
     EXPECT_GT(shifted(textures.back(), textures[8], {0, 0, 0}).value(), 0.99);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, FlowTextures, testing::Values(ScatterMethod::kUflic, ScatterMethod::kAuflic));
+INSTANTIATE_TEST_SUITE_P(Methods, FlowTextures, testing::Values(TextureMethod::kUflic, TextureMethod::kAuflic));
 
 TEST(FlowTexture, HandlesDomainsOfOneVoxelOneSheetAndNone)
 {
@@ -147,10 +147,10 @@ TEST(FlowTexture, CostsTheSameInEveryFrame)
     const auto frames = test::makeFrames(kFlowBox, 2, [](const Coord& at, int) {
         return Vec3f(2, std::sin(0.2f * float(at[0])), std::cos(0.3f * float(at[1])));
     });
-    FlowTexture pipeline({}, FeedbackParams{}, NoiseField(7));
+    const auto pipeline = makeFlowTexture({}, NoiseField(7));
     double least = 1e9, most = 0;
     for (int k = 0; k < kSteps; ++k) {
-        const double steps = double(pipeline.advance(test::stepFrom(frames, 0)).stats.steps);
+        const double steps = double(pipeline->advance(test::stepFrom(frames, 0)).stats.steps);
         if (k < kSettled) continue;
         least = std::min(least, steps);
         most = std::max(most, steps);

@@ -70,7 +70,7 @@ struct Trace {
     bool ended = false;          // left the domain
 };
 
-Trace trace(const VelocityField& field, const ScatterParams& params, Float4 position, Float4 slope)
+Trace trace(const VelocityField& field, const TextureParams& params, Float4 position, Float4 slope)
 {
     const Domain& domain = field.domain();
     const Coord tile = tileOf(voxelAt(position));
@@ -98,7 +98,7 @@ Trace trace(const VelocityField& field, const ScatterParams& params, Float4 posi
 
 class LiteralLic {
   public:
-    LiteralLic(const std::vector<FlowFrame>& frames, int steps, const ScatterParams& params)
+    LiteralLic(const std::vector<FlowFrame>& frames, int steps, const TextureParams& params)
         : mParams(params), mFields(std::size_t(steps)), mBuckets(std::size_t(params.lifeSpan)), mNoise(7)
     {
         for (std::size_t k = 0; k < mFields.size(); ++k) {
@@ -110,7 +110,7 @@ class LiteralLic {
 
     LeafValues<float> scatteringProcess(std::size_t k, const Domain& next)
     {
-        if (mParams.method == ScatterMethod::kUflic) {
+        if (mParams.method == TextureMethod::kUflic) {
             forEachVoxel(k, [&](const Coord& voxel, std::uint64_t rank) {
                 Path path = start(k, voxel, rank);
                 extend(path, k + std::size_t(mParams.lifeSpan));
@@ -134,12 +134,7 @@ class LiteralLic {
             }
         }
         bucket = {};
-        FeedbackParams feedback;
-        if (mParams.method == ScatterMethod::kAuflic) {
-            texture = alongFlow(mFields[k], texture);
-            feedback = feedback.beforeMean();
-        }
-        mInput = feedForward(mFields[k], texture, next, mNoise, feedback, k);
+        mInput = feedForward(mFields[k], texture, next, mNoise, {}, k);
         return texture;
     }
 
@@ -250,7 +245,7 @@ class LiteralLic {
         mSaved = std::move(saved);
     }
 
-    ScatterParams mParams;
+    TextureParams mParams;
     std::vector<VelocityField> mFields;
     std::vector<Bucket> mBuckets;
     NoiseField mNoise;
@@ -261,7 +256,7 @@ class LiteralLic {
 /// With history: particle by particle and deposit by deposit, all in maps.
 class LiteralHistory {
   public:
-    LiteralHistory(const ScatterParams& params, const Domain& first)
+    LiteralHistory(const TextureParams& params, const Domain& first)
         : mParams(params), mNoise(7), mInput(noiseInput(first, mNoise))
     {
     }
@@ -315,7 +310,7 @@ class LiteralHistory {
                            65535.0f);
         }
         texture = alongFlow(field, texture);
-        mInput = feedForward(field, texture, next, mNoise, FeedbackParams{}.beforeMean(), k);
+        mInput = feedForward(field, texture, next, mNoise, {.deviation = 1.08f * FeedbackParams{}.deviation}, k);
         return texture;
     }
 
@@ -358,7 +353,7 @@ class LiteralHistory {
         mMotes.push_back(mote);
     }
 
-    ScatterParams mParams;
+    TextureParams mParams;
     NoiseField mNoise;
     LeafValues<std::int32_t> mInput;
     std::vector<Mote> mMotes;
@@ -369,7 +364,7 @@ class LiteralHistory {
 } // namespace
 
 std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<FlowFrame>& frames, int steps,
-                                                          const ScatterParams& scatter)
+                                                          const TextureParams& scatter)
 {
     LiteralHistory literal(scatter, *frames[0].domain);
     std::vector<LeafValues<float>> textures;
@@ -383,7 +378,7 @@ std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<Flow
 }
 
 std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
-                                               const ScatterParams& scatter)
+                                               const TextureParams& scatter)
 {
     LiteralLic literal(frames, steps, scatter);
     std::vector<LeafValues<float>> textures;

@@ -11,10 +11,10 @@ namespace vdblic::test {
 ///
 /// Shares only the integration of one step and the filter with the library.
 std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
-                                               const ScatterParams& scatter);
+                                               const TextureParams& scatter);
 
 /// AUFLIC with history, slowly: particle after particle and deposit after deposit, all in maps.
 std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<FlowFrame>& frames, int steps,
-                                                          const ScatterParams& scatter);
+                                                          const TextureParams& scatter);
 
 } // namespace vdblic::test

@@ -2,7 +2,7 @@
 #include "lic/test_flow.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/lic/flow_texture.h"
-#include "vdblic/lic/scatter_params.h"
+#include "vdblic/lic/texture_params.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -51,8 +51,8 @@ TEST_P(RefinedTexture, EqualsThatOfTheVelocityGivenAtItsVoxels)
     const auto fine = test::makeFrames(fineBox, kShearSteps + 1, [&](const Coord& at, int frame) {
         return Vec3f(float(nx * along((at[1] + 0.5) / ny - 0.5, frame)), 0, 0);
     });
-    for (const ScatterMethod method : {ScatterMethod::kAuflic, ScatterMethod::kUflic}) {
-        ScatterParams scatter;
+    for (const TextureMethod method : {TextureMethod::kAuflic, TextureMethod::kUflic}) {
+        TextureParams scatter;
         scatter.method = method;
         scatter.lifeSpan = 3;
         const auto textures = test::streamedTextures(test::refined(coarse, refinement), kShearSteps, scatter);
@@ -104,13 +104,14 @@ TEST(RefinedTextures, EqualTheLiteralForms)
     });
     for (const Refinement refinement : {Refinement{{2, 2, 2}}, Refinement{{3, 1, 2}}, Refinement{{1, 1, 9}}}) {
         for (const auto& flow : {test::refined(frames, refinement), test::refined(thin, refinement)}) {
-            for (const bool history : {false, true}) {
-                ScatterParams scatter;
-                scatter.history = history;
+            for (const TextureMethod method : {TextureMethod::kAuflic2004, TextureMethod::kAuflic}) {
+                TextureParams scatter;
+                scatter.method = method;
                 scatter.lifeSpan = 3;
                 expectEqualTextures(test::streamedTextures(flow, kLiteralSteps, scatter),
-                                    history ? test::literalTexturesWithHistory(flow, kLiteralSteps, scatter)
-                                            : test::literalTextures(flow, kLiteralSteps, scatter));
+                                    method == TextureMethod::kAuflic
+                                        ? test::literalTexturesWithHistory(flow, kLiteralSteps, scatter)
+                                        : test::literalTextures(flow, kLiteralSteps, scatter));
             }
         }
     }

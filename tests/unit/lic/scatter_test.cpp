@@ -39,50 +39,49 @@ void expectEqual(const std::vector<LeafValues<float>>& a, const std::vector<Leaf
     }
 }
 
-class EqualsLiteral : public testing::TestWithParam<ScatterParams> {};
+class EqualsLiteral : public testing::TestWithParam<TextureParams> {};
 
 TEST_P(EqualsLiteral, OnAnUnsteadyFlowWithAMovingHole)
 {
     const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
-    const bool history = GetParam().method == ScatterMethod::kAuflic && GetParam().history;
+    const bool history = GetParam().method == TextureMethod::kAuflic;
     expectEqual(test::streamedTextures(frames, kSteps, GetParam()),
                 history ? test::literalTexturesWithHistory(frames, kSteps, GetParam())
                         : test::literalTextures(frames, kSteps, GetParam()));
 }
 
-ScatterParams params(ScatterMethod method, int lifeSpan, float window = 0.25f, bool history = false)
+TextureParams params(TextureMethod method, int lifeSpan, float window = 0.25f)
 {
-    ScatterParams result;
-    result.history = history;
+    TextureParams result;
     result.method = method;
     result.lifeSpan = lifeSpan;
     result.releaseWindow = window;
     return result;
 }
 
-std::string nameOf(const testing::TestParamInfo<ScatterParams>& info)
+std::string nameOf(const testing::TestParamInfo<TextureParams>& info)
 {
     return fmt::format("Life{}Window{}", info.param.lifeSpan, int(100 * info.param.releaseWindow));
 }
 
 INSTANTIATE_TEST_SUITE_P(Uflic, EqualsLiteral,
-                         testing::Values(params(ScatterMethod::kUflic, 1), params(ScatterMethod::kUflic, 4),
-                                         params(ScatterMethod::kUflic, 12)),
+                         testing::Values(params(TextureMethod::kUflic, 1), params(TextureMethod::kUflic, 4),
+                                         params(TextureMethod::kUflic, 12)),
                          nameOf);
-INSTANTIATE_TEST_SUITE_P(Auflic, EqualsLiteral,
-                         testing::Values(params(ScatterMethod::kAuflic, 1), params(ScatterMethod::kAuflic, 4),
-                                         params(ScatterMethod::kAuflic, 4, 1.0f),
-                                         params(ScatterMethod::kAuflic, 7, 0.5f)),
+INSTANTIATE_TEST_SUITE_P(Auflic2004, EqualsLiteral,
+                         testing::Values(params(TextureMethod::kAuflic2004, 1), params(TextureMethod::kAuflic2004, 4),
+                                         params(TextureMethod::kAuflic2004, 4, 1.0f),
+                                         params(TextureMethod::kAuflic2004, 7, 0.5f)),
                          nameOf);
 
-INSTANTIATE_TEST_SUITE_P(AuflicWithHistory, EqualsLiteral,
-                         testing::Values(params(ScatterMethod::kAuflic, 1, 0.25f, true),
-                                         params(ScatterMethod::kAuflic, 4, 0.25f, true),
-                                         params(ScatterMethod::kAuflic, 7, 1.0f, true)),
+INSTANTIATE_TEST_SUITE_P(Auflic, EqualsLiteral,
+                         testing::Values(params(TextureMethod::kAuflic, 1, 0.25f),
+                                         params(TextureMethod::kAuflic, 4, 0.25f),
+                                         params(TextureMethod::kAuflic, 7, 1.0f)),
                          nameOf);
 
 /// Textures of runs on one, two and seven threads.
-void expectSameForAnyThreads(const std::vector<FlowFrame>& frames, const ScatterParams& method)
+void expectSameForAnyThreads(const std::vector<FlowFrame>& frames, const TextureParams& method)
 {
     const int steps = int(frames.size()) - 1;
     std::vector<std::vector<LeafValues<float>>> runs;
@@ -126,8 +125,8 @@ TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
 {
     const auto frames = channelFlow(kSteps + 1);
     ASSERT_TRUE(groupsCanRunTogether(*frames[0].domain));
-    for (const ScatterParams& method : {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
-                                        params(ScatterMethod::kAuflic, 4, 0.5f, true)})
+    for (const TextureParams& method : {params(TextureMethod::kUflic, 4), params(TextureMethod::kAuflic2004, 4),
+                                        params(TextureMethod::kAuflic, 4, 0.5f)})
         expectSameForAnyThreads(frames, method);
 }
 
@@ -135,7 +134,7 @@ TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreadsWhereTilesAreFewAndNear)
 {
     const auto frames = test::unsteadyFlowWithHole(kSteps + 1);
     ASSERT_FALSE(groupsCanRunTogether(*frames[0].domain));
-    expectSameForAnyThreads(frames, params(ScatterMethod::kAuflic, 4, 0.5f, true));
+    expectSameForAnyThreads(frames, params(TextureMethod::kAuflic, 4, 0.5f));
 }
 
 TEST(Scatter, GivesTheSameTexturesForAnyNumberOfSlabs)
@@ -151,8 +150,7 @@ TEST(Scatter, GivesTheSameTexturesForAnyNumberOfSlabs)
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
         ASSERT_EQ(Slabs(*frames[0].domain).size(), 3u);
     }
-    for (const ScatterParams& method :
-         {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4, 0.25f, true)})
+    for (const TextureParams& method : {params(TextureMethod::kUflic, 4), params(TextureMethod::kAuflic, 4, 0.25f)})
         expectSameForAnyThreads(frames, method);
 }
 
@@ -162,7 +160,7 @@ TEST(Scatter, ASinkThatTakesInMoreThanFitsIsTheSameForAnyNumberOfThreads)
     const auto frames = test::makeFrames({{-20, -20, -20}, {20, 20, 20}}, 4, [](const openvdb::Coord& at, int) {
         return openvdb::Vec3f(at.asVec3s()) * -3;
     });
-    expectSameForAnyThreads(frames, params(ScatterMethod::kAuflic, 4, 0.25f, true));
+    expectSameForAnyThreads(frames, params(TextureMethod::kAuflic, 4, 0.25f));
 }
 
 /// A step over a domain, with its input and its hits.
@@ -185,7 +183,8 @@ struct OneStep {
         const auto take = [&](std::size_t leaf, const std::int64_t* words) {
             std::copy_n(words, Domain::kLeafVoxels, hits[leaf]);
         };
-        return scatter.step(field, input, take, field.domain());
+        StageClock clock;
+        return scatter.step(field, input, take, field.domain(), 1, kSoleOwner, clock);
     }
 };
 
@@ -193,8 +192,8 @@ TEST(Scatter, EveryVoxelReleasesExactlyOneSeedAStep)
 {
     OneStep step(test::unsteadyFlowWithHole(2));
     const std::size_t voxels = step.field.domain().voxelCount();
-    for (const ScatterParams& method : {params(ScatterMethod::kUflic, 4), params(ScatterMethod::kAuflic, 4),
-                                        params(ScatterMethod::kAuflic, 4, 0.25f, true)}) {
+    for (const TextureParams& method : {params(TextureMethod::kUflic, 4), params(TextureMethod::kAuflic2004, 4),
+                                        params(TextureMethod::kAuflic, 4, 0.25f)}) {
         Scatter scatter(method);
         for (int k = 0; k < 6; ++k) {
             const ScatterStats stats = step.by(scatter);
@@ -207,10 +206,10 @@ TEST(Scatter, AuflicKeepsFewerParticlesThanUflic)
 {
     OneStep step(test::unsteadyFlowWithHole(2));
     std::size_t particles[2] = {0, 0};
-    for (const ScatterMethod method : {ScatterMethod::kUflic, ScatterMethod::kAuflic}) {
+    for (const TextureMethod method : {TextureMethod::kUflic, TextureMethod::kAuflic2004}) {
         Scatter scatter(params(method, 8));
         for (int k = 0; k < 10; ++k)
-            particles[method == ScatterMethod::kAuflic] = step.by(scatter).particles;
+            particles[method == TextureMethod::kAuflic2004] = step.by(scatter).particles;
     }
     EXPECT_LT(2 * particles[1], particles[0]);
     EXPECT_GT(particles[1], 0u);
@@ -219,7 +218,7 @@ TEST(Scatter, AuflicKeepsFewerParticlesThanUflic)
 TEST(Scatter, AtRestEachVoxelIsHitByItsOwnSeedsOnly)
 {
     OneStep step(test::makeFrames({{0, 0, 0}, {10, 9, 8}}, 2, [](auto&, int) { return openvdb::Vec3f(0); }));
-    Scatter scatter(params(ScatterMethod::kUflic, 3));
+    Scatter scatter(params(TextureMethod::kUflic, 3));
     for (int k = 0; k < 5; ++k) {
         step.by(scatter);
         const std::uint64_t expected = std::uint64_t(std::min(k + 1, 3));
@@ -236,7 +235,7 @@ TEST(Scatter, AVoxelThatOverflowsIsReported)
     // Some hundred paths end in a sink, and a value of a long life has a large weight.
     OneStep step(test::makeFrames({{-12, -12, -12}, {12, 12, 12}}, 2,
                                   [](const openvdb::Coord& at, int) { return openvdb::Vec3f(at.asVec3s()) * -1.6f; }));
-    ScatterParams method = params(ScatterMethod::kAuflic, 1000, 0.25f, true);
+    TextureParams method = params(TextureMethod::kAuflic, 1000, 0.25f);
     Scatter within(method);
     step.by(within);
     std::uint64_t most = 0;
@@ -250,9 +249,9 @@ TEST(Scatter, AVoxelThatOverflowsIsReported)
 
 TEST(Scatter, RefusesParametersOutOfRange)
 {
-    EXPECT_THROW(Scatter(params(ScatterMethod::kUflic, 0)), ParameterError);
-    EXPECT_THROW(Scatter(params(ScatterMethod::kAuflic, 4, 0.0f)), ParameterError);
-    EXPECT_THROW(Scatter(params(ScatterMethod::kAuflic, 4, std::nanf(""))), ParameterError);
+    EXPECT_THROW(Scatter(params(TextureMethod::kUflic, 0)), ParameterError);
+    EXPECT_THROW(Scatter(params(TextureMethod::kAuflic2004, 4, 0.0f)), ParameterError);
+    EXPECT_THROW(Scatter(params(TextureMethod::kAuflic2004, 4, std::nanf(""))), ParameterError);
 }
 
 } // namespace

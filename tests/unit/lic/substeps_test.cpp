@@ -33,8 +33,7 @@ std::optional<Vec3f> linearInTime(const Coord& at, double frame)
 
 struct Method {
     const char* name;
-    ScatterMethod method;
-    bool steady;
+    TextureMethod method;
 };
 
 class Substeps : public testing::TestWithParam<Method> {};
@@ -57,23 +56,22 @@ TEST_P(Substeps, EqualTheFramesBetween)
         writeVdb(folder / fmt::format("v.{}.vdb", frame), {grid}, {});
     }
     AdvectParams params;
-    params.input.pattern = (folder / "v.%d.vdb").string();
+    params.flow.input.pattern = (folder / "v.%d.vdb").string();
     params.output = (folder / "t.%d.vdb").string();
-    params.frameSpacing = 1;
+    params.flow.frameSpacing = 1;
     params.format.precision = GridPrecision::kFloat;
-    params.finish.taps = 0;
-    params.scatter.method = GetParam().method;
-    params.scatter.lifeSpan = 2;
-    params.scatter.substeps = kSubsteps;
-    if (GetParam().steady) params.steady = LicKernel::kHann;
+    params.finish = 0;
+    params.texture.method = GetParam().method;
+    params.texture.lifeSpan = 2;
+    params.texture.substeps = kSubsteps;
     std::istringstream none;
     Reporter silent;
     advectSequence(params, none, silent);
 
-    FlowTexture pipeline(params.scatter, params.feedback, NoiseField(params.seed), params.steady);
+    const auto pipeline = makeFlowTexture(params.texture, NoiseField(params.seed));
     const auto toStep = openvdb::Mat3d::identity() * (1.0 / kSubsteps);
     const auto advance = [&](const FlowFrame& start, const FlowFrame& end) {
-        return pipeline.advance({start, end, toStep, toStep, 1.0 / kSubsteps}).texture;
+        return pipeline->advance({start, end, toStep, toStep, 1.0 / kSubsteps}).texture;
     };
     for (std::uint64_t i = 0; i < params.prerollSteps(); ++i)
         (void)advance(dense[0], dense[0]);
@@ -90,9 +88,10 @@ TEST_P(Substeps, EqualTheFramesBetween)
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, Substeps,
-                         testing::Values(Method{"Auflic", ScatterMethod::kAuflic, false},
-                                         Method{"Uflic", ScatterMethod::kUflic, false},
-                                         Method{"Lic", ScatterMethod::kAuflic, true}),
+                         testing::Values(Method{"Auflic", TextureMethod::kAuflic},
+                                         Method{"Uflic", TextureMethod::kUflic},
+                                         Method{"Auflic2004", TextureMethod::kAuflic2004},
+                                         Method{"Lic", TextureMethod::kLic}),
                          [](const auto& method) { return method.param.name; });
 
 /// A closed flow: no particle leaves the domain.
@@ -138,17 +137,17 @@ TEST(ReleaseTurn, ComesOnceAFrameAtAnEvenlySpreadSubstep)
 TEST(SubstepsOfUflic, ReleaseEachVoxelOnceAFrame)
 {
     constexpr int kSubsteps = 5, kLife = 3;
-    ScatterParams scatter;
-    scatter.method = ScatterMethod::kUflic;
+    TextureParams scatter;
+    scatter.method = TextureMethod::kUflic;
     scatter.lifeSpan = kLife;
     scatter.substeps = kSubsteps;
     const auto frames = eddy(kSubsteps);
     const std::size_t voxels = frames[0].domain->voxelCount();
-    FlowTexture pipeline(scatter, {}, NoiseField(7));
+    const auto pipeline = makeFlowTexture(scatter, NoiseField(7));
     for (int frame = 0; frame < kLife + 2; ++frame) {
         std::size_t released = 0;
         for (int part = 0; part < kSubsteps; ++part) {
-            const ScatterStats stats = statsAfter(pipeline, frames);
+            const ScatterStats stats = statsAfter(*pipeline, frames);
             released += stats.released;
             // Every seed lives for kLife frames, whatever their substeps.
             if (frame > kLife) {
@@ -162,24 +161,24 @@ TEST(SubstepsOfUflic, ReleaseEachVoxelOnceAFrame)
 /// The values on a particle must not pulsate with the frames: forgetting is spread over the substeps.
 TEST(SubstepsOfAuflic, ForgetAnEqualShareInEveryStep)
 {
-    for (const bool history : {true, false}) {
+    for (const TextureMethod method : {TextureMethod::kAuflic, TextureMethod::kAuflic2004}) {
         constexpr int kSubsteps = 8, kLife = 3;
-        ScatterParams scatter;
+        TextureParams scatter;
         scatter.lifeSpan = kLife;
         scatter.substeps = kSubsteps;
-        scatter.history = history;
+        scatter.method = method;
         const auto frames = eddy(kSubsteps);
-        FlowTexture pipeline(scatter, {}, NoiseField(7));
+        const auto pipeline = makeFlowTexture(scatter, NoiseField(7));
         for (int i = 0; i < 2 * kLife * kSubsteps; ++i)
-            (void)statsAfter(pipeline, frames);
+            (void)statsAfter(*pipeline, frames);
         double least = 1e30, most = 0;
         for (int i = 0; i < 2 * kSubsteps; ++i) {
-            const ScatterStats stats = statsAfter(pipeline, frames);
+            const ScatterStats stats = statsAfter(*pipeline, frames);
             const double values = double(stats.hits) / double(stats.deposits);
             least = std::min(least, values);
             most = std::max(most, values);
         }
-        EXPECT_LT(most / least, 1.05) << "history " << history;
+        EXPECT_LT(most / least, 1.05) << nameOf(method);
     }
 }
 
@@ -189,28 +188,29 @@ TEST(SubstepsOfAuflic, KeepValuesForTheirLifeSpan)
 {
     constexpr int kSubsteps = 6, kLife = 4;
     const auto still = test::makeFrames({{0, 0, 0}, {15, 15, 15}}, 2, [](const Coord&, int) { return Vec3f(0); });
-    for (const bool history : {true, false}) {
-        ScatterParams scatter;
+    for (const TextureMethod method : {TextureMethod::kAuflic, TextureMethod::kAuflic2004}) {
+        TextureParams scatter;
         scatter.lifeSpan = kLife;
         scatter.substeps = kSubsteps;
-        scatter.history = history;
-        FlowTexture pipeline(scatter, {}, NoiseField(7));
+        scatter.method = method;
+        const auto pipeline = makeFlowTexture(scatter, NoiseField(7));
         for (int i = 0; i < kLife * kSubsteps; ++i)
-            (void)statsAfter(pipeline, still);
+            (void)statsAfter(*pipeline, still);
         double values = 0;
         for (int i = 0; i < kSubsteps; ++i) {
-            const ScatterStats stats = statsAfter(pipeline, still);
+            const ScatterStats stats = statsAfter(*pipeline, still);
             EXPECT_EQ(stats.particles, still[0].domain->voxelCount());
             values += double(stats.hits) / double(stats.deposits) / kSubsteps;
         }
-        const double remembered = history ? 3.0 * kLife / 4 : kLife; // the sum of shares (1 - 4 / (3 L))^n
-        EXPECT_NEAR(values, remembered, 1e-9) << "history " << history;
+        const double remembered =
+            method == TextureMethod::kAuflic ? 3.0 * kLife / 4 : kLife; // the sum of shares (1 - 4 / (3 L))^n
+        EXPECT_NEAR(values, remembered, 1e-9) << nameOf(method);
     }
 }
 
 TEST(SubstepsOfAuflic, DoNotDependOnThreads)
 {
-    ScatterParams scatter;
+    TextureParams scatter;
     scatter.substeps = 3;
     const auto frames = test::unsteadyFlowWithHole(8);
     std::vector<std::vector<LeafValues<float>>> textures;
@@ -237,7 +237,6 @@ TEST(FrameBetween, InterpolatesWhereBothFramesHaveAVelocity)
         result.velocity.values->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
         for (auto voxel = box.begin(); voxel; ++voxel)
             result.velocity.values->tree().setValue(*voxel, Vec3f(value, 0, -value));
-        result.flow.velocities = result.velocity.values;
         return result;
     };
     LoadedFrame before = frame(3, 2, {{0, 0, 0}, {9, 3, 3}}, VelocityUnit::kWorldPerSecond);

@@ -18,7 +18,6 @@ std::vector<FlowFrame> makeFrames(const openvdb::CoordBBox& box, int frames, con
         flowFrame.velocities = grid;
         flowFrame.domain = std::make_shared<Domain>(
             std::make_shared<openvdb::MaskTree>(grid->tree(), false, true, openvdb::TopologyCopy()));
-        flowFrame.toWorldPerSecond = openvdb::Mat3d::identity();
         result.push_back(flowFrame);
     }
     return result;
@@ -54,13 +53,13 @@ std::vector<FlowFrame> unsteadyFlowWithHole(int frames)
 }
 
 std::vector<LeafValues<float>> streamedTextures(const std::vector<FlowFrame>& frames, int steps,
-                                                const ScatterParams& scatter)
+                                                const TextureParams& scatter)
 {
-    FlowTexture pipeline(scatter, FeedbackParams{}, NoiseField(7));
+    const auto pipeline = makeFlowTexture(scatter, NoiseField(7));
     std::vector<LeafValues<float>> textures;
     textures.reserve(std::size_t(steps));
     for (int k = 0; k < steps; ++k)
-        textures.push_back(pipeline.advance(stepFrom(frames, std::size_t(k))).texture);
+        textures.push_back(pipeline->advance(stepFrom(frames, std::size_t(k))).texture);
     return textures;
 }
 

@@ -3,7 +3,7 @@
 #include "vdblic/field/domain.h"
 #include "vdblic/field/flow_frame.h"
 #include "vdblic/lic/flow_texture.h"
-#include "vdblic/lic/scatter_params.h"
+#include "vdblic/lic/texture_params.h"
 
 #include <openvdb/openvdb.h>
 
@@ -31,6 +31,6 @@ std::vector<FlowFrame> unsteadyFlowWithHole(int frames);
 
 /// The textures of the library's pipeline for the first `steps` steps.
 std::vector<LeafValues<float>> streamedTextures(const std::vector<FlowFrame>& frames, int steps,
-                                                const ScatterParams& scatter);
+                                                const TextureParams& scatter);
 
 } // namespace vdblic::test

@@ -50,9 +50,9 @@ TEST(Checkpoint, HoldsEveryParameterOfARun)
 {
     const TemporaryFolder folder;
     AdvectParams params;
-    params.frameSpacing = 0.5;
+    params.flow.frameSpacing = 0.5;
     params.derived = {"vorticity", "q"};
-    params.domain.box = {0, 1, 2, 3, 4, 5};
+    params.flow.domain.box = {0, 1, 2, 3, 4, 5};
     const ParameterTexts texts = parameterTexts(params);
     writeCheckpoint(folder / "c.vdb", kCheckpoint, texts);
     EXPECT_EQ(readCheckpoint(folder / "c.vdb", texts).position.frameSpacing, kCheckpoint.position.frameSpacing);

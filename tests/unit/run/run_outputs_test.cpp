@@ -28,7 +28,7 @@ TEST(RunOutputs, CountSubstepsFromTheFirstFrame)
 {
     AdvectParams params;
     params.output = "lic.%04d.vdb";
-    params.scatter.substeps = 12;
+    params.texture.substeps = 12;
     RunOutputs outputs(params);
     outputs.startAt(-3);
     outputs.startAt(5); // has no effect
@@ -45,7 +45,7 @@ TEST(RunOutputs, MustDiffer)
     for (const char* name : {"v.0001.vdb", "v.0002.vdb"})
         folder.add(name);
     AdvectParams params;
-    params.input.pattern = (folder / "v.%04d.vdb").string();
+    params.flow.input.pattern = (folder / "v.%04d.vdb").string();
     params.output = (folder / "lic.%04d.vdb").string();
     const auto check = [&](const std::string& report) {
         params.json = report.empty() ? "" : (folder / report).string();
@@ -59,7 +59,7 @@ TEST(RunOutputs, MustDiffer)
     std::filesystem::create_directory(folder / "lic.0002.vdb");
     EXPECT_THROW(check(""), ParameterError);
     params = {};
-    params.input.pattern = (folder / "v.0001.vdb").string();
+    params.flow.input.pattern = (folder / "v.0001.vdb").string();
     params.output = (folder / "lic.vdb").string();
     EXPECT_NO_THROW(RunOutputs(params).check(1));
     EXPECT_THROW(RunOutputs(params).check(2), ParameterError);
@@ -71,10 +71,10 @@ TEST(RunOutputs, OfSubstepsReplaceNoLaterInput)
     for (const char* name : {"v.0001.vdb", "v.0003.vdb"})
         folder.add(name, "content");
     AdvectParams params;
-    params.input.pattern = params.output = (folder / "v.%04d.vdb").string();
+    params.flow.input.pattern = params.output = (folder / "v.%04d.vdb").string();
     EXPECT_THROW(RunOutputs(params).checkInputs({1, folder / "v.0001.vdb"}), ParameterError);
     params.output = (folder / "v.%03d.vdb").string();
-    params.scatter.substeps = 2;
+    params.texture.substeps = 2;
     EXPECT_NO_THROW(RunOutputs(params).checkInputs({1, folder / "v.0001.vdb"}));
     params.output = (folder / "v.0%03d.vdb").string();
     EXPECT_NO_THROW(RunOutputs(params).checkInputs({5, folder / "elsewhere.vdb"}));
@@ -95,13 +95,13 @@ TEST(RunOutputs, ReplaceNoInput)
     for (const char* output : {"a.0003.vdb", "checkpoint.a.vdb", "report.json"}) {
         EXPECT_THROW(check(output, {}), ParameterError) << output;
         AdvectParams masked, noisy;
-        masked.domain.mask = (folder / output).string();
+        masked.flow.domain.mask = (folder / output).string();
         EXPECT_THROW(check("v.0003.vdb", masked), ParameterError) << output;
         noisy.noise = (folder / output).string();
         EXPECT_THROW(check("v.0003.vdb", noisy), ParameterError) << output;
     }
     AdvectParams sequence; // of masks, one of which is the output
-    sequence.domain.mask = (folder / "a.%04d.vdb").string();
+    sequence.flow.domain.mask = (folder / "a.%04d.vdb").string();
     EXPECT_THROW(check("v.0003.vdb", sequence), ParameterError);
 }
 

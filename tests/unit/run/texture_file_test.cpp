@@ -3,6 +3,7 @@
 #include "lic/test_flow.h"
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/run/advect_params.h"
+#include "vdblic/run/texture_run.h"
 
 #include <gtest/gtest.h>
 
@@ -22,14 +23,24 @@ using openvdb::Vec3f;
 /// A frame of a flow that turns about the z axis, stored in units of half a world unit per second.
 LoadedFrame turningFrame()
 {
+    const FlowFrame flow = test::makeFrames({Coord(-4, -4, 0), Coord(12, 12, 3)}, 1, [](const Coord& at, int) {
+                               return Vec3f(float(-at[1]), float(at[0]), 0);
+                           }).front();
     LoadedFrame frame;
-    frame.flow = test::makeFrames({Coord(-4, -4, 0), Coord(12, 12, 3)}, 1, [](const Coord& at, int) {
-                     return Vec3f(float(-at[1]), float(at[0]), 0);
-                 }).front();
-    frame.flow.toWorldPerSecond = openvdb::Mat3d::identity() * 0.5;
-    frame.velocity.values = frame.flow.velocities->deepCopy();
+    frame.domain = flow.fieldDomain();
+    frame.velocity.values = flow.velocities->deepCopy();
     frame.velocity.values->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
+    frame.velocity.scale = 0.5;
     return frame;
+}
+
+/// Its texture at 1.5 s, between frames a second apart, with four substeps.
+RunTexture turningTexture()
+{
+    RunTexture made{turningFrame(), 3, 1.5, 1, {}};
+    made.frame.sourceFrame = 3.75;
+    made.step.texture = LeafValues<float>(*made.frame.domain.texture, 0.75f);
+    return made;
 }
 
 std::vector<std::string> namesOf(const TextureFile& file)
@@ -42,34 +53,34 @@ std::vector<std::string> namesOf(const TextureFile& file)
 
 TEST(TextureFile, HoldsEachGridOnItsTransform)
 {
-    LoadedFrame frame = turningFrame();
+    RunTexture made = turningTexture();
     const auto carried = openvdb::FloatGrid::create();
     carried->setName("smoke");
-    frame.velocity.carried = {carried};
+    made.frame.velocity.carried = {carried};
+    made.frame.domain.refinement.factors = {2, 2, 2};
     AdvectParams params;
     params.textureName = "texture";
     params.derived = {"vorticity", "q"};
-    const auto texture = std::make_shared<openvdb::FloatTree>(0.0f);
-    texture->setValue({1, 2, 3}, 0.75f);
-    const auto finer = openvdb::math::Transform::createLinearTransform(0.125);
+    params.finish = 0;
+    const auto texture = made.step.texture.tree();
+    const openvdb::math::Transform::Ptr finer = made.frame.textureTransform();
 
-    const TextureFile file = makeTextureFile(params, frame, texture, *finer, {5, 3.75, 1.5, 0.25});
+    const TextureFile file = makeTextureFile(params, made, 5);
     EXPECT_EQ(namesOf(file), (std::vector<std::string>{"texture", "magnitude", "vorticity", "q", "smoke"}));
     EXPECT_EQ(file.grids[0]->transform(), *finer);
     EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[0])->treePtr(), texture);
     for (const std::size_t other : {1, 2, 3})
-        EXPECT_EQ(file.grids[other]->transform(), frame.velocity.values->transform()) << other;
+        EXPECT_EQ(file.grids[other]->transform(), made.frame.velocity.values->transform()) << other;
     for (const std::size_t fog : {0, 1, 2, 3})
         EXPECT_EQ(file.grids[fog]->getGridClass(), openvdb::GRID_FOG_VOLUME) << fog;
 }
 
 TEST(TextureFile, MagnitudeIsInWorldUnitsPerSecond)
 {
-    const LoadedFrame frame = turningFrame();
-    const auto transform = openvdb::math::Transform::createLinearTransform(0.25);
-    const TextureFile file = makeTextureFile({}, frame, std::make_shared<openvdb::FloatTree>(0.0f), *transform, {});
+    RunTexture made = turningTexture();
+    const TextureFile file = makeTextureFile({}, made, 1);
     const auto magnitude = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[1]);
-    EXPECT_EQ(magnitude->activeVoxelCount(), frame.flow.domain->voxelCount());
+    EXPECT_EQ(magnitude->activeVoxelCount(), made.frame.domain.velocity->voxelCount());
     for (auto voxel = magnitude->cbeginValueOn(); voxel; ++voxel) {
         const Coord at = voxel.getCoord();
         ASSERT_FLOAT_EQ(*voxel, float(0.5 * std::hypot(at[0], at[1]))) << at;
@@ -78,12 +89,11 @@ TEST(TextureFile, MagnitudeIsInWorldUnitsPerSecond)
 
 TEST(TextureFile, TellsItsTimeAndParameters)
 {
-    const LoadedFrame frame = turningFrame();
-    const auto texture = std::make_shared<openvdb::FloatTree>(0.0f);
-    const auto& transform = frame.velocity.values->transform();
+    RunTexture made = turningTexture();
     AdvectParams params;
-    params.scatter.lifeSpan = 6;
-    openvdb::MetaMap metadata = makeTextureFile(params, frame, texture, transform, {5, 3.75, 1.5, 0.25}).metadata;
+    params.texture.lifeSpan = 6;
+    params.texture.substeps = 4;
+    openvdb::MetaMap metadata = makeTextureFile(params, made, 5).metadata;
     EXPECT_EQ(metadata.metaValue<std::int64_t>("frame"), 5);
     EXPECT_EQ(metadata.metaValue<double>("source_frame"), 3.75);
     EXPECT_EQ(metadata.metaValue<double>("time"), 1.5);
@@ -91,10 +101,10 @@ TEST(TextureFile, TellsItsTimeAndParameters)
     EXPECT_EQ(metadata.metaValue<std::string>("method"), "auflic");
     EXPECT_EQ(metadata.metaValue<std::int32_t>("life_span"), 6);
     EXPECT_EQ(metadata.metaValue<std::int32_t>("preroll"), 6);
-    params.steady = LicKernel::kBox;
-    metadata = makeTextureFile(params, frame, texture, transform, {}).metadata;
+    params.texture.method = TextureMethod::kLic;
+    made = turningTexture();
+    metadata = makeTextureFile(params, made, 5).metadata;
     EXPECT_EQ(metadata.metaValue<std::string>("method"), "lic");
-    EXPECT_EQ(metadata.metaValue<std::string>("kernel"), "box");
     EXPECT_FALSE(metadata["sharpen"]); // steady LIC has no feedback
 }
 

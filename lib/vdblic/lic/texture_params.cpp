@@ -1,4 +1,4 @@
-#include "vdblic/lic/scatter_params.h"
+#include "vdblic/lic/texture_params.h"
 
 #include "vdblic/core/errors.h"
 
@@ -6,7 +6,7 @@
 
 namespace vdblic {
 
-void ScatterParams::validate() const
+void TextureParams::validate() const
 {
     constexpr int kMaxLifeSpan = 1000;
     if (lifeSpan < 1 || lifeSpan > kMaxLifeSpan) {
@@ -20,6 +20,7 @@ void ScatterParams::validate() const
         throw ParameterError(fmt::format("release window {} must be above 0 and at most 1 frame", releaseWindow));
     }
     pathline.validate();
+    feedback.validate();
 }
 
 } // namespace vdblic

@@ -1,10 +1,11 @@
-#include "vdblic/lic/steady_lic.h"
+#include "vdblic/lic/steady_texture.h"
 
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lic/path_reach.h"
 #include "vdblic/lic/pathline.h"
 #include "vdblic/noise/noise.h"
 
@@ -22,7 +23,6 @@ namespace {
 /// Weighted noise along the streamlines of eight voxels at a time. One object serves one thread.
 struct Convolution {
     const LeafValues<std::int32_t>& noise;
-    const LicKernel kernel;
     const PathlineParams& pathline;
     PathBatch batch{};
     PathSamples samples{};
@@ -43,8 +43,7 @@ struct Convolution {
             collect(domain, window, lane);
             for (std::size_t i = 0; i < values.size(); ++i) {
                 const float s = (float(i) + 0.5f) / float(values.size());
-                const float share =
-                    kernel == LicKernel::kBox ? 1 : 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> * s);
+                const float share = 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> * s);
                 sum[lane] += share * float(values[i]);
                 weight[lane] += share;
             }
@@ -89,22 +88,64 @@ VDBLIC_KERNEL void convolveLeaf(Convolution& convolution, const VelocityField& d
 
 } // namespace
 
-LeafValues<float> steadyLic(const FlowFrame& frame, const openvdb::Mat3d& toStep, int lifeSpan, LicKernel kernel,
-                            const PathlineParams& pathline, const NoiseField& noise)
+SteadyTexture::SteadyTexture(const TextureParams& params, NoiseField noise) : mParams(params), mNoise(std::move(noise))
 {
-    const auto along = [&](double sign) {
-        const VelocityLevel level{frame.velocities->tree(), toStep * (sign * 0.5 * lifeSpan)};
-        VelocityField field;
-        field.build(frame.fieldDomain(), level, level);
-        return field;
+}
+
+FlowTextureStep SteadyTexture::advance(const FlowStep& step)
+{
+    StageClock clock;
+    const FlowFrame& frame = step.start;
+    const Domain& domain = *frame.domain;
+    const double half = 0.5 * mParams.lifeSpan * mParams.substeps; // of the kernel [steps]
+    VelocityField downstream, upstream;
+    const auto prepare = [&](VelocityField& field, double length) {
+        const VelocityLevel level{frame.velocities->tree(), step.startToStep * length};
+        field.prepare(frame.fieldDomain(), level, level);
     };
-    const VelocityField downstream = along(1), upstream = along(-1);
-    const LeafValues<std::int32_t> input = noiseInput(*frame.domain, noise, frame.domain->local());
-    LeafValues<float> texture(*frame.domain, 0.0f);
-    tbb::enumerable_thread_specific<Convolution> workers([&] { return Convolution{input, kernel, pathline}; });
-    forLeaves(frame.domain->own(),
-              [&](std::size_t leaf) { convolveLeaf(workers.local(), downstream, upstream, leaf, texture[leaf]); });
-    return texture;
+    {
+        const auto stage = clock.enter(&StageTimes::load);
+        prepare(downstream, half);
+        prepare(upstream, -half);
+    }
+    FlowTextureStep result;
+    {
+        const auto stage = clock.enter(&StageTimes::convolve);
+        const LeafValues<std::int32_t> input = noiseInput(domain, mNoise, domain.local());
+        result.texture = LeafValues<float>(domain, 0.0f);
+        tbb::enumerable_thread_specific<Convolution> workers([&] { return Convolution{input, mParams.pathline}; });
+        const Slabs slabs(domain, frame.refinement),
+            velocitySlabs(slabs, *downstream.sampledDomain().velocity, downstream.sampledDomain().refinement);
+        const auto finer = float(downstream.sampledDomain().refinement.factors[std::size_t(slabs.axis())] - 1);
+        slabs.sweep(
+            leavesReached(longestPath(downstream.largest()[slabs.axis()]) + finer),
+            [&](std::size_t slab) {
+                const auto inner = clock.enter(&StageTimes::load);
+                downstream.fill(velocitySlabs[slab]);
+                upstream.fill(velocitySlabs[slab]);
+            },
+            [&](std::size_t slab) {
+                downstream.release(velocitySlabs[slab]);
+                upstream.release(velocitySlabs[slab]);
+            },
+            [&](std::size_t slab) {
+                forLeaves(slabs[slab], [&](std::size_t leaf) {
+                    if (domain.isOwn(leaf))
+                        convolveLeaf(workers.local(), downstream, upstream, leaf, result.texture[leaf]);
+                });
+            });
+    }
+    result.times = clock.times();
+    ++mStep;
+    return result;
+}
+
+std::array<float, 3> SteadyTexture::farthestPath(const std::array<float, 3>& displacement, double /*interval*/) const
+{
+    std::array<float, 3> farthest{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        farthest[axis] = longestPath(0.5f * float(mParams.lifeSpan) * displacement[axis]);
+    return farthest;
 }
 
 } // namespace vdblic

@@ -1,0 +1,157 @@
+#include "textures.h"
+
+#include "grid_arrays.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/run/lead_in.h"
+#include "vdblic/run/run_outputs.h"
+#include "vdblic/run/texture_file.h"
+
+#include <fmt/format.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <cstddef>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+
+namespace vdblic::python {
+namespace {
+
+namespace py = pybind11;
+
+/// Round values as a file in half precision would.
+void roundToHalf(openvdb::FloatGrid& grid)
+{
+    openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid.tree());
+    leaves.foreach ([](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
+        float* const values = leaf.buffer().data();
+        for (openvdb::Index i = 0; i < openvdb::FloatTree::LeafNodeType::SIZE; ++i)
+            values[i] = float(openvdb::math::half(values[i]));
+    });
+}
+
+} // namespace
+
+AdvectParams advectParams(const Options& options)
+{
+    AdvectParams params;
+    options.set("input", params.flow.input.pattern);
+    options.set("frames", params.flow.input.frames);
+    options.set("clamp_frames", params.flow.input.clampFrames);
+    params.output = "texture.vdb"; // which is not written
+    options.parse<TextureMethod>("method", params.texture.method, valueOf<TextureMethod>);
+    options.set("life_span", params.texture.lifeSpan);
+    options.set("substeps", params.texture.substeps);
+    options.set("release_window", params.texture.releaseWindow);
+    options.set("sample_spacing", params.texture.pathline.sampleSpacing);
+    options.set("tolerance", params.texture.pathline.tolerance);
+    options.set("velocity", params.flow.velocity.grid);
+    options.set("velocity_scale", params.flow.velocity.scale);
+    options.set("carry", params.flow.velocity.carry);
+    if (options.has("velocity_unit"))
+        params.flow.velocity.unit = parseVelocityUnit(options.get<std::string>("velocity_unit"));
+    if (options.has("non_finite")) {
+        const auto text = options.get<std::string>("non_finite");
+        if (text != "refuse" && text != "zero")
+            throw ParameterError(fmt::format("`non_finite` '{}' is neither refuse nor zero", text));
+        params.flow.velocity.nonFinite = text == "zero" ? NonFinite::kZero : NonFinite::kRefuse;
+    }
+    options.set("frame_spacing", params.flow.frameSpacing);
+    options.set("mask", params.flow.domain.mask);
+    options.set("box", params.flow.domain.box);
+    options.set("world_box", params.flow.domain.worldBox);
+    options.set("refine", params.flow.domain.refinement.factors);
+    options.parse<Interpolation>("interpolation", params.flow.domain.refinement.interpolation, parseInterpolation);
+    options.set("sharpen", params.texture.feedback.sharpen);
+    options.set("noise_share", params.texture.feedback.noiseShare);
+    options.set("finish", params.finish);
+    options.set("noise", params.noise);
+    options.set("seed", params.seed);
+    options.set("preroll", params.preroll);
+    options.set("lead_in", params.leadIn);
+    options.set("derived", params.derived);
+    options.set("texture_name", params.textureName);
+    options.parse<GridPrecision>("precision", params.format.precision, parseGridPrecision);
+    options.parse<ScalarVoxels>("scalars", params.format.scalars, parseScalarVoxels);
+    params.validate();
+    return params;
+}
+
+Textures::Textures(const Options& options, py::object frames, py::function tell)
+    : mParams(advectParams(options)), mFrames(std::move(frames)), mTell(std::move(tell))
+{
+    if (mFrames.is_none()) {
+        mParams = withLeadIn(mParams, *this);
+    } else {
+        mParams.flow.input = {"-"}; // numbered as they come
+    }
+    mRun.emplace(mParams, source(), static_cast<Reporter&>(*this), mAlone);
+}
+
+FrameSource Textures::source()
+{
+    if (!mFrames.is_none()) return [this] { return nextFrame(); };
+    std::size_t total = 0;
+    std::istringstream noLines;
+    return openSequence(mParams.flow.input, noLines, total);
+}
+
+/// A frame of the iterator, whose errors become the caller's.
+std::optional<FrameFile> Textures::nextFrame()
+{
+    const py::gil_scoped_acquire acquire;
+    PyObject* const taken = PyIter_Next(mFrames.ptr());
+    if (PyErr_Occurred()) throw py::error_already_set();
+    if (!taken) return std::nullopt;
+    const auto [grids, metadata] = py::reinterpret_steal<py::object>(taken).cast<std::pair<py::list, py::dict>>();
+    const std::string name = fmt::format("frame {}", ++mTaken);
+    return FrameFile{mTaken, name,
+                     std::make_shared<const VdbFile>(VdbFile{toGrids(grids), toMetadata(metadata), name})};
+}
+
+py::object Textures::next()
+{
+    std::optional<TextureFile> file;
+    {
+        const py::gil_scoped_release release;
+        if (!mFirst) {
+            mRun->open();
+            mRun->begin();
+            mFirst = mRun->firstFrame().velocity.file.frame;
+        }
+        while (!file && mRun->hasStep()) {
+            std::optional<RunTexture> made = mRun->step();
+            if (!made) continue;
+            const std::int64_t frame = made->frame.velocity.file.frame;
+            file =
+                makeTextureFile(mParams, *made, textureNumber(*mFirst, frame, mParams.texture.substeps, made->substep));
+        }
+    }
+    if (!file) return py::none();
+    py::list grids;
+    for (const openvdb::GridBase::ConstPtr& made : file->grids) {
+        const openvdb::GridBase::Ptr grid = std::const_pointer_cast<openvdb::GridBase>(made);
+        if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid); scalar && grid->saveFloatAsHalf())
+            roundToHalf(*scalar);
+        py::object arrays = toDictionary(*grid);
+        if (!arrays.is_none()) grids.append(arrays);
+    }
+    return py::make_tuple(grids, toDictionary(file->metadata));
+}
+
+bool Textures::stopRequested() const
+{
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return false;
+}
+
+void Textures::tell(const char* kind, std::string_view message)
+{
+    const py::gil_scoped_acquire acquire;
+    mTell(kind, std::string(message));
+}
+
+} // namespace vdblic::python

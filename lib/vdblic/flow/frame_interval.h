@@ -1,0 +1,24 @@
+#pragma once
+
+#include "vdblic/field/velocity_frame.h"
+
+#include <optional>
+
+namespace vdblic {
+
+/// Time between two frames [s], and what determined it, for messages.
+struct FrameInterval {
+    double seconds;
+    const char* source;
+    bool isAssumed = false; ///< neither the parameters nor the files say
+};
+
+/// The time from a frame to the next: as given, else by the frames' times, else by the first one's dt, else 1/24 s.
+/// @param given   seconds between neighbours on disk, if the parameters say
+/// @param next    times of the frame after it; null if there is none
+/// @param skipped intervals between neighbours on disk that lie between the two frames
+/// @return nothing if the frames' times do not ascend
+[[nodiscard]] std::optional<FrameInterval> frameInterval(std::optional<double> given, const FrameTimes& current,
+                                                         const FrameTimes* next, double skipped);
+
+} // namespace vdblic

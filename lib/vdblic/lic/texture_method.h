@@ -1,0 +1,24 @@
+#pragma once
+
+#include "vdblic/core/names.h"
+
+namespace vdblic {
+
+/// How the texture of a frame is made.
+enum class TextureMethod {
+    kAuflic,     ///< accelerated UFLIC, with history (docs/algorithm.md)
+    kAuflic2004, ///< accelerated UFLIC as published (Liu & Moorhead 2004)
+    kUflic,      ///< a seed for every voxel and frame (Shen & Kao 1998)
+    kLic,        ///< each frame on its own (Cabral & Leedom 1993)
+};
+template<>
+inline constexpr auto kNames<TextureMethod> = std::to_array<std::string_view>({"auflic", "auflic-2004", "uflic",
+                                                                               "lic"});
+
+/// Whether a texture is of its frame alone, and not of those before.
+[[nodiscard]] constexpr bool isSteady(TextureMethod method)
+{
+    return method == TextureMethod::kLic;
+}
+
+} // namespace vdblic

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "vdblic/lic/feedback_params.h"
+#include "vdblic/lic/pathline_params.h"
+#include "vdblic/lic/texture_method.h"
+
+namespace vdblic {
+
+/// How textures are made.
+///
+/// With substeps every voxel still has one seed a frame, released in a substep that differs from tile to tile, and a
+/// value lives as many frames as without: the work of a step and the memory do not grow with their number.
+struct TextureParams {
+    TextureMethod method = TextureMethod::kAuflic;
+    int lifeSpan = 4; ///< frames over which a seed scatters its value; AUFLIC's fade at that pace; of LIC the kernel's
+    int substeps = 1; ///< time steps from a frame to the next
+    float releaseWindow = 0.25f; ///< AUFLIC: part of a frame, from its start, in which a seed may be released
+    PathlineParams pathline;
+    FeedbackParams feedback;
+
+    void validate() const; ///< @throws ParameterError
+};
+
+} // namespace vdblic

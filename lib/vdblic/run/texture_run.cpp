@@ -1,0 +1,210 @@
+#include "vdblic/run/texture_run.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/flow/frame_between.h"
+#include "vdblic/noise/noise_field.h"
+#include "vdblic/noise/noise_file.h"
+#include "vdblic/run/memory_estimate.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace vdblic {
+
+TextureRun::TextureRun(const AdvectParams& params, FrameSource source, Reporter& reporter, Exchange& exchange,
+                       Hooks hooks)
+    : mParams(params), mReporter(reporter), mExchange(exchange), mHooks(std::move(hooks)), mShared(params, exchange),
+      mTexture(makeFlowTexture(params.texture,
+                               NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)))),
+      mFlow(params.flow, std::move(source), reporter, exchange)
+{
+}
+
+void TextureRun::open()
+{
+    mCurrent = nextFrame();
+    mReporter.checkStop(); // a stop may be what ended standard input
+    if (!mCurrent) throw InputError("no frame to compute: the input has none");
+    mNext = nextFrame();
+}
+
+void TextureRun::begin()
+{
+    const std::optional<LoadedFrame>& end = mNext ? mNext : mAfter;
+    mInterval = mFlow.intervalAfter(*mCurrent, end ? &*end : nullptr);
+    // Added up, as by a run over all frames.
+    for (int i = 0; i < mParams.framesBefore; ++i)
+        mTime += mInterval.seconds;
+    mTime = mCurrent->velocity.time.value_or(mTime);
+    start();
+}
+
+void TextureRun::goOn(const RunPosition& position)
+{
+    mTime = position.time;
+    mInterval = {position.interval, "as before"};
+    mFlow.setSpacing(position.frameSpacing);
+    mSubstep = mParams.substep(position.steps);
+    start();
+}
+
+void TextureRun::start()
+{
+    mFlow.describe(*mCurrent, mInterval, mShared.largestDisplacement(*mCurrent, mInterval.seconds));
+    checkMemoryFor(*mCurrent);
+}
+
+/// Tell how much memory the run takes; refuse a run that takes too much now, not after minutes.
+void TextureRun::checkMemoryFor(const LoadedFrame& first) const
+{
+    const double bytes = advectBytes(mParams, first.domain);
+    const std::string voxels = fmt::format("{} texture voxels", first.domain.texture->voxelCount());
+    const std::string each = mExchange.isAlone() ? "" : fmt::format(" each for {} ranks", mExchange.size());
+    const std::string text = fmt::format("{}: about {} of memory{}", voxels, memoryText(bytes), each);
+    first.domain.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
+    constexpr double kLeast = 0.75; // of the estimate
+    checkMemory(kLeast * bytes, voxels, "lower `refine`, or cut the domain with `box` or `mask`");
+}
+
+std::optional<LoadedFrame> TextureRun::nextFrame()
+{
+    std::optional<LoadedFrame> frame = mFlow.next();
+    mShared.checkSame(frame ? frame->stamp : "");
+    if (frame) {
+        if (mHooks.frameRead) mHooks.frameRead(*frame);
+    } else {
+        mAfter = mFlow.after();
+        mShared.checkSame(mAfter ? mAfter->stamp : "");
+    }
+    return frame;
+}
+
+bool TextureRun::hasStep()
+{
+    if (mNext && mSubstep == mParams.texture.substeps) {
+        mTime += mInterval.seconds;
+        mCurrent = std::move(mNext);
+        mNext = nextFrame();
+        mStart.reset();
+        mSubstep = 0;
+    }
+    return !mIsDone;
+}
+
+std::optional<RunTexture> TextureRun::step()
+{
+    if (mTexture->steps() < mParams.prerollSteps()) {
+        mShared.surround(*mCurrent, *mCurrent, mInterval.seconds, *mTexture);
+        (void)advance(*mCurrent, *mCurrent, mInterval.seconds);
+        return std::nullopt;
+    }
+    return mNext ? stepBetweenFrames() : lastStep();
+}
+
+/// A substep between the current frame and the next.
+std::optional<RunTexture> TextureRun::stepBetweenFrames()
+{
+    if (!mStart) {
+        mInterval = mFlow.intervalAfter(*mCurrent, &*mNext);
+        balance(*mCurrent);
+        mShared.surround(*mCurrent, *mNext, mInterval.seconds, *mTexture);
+        mStart = at(mSubstep);
+    }
+    LoadedFrame end = at(mSubstep + 1);
+    const bool isWritten = mTexture->steps() >= mParams.warmUpSteps();
+    const double time = mTime + mSubstep * mInterval.seconds / mParams.texture.substeps;
+    RunTexture made{*mStart, mSubstep, time, mInterval.seconds, advance(*mStart, end, mInterval.seconds)};
+    mStart = std::move(end);
+    ++mSubstep;
+    if (!isWritten) return std::nullopt;
+    if (made.substep == 0) warnOfOddFlow(made.frame, made.interval);
+    return made;
+}
+
+/// The flow at a substep between the current frame and the next.
+LoadedFrame TextureRun::at(int substep) const
+{
+    const int substeps = mParams.texture.substeps;
+    return substep == 0          ? *mCurrent
+           : substep == substeps ? *mNext
+                                 : frameBetween(*mCurrent, *mNext, double(substep) / substeps);
+}
+
+/// The texture of the last frame. Without a frame after it the flow is taken to stay as it is.
+RunTexture TextureRun::lastStep()
+{
+    LoadedFrame& last = *mCurrent;
+    LoadedFrame end = last;
+    if (mAfter) {
+        const int substeps = mParams.texture.substeps;
+        mInterval = mFlow.intervalAfter(last, &*mAfter);
+        mShared.surround(last, *mAfter, mInterval.seconds, *mTexture);
+        end = substeps == 1 ? std::move(*mAfter) : frameBetween(last, *mAfter, 1.0 / substeps);
+    } else {
+        mShared.surround(last, end, mInterval.seconds, *mTexture);
+    }
+    mIsDone = true;
+    RunTexture made{last, 0, mTime, mInterval.seconds, advance(last, end, mInterval.seconds)};
+    warnOfOddFlow(made.frame, made.interval);
+    return made;
+}
+
+/// Give the ranks about equal shares of a frame, before a step starts from it.
+void TextureRun::balance(LoadedFrame& frame)
+{
+    const std::optional<std::string> how = mShared.balance(frame, *mTexture);
+    if (!how) return;
+    mFlow.cutAs(frame.partition);
+    mReporter.detail(fmt::format("frame {}: {}", frame.velocity.file.frame, *how));
+}
+
+/// @param interval seconds between the frames that the step is a part of
+FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame& end, double interval)
+{
+    if (mExchange.any(mReporter.stopRequested())) throw Stopped{};
+    if (mHooks.stepBegins) mHooks.stepBegins();
+    const double substeps = mParams.texture.substeps;
+    const std::unique_ptr<const LeafOwners> owners = mShared.ownersOf(start);
+    const FlowFrame from = start.flow(), to = end.flow();
+    return mTexture->advance({from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
+                              end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners});
+}
+
+RunPosition TextureRun::position() const
+{
+    const bool isNextFrame = mNext && mSubstep == mParams.texture.substeps;
+    return {mTexture->steps(), mInterval.seconds, isNextFrame ? mTime + mInterval.seconds : mTime, mFlow.spacing()};
+}
+
+/// Warn of what is likely wrong with a frame, though its texture can be computed.
+void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
+{
+    const std::int64_t number = frame.velocity.file.frame;
+    if (frame.domain.texture->voxelCount() == 0) {
+        const bool isCut = mExchange.any(frame.velocity.values->activeVoxelCount() > 0);
+        mReporter.warn(
+            fmt::format("frame {}: {}: {}; its texture is empty", number, frame.velocity.file.path.string(),
+                        isCut ? "no active voxel lies inside `box`, `world_box` and `mask`" : "no active voxels"));
+        return;
+    }
+    const double largest = mShared.largestDisplacement(frame, seconds);
+    constexpr double kRest = 1e-3; // voxels a step
+    if (largest < kRest && !mWarnedOfRest) {
+        mWarnedOfRest = true;
+        mReporter.warn(fmt::format("frame {}: {}: grid {} moves nothing by more than {:.3g} voxels a step, and a "
+                                   "texture without motion is noise: check unit and frame spacing",
+                                   number, frame.velocity.file.path.string(), frame.velocity.gridName, largest));
+    }
+    if (isSteady(mParams.texture.method) || largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
+    mWarnedOfDisplacement = true;
+    mReporter.warn(
+        fmt::format("frame {}: the flow moves up to {:.1f} voxels a step; over more than {} it is hardly "
+                    "linear in time between frames: check unit and frame spacing, or use frames closer in time",
+                    number, largest, kLargeDisplacement));
+}
+
+} // namespace vdblic
