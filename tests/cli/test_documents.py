@@ -18,7 +18,7 @@ import netcdf_flows
 from support import BIN, ToolTest
 
 SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
-DOCUMENTS = [SOURCE / "README.md", *sorted((SOURCE / "docs").glob("*.md"))]
+DOCUMENTS = [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]
 FLOW_TEXTURE = SOURCE / "samples/blender/flow_texture.py"
 OURS = sorted([path.stem for path in (SOURCE / "tools").glob("vdblic_*.cpp")] +
               [f"vdblic_{path.stem.removesuffix('_tool')}" for path in (SOURCE / "tools/python").glob("*/*_tool.py")])
