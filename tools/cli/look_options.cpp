@@ -45,7 +45,7 @@ LookOptions::LookOptions(CLI::App& app, RenderParams& params) : mApp(app), mPara
                         [&](const auto& name) { params.colorBy = name; });
     option<std::string>("--opacity-by", "Float grid whose values choose the opacity.",
                         [&](const auto& name) { params.opacityBy = {name}; });
-    option<std::string>("--transfer", "JSON file of a transfer function (docs/render.md).",
+    option<std::string>("--transfer", "JSON file of a transfer function (docs/render-reference.md).",
                         [&](const auto& file) { readTransferFile(file, transfer); });
     option<std::string>("--colormap", fmt::format("Colours over the range: {}.", fmt::join(colorMapNames(), ", ")),
                         [&](const auto& name) {
@@ -66,7 +66,7 @@ LookOptions::LookOptions(CLI::App& app, RenderParams& params) : mApp(app), mPara
                        [&](const auto& range) { transfer.range = range; })
         ->type_name("LO HI");
     option<Numbers<2>>("--opacity-range",
-                       "The same of the grid that chooses the opacity; --range if it is the one that colours.",
+                       "The same of the grid that chooses the opacity; --range if colour follows the same grid.",
                        [&](const auto& range) { transfer.opacityRange = range; })
         ->type_name("LO HI");
     option<std::string>("--color-scale",

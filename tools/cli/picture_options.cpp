@@ -59,7 +59,7 @@ PictureOptions::PictureOptions(CLI::App& app, RenderParams& params)
     app.add_option("--orbit-frames", params.motion.orbitFrames,
                    "Frames that the turns take, instead of those on disk; needed for paths on standard input, where "
                    "frame 1 is the first.");
-    app.add_option("--camera", mKeys, "JSON file of key frames of the camera (docs/render.md).");
+    app.add_option("--camera", mKeys, "JSON file of key frames of the camera (docs/render-reference.md).");
 
     app.add_option("--step", params.rays.step, "Distance between samples [voxels]. Opacity does not depend on it.")
         ->capture_default_str();

@@ -20,7 +20,7 @@ struct ShadeColumns {
     typename Of::Floats distance;    ///< along the ray [steps]
     typename Of::Floats weight;      ///< in the pixel
     typename Of::Floats stretched;   ///< the texture, see TextureModulation
-    typename Of::Ints entry;         ///< index in the transfer function's table, of the scalar that makes opaque
+    typename Of::Ints entry;         ///< index in the transfer function's table, of the scalar that opacity follows
 };
 
 struct InLanes {

@@ -52,7 +52,7 @@ std::array<double, 2> rangeOf(std::vector<float> drivers, ValueScale scale)
     return {isLog ? std::max(low, high / kMostRatio) : low, high};
 }
 
-/// A scalar of both signs, such as q, makes opaque from 0 on.
+/// Opacity follows a scalar of both signs, such as q, from 0 on.
 std::array<double, 2> opacityRangeOf(const std::vector<float>& drivers, ValueScale scale)
 {
     const auto [low, high] = rangeOf(drivers, scale);

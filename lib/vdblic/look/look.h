@@ -70,10 +70,10 @@ struct Look {
 
 /// Choose what the parameters leave open, so that an unknown volume can be read.
 ///
-/// A scalar's range is its 2nd to 99th percentile; that of one that only makes opaque begins at 0 if it has both signs.
-/// Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is scaled so that a
-/// path as long as `thickness` has the mean optical depth asked for: the front is seen, and some of what lies behind,
-/// whatever the volume's size.
+/// A scalar's range is its 2nd to 99th percentile; that of one that only opacity follows begins at 0 if it has both
+/// signs. Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is scaled so
+/// that a path as long as `thickness` has the mean optical depth asked for: the front is seen, and some of what lies
+/// behind, whatever the volume's size.
 /// @param samples   of one frame or of several
 /// @param thickness [voxels]
 /// @throws ParameterError; InputError if there is no sample

@@ -13,10 +13,10 @@ namespace vdblic {
 ///     "colormap":      "viridis"                             a named colour map, or instead
 ///     "colors":        [[POSITION, RED, GREEN, BLUE], ...]   display (sRGB) values, 0 to 1
 ///     "opacity":       [[POSITION, OPACITY], ...]            of one voxel
-///     "opacity_range": [LOW, HIGH]                           as range, of the scalar that makes opaque
+///     "opacity_range": [LOW, HIGH]                           as range, of the scalar that opacity follows
 ///     "opacity_unit":  "1/s²"                                of that scalar
 ///     "color_scale":   "linear" or "log"                     how values are spread over positions, and
-///     "opacity_scale": "linear" or "log"                     the same of the scalar that makes opaque
+///     "opacity_scale": "linear" or "log"                     the same of the scalar that opacity follows
 ///
 /// by rising position from 0 to 1. Keys that are left out keep their values in `params`.
 /// @throws InputError naming the file and the error

@@ -58,12 +58,12 @@ class TransferFunction {
     /// Of one voxel. @param position 0 to 1; clamped
     [[nodiscard]] double opacityAt(double position) const;
 
-    /// Table indices of eight values of the scalar that makes opaque, clamped to the table; any for NaN.
+    /// Table indices of eight values of the scalar that opacity follows, clamped to the table; any for NaN.
     [[nodiscard]] VDBLIC_INLINE Int8 entries(Float8 driver) const { return mOpacityScale.entries(driver); }
-    /// The same for the scalar that colours.
+    /// The same for the scalar that colour follows.
     [[nodiscard]] VDBLIC_INLINE Int8 colorEntries(Float8 value) const { return mColorScale.entries(value); }
 
-    /// Whether any value between two bounds of the scalar that makes opaque has an opacity above 0.
+    /// Whether any value between two bounds of the scalar that opacity follows has an opacity above 0.
     [[nodiscard]] bool contributes(float low, float high) const;
     /// The largest extinction between the same bounds.
     [[nodiscard]] float mostExtinction(float low, float high) const;

@@ -33,15 +33,15 @@ struct TransferParams {
     std::vector<OpacityPoint> opacity{};
     /// Values at positions 0 and 1 of the scalar that colours [unit of its grid]; unset: percentiles of the frames.
     std::optional<std::array<double, 2>> range{};
-    /// The same for the scalar that makes opaque; unset: `range` if one scalar does both, else percentiles.
+    /// The same for the scalar that opacity follows; unset: `range` if one scalar does both, else percentiles.
     std::optional<std::array<double, 2>> opacityRange{};
-    /// Of the scalar that colours, and of the one that makes opaque; unset: linear, but colorScale if they share a
-    /// range.
+    /// Of the scalar that colour follows, and of the one that opacity follows; unset: linear, but colorScale if they
+    /// share a range.
     ValueScale colorScale = ValueScale::kLinear;
     std::optional<ValueScale> opacityScale{};
     std::string unit{}, opacityUnit{}; ///< of the two scalars, as pictures show them
 
-    /// Whether a scalar that both colours and makes opaque has one range for both.
+    /// Whether a scalar that both colour and opacity follow has one range for both.
     [[nodiscard]] bool sharesRange() const { return !opacityRange && !opacityScale; }
     /// @throws ParameterError
     void validate() const;

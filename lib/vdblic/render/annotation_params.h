@@ -9,7 +9,7 @@ namespace vdblic {
 struct AnnotationParams {
     bool box = false;      ///< outline of the domain, its far edges behind the volume
     bool axes = false;     ///< ticks in world units along three edges of the domain
-    bool colorBar = false; ///< scales of what colours and of what makes opaque
+    bool colorBar = false; ///< scales of what colour and opacity follow
     bool time = false;     ///< frame and time
     std::string title{};
 

@@ -32,7 +32,7 @@ struct RenderParams {
     std::string histogram;             ///< file for the histograms, .json or .png; empty: none
     std::string texture;               ///< grid that holds the texture; empty: by the files' metadata, else `density`
     std::string colorBy = "magnitude"; ///< grid whose values colour
-    /// Grid whose values make opaque: the first of these that the sequence has; empty: the one that colours.
+    /// Grid that opacity follows: the first of these that the sequence has; empty: the one that colour follows.
     std::vector<std::string> opacityBy{};
     std::string region; ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
     /// Lower and upper corner in world space: only voxels with their centre inside are shown.

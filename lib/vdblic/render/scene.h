@@ -26,9 +26,9 @@ struct VdbFile;
 /// A frame that was read.
 struct LoadedTexture {
     FrameFile file;
-    openvdb::FloatGrid::Ptr texture, color, opacity; ///< what colours and what makes opaque: two grids or one
+    openvdb::FloatGrid::Ptr texture, color, opacity; ///< what colour and opacity follow: two grids or one
     bool hasColor;                                   ///< if not, the texture colours
-    std::string opacityBy;                           ///< name of the grid that makes opaque
+    std::string opacityBy;                           ///< name of the grid that opacity follows
     TextureVolume volume;
     std::optional<double> time; ///< of the file's metadata [s]
 
@@ -55,7 +55,7 @@ struct LoadedTexture {
 struct LookBasis {
     VolumeSamples samples;
     double voxels = 0, volumeBytes = 0; ///< the most of a frame
-    std::string opacityBy;              ///< name of the grid that makes opaque
+    std::string opacityBy;              ///< name of the grid that opacity follows
     std::filesystem::path first;        ///< of the files
 
     /// @param frame    not empty
@@ -74,7 +74,7 @@ struct LookBasis {
 /// What stays the same for the whole animation.
 struct Scene {
     Look look;
-    std::string opacityBy; ///< name of the grid that makes opaque, in every frame
+    std::string opacityBy; ///< name of the grid that opacity follows, in every frame
     CameraPath cameras;
     Corners box;       ///< around all frames, as far as is known
     double frameBytes; ///< estimate of the memory that a frame takes

@@ -64,7 +64,7 @@ std::uint64_t AdvectParams::prerollSteps() const
 
 int AdvectParams::leadInFrames() const
 {
-    constexpr int kLifeSpans = 2; // measured: docs/quality.md
+    constexpr int kLifeSpans = 2; // measured: docs/reports/quality.md
     return leadIn.value_or(isSteady(texture.method) ? 0 : kLifeSpans * texture.lifeSpan);
 }
 

@@ -40,7 +40,7 @@ class TextureVolume {
   public:
     using Mask = Domain::Mask;
 
-    /// @param driver the scalar that makes opaque and, unless there is addColors(), colours; may be the texture itself
+    /// @param driver the scalar that opacity and, unless there is addColors(), colour follow; may be the texture itself
     /// @param stretch factors along the axes from the grids' world space to the volume's
     /// @param use     what it leaves out must not be read; samples() and addLines() need the records of all leaves
     /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ
@@ -67,7 +67,7 @@ class TextureVolume {
     [[nodiscard]] const Mask& shown(std::size_t leaf) const { return mShown[leaf]; }
     [[nodiscard]] const LeafRange& leafRange(std::size_t leaf) const { return mRanges[leaf]; }
 
-    /// The scalar that colours, by records as values(); null unless addColors() was called.
+    /// The scalar that colour follows, by records as values(); null unless addColors() was called.
     [[nodiscard]] const float* colors() const { return mColors.get(); }
 
     /// Show only voxels that lie in another domain of the same index space too.

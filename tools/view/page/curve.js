@@ -1,4 +1,4 @@
-// The panel of one scalar: its histogram and its range, under the points of what it colours and makes opaque.
+// The panel of one scalar: its histogram and its range, under the points of the colour and opacity that follow it.
 
 import { Axis } from "./axis.js";
 import { ColorPoints, colorAt } from "./colors.js";
