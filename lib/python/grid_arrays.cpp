@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,13 +33,12 @@ py::array_t<T> boxArray(const openvdb::CoordBBox& box, int components)
 }
 
 template<typename GridT>
-py::object arraysOf(const openvdb::GridBase& base)
+py::dict arraysOf(const openvdb::GridBase& base, const openvdb::CoordBBox& box)
 {
     using ValueT = typename GridT::ValueType;
     constexpr int kComponents = openvdb::VecTraits<ValueT>::Size;
     using Number = typename openvdb::VecTraits<ValueT>::ElementType;
     const auto& grid = static_cast<const GridT&>(base);
-    const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
     const double voxels = box.empty() ? 0 : double(box.dim().x()) * box.dim().y() * box.dim().z();
     checkMemory(voxels * (sizeof(ValueT) + 1), fmt::format("grid '{}': the box of its voxels", grid.getName()),
                 "cut the grid");
@@ -110,21 +110,33 @@ openvdb::math::Transform::Ptr transformOf(const py::object& matrix)
 
 } // namespace
 
-py::object toDictionary(const openvdb::GridBase& grid)
+bool isOfNumbers(const openvdb::GridBase& grid)
 {
-    py::object result = py::none();
-    if (grid.isType<openvdb::FloatGrid>()) result = arraysOf<openvdb::FloatGrid>(grid);
-    if (grid.isType<openvdb::DoubleGrid>()) result = arraysOf<openvdb::DoubleGrid>(grid);
-    if (grid.isType<openvdb::Vec3SGrid>()) result = arraysOf<openvdb::Vec3SGrid>(grid);
-    if (grid.isType<openvdb::Vec3DGrid>()) result = arraysOf<openvdb::Vec3DGrid>(grid);
-    if (result.is_none() || !grid.transform().isLinear()) return py::none();
-    const openvdb::Mat4d rows = grid.transform().baseMap()->getAffineMap()->getMat4();
+    return (grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() ||
+            grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>()) &&
+           grid.transform().isLinear();
+}
+
+py::object matrixOf(const openvdb::math::Transform& transform)
+{
+    const openvdb::Mat4d rows = transform.baseMap()->getAffineMap()->getMat4();
     py::array_t<double> matrix({4, 4});
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)
             matrix.mutable_at(i, j) = rows(j, i);
+    return matrix;
+}
+
+py::dict toDictionary(const openvdb::GridBase& grid, const std::optional<openvdb::CoordBBox>& over)
+{
+    const openvdb::CoordBBox box = over ? *over : grid.evalActiveVoxelBoundingBox();
+    py::dict result;
+    if (grid.isType<openvdb::FloatGrid>()) result = arraysOf<openvdb::FloatGrid>(grid, box);
+    if (grid.isType<openvdb::DoubleGrid>()) result = arraysOf<openvdb::DoubleGrid>(grid, box);
+    if (grid.isType<openvdb::Vec3SGrid>()) result = arraysOf<openvdb::Vec3SGrid>(grid, box);
+    if (grid.isType<openvdb::Vec3DGrid>()) result = arraysOf<openvdb::Vec3DGrid>(grid, box);
     result["name"] = grid.getName();
-    result["transform"] = matrix;
+    result["transform"] = matrixOf(grid.transform());
     result["staggered"] = grid.getGridClass() == openvdb::GRID_STAGGERED;
     result["metadata"] = toDictionary(static_cast<const openvdb::MetaMap&>(grid));
     return result;

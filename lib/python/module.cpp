@@ -1,3 +1,4 @@
+#include "files.h"
 #include "grid_arrays.h"
 #include "options.h"
 #include "picture.h"
@@ -18,7 +19,6 @@
 
 #include <array>
 #include <cstdint>
-#include <exception>
 #include <memory>
 #include <string>
 #include <utility>
@@ -38,8 +38,7 @@ py::tuple readVolume(const std::string& path)
     }
     py::list grids;
     for (openvdb::GridBase::Ptr& grid : file.grids) {
-        py::object arrays = toDictionary(*grid);
-        if (!arrays.is_none()) grids.append(arrays);
+        if (isOfNumbers(*grid)) grids.append(toDictionary(*grid));
         grid.reset();
     }
     return py::make_tuple(grids, toDictionary(file.metadata));
@@ -129,15 +128,7 @@ PYBIND11_MODULE(_core, module)
     using namespace vdblic::python;
     openvdb::initialize();
     module.attr("__version__") = kVersion;
-    py::register_exception_translator([](std::exception_ptr error) {
-        try {
-            if (error) std::rethrow_exception(error);
-        } catch (const OutputError& output) {
-            PyErr_SetString(PyExc_OSError, output.what());
-        } catch (const Error& other) {
-            PyErr_SetString(PyExc_ValueError, other.what());
-        }
-    });
+    bindFiles(module);
     module.def("read", &readVolume);
     module.def("write", &writeVolume);
     module.def("synth", &synth);

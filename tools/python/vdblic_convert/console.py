@@ -1,5 +1,6 @@
 """What a tool prints: paths of finished outputs on standard output, everything else on standard error."""
 
+import re
 import shutil
 import sys
 import time
@@ -64,7 +65,7 @@ class Console:
 
     def _message(self, message):
         self.clear()
-        self._print(f"{self.tool}: {message}\n")
+        self._print(f"{self.tool}: {re.sub('`([a-z_]+)`', _option, message)}\n")
 
     @staticmethod
     def _print(text):
@@ -74,3 +75,8 @@ class Console:
             sys.stderr.flush()
         except OSError:
             pass
+
+
+def _option(match):
+    """The option that sets a parameter of the library."""
+    return "ulimit -d" if match[1] == "max_memory" else "--" + match[1].replace("_", "-")

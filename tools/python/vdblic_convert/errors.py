@@ -1,31 +1,11 @@
-"""Errors that a user can remedy. Each kind has the exit status that all tools of VDBLIC share."""
+"""Errors that a user can remedy: those of VDBLIC's library, with the exit status that all tools share."""
 
 import importlib
 
-PACKAGES = {
-    "vtkmodules": "python3-vtk9",
-    "netCDF4": "python3-netcdf4",
-    "pyopenvdb": "python3-openvdb",
-    "numpy": "python3-numpy",
-}
+from vdblic._core import InputError, OutputError, ParameterError
 
-
-class UserError(Exception):
-    """An error whose message names the file, the value and the remedy."""
-
-    status = 5
-
-
-class ParameterError(UserError):
-    status = 2
-
-
-class InputError(UserError):
-    status = 3
-
-
-class OutputError(UserError):
-    status = 4
+STATUS = {ParameterError: 2, InputError: 3, OutputError: 4}
+PACKAGES = {"vtkmodules": "python3-vtk9", "netCDF4": "python3-netcdf4"}
 
 
 def needed(module):

@@ -1,12 +1,15 @@
 """vdblic_export: volumes into files for VTK, ParaView and NumPy."""
 
+import errno
 import io
 import os
-import pathlib
+import resource
 
-from .errors import ParameterError
-from .files import bytes_of, check_not_inputs, check_output, write_file
-from .tool import MOST_NUMBER, Tool, whole
+from vdblic._core import Sequence, check_output, read_metadata, write_file
+
+from .errors import InputError, OutputError, needed
+from .outputs import Outputs, check_not_inputs
+from .tool import Tool
 from .velocity import names_of
 
 
@@ -28,64 +31,40 @@ def main(version, words):
         ),
     )
     tool.add("-o", "--output", metavar="TEXT", required=True, help="Files to write, such as lic_%%04d.vti, or .npz.")
-    tool.add(
-        "--frames", metavar="TEXT", help="Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default."
-    )
-    tool.add(
-        "--renumber",
-        metavar=f"INT:INT in [{-MOST_NUMBER} - {MOST_NUMBER}]",
-        type=whole(-MOST_NUMBER, MOST_NUMBER),
-        help="Number paths on standard input from this number on as they come, whatever their names.",
-    )
-    tool.add(
-        "--skip-existing", action="store_true", help="Leave outputs that are there as they are, and print their paths."
-    )
+    tool.sequence()
     tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default.")
     return tool.run(words, run)
 
 
 def run(options, console, stop):
     """Convert every selected frame."""
-    from .sequences import Outputs, Pattern, numbered, parse_frames, paths_on_standard_input
-
     names = names_of(options.grids) if options.grids else ()
     outputs = Outputs(options, [".vti", ".npz"], console, stop)
-    chosen = parse_frames(options.frames) if options.frames else None
     times = TimeList(outputs.pattern) if options.output.lower().endswith(".vti") and outputs.pattern.has_field else None
-    if options.input == "-":
-        if chosen:
-            raise ParameterError("--frames cannot select from paths on standard input")
-        files = _streamed(options.renumber, paths_on_standard_input(stop), numbered)
-    elif options.renumber is not None:
-        raise ParameterError("--renumber is for paths on standard input; a pattern has the numbers")
-    else:
-        files = Pattern(options.input).select(chosen)
+    files = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check)
+    if options.input != "-":
+        files = list(files)
         outputs.check([frame for frame, _ in files], [path for _, path in files], len(files))
         if times:
             times.check([path for _, path in files])
+    path = None
     try:
         for frame, source in files:
-            path = outputs.write(frame, source, lambda output, source=source: _data(output, source, names, console))
+            path = outputs.write(frame, source, lambda path, source=source: _write(path, source, names, console))
             if times:
                 times.add(frame, source, path)
     finally:
         if times and times.entries:  # of what is finished, also when the run is stopped
             console.finished(times.write())
+    if path is None:
+        raise InputError("standard input names no files")
 
 
-def _streamed(number, paths, numbered):
-    taken = {}
-    for path in paths:
-        yield numbered(path, number, taken), path
-        number = None if number is None else number + 1
-
-
-def _data(output, source, names, console):
-    """The bytes of one output."""
-    from .dense import read_dense
+def _write(path, source, names, console):
+    from .dense import read_dense  # NumPy and VTK take long to load
 
     volume = read_dense(source, names, console)
-    return _image(output, volume) if str(output).lower().endswith(".vti") else _arrays(volume)
+    write_file(path, _image(path, volume) if path.suffix.lower() == ".vti" else _arrays(volume))
 
 
 def _arrays(volume):
@@ -102,7 +81,6 @@ def _arrays(volume):
 def _image(output, volume):
     """The .vti file of a volume: its voxels are the image's points."""
     import numpy
-    from .errors import needed
     from .vtk_data import add_array, bridge, errors_of, model
 
     spacing = numpy.linalg.norm(volume.matrix[:3, :3], axis=0)
@@ -130,19 +108,24 @@ def _image(output, volume):
     writer.SetCompressorTypeToLZ4()
     writer.EncodeAppendedDataOff()
 
-    def write(name):
-        writer.SetFileName(name)
+    # The bytes stay in memory, because VTK does not notice every write that fails.
+    descriptor = os.memfd_create("output")
+    with os.fdopen(descriptor, "rb") as file, errors_of(output):
+        writer.SetFileName(f"/proc/self/fd/{descriptor}")
         writer.Write()
-
-    with errors_of(output):
-        return bytes_of(output, write)
+        data = file.read()
+        limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
+        if 0 <= limit <= len(data):
+            raise OutputError(f"{output}: cannot be written: {os.strerror(errno.EFBIG)}")
+    return data
 
 
 class TimeList:
     """ParaView's .pvd list of files and their times."""
 
     def __init__(self, pattern):
-        self._path = pattern.companion(".pvd")
+        common = os.path.commonprefix([pattern.path(frame).name for frame in (1, -1)]).rstrip("._- ")
+        self._path = pattern.path(1).with_name(f"{common or 'frames'}.pvd")
         self.entries = []
 
     def check(self, inputs):
@@ -151,9 +134,7 @@ class TimeList:
 
     def add(self, frame, source, output):
         """Add a file; without a time in the volume it gets the frame's number."""
-        from .volumes import metadata_of
-
-        time = metadata_of(source).get("time", frame)
+        time = read_metadata(source).get("time", frame)
         name = os.path.relpath(output, self._path.parent)
         self.entries.append(f'    <DataSet timestep="{float(time)!r}" part="0" file="{_escaped(name)}"/>\n')
 
@@ -163,7 +144,7 @@ class TimeList:
             f' <Collection>\n{"".join(self.entries)}  </Collection>\n</VTKFile>\n'
         )
         write_file(self._path, text.encode())
-        return pathlib.Path(self._path)
+        return self._path
 
 
 def _escaped(name):

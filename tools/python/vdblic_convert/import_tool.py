@@ -4,7 +4,8 @@ import datetime
 import os
 
 from .errors import InputError, ParameterError
-from .tool import MOST_NUMBER, Tool, number, positive, whole
+from .outputs import Outputs
+from .tool import Tool, number, positive, whole
 from .velocity import check_carried, chosen, contents, names_of
 
 
@@ -26,13 +27,9 @@ def main(version, words):
         ),
     )
     tool.add("-o", "--output", metavar="TEXT", required=True, help="Velocity files, such as v.%%04d.vdb.")
-    tool.add(
-        "--frames",
-        metavar="TEXT",
-        help=(
-            "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default. The steps of a "
-            "file with several count from 1."
-        ),
+    tool.sequence(
+        numbering="the steps of files that hold several, and paths on standard input,",
+        frames=" The steps of a file with several count from 1.",
     )
     tool.add(
         "--times",
@@ -40,18 +37,6 @@ def main(version, words):
         nargs=2,
         type=number,
         help="Use the steps from time T0 to time T1 only [seconds].",
-    )
-    tool.add(
-        "--renumber",
-        metavar=f"INT:INT in [{-MOST_NUMBER} - {MOST_NUMBER}]",
-        type=whole(-MOST_NUMBER, MOST_NUMBER),
-        help=(
-            "Number the steps of files that hold several, and paths on standard input, from this number on as they"
-            " come."
-        ),
-    )
-    tool.add(
-        "--skip-existing", action="store_true", help="Leave outputs that are there as they are, and print their paths."
     )
     tool.add(
         "--array",
@@ -93,8 +78,7 @@ def main(version, words):
 def run(options, console, stop):
     """Convert every selected step."""
     _check(options)
-    from .sequences import Outputs  # what takes long to load is loaded once the options are right
-    from .series import Series
+    from .series import Series  # what takes long to load is loaded once the options are right
 
     outputs = Outputs(options, [".vdb"], console, stop)
     series = Series(options, stop)
@@ -104,7 +88,7 @@ def run(options, console, stop):
     conversion = Conversion(options, console)
     written = 0
     for step in series.steps():
-        outputs.write(step.frame, step.source.path, lambda path, step=step: conversion.volume(step, series, path))
+        outputs.write(step.frame, step.source.path, lambda path, step=step: conversion.write(step, series, path))
         written += 1
     if not written:
         raise InputError(f"{options.input}: no step lies within --times {options.times[0]:g} {options.times[1]:g}")
@@ -134,11 +118,11 @@ class Conversion:
         self._names, self._target = (), None
         self._told = set()
 
-    def volume(self, step, series, path):
-        """The bytes of a step's .vdb file, which will be `path`."""
+    def write(self, step, series, path):
+        """Write a step's .vdb file."""
         import numpy
+        import vdblic
         from .resample import sampled
-        from .volumes import bytes_of_volume, grid_of
 
         if self._target is None:
             self._target = self._choose(series)
@@ -155,10 +139,14 @@ class Conversion:
         parts = volumes[: len(self._names)]
         if len(parts) == 2:
             parts.append(numpy.zeros_like(parts[0]))
-        grids = [grid_of("velocity", numpy.concatenate(parts, axis=3), mask, self._target)]
-        for name in self._options.carry:
-            grids.append(grid_of(name, volumes[names.index(name)], mask, self._target))
-        return bytes_of_volume(path, grids, self._metadata(step, series))
+        carried = [(name, volumes[names.index(name)]) for name in self._options.carry]
+        grids = []
+        for name, values in [("velocity", numpy.concatenate(parts, axis=3)), *carried]:
+            vector = values.shape[3] == 3
+            place = self._target.matrix, self._target.first, name
+            kind = {"vector_type": "contravariant relative"} if vector else {}
+            grids.append(vdblic.Grid(values if vector else values[..., 0], mask, *place, kind))
+        vdblic.write(path, grids, self._metadata(step, series))
 
     def _choose(self, series):
         """The arrays of the velocity and the grid, by the first step."""
@@ -199,7 +187,6 @@ class Conversion:
 
     def _metadata(self, step, series):
         found = {
-            "creator": self._options.creator,
             "source": os.fspath(step.source.path),
             "frame": step.frame,
             "velocity_array": ",".join(self._names),

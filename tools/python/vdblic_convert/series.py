@@ -1,10 +1,12 @@
 """The steps of an input: which files and which times in them become which frames."""
 
 import dataclasses
+import pathlib
+
+from vdblic._core import FramePattern, InputPaths, files_of, frame_of_name, parse_frames
 
 from .errors import InputError, ParameterError
 from .readers import Source, open_source
-from .sequences import Pattern, numbered, parse_frames, paths_on_standard_input
 
 
 @dataclasses.dataclass
@@ -33,13 +35,18 @@ class Series:
         self.count, self.frames, self._files = 0, [], []
         self.streamed = options.input == "-"
         if not self.streamed:
-            self._find(Pattern(options.input))
+            self._find()
         elif self._chosen:
             raise ParameterError("--frames cannot select from paths on standard input")
 
-    def _find(self, pattern):
-        """The files and the frames of a pattern."""
-        self._files = pattern.files()
+    def _find(self):
+        """The files and the frames of the input."""
+        text, path = self._options.input, pathlib.Path(self._options.input)
+        if path.is_dir():  # a case
+            self._files = [(frame_of_name(path) or 1, path)]
+        elif (pattern := FramePattern(text)).has_field:
+            self._files = [(frame, pattern.path(frame)) for frame in pattern.frames_on_disk()]
+        self._files = self._files or files_of(text, "", False)
         self._open_first(self._files[0][1])
         self._numbered = len(self._first.times) > 1
         if self._numbered:
@@ -49,8 +56,10 @@ class Series:
             raise ParameterError(
                 "--renumber is for paths on standard input and for files of several steps; a pattern has the numbers"
             )
+        elif path.is_dir():
+            self.frames = self._select([self._files[0][0]])
         else:
-            self.frames = [frame for frame, _ in pattern.select(self._chosen)]
+            self.frames = [frame for frame, _ in files_of(text, self._options.frames, self._options.clamp_frames)]
         self.count = 0 if self._options.times else len(self.frames)
 
     def inputs(self):
@@ -85,7 +94,7 @@ class Series:
 
     def _streamed(self):
         number, before, taken = self._options.renumber, None, {}
-        for path in paths_on_standard_input(self._stop):
+        for path in InputPaths(self._stop.check):
             if not taken:
                 self._open_first(path)
             source = self._open(path)
@@ -94,12 +103,14 @@ class Series:
                     f"{path}: it holds {len(source.times)} steps; --renumber START numbers the steps as they come"
                 )
             for index in range(len(source.times)):
-                frame = numbered(path, number, taken)
+                frame = _numbered(path, number, taken)
                 number = None if number is None else number + 1
                 step = self._step(frame, source, index, before)
                 before = step.time
                 if self._within(step):
                     yield step
+        if not taken:
+            raise InputError("standard input names no files")
 
     def _step(self, frame, source, index, before):
         if self._options.dt:
@@ -140,6 +151,10 @@ class Series:
     def _select(self, numbers):
         if self._chosen is None:
             return list(numbers)
+        if self._options.clamp_frames:
+            self._chosen = [frame for frame in self._chosen if numbers[0] <= frame <= numbers[-1]]
+            if not self._chosen:
+                raise InputError(f"{self._options.input}: no frame of {self._options.frames} is in it")
         present = set(numbers)
         for frame in self._chosen:
             if frame not in present:
@@ -152,3 +167,22 @@ class Series:
     def _within(self, step):
         limits = self._options.times
         return not limits or step.time is not None and limits[0] <= step.time <= limits[1]
+
+
+def _numbered(path, number, taken):
+    """The frame of a step whose file is named on standard input: `number`, or if it is None that of the name.
+
+    `taken` maps the numbers so far to their paths.
+    """
+    frame = frame_of_name(path) if number is None else number
+    if frame is None:
+        raise InputError(
+            f"{path}: the name does not end in a frame number; --renumber START numbers the paths as they come"
+        )
+    if frame in taken:
+        raise InputError(
+            f"{path}: frame {frame} comes twice on standard input; the first was {taken[frame]}; "
+            "--renumber START numbers the paths as they come"
+        )
+    taken[frame] = path
+    return frame

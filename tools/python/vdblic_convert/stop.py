@@ -1,6 +1,5 @@
 """Signals that end a run: the frame being written is finished, then the process ends by the signal."""
 
-import contextlib
 import os
 import signal
 
@@ -14,7 +13,6 @@ class Stop:
 
     def __init__(self):
         self.signal = 0
-        self._waiting = False
         for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, self._request)
@@ -22,23 +20,11 @@ class Stop:
     def _request(self, number, _):
         self.signal = number
         signal.signal(number, signal.SIG_DFL)
-        if self._waiting:
-            raise Stopped
 
     def check(self):
         """Raise Stopped if a stop was requested."""
         if self.signal:
             raise Stopped
-
-    @contextlib.contextmanager
-    def interruptible(self):
-        """A wait, as for standard input, that a signal ends at once."""
-        self.check()
-        self._waiting = True
-        try:
-            yield
-        finally:
-            self._waiting = False
 
 
 def die_by(number):

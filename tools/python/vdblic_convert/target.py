@@ -1,12 +1,11 @@
 """The uniform grid that a flow is resampled to: size, place and voxels."""
 
 import dataclasses
-import os
 
 import numpy
+from vdblic._core import memory_limit, read_box
 
-from .errors import InputError, ParameterError, needed
-from .header import check_header
+from .errors import InputError, ParameterError
 
 MOST_INDEX = 131072
 BYTES = 80  # taken by a voxel and its coordinates while it is resampled and written
@@ -54,11 +53,11 @@ class Target:
                 f"{_by(self.size)} voxels: each axis has 1 to {MOST_INDEX}; choose others with --size or --voxel-size"
             )
         taken = BYTES * float(numpy.prod(numpy.array(self.size, float)))
-        there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        there = memory_limit()
         if taken > there:
             raise ParameterError(
-                f"{_by(self.size)} voxels would take {taken / 2**30:.1f} GiB of memory, the machine has "
-                f"{there / 2**30:.1f} GiB; choose fewer with --size or --voxel-size"
+                f"{_by(self.size)} voxels would take {taken / 2**30:.1f} GiB of memory, and "
+                f"{there / 2**30:.1f} GiB may be used; choose fewer with --size or --voxel-size"
             )
 
     def __str__(self):
@@ -67,33 +66,7 @@ class Target:
 
 def like(reference):
     """The voxels around the active ones of a grid; `reference` is FILE or FILE:GRID."""
-    vdb = needed("pyopenvdb")
-    path, _, name = reference.rpartition(":") if not os.path.exists(reference) else (reference, "", "")
-    path, name = (path, name) if path else (reference, "")
-    check_header(path)
-    try:
-        names = [grid.name for grid in vdb.readAllGridMetadata(path)]
-        if not names or name and name not in names:
-            raise InputError(f"{path}: no grid '{name}'; the file holds {', '.join(names) or 'no grids'}")
-        grid = vdb.read(path, name or names[0])
-    except (OSError, RuntimeError, KeyError) as error:
-        raise InputError(f"{path}: cannot be read as a .vdb file: {str(error)[:200]}") from None
-    if not grid.transform.isLinear:
-        raise InputError(f"{path}: grid '{grid.name}' has voxels that are not alike; choose another grid for --like")
-    if not grid.activeVoxelCount():
-        raise InputError(f"{path}: grid '{grid.name}' has no active voxels; choose another grid for --like")
-    low, high = grid.evalActiveVoxelBoundingBox()
-    matrix = matrix_of(grid.transform)
-    return Target(tuple(b - a + 1 for a, b in zip(low, high)), matrix, tuple(low))
-
-
-def matrix_of(transform):
-    """The 4 × 4 matrix of a transform of pyopenvdb."""
-    matrix = numpy.eye(4)
-    matrix[:3, 3] = transform.indexToWorld((0, 0, 0))
-    for axis in range(3):
-        matrix[:3, axis] = numpy.array(transform.indexToWorld(tuple(numpy.eye(3)[axis]))) - matrix[:3, 3]
-    return matrix
+    return Target(**read_box(reference))
 
 
 def filling(bounds, size=None, voxel_size=None):

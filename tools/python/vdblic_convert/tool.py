@@ -10,7 +10,7 @@ import signal
 import sys
 
 from .console import ClosedPipe, Console
-from .errors import OutputError, ParameterError, UserError
+from .errors import STATUS, OutputError, ParameterError
 from .stop import Stop, Stopped, die_by
 
 MOST_NUMBER = 1_000_000_000_000  # of a frame
@@ -45,9 +45,14 @@ class _Parser(argparse.ArgumentParser):
             epilog=_STATUS,
             formatter_class=_Help,
             allow_abbrev=False,
-            usage=f"{name} [OPTIONS] ...",
         )
         self._negative_number_matcher = re.compile(r"-[.\d]|-inf$|-nan$")  # values, not options
+
+    def format_help(self):
+        """Help in the order of VDBLIC's other tools: first what the tool does."""
+        _, rest = super().format_help().split(f"{self.description}\n\n")
+        inputs = " ".join(action.metavar for action in self._get_positional_actions())
+        return f"{self.description}\nUsage: {self.prog} [OPTIONS] {inputs}\n\n{rest}"
 
     def error(self, message):
         raise ParameterError(message)
@@ -101,7 +106,6 @@ class Tool:
     def __init__(self, name, version, description):
         self.name = name
         self._parser = _Parser(name, description)
-        self._parser.set_defaults(creator=f"VDBLIC {version}")
         self.add = self._parser.add_argument
         self._parser._optionals.title = "Options"
         self._parser._positionals.title = "Positionals"
@@ -118,6 +122,31 @@ class Tool:
         )
         level.add_argument("-v", "--verbose", dest="level", action="store_const", const=2, help="Print details.")
 
+    def sequence(self, numbering="paths on standard input", frames=""):
+        """The options that select frames and name outputs."""
+        self.add(
+            "--frames",
+            metavar="TEXT",
+            default="",
+            help=f"Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.{frames}",
+        )
+        self.add(
+            "--clamp-frames",
+            action="store_true",
+            help="Leave out frames of --frames that lie beyond the files on disk.",
+        )
+        self.add(
+            "--renumber",
+            metavar=f"INT:INT in [{-MOST_NUMBER} - {MOST_NUMBER}]",
+            type=whole(-MOST_NUMBER, MOST_NUMBER),
+            help=f"Number {numbering} from this number on as they come, whatever their names.",
+        )
+        self.add(
+            "--skip-existing",
+            action="store_true",
+            help="Leave outputs that are there as they are, and print their paths.",
+        )
+
     def run(self, words, job):
         """Parse the command line and run `job(options, console, stop)`. Returns the exit status."""
         stop = Stop()
@@ -127,7 +156,7 @@ class Tool:
             options = self._parser.parse_args(words)
         except ParameterError as error:
             sys.stderr.write(f"{self.name}: {error}\n{self.name} --help lists the options.\n")
-            return error.status
+            return STATUS[ParameterError]
         except SystemExit:  # --help, --version
             return self._told(console)
         except OSError as error:
@@ -141,9 +170,9 @@ class Tool:
         except Stopped:
             console.say("stopped")
             die_by(stop.signal)
-        except UserError as error:
+        except tuple(STATUS) as error:
             console.error(str(error))
-            return error.status
+            return STATUS[type(error)]
         except MemoryError:
             console.error("this takes more memory than there is; choose fewer voxels with --size or --voxel-size")
             return 3
@@ -163,4 +192,4 @@ class Tool:
         if error.errno == errno.EPIPE:
             die_by(signal.SIGPIPE)
         console.error(f"standard output: cannot be written: {error.strerror}")
-        return OutputError.status
+        return STATUS[OutputError]

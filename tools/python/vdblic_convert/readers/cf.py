@@ -5,7 +5,7 @@ import numpy
 from ..errors import InputError
 from .earth import GRAVITY, local_plane, standard_atmosphere, upward_velocity
 from .grids import grid_of
-from .netcdf import NetcdfFile, text
+from .netcdf_file import NetcdfFile, text
 
 NAMES = {
     "X": ("x", "lon", "longitude", "nx", "easting"),

@@ -1,28 +1,10 @@
-"""NetCDF files: which convention a file follows, and its times."""
+"""NetCDF files: which convention a file follows."""
 
-import re
-
-import numpy
-
-from ..errors import InputError, needed
-from . import Source
-
-netCDF4 = needed("netCDF4")
-EPOCH = "seconds since 1970-01-01"
-SECONDS = {
-    "s": 1,
-    "sec": 1,
-    "second": 1,
-    "seconds": 1,
-    "min": 60,
-    "minutes": 60,
-    "h": 3600,
-    "hour": 3600,
-    "hours": 3600,
-    "d": 86400,
-    "day": 86400,
-    "days": 86400,
-}
+from ..errors import InputError
+from .cf import CfFile
+from .netcdf_file import netCDF4, text
+from .ocean import OceanFile
+from .wrf import WrfFile
 
 
 def open_source(path):
@@ -31,86 +13,7 @@ def open_source(path):
     except (OSError, RuntimeError) as error:
         raise InputError(f"{path}: cannot be read as NetCDF: {getattr(error, 'strerror', None) or error}") from None
     if {"PH", "PHB"} <= set(data.variables):
-        from .wrf import WrfFile as Reader
-    elif any(
-        text(v, "standard_name").startswith("ocean_s") and text(v, "formula_terms") for v in data.variables.values()
-    ):
-        from .ocean import OceanFile as Reader
-    else:
-        from .cf import CfFile as Reader
-    return Reader(path, data)
-
-
-def text(variable, name):
-    """An attribute as text; empty if there is none."""
-    return str(getattr(variable, name, ""))
-
-
-class NetcdfFile(Source):
-    """What all conventions share: times, and variables as arrays with NaN where values are missing."""
-
-    unit = "m"
-
-    def __init__(self, path, data, time):
-        self.path = path
-        self.data = data
-        self._time = time  # the time's dimension, if there is one
-        super().__init__(path, self._times())
-
-    def variable(self, name, step):
-        """A variable at a step in double precision, without its time axis and other axes of one value."""
-        variable = self.data.variables[name]
-        place = [step if dimension == self._time else slice(None) for dimension in variable.dimensions]
-        try:
-            values = variable[tuple(place)]
-        except (OSError, RuntimeError, IndexError) as error:
-            raise InputError(f"{self.path}: variable '{name}' cannot be read: {error}") from None
-        return numpy.ma.filled(numpy.ma.masked_invalid(numpy.ma.asarray(values, float)), numpy.nan)
-
-    def named(self, *standard_names, dimensions=None):
-        """The first variable with one of these standard names, and on these dimensions if given; else None."""
-        for standard_name in standard_names:
-            for name, variable in self.data.variables.items():
-                if text(variable, "standard_name") == standard_name and dimensions in (None, variable.dimensions):
-                    return name
-        return None
-
-    def _times(self):
-        if self._time is None:
-            return [None]
-        count = len(self.data.dimensions[self._time])
-        if count == 0:
-            raise InputError(f"{self.path}: it holds no time steps")
-        variable = next(
-            (
-                v
-                for name, v in self.data.variables.items()
-                if v.dimensions[:1] == (self._time,)
-                and (
-                    name == self._time or name in ("Times", "time", "ocean_time") or text(v, "standard_name") == "time"
-                )
-            ),
-            None,
-        )
-        try:
-            return self._numbers(variable, count)
-        except (ValueError, TypeError) as error:
-            raise InputError(f"{self.path}: its times cannot be read: {error}") from None
-
-    def _numbers(self, variable, count):
-        """The times in seconds."""
-        if variable is None:
-            return [None] * count
-        if variable.ndim == 2:  # WRF's characters
-            dates = [row.tobytes().decode().strip("\0 ") for row in variable[:].filled(b" ")]
-            whole = numpy.array([date.replace("_", "T") for date in dates], "datetime64[s]")
-            self.calendar = True
-            return whole.astype(float).tolist()
-        units, values = text(variable, "units"), numpy.ma.filled(variable[:], numpy.nan).astype(float)
-        if not numpy.isfinite(values).all():
-            raise ValueError("some are missing")
-        if " since " in units:
-            calendar = text(variable, "calendar") or "standard"
-            self.calendar = True
-            return numpy.ravel(netCDF4.date2num(netCDF4.num2date(values, units, calendar), EPOCH, calendar)).tolist()
-        return (values * SECONDS.get(re.sub(r"\W.*", "", units) or "s", 1)).tolist()
+        return WrfFile(path, data)
+    if any(text(v, "standard_name").startswith("ocean_s") and text(v, "formula_terms") for v in data.variables.values()):
+        return OceanFile(path, data)
+    return CfFile(path, data)

@@ -61,7 +61,7 @@ class NumpyFile(Source):
     def _mask(self, path):
         self._active = numpy.asarray(self._place.get("active", numpy.ones(self._shape[-3:], bool)), bool)
         if self._active.shape != self._shape[-3:]:
-            raise InputError(f"{path}: `active` has the shape {self._active.shape}, the fields {self._shape[-3:]}")
+            raise InputError(f"{path}: 'active' has the shape {self._active.shape}, the fields {self._shape[-3:]}")
 
     def _put(self, image):
         """Give an image its place in world space."""
@@ -74,7 +74,7 @@ class NumpyFile(Source):
                 image.SetDirectionMatrix(*(matrix[:3, :3] / spacing).ravel())
         except (ValueError, IndexError):
             raise InputError(
-                f"{self.path}: `origin` and `voxel_size` have one or three numbers, `matrix` 4 x 4"
+                f"{self.path}: 'origin' and 'voxel_size' have one or three numbers, 'matrix' 4 x 4"
             ) from None
         if not ((spacing > 0).all() and numpy.isfinite([*spacing, *origin]).all()):
             raise InputError(f"{self.path}: voxels of {spacing} at {origin} have no size or no place")

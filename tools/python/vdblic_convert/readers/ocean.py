@@ -7,7 +7,7 @@ import numpy
 from ..errors import InputError
 from .earth import local_plane
 from .grids import grid_of
-from .netcdf import NetcdfFile, text
+from .netcdf_file import NetcdfFile, text
 
 
 class OceanFile(NetcdfFile):

@@ -4,7 +4,7 @@ import numpy
 
 from ..errors import InputError
 from .grids import grid_of
-from .netcdf import NetcdfFile
+from .netcdf_file import NetcdfFile
 
 GRAVITY = 9.81  # m/s², WRF's own
 SPACE = ("bottom_top", "south_north", "west_east")

@@ -1,0 +1,52 @@
+"""The outputs of a run: checked before any work, written whole, told when they are finished."""
+
+import os
+
+from vdblic._core import (
+    FramePattern,
+    check_extension,
+    check_not_input,
+    check_output_pattern,
+    check_outputs,
+    is_finished,
+)
+
+
+class Outputs:
+    def __init__(self, options, extensions, console, stop):
+        check_extension(options.output, extensions)
+        self.pattern = FramePattern(options.output)
+        self._skip, self._console, self._stop = options.skip_existing, console, stop
+        self._done = self._count = 0
+
+    def check(self, frames, inputs, count):
+        """Check the outputs of all frames; `count` of them will be written, 0 if that is unknown."""
+        self._count = count
+        check_outputs(self.pattern, frames)
+        check_not_inputs(map(self.pattern.path, frames), inputs)
+
+    def write(self, frame, source, write):
+        """Let `write(path)` make an output, unless the output is there and is to be left."""
+        path = self.pattern.path(frame)
+        self._stop.check()
+        self._done += 1
+        check_output_pattern(self.pattern, self._done)
+        check_not_input(path, source)
+        if not (self._skip and is_finished(path)):
+            write(path)
+        self._console.finished(path)
+        self._console.progress(frame, self._done, self._count)
+        return path
+
+
+def check_not_inputs(outputs, inputs):
+    """Raise ParameterError if an output would replace an input."""
+    taken = {_identity(path): path for path in inputs}
+    for output in outputs:
+        if os.path.exists(output) and _identity(output) in taken:
+            check_not_input(output, taken[_identity(output)])
+
+
+def _identity(path):
+    status = os.stat(path)
+    return status.st_dev, status.st_ino
