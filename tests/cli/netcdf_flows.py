@@ -163,3 +163,49 @@ def write_ocean(path, times, angle=0.0):
     faces = numpy.concatenate([rise[:, :1], (rise[:, 1:] + rise[:, :-1]) / 2, rise[:, -1:]], axis=1)
     put(data, "w", ("ocean_time", "s_w", *rho), faces)
     data.close()
+
+
+def write_c_grid(folder, hours, pattern="{}.nc"):
+    """Sea water as NEMO writes it: a file for each component, on its own faces of the cells."""
+    nx, ny, levels = 9, 7, numpy.array([0.0, 10, 25, 50, 90])
+    columns, rows = numpy.meshgrid(numpy.arange(nx), numpy.arange(ny))
+    middle = None
+    for name, east, north, depth, kind in (
+            ("U", 0.5, 0, (levels[1:] + levels[:-1]) / 2, "sea_water_x_velocity"),
+            ("V", 0, 0.5, (levels[1:] + levels[:-1]) / 2, "sea_water_y_velocity"),
+            ("W", 0, 0, levels[:-1], "upward_sea_water_velocity")):
+        longitude, latitude = -170 - 0.1 * nx + 0.2 * (columns + east), 40 + 0.1 * (rows + north)
+        middle = middle or [(a.min() + a.max()) / 2 for a in (longitude, latitude)]
+        x = RADIUS * numpy.cos(numpy.radians(middle[1])) * numpy.radians(longitude - middle[0])
+        y = RADIUS * numpy.radians(latitude - middle[1])
+        data = create(folder / pattern.format(name), time_counter=len(hours), depth=len(depth), y=ny, x=nx)
+        put(data, "time_counter", ("time_counter",), hours, units="hours since 1990-01-01")
+        put(data, "depth", ("depth",), depth, units="m", positive="down")
+        put(data, "nav_lon", ("y", "x"), (longitude + 180) % 360 - 180, units="degrees_east")
+        put(data, "nav_lat", ("y", "x"), latitude, units="degrees_north")
+        here = positions_of(x, y, -depth)
+        put(data, f"vel{name}", ("time_counter", "depth", "y", "x"), [wind(here, hour)[..., "UVW".index(name)]
+            for hour in hours], units="m/s", standard_name=kind, coordinates="nav_lon nav_lat")
+        data.close()
+
+
+def write_b_grid(path):
+    """Sea water as POP writes it: in centimetres, u and v at the corners of the cells, w in the middle above."""
+    nx, ny, levels = 9, 7, numpy.array([0.0, 10, 25, 50, 90])
+    columns, rows = numpy.meshgrid(numpy.arange(nx), numpy.arange(ny))
+    data = create(path, z_t=4, z_w=4, nlat=ny, nlon=nx)
+    middle = None
+    for kind, shift in ("U", 0.5), ("T", 0):
+        longitude, latitude = 20 + 0.2 * (columns + shift), 40 + 0.1 * (rows + shift)
+        put(data, f"{kind}LONG", ("nlat", "nlon"), longitude, units="degrees_east")
+        put(data, f"{kind}LAT", ("nlat", "nlon"), latitude, units="degrees_north")
+        middle = middle or [(a.min() + a.max()) / 2 for a in (longitude, latitude)]
+        x = RADIUS * numpy.cos(numpy.radians(middle[1])) * numpy.radians(longitude - middle[0])
+        y = RADIUS * numpy.radians(latitude - middle[1])
+        axis, depth = ("z_t", (levels[1:] + levels[:-1]) / 2) if kind == "U" else ("z_w", levels[:-1])
+        put(data, axis, (axis,), 100 * depth, units="centimeters", positive="down")
+        for i, name in enumerate(("UVEL", "VVEL", "WVEL")):
+            if (kind == "U") == (i < 2):
+                put(data, name, (axis, "nlat", "nlon"), 100 * wind(positions_of(x, y, -depth))[..., i],
+                    units="centimeter/s", coordinates=f"{kind}LONG {kind}LAT {axis}")
+    data.close()

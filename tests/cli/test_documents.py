@@ -85,6 +85,7 @@ class Documents(ToolTest):
         flows.write_pvd(cls.data, [0, 1])
         flows.write_foam(cls.data / "cavity", [0, 1])
         netcdf_flows.write_heights(cls.data / "winds.nc")
+        netcdf_flows.write_c_grid(cls.data, [0, 1])
 
     def copy_of_the_data(self, folder):
         for patterns, made in (VELOCITIES, "v.%04d.vdb"), (TEXTURES, "lic.%04d.vdb"):
@@ -93,7 +94,7 @@ class Documents(ToolTest):
                 for frame in FRAMES if "%" in pattern else [None]:
                     os.link(str(self.data / made) % (frame or 1), str(folder / pattern) % frame if frame else folder / pattern)
 
-        for name in "flow.pvd", "part0.vtu", "part1.vtu", "winds.nc", "cavity":
+        for name in "flow.pvd", "part0.vtu", "part1.vtu", "winds.nc", "U.nc", "V.nc", "W.nc", "cavity":
             (folder / name).symlink_to(self.data / name)
         for frame in FRAMES:
             (folder / f"run.{frame:04}.vtu").symlink_to(self.data / "part0.vtu")

@@ -119,6 +119,34 @@ class Export(ToolTest):
         numpy.testing.assert_array_equal(dense(self.folder / "a.0002.vdb", "density", low, shape),
                                          dense(self.folder / "b.0002.vdb", "density", low, shape))
 
+    def test_inactive_voxels_come_back_inactive(self):
+        x, y, z = numpy.meshgrid(*(numpy.arange(n) for n in (12, 10, 8)), indexing="ij")
+        active = (x - 6) ** 2 + (y - 5) ** 2 + (z - 4) ** 2 > 9
+        numpy.savez(self.folder / "v.npz", velocity=flow(numpy.stack([x, y, z], axis=-1)), active=active)
+        self.outputs("vdblic_import", "v.npz", "-o", "v.vdb")
+        self.exports("v.vdb", "-o", "v.vti")
+        reader = vtkXMLImageDataReader()
+        reader.SetFileName(str(self.folder / "v.vti"))
+        reader.Update()
+        image = reader.GetOutput()
+        visible = [bool(image.IsPointVisible(i)) for i in range(image.GetNumberOfPoints())]  # as ParaView sees them
+        numpy.testing.assert_array_equal(numpy.reshape(visible, active.shape[::-1]).transpose(2, 1, 0), active)
+        self.outputs("vdblic_import", "v.vti", "-o", "back.vdb")
+        done = self.run_tool("vdblic_diff", "v.vdb", "back.vdb", "--ignore-metadata", "source,velocity_array")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        # Of other voxels, those in a cell that lacks a corner are inactive.
+        path, = self.outputs("vdblic_import", "v.vti", "-o", "fine.vdb", "--voxel-size", 0.5)
+        accessor = vdb.read(str(path), "velocity").getConstAccessor()
+        whole = lambda cell: active[tuple(slice(i, i + 2) for i in cell)].all()
+        for cell in numpy.ndindex(11, 9, 7):
+            voxel = tuple(2 * i + 1 for i in cell)
+            self.assertEqual(accessor.isValueOn(voxel), whole(cell), cell)
+
+    def test_names_of_lists(self):
+        self.outputs("vdblic_noise", "-o", "n.1.vdb", "--size", 4, 4, 4)
+        for pattern, name in ("exp %d.vti", "exp.pvd"), ("a_%04d.vti", "a.pvd"), ("%d.vti", "frames.pvd"):
+            self.assertEqual(self.exports("n.%d.vdb", "-o", pattern)[-1], name)
+
     def test_mistakes(self):
         self.outputs("vdblic_noise", "-o", "n.vdb", "--size", 4, 4, 4)
         (self.folder / "broken.vdb").write_bytes(self.contents("n.vdb")[:200])

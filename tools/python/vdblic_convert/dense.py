@@ -57,7 +57,9 @@ def _interpolated(grid, values, active, matrix, size, path):
     matrix = numpy.linalg.inv(grid["transform"]) @ matrix
     scale = numpy.diag(matrix)[:3]
     if not numpy.allclose(matrix[:3, :3], numpy.diag(scale), atol=1e-6 * abs(scale).max()):
-        raise InputError(f"{path}: grid '{grid['name']}' is turned against the others; export it by itself with --grids")
+        raise InputError(
+            f"{path}: grid '{grid['name']}' is turned against the others; export it by itself with --grids"
+        )
     low, box = grid["origin"], active.shape
     vector = values.ndim == 4
     values = values if vector else values[..., None]

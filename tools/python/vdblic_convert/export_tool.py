@@ -81,7 +81,7 @@ def _arrays(volume):
 def _image(output, volume):
     """The .vti file of a volume: its voxels are the image's points."""
     import numpy
-    from .vtk_data import add_array, bridge, errors_of, model
+    from .vtk_data import GHOSTS, HIDDEN_POINT, add_array, bridge, errors_of, model
 
     spacing = numpy.linalg.norm(volume.matrix[:3, :3], axis=0)
     image = model.vtkImageData()
@@ -90,7 +90,8 @@ def _image(output, volume):
     image.SetSpacing(*spacing)
     image.SetDirectionMatrix(*(volume.matrix[:3, :3] / spacing).ravel())
     points = image.GetPointData()
-    for name, values in {**volume.arrays, "active": volume.active.astype(numpy.uint8)}.items():
+    masks = {"active": volume.active, GHOSTS: numpy.where(volume.active, 0, HIDDEN_POINT)}
+    for name, values in (volume.arrays | {name: mask.astype(numpy.uint8) for name, mask in masks.items()}).items():
         values = values.reshape(*volume.active.shape, -1)
         add_array(points, name, values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))
     scalars = next((name for name, values in volume.arrays.items() if values.ndim == 3), None)

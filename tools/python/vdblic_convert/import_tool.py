@@ -20,10 +20,11 @@ def main(version, words):
     )
     tool.add(
         "input",
+        nargs="+",
         metavar="INPUT",
         help=(
             "Flow. One file, a case's folder, a pattern (name.%%04d.vti, also ####, @@@@, $F4, <F4>), "
-            "or - for paths on standard input."
+            "or - for paths on standard input. Several are one flow, with the same times."
         ),
     )
     tool.add("-o", "--output", metavar="TEXT", required=True, help="Velocity files, such as v.%%04d.vdb.")
@@ -91,7 +92,7 @@ def run(options, console, stop):
         outputs.write(step.frame, step.source.path, lambda path, step=step: conversion.write(step, series, path))
         written += 1
     if not written:
-        raise InputError(f"{options.input}: no step lies within --times {options.times[0]:g} {options.times[1]:g}")
+        raise InputError(f"{options.input[0]}: no step lies within --times {options.times[0]:g} {options.times[1]:g}")
 
 
 def _check(options):
@@ -116,7 +117,7 @@ class Conversion:
     def __init__(self, options, console):
         self._options, self._console = options, console
         self._names, self._target = (), None
-        self._told = set()
+        self._told, self._coarse = set(), False
 
     def write(self, step, series, path):
         """Write a step's .vdb file."""
@@ -126,20 +127,25 @@ class Conversion:
 
         if self._target is None:
             self._target = self._choose(series)
-        arrays = step.source.arrays(step.index)
-        chosen(arrays, self._names, (), step.source.path)  # every step has them
-        check_carried(arrays, self._options.carry, step.source.path)
+        source, where = step.source, step.where()
+        arrays = source.arrays(step.index)
+        chosen(arrays, self._names, (), where)  # every step has them
+        check_carried(arrays, self._options.carry, where)
         names = (*self._names, *(name for name in self._options.carry if name not in self._names))
-        data = step.source.read(step.index, names)
-        for note in step.source.notes():
+        volumes, mask = {}, True
+        for data, own in source.parts(step.index, names):
+            values, valid, met = sampled(data, own, self._target, where)
+            volumes.update(zip(own, values))
+            mask = mask & valid
+            self._check_cells(met)
+        for note in source.notes():
             self._tell(note)
-        volumes, mask = sampled(data, names, self._target, step.source.path)
         if not mask.any():
-            self._console.warn(f"{step.source.path}: frame {step.frame} has no values within the voxels")
-        parts = volumes[: len(self._names)]
+            self._console.warn(f"{source.path}: frame {step.frame} has no values within the voxels")
+        parts = [volumes[name] for name in self._names]
         if len(parts) == 2:
             parts.append(numpy.zeros_like(parts[0]))
-        carried = [(name, volumes[names.index(name)]) for name in self._options.carry]
+        carried = [(name, volumes[name]) for name in self._options.carry]
         grids = []
         for name, values in [("velocity", numpy.concatenate(parts, axis=3)), *carried]:
             vector = values.shape[3] == 3
@@ -166,18 +172,28 @@ class Conversion:
         if options.like:
             target = like(options.like)
         else:
-            data = source.read(0, self._names)
+            data, names = source.parts(0, self._names)[0]
             if options.size or options.voxel_size or options.bounds:
-                box = options.bounds or bounds_of(data, self._names, source.path)
+                box = options.bounds or bounds_of(data, names, source.path)
                 size = options.size or (
-                    None if options.voxel_size else usual_target(data, self._names, source.path).size
+                    None if options.voxel_size else usual_target(data, names, source.path).size
                 )
                 target = filling(box, size, options.voxel_size)
             else:
-                target = usual_target(data, self._names, source.path)
+                target = usual_target(data, names, source.path)
         target.check()
         self._tell(f"{target}")
         return target
+
+    def _check_cells(self, met):
+        """Warn once if the voxels that nobody chose pass over most of the cells."""
+        options = self._options
+        are_chosen = options.like or options.size or options.voxel_size or options.bounds
+        if met < 0.5 and not are_chosen and not self._coarse:
+            self._coarse = True
+            self._console.warn(
+                f"only {100 * met:.0f} % of the cells have a voxel in them; --size or --voxel-size makes voxels finer"
+            )
 
     def _tell(self, message):
         """Say something once."""
@@ -187,7 +203,7 @@ class Conversion:
 
     def _metadata(self, step, series):
         found = {
-            "source": os.fspath(step.source.path),
+            "source": " ".join(map(str, step.source.paths)),
             "frame": step.frame,
             "velocity_array": ",".join(self._names),
             "velocity_unit": "world/s",

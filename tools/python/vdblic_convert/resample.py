@@ -12,26 +12,44 @@ from .vtk_data import (
     array,
     at_points,
     bridge,
+    cell_sizes,
     core,
     dimensions_of,
     filters,
+    hide_cells_of_hidden_points,
     model,
+    shallow_copy,
     solid,
 )
 
 MOST_VOXELS = 256**3  # of a grid that nobody chose
+CELL = "cell of the voxel"
 
 
 def usual_target(dataset, names, path):
-    """The grid for a flow if the user chooses none: its own voxels, else about as many as it has points or cells."""
+    """The grid for a flow if the user chooses none: its own voxels, as many as a structured grid has points, or about a
+    voxel for each cell of the finer half of all."""
     if own := _own_target(dataset, names):
         return own
     cells = solid(dataset, names, path)
     box = _bounds(cells)
     if not cells.IsA("vtkUnstructuredGrid"):
         return on_points(box, dimensions_of(cells))
-    volume = float(numpy.prod(numpy.array(box[3:]) - numpy.array(box[:3])))
-    return filling(box, voxel_size=(volume / min(cells.GetNumberOfCells(), MOST_VOXELS)) ** (1 / 3))
+    return filling(box, _size_by_cells(cells, box))
+
+
+def _size_by_cells(cells, box):
+    """How many voxels fill a box so that one is as large as a cell of the finer half, and a layer of cells has one."""
+    volumes, extents = cell_sizes(cells)
+    finer = volumes <= numpy.median(volumes)
+    volume, spacing = numpy.median(volumes[finer]), numpy.median(extents[finer], axis=0)
+    lengths = numpy.array(box[3:]) - numpy.array(box[:3])
+    layer = spacing > 0.99 * lengths
+    spacing = numpy.where(layer, lengths, spacing)
+    if not layer.all():
+        least = numpy.prod(lengths) / MOST_VOXELS
+        spacing[~layer] *= (max(volume, least) / numpy.prod(spacing)) ** (1 / numpy.count_nonzero(~layer))
+    return numpy.maximum(numpy.round(lengths / spacing), 1).astype(int)
 
 
 def bounds_of(dataset, names, path):
@@ -46,19 +64,19 @@ def bounds_of(dataset, names, path):
 def sampled(dataset, names, target, path):
     """The named arrays at the centres of a grid's voxels, and where they have values.
 
-    Returns one array of (x, y, z, components) for each name, and a mask of (x, y, z). Voxels on the data's own points
-    or cells get their values unchanged.
+    Returns one array of (x, y, z, components) for each name, a mask of (x, y, z), and the share of the data's cells in
+    which there is a voxel. Voxels on the data's own points or cells get their values unchanged.
     """
     own = _own_target(dataset, names)
     if own and own.size == target.size and numpy.array_equal(own.matrix, target.matrix) and own.first == target.first:
-        values, mask = [array(dataset, name)[0] for name in names], _visible(dataset, names)
+        values, mask, met = [array(dataset, name)[0] for name in names], _visible(dataset, names), 1.0
     else:
-        values, mask = _probed(at_points(solid(dataset, names, path), names), names, target)
+        values, mask, met = _probed(at_points(solid(dataset, names, path), names), names, target)
     volumes = [value.reshape(*target.size[::-1], -1).transpose(2, 1, 0, 3) for value in values]
     mask = mask.reshape(target.size[::-1]).transpose(2, 1, 0)
     for volume in volumes:
         mask = mask & numpy.isfinite(volume).all(axis=3)
-    return volumes, mask
+    return volumes, mask, met
 
 
 def _own_target(dataset, names):
@@ -99,6 +117,9 @@ def hide_cells(grid, valid):
 
 
 def _probed(dataset, names, target):
+    dataset = shallow_copy(dataset)
+    hide_cells_of_hidden_points(dataset)
+    add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
     probe = filters.vtkProbeFilter()
     probe.SetInputData(_vtk_grid(target))
     probe.SetSourceData(dataset)
@@ -110,7 +131,8 @@ def _probed(dataset, names, target):
         values.append(bridge.vtk_to_numpy(data.GetArray(name)))
         if residue := data.GetArray(RESIDUE + name):
             values[-1] = values[-1] + bridge.vtk_to_numpy(residue)
-    return values, mask
+    met = len(numpy.unique(bridge.vtk_to_numpy(data.GetArray(CELL))[mask])) / dataset.GetNumberOfCells()
+    return values, mask, met
 
 
 def _vtk_grid(target):

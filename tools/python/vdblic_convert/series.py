@@ -6,7 +6,7 @@ import pathlib
 from vdblic._core import FramePattern, InputPaths, files_of, frame_of_name, parse_frames
 
 from .errors import InputError, ParameterError
-from .readers import Source, open_source
+from .readers import Joined, Source, open_source
 
 
 @dataclasses.dataclass
@@ -18,6 +18,11 @@ class Step:
     index: int
     time: float | None
     dt: float | None
+
+    def where(self):
+        """The file, and the time in it if it holds several, for messages."""
+        several = len(self.source.times) > 1 and self.time is not None
+        return f"{self.source.path}: at {self.time:g} s" if several else str(self.source.path)
 
 
 class Series:
@@ -33,30 +38,32 @@ class Series:
         self._first = self._last = None  # sources; the newest one is kept, so that a file is not read twice
         self.start = None  # the time of the first step of all, if the input has dates: the others count from it
         self.count, self.frames, self._files = 0, [], []
-        self.streamed = options.input == "-"
+        self.streamed = "-" in options.input
+        if self.streamed and len(options.input) > 1:
+            raise ParameterError("paths on standard input are one flow; leave out the other inputs")
         if not self.streamed:
             self._find()
         elif self._chosen:
             raise ParameterError("--frames cannot select from paths on standard input")
 
     def _find(self):
-        """The files and the frames of the input."""
-        text, path = self._options.input, pathlib.Path(self._options.input)
-        if path.is_dir():  # a case
-            self._files = [(frame_of_name(path) or 1, path)]
-        elif (pattern := FramePattern(text)).has_field:
-            self._files = [(frame, pattern.path(frame)) for frame in pattern.frames_on_disk()]
-        self._files = self._files or files_of(text, "", False)
+        """The files and the frames of the inputs."""
+        text = self._options.input[0]
+        found = [_files_of(text) for text in self._options.input]
+        for other, files in zip(self._options.input[1:], found[1:]):
+            if len(files) != len(found[0]) or len(files) > 1 and files.keys() != found[0].keys():
+                raise InputError(f"{other}: its files are not numbered as those of {text}; inputs of one flow are")
+        self._files = [(frame, tuple(paths)) for frame, *paths in zip(found[0], *(files.values() for files in found))]
         self._open_first(self._files[0][1])
         self._numbered = len(self._first.times) > 1
         if self._numbered:
-            steps = sum(len(self._open(path).times) for _, path in self._files)
+            steps = sum(len(self._open(paths).times) for _, paths in self._files)
             self.frames = self._select(range(self._first_number(), self._first_number() + steps))
         elif self._options.renumber is not None:
             raise ParameterError(
                 "--renumber is for paths on standard input and for files of several steps; a pattern has the numbers"
             )
-        elif path.is_dir():
+        elif pathlib.Path(text).is_dir():
             self.frames = self._select([self._files[0][0]])
         else:
             self.frames = [frame for frame, _ in files_of(text, self._options.frames, self._options.clamp_frames)]
@@ -64,7 +71,7 @@ class Series:
 
     def inputs(self):
         """The files, for checks that no output replaces them."""
-        return [path for _, path in self._files]
+        return [path for _, paths in self._files for path in paths]
 
     def steps(self):
         """The selected steps one by one."""
@@ -72,13 +79,13 @@ class Series:
             yield from self._streamed()
             return
         selected, number, before = set(self.frames), self._first_number(), None
-        for frame, path in self._files:
+        for frame, paths in self._files:
             if not self._numbered and frame not in selected:
                 continue
-            source = self._open(path)
+            source = self._open(paths)
             if len(source.times) > 1 and not self._numbered:
                 raise InputError(
-                    f"{path}: it holds {len(source.times)} steps, the files before it one; use files alike"
+                    f"{source.path}: it holds {len(source.times)} steps, the files before it one; use files alike"
                 )
             for index in range(len(source.times)):
                 step = self._step(number if self._numbered else frame, source, index, before)
@@ -96,8 +103,8 @@ class Series:
         number, before, taken = self._options.renumber, None, {}
         for path in InputPaths(self._stop.check):
             if not taken:
-                self._open_first(path)
-            source = self._open(path)
+                self._open_first((path,))
+            source = self._open((path,))
             if len(source.times) > 1 and number is None:
                 raise InputError(
                     f"{path}: it holds {len(source.times)} steps; --renumber START numbers the steps as they come"
@@ -134,15 +141,16 @@ class Series:
             dt = None if before is None else time - before
         return Step(frame, source, index, time, dt)
 
-    def _open_first(self, path):
-        self._first = self._open(path)
+    def _open_first(self, paths):
+        self._first = self._open(paths)
         self.start = self._first.times[0] if self._first.calendar else None
 
-    def _open(self, path):
-        if self._last is None or str(self._last.path) != str(path):
+    def _open(self, paths):
+        if self._last is None or self._last.paths != list(paths):
             if self._last is not None:
                 self._last.free()  # its memory, before the next file is read
-            self._last = open_source(path)
+            sources = [open_source(path) for path in paths]
+            self._last = sources[0] if len(sources) == 1 else Joined(sources)
         return self._last
 
     def _first_number(self):
@@ -154,12 +162,12 @@ class Series:
         if self._options.clamp_frames:
             self._chosen = [frame for frame in self._chosen if numbers[0] <= frame <= numbers[-1]]
             if not self._chosen:
-                raise InputError(f"{self._options.input}: no frame of {self._options.frames} is in it")
+                raise InputError(f"{self._options.input[0]}: no frame of {self._options.frames} is in it")
         present = set(numbers)
         for frame in self._chosen:
             if frame not in present:
                 raise InputError(
-                    f"frame {frame} is missing: {self._options.input} has {min(present)} to {max(present)}; "
+                    f"frame {frame} is missing: {self._options.input[0]} has {min(present)} to {max(present)}; "
                     "--frames can select the others"
                 )
         return self._chosen
@@ -167,6 +175,16 @@ class Series:
     def _within(self, step):
         limits = self._options.times
         return not limits or step.time is not None and limits[0] <= step.time <= limits[1]
+
+
+def _files_of(text):
+    """The files that a case, a file or a pattern names: frame → path."""
+    path = pathlib.Path(text)
+    if path.is_dir():
+        return {frame_of_name(path) or 1: path}
+    pattern = FramePattern(text)
+    found = {frame: pattern.path(frame) for frame in pattern.frames_on_disk()} if pattern.has_field else {}
+    return found or dict(files_of(text, "", False))  # which tells what is missing
 
 
 def _numbered(path, number, taken):

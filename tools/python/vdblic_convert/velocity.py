@@ -2,7 +2,7 @@
 
 from .errors import InputError, ParameterError
 
-VECTORS = ("velocity", "Velocity", "VELOCITY", "vel", "v", "U", "u", "V", "UMean")
+VECTORS = ("velocity", "Velocity", "VELOCITY", "vel", "VEL", "v", "U", "u", "V", "UMean")
 TRIPLES = (
     ("u", "v", "w"),
     ("U", "V", "W"),

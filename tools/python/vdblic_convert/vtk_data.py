@@ -142,6 +142,41 @@ def at_points(dataset, names):
     return result
 
 
+def cell_sizes(grid):
+    """The volumes of an unstructured grid's cells, and their lengths along x, y and z (cells, 3)."""
+    sizes = needed("vtkmodules.vtkFiltersVerdict").vtkCellSizeFilter()
+    sizes.SetInputData(grid)
+    sizes.Update()
+    volumes = abs(bridge.vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Volume")))
+    points = bridge.vtk_to_numpy(grid.GetPoints().GetData())
+    corners = points[bridge.vtk_to_numpy(grid.GetCells().GetConnectivityArray())]
+    first = bridge.vtk_to_numpy(grid.GetCells().GetOffsetsArray())[:-1]
+    return volumes, numpy.maximum.reduceat(corners, first) - numpy.minimum.reduceat(corners, first)
+
+
+def shallow_copy(dataset):
+    """A data set of the same arrays, to which others can be added."""
+    copy = dataset.NewInstance()
+    copy.ShallowCopy(dataset)
+    return copy
+
+
+def hide_cells_of_hidden_points(dataset):
+    """Hide the cells that have a hidden corner, as they are to VTK's readers but not to its probes."""
+    flags = dataset.GetPointData().GetArray(GHOSTS)
+    if flags is None:
+        return
+    marked, count = dataset.NewInstance(), filters.vtkPointDataToCellData()
+    marked.CopyStructure(dataset)
+    add_array(marked.GetPointData(), GHOSTS + " hidden", (bridge.vtk_to_numpy(flags) & HIDDEN_POINT).astype(float))
+    count.SetInputData(marked)
+    count.Update()
+    hidden = bridge.vtk_to_numpy(count.GetOutput().GetCellData().GetArray(GHOSTS + " hidden")) > 0
+    before = dataset.GetCellData().GetArray(GHOSTS)
+    before = 0 if before is None else bridge.vtk_to_numpy(before)
+    add_array(dataset.GetCellData(), GHOSTS, (before | numpy.where(hidden, HIDDEN_CELL, 0)).astype(numpy.uint8))
+
+
 def _has(block, names):
     return all(block.GetPointData().GetArray(name) or block.GetCellData().GetArray(name) for name in names)
 

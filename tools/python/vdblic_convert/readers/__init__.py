@@ -52,14 +52,21 @@ class Source:
 
     calendar = False
     unit = None
+    middle = None  # longitude and latitude of the origin, if there is one
 
     def __init__(self, path, times):
         self.path = path
+        self.paths = [path]
         self.times = times
 
-    def velocity(self, step):  # pylint: disable=unused-argument
-        """The arrays that the file itself declares to be the velocity, if it does."""
-        return ()
+    def components(self, step):  # pylint: disable=unused-argument
+        """The arrays that the file itself declares to be the velocity along x, y and z; None where it does not."""
+        return None, None, None
+
+    def velocity(self, step):
+        """The arrays that the file itself declares to be the velocity, if it does; the third may be missing."""
+        x, y, z = self.components(step)
+        return tuple(name for name in (x, y, z) if name) if x and y else ()
 
     def arrays(self, step):
         """The arrays of a step: name → components."""
@@ -69,9 +76,59 @@ class Source:
         """A VTK data set with the named arrays."""
         raise NotImplementedError
 
+    def parts(self, step, names):
+        """VTK data sets that have the named arrays together, each with the names of its own."""
+        return [(self.read(step, names), names)]
+
     def free(self):
         """Free the memory of a step that was read; it is read again when it is needed."""
 
     def notes(self):
         """What a user should be told about how the file is read."""
         return []
+
+
+class Joined(Source):
+    """Files that hold arrays of one flow, at the same times."""
+
+    def __init__(self, sources):
+        first = sources[0]
+        for other in sources[1:]:
+            if len(other.times) != len(first.times):
+                raise InputError(
+                    f"{other.path}: it holds {len(other.times)} steps, {first.path} {len(first.times)}; files of one "
+                    "flow have the same"
+                )
+            for step, (a, b) in enumerate(zip(first.times, other.times)):
+                if a != b and (None in (a, b) or abs(a - b) > 1e-9 * max(abs(a), abs(b))):
+                    raise InputError(
+                        f"{other.path}: step {step + 1} is at {b} s, in {first.path} at {a} s; files of one flow have "
+                        "the same times"
+                    )
+        super().__init__(first.path, first.times)
+        self.paths = [path for source in sources for path in source.paths]
+        self.calendar, self.unit, self._sources = first.calendar, first.unit, sources
+
+    def components(self, step):
+        found = [source.components(step) for source in self._sources]
+        return tuple(next((names[axis] for names in found if names[axis]), None) for axis in range(3))
+
+    def arrays(self, step):
+        return {name: count for source in reversed(self._sources) for name, count in source.arrays(step).items()}
+
+    def parts(self, step, names):
+        parts, left = [], list(names)
+        for source in self._sources:
+            source.middle = source.middle or self.middle
+            own = [name for name in left if name in source.arrays(step)]
+            parts += source.parts(step, own) if own else []
+            left = [name for name in left if name not in own]
+            self.middle = self.middle or source.middle
+        return parts
+
+    def free(self):
+        for source in self._sources:
+            source.free()
+
+    def notes(self):
+        return [note for source in self._sources for note in source.notes()]

@@ -5,15 +5,15 @@ import re
 from ..errors import InputError, needed
 from ..vtk_data import arrays_of, blocks_of, errors_of, joined, model
 from . import Source
+from .whole_files import check_whole
 
 
 def open_source(path):
     if path.is_dir() or path.suffix.lower() == ".foam":
         return OpenFoamCase(path)
     if path.suffix.lower() == ".cgns":
-        with open(path, "rb") as file:
-            if not file.read(32).startswith((b"\x89HDF", b"@(#)ADF")):  # its library would end the process
-                raise InputError(f"{path}: cannot be read: it is neither of the forms of CGNS, HDF5 and ADF")
+        if check_whole(path) not in ("HDF5", "ADF"):  # its library would end the process
+            raise InputError(f"{path}: cannot be read: it is neither of the forms of CGNS, HDF5 and ADF")
         return Case(path, needed("vtkmodules.vtkIOCGNSReader").vtkCGNSReader())
     return Case(path, needed("vtkmodules.vtkIOEnSight").vtkGenericEnSightReader())
 
@@ -71,12 +71,18 @@ class OpenFoamCase(Case):
         folder = path if path.is_dir() else path.parent
         if not (folder / "system" / "controlDict").is_file():
             raise InputError(f"{path}: the folder {folder} is no OpenFOAM case; it lacks system/controlDict")
-        pieces = any(folder.glob("processor*"))
+        pieces = any(folder.glob("processor[0-9]*"))
         whole = any(
             re.fullmatch(r"[\d.]+(e[+-]?\d+)?", entry.name) and any(entry.iterdir())
             for entry in folder.iterdir()
             if entry.is_dir() and entry.name != "0"
         )
+        collated = next(folder.glob("processors*"), None)
+        if collated and not pieces and not whole:
+            raise InputError(
+                f"{path}: VTK cannot read the collated files in {collated.name}; put the case together first: "
+                f"reconstructPar -case {folder}"
+            )
         reader = needed("vtkmodules.vtkIOParallel").vtkPOpenFOAMReader()
         reader.SetController(needed("vtkmodules.vtkParallelCore").vtkDummyController())  # it crashes without one
         self._decomposed = pieces and not whole

@@ -11,7 +11,7 @@ NAMES = {
     "X": ("x", "lon", "longitude", "nx", "easting"),
     "Y": ("y", "lat", "latitude", "ny", "northing"),
     "Z": ("z", "lev", "level", "height", "altitude", "depth", "plev", "pressure", "pressure_level", "isobaricinhpa"),
-    "T": ("time", "valid_time", "t"),
+    "T": ("time", "valid_time", "t", "date", "year", "month", "day", "hour"),
 }
 UNITS = {
     "X": ("degrees_east", "degree_east", "degree_e", "degrees_e"),
@@ -25,7 +25,8 @@ STANDARD = {
     "T": ("time",),
 }
 PRESSURE = {"pa": 1, "hpa": 100, "mbar": 100, "millibar": 100, "millibars": 100, "bar": 1e5}
-LENGTH = {"m": 1, "meter": 1, "meters": 1, "metre": 1, "metres": 1, "km": 1000, "kilometers": 1000, "cm": 0.01}
+LENGTH = {"m": 1, "meter": 1, "meters": 1, "metre": 1, "metres": 1, "km": 1000, "kilometers": 1000}
+LENGTH |= {"cm": 0.01, "centimeters": 0.01}
 SPEED = {
     "m s-1": 1,
     "m/s": 1,
@@ -35,6 +36,7 @@ SPEED = {
     "meters/second": 1,
     "cm s-1": 0.01,
     "cm/s": 0.01,
+    "centimeter/s": 0.01,
     "km/h": 1 / 3.6,
     "km h-1": 1 / 3.6,
     "knots": 0.514444,
@@ -51,6 +53,11 @@ COMPONENTS = (
         "downward_air_velocity",
     ),
 )
+USUAL = (  # names of components without a standard name; the last ones are those of POP and NEMO
+    ("u", "U", "UVEL", "vozocrtx"),
+    ("v", "V", "VVEL", "vomecrty"),
+    ("w", "W", "WVEL", "vovecrtz"),
+)
 
 
 class CfFile(NetcdfFile):
@@ -59,12 +66,11 @@ class CfFile(NetcdfFile):
         super().__init__(path, data, next((name for name, axis in axes.items() if axis == "T"), None))
         self._axes = axes
         self._notes = []
-        self._fields = {
-            name: v
-            for name, v in data.variables.items()
-            if name not in data.dimensions and v.dtype != str and len(self._space(v)) == 3
-        }
+        numbers = {n: v for n, v in data.variables.items() if n not in data.dimensions and v.dtype != str}
+        self._fields = {name: v for name, v in numbers.items() if len(self._space(v)) == 3}
         if not self._fields:
+            for name, variable in numbers.items():
+                self._check_axes(name, variable)
             raise InputError(
                 f"{path}: no variable has a vertical axis and two horizontal ones; it holds "
                 f"{', '.join(list(data.variables)[:20]) or 'no variables'}"
@@ -73,36 +79,47 @@ class CfFile(NetcdfFile):
     def notes(self):
         return self._notes
 
-    def velocity(self, step):
+    def components(self, step):
         found = [self.named(*names) for names in COMPONENTS]
         found = [name if name in self._fields else None for name in found]
-        for i, name in enumerate("uvw"):
-            found[i] = found[i] or next((n for n in (name, name.upper()) if n in self._fields), None)
-        if not found[0] or not found[1]:
-            return ()
-        return tuple(name for name in found if name)
+        for i, names in enumerate(USUAL):
+            found[i] = found[i] or next((name for name in names if name in self._fields), None)
+        return found
 
     def arrays(self, step):
         return {name: 1 for name in self._fields}
 
     def read(self, step, names):
         dimensions = self._space(self._fields[names[0]])
-        for name in names:
-            if self._space(self._fields[name]) != dimensions:
-                raise InputError(
-                    f"{self.path}: '{name}' and '{names[0]}' are on different axes: {self._space(self._fields[name])}"
-                    f" and {dimensions}"
-                )
         self._notes = []
-        x, y = self._horizontal(dimensions)
-        z, pressure = self._vertical(dimensions, step)
-        fields = {name: self._in_si(name, step, dimensions, pressure) for name in names}
+        x, y = self._horizontal(names[0], dimensions)
+        fields = {name: self._field(name, step, dimensions) for name in names}
+        there = numpy.any([numpy.isfinite(values) for values in fields.values()], axis=0)
+        z, pressure = self._vertical(dimensions, step, there)
+        fields = {name: self._in_si(name, values, step, dimensions, pressure) for name, values in fields.items()}
         surface = self.named("surface_air_pressure")
         if pressure is not None and surface:
-            ground = self.variable(surface, step).reshape(1, *next(iter(fields.values())).shape[1:])
-            under = numpy.broadcast_to(pressure.reshape(-1, 1, 1), next(iter(fields.values())).shape) > ground
+            ground = self.place(surface, step, there.any(axis=0))
+            under = numpy.broadcast_to(pressure.reshape(-1, 1, 1), there.shape) > ground
             fields = {name: numpy.where(under, numpy.nan, field) for name, field in fields.items()}
         return grid_of(x, y, z, fields)
+
+    def parts(self, step, names):
+        """One for each grid: components may lie on different faces of the cells."""
+        grids = {}
+        for name in names:
+            variable = self._fields[name]
+            grids.setdefault((self._space(variable), text(variable, "coordinates")), []).append(name)
+        return [(self.read(step, own), own) for own in grids.values()]
+
+    def _check_axes(self, name, variable):
+        """Raise InputError for a variable that would be a field if one of its axes were known to be the time."""
+        long = [d for d in variable.dimensions if d != self._time and len(self.data.dimensions[d]) > 1]
+        if len(long) == 4 and self._axes[long[0]] is None:
+            raise InputError(
+                f"{self.path}: the axis '{long[0]}' of '{name}' is of no known kind; if it is the time, give it units: "
+                f"ncatted -a units,{long[0]},o,c,'days since 2000-01-01' {self.path}"
+            )
 
     def _space(self, variable):
         """The dimensions of a field as z, y, x; empty if the variable has others."""
@@ -121,8 +138,8 @@ class CfFile(NetcdfFile):
         values = self.variable(name, step).reshape([len(self.data.dimensions[d]) for d in order])
         return values.transpose([order.index(d) for d in dimensions])
 
-    def _in_si(self, name, step, dimensions, pressure):
-        values, variable = self._field(name, step, dimensions), self.data.variables[name]
+    def _in_si(self, name, values, step, dimensions, pressure):
+        variable = self.data.variables[name]
         unit = text(variable, "units").lower().strip()
         if unit in TENDENCY:
             if pressure is None:
@@ -141,18 +158,19 @@ class CfFile(NetcdfFile):
         down = -1 if text(variable, "standard_name").startswith("downward_") else 1
         return values * SPEED.get(unit, 1) * down
 
-    def _horizontal(self, dimensions):
-        """x and y in metres."""
+    def _horizontal(self, field, dimensions):
+        """x and y of a field in metres."""
         names = dimensions[2], dimensions[1]
         if all(name in self.data.variables for name in names):
-            coordinates = [self.variable(name, 0) for name in names]
-            units = [text(self.data.variables[name], "units") for name in names]
+            coordinates = [self.place(name, 0) for name in names]
         else:
+            declared = text(self._fields[field], "coordinates").split()
+            variables = sorted(self.data.variables.items(), key=lambda item: item[0] not in declared)
             names = [
                 next(
                     (
                         name
-                        for name, v in self.data.variables.items()
+                        for name, v in variables
                         if v.dimensions[-2:] == dimensions[1:] and v.ndim <= 3 and _axis("", v) == kind
                     ),
                     None,
@@ -161,12 +179,11 @@ class CfFile(NetcdfFile):
             ]
             if None in names:
                 raise InputError(f"{self.path}: the axes {dimensions[1]} and {dimensions[2]} have no coordinates")
-            coordinates = [self.variable(name, 0).reshape(-1, *self.variable(name, 0).shape[-2:])[0] for name in names]
-            units = [text(self.data.variables[name], "units") for name in names]
-        if any(not numpy.isfinite(values).all() for values in coordinates):
-            raise InputError(f"{self.path}: the coordinates {names[0]} and {names[1]} have missing values")
+            coordinates = [self.place(name, 0) for name in names]
+            coordinates = [values.reshape(-1, *values.shape[-2:])[0] for values in coordinates]
+        units = [text(self.data.variables[name], "units") for name in names]
         if units[0].lower().startswith("degree"):
-            x, y, stretch = local_plane(*coordinates)
+            x, y, stretch, self.middle = local_plane(*coordinates, self.middle)
             if stretch > 1.05:
                 self._notes.append(
                     f"on the plane, lengths from west to east are up to {100 * (stretch - 1):.0f} % too long"
@@ -174,16 +191,20 @@ class CfFile(NetcdfFile):
             return x, y
         return [values * LENGTH.get(unit.lower(), 1) for values, unit in zip(coordinates, units)]
 
-    def _vertical(self, dimensions, step):
-        """Heights in metres, an axis or (z, y, x), and pressures in Pa where they are the axis."""
+    def _vertical(self, dimensions, step, there):
+        """Heights in metres, an axis or (z, y, x), and pressures in Pa where they are the axis.
+
+        `there` tells where values are that need a height.
+        """
         axis = self.data.variables.get(dimensions[0])
         unit = text(axis, "units").lower()
-        pressure = self.variable(dimensions[0], 0) * PRESSURE[unit] if unit in PRESSURE else None
+        pressure = self.place(dimensions[0], 0) * PRESSURE[unit] if unit in PRESSURE else None
         full = next((v.dimensions for v in self._fields.values() if self._space(v) == dimensions), None)
         if geopotential := self.named("geopotential", dimensions=full):
-            return self._field(geopotential, step, dimensions) / GRAVITY, pressure
+            heights = self.placed(geopotential, self._field(geopotential, step, dimensions), there)
+            return heights / GRAVITY, pressure
         if height := self.named("geopotential_height", "altitude", "height_above_reference_ellipsoid", dimensions=full):
-            return self._field(height, step, dimensions), pressure
+            return self.placed(height, self._field(height, step, dimensions), there), pressure
         if pressure is not None:
             self._notes.append("heights are those of the standard atmosphere, because there is no geopotential")
             return standard_atmosphere(pressure)[0], pressure
@@ -194,7 +215,7 @@ class CfFile(NetcdfFile):
                 "geopotential_height"
             )
         down = text(axis, "positive") == "down" or text(axis, "standard_name") == "depth"
-        return self.variable(dimensions[0], 0) * LENGTH.get(unit, 1) * (-1 if down else 1), None
+        return self.place(dimensions[0], 0) * LENGTH.get(unit, 1) * (-1 if down else 1), None
 
 
 def _axis(name, variable):

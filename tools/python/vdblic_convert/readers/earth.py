@@ -15,18 +15,21 @@ LAYERS = (
 )
 
 
-def local_plane(longitude, latitude):
-    """Metres east and north of the middle, from degrees: y follows the meridians, x the parallel through the middle.
+def local_plane(longitude, latitude, middle=None):
+    """Metres east and north of a middle, from degrees: y follows the meridians, x the parallel through the middle.
 
-    Off the middle, lengths along x are too long by the second result at most (a factor).
+    The middle is a longitude and a latitude, those of the data unless given. Returns x, y, by how much lengths along x
+    are too long off the middle at most (a factor), and the middle.
     """
     longitude = numpy.unwrap(numpy.asarray(longitude, float), period=360, axis=-1)
     latitude = numpy.asarray(latitude, float)
-    middle = [(value.min() + value.max()) / 2 for value in (longitude, latitude)]
+    own = [(value.min() + value.max()) / 2 for value in (longitude, latitude)]
+    middle = middle or own
+    longitude += 360 * numpy.round((middle[0] - own[0]) / 360)
     scale = numpy.cos(numpy.radians(middle[1]))
     x = RADIUS * scale * numpy.radians(longitude - middle[0])
     y = RADIUS * numpy.radians(latitude - middle[1])
-    return x, y, scale / max(numpy.cos(numpy.radians(numpy.abs(latitude).max())), 1e-3)
+    return x, y, scale / max(numpy.cos(numpy.radians(numpy.abs(latitude).max())), 1e-3), middle
 
 
 def standard_atmosphere(pressure):

@@ -8,6 +8,7 @@ from ..errors import InputError, needed
 from . import Source
 
 netCDF4 = needed("netCDF4")
+UNITLESS = "time", "t", "Time", "ocean_time"  # axes that count in seconds without saying so
 EPOCH = "seconds since 1970-01-01"
 SECONDS = {
     "s": 1,
@@ -51,6 +52,23 @@ class NetcdfFile(Source):
             raise InputError(f"{self.path}: variable '{name}' cannot be read: {error}") from None
         return numpy.ma.filled(numpy.ma.masked_invalid(numpy.ma.asarray(values, float)), numpy.nan)
 
+    def place(self, name, step, needed=True):
+        """A variable that places others. Raises InputError if it lacks a value, or one where it is `needed`."""
+        return self.placed(name, self.variable(name, step), needed)
+
+    def placed(self, name, values, needed):
+        """The values of such a variable, where those that are not needed are some number."""
+        missing = ~numpy.isfinite(values)
+        lacks = numpy.count_nonzero(missing & needed)
+        if lacks:
+            ranges = [a for a in ("valid_min", "valid_max", "valid_range") if a in self.data.variables[name].ncattrs()]
+            packed = f"; correct {' and '.join(ranges)}, which are in packed numbers" if ranges else ""
+            raise InputError(
+                f"{self.path}: '{name}', which gives other values their place, lacks {lacks} of {values.size} values"
+                f"{packed}"
+            )
+        return numpy.where(missing, numpy.mean(values[~missing]) if not missing.all() else 0, values)
+
     def named(self, *standard_names, dimensions=None):
         """The first variable with one of these standard names, and on these dimensions if given; else None."""
         for standard_name in standard_names:
@@ -90,11 +108,18 @@ class NetcdfFile(Source):
             whole = numpy.array([date.replace("_", "T") for date in dates], "datetime64[s]")
             self.calendar = True
             return whole.astype(float).tolist()
-        units, values = text(variable, "units"), numpy.ma.filled(variable[:], numpy.nan).astype(float)
+        units, values = text(variable, "units"), numpy.ma.filled(numpy.ma.asarray(variable[:], float), numpy.nan)
         if not numpy.isfinite(values).all():
             raise ValueError("some are missing")
         if " since " in units:
             calendar = text(variable, "calendar") or "standard"
             self.calendar = True
             return numpy.ravel(netCDF4.date2num(netCDF4.num2date(values, units, calendar), EPOCH, calendar)).tolist()
-        return (values * SECONDS.get(re.sub(r"\W.*", "", units) or "s", 1)).tolist()
+        unit = re.sub(r"\W.*", "", units) or ("s" if self._time in UNITLESS else "")
+        if unit not in SECONDS:
+            has = f"is in '{units}'" if units else "has no units"
+            raise ValueError(
+                f"the time axis '{self._time}' {has}; give it units such as days since a date: "
+                f"ncatted -a units,{self._time},o,c,'days since 2000-01-01' {self.path}"
+            )
+        return (values * SECONDS[unit]).tolist()

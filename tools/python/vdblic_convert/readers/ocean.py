@@ -10,16 +10,16 @@ from .grids import grid_of
 from .netcdf_file import NetcdfFile, text
 
 
+def is_level(variable):
+    """Whether a variable is the levels, or the faces between them."""
+    return text(variable, "standard_name").startswith("ocean_s") and text(variable, "formula_terms")
+
+
 class OceanFile(NetcdfFile):
     """Values are brought to the centres of cells (ROMS's rho points). Land has no values."""
 
     def __init__(self, path, data):
-        levels = [
-            v
-            for v in data.variables.values()
-            if text(v, "formula_terms") and text(v, "standard_name").startswith("ocean_s")
-        ]
-        self._levels = min(levels, key=len)  # of the cells, not of the faces between them
+        self._levels = min(filter(is_level, data.variables.values()), key=len)  # of the cells, not of their faces
         super().__init__(path, data, next((n for n in data.dimensions if n in ("ocean_time", "time")), None))
         terms = dict(re.findall(r"(\w+): *(\w+)", self._levels.formula_terms))
         self._terms = {term: name for term, name in terms.items() if name in data.variables}
@@ -28,21 +28,21 @@ class OceanFile(NetcdfFile):
         self._rows, self._columns = data.variables[self._terms["depth"]].dimensions[-2:]
         self._fields = [name for name, v in data.variables.items() if self._is_field(v)]
 
-    def velocity(self, step):
-        found = tuple(name for name in "uvw" if name in self._fields)
-        return found if found[:2] == ("u", "v") else ()
+    def components(self, step):
+        return tuple(name if name in self._fields else None for name in "uvw")
 
     def arrays(self, step):
         return {name: 1 for name in self._fields}
 
     def read(self, step, names):
-        water = self._two("mask_rho", step) != 0 if "mask_rho" in self.data.variables else numpy.True_
+        water = self._water(step)
         fields = {name: self._centred(name, step, water) for name in names}
         if "angle" in self.data.variables and {"u", "v"} <= set(names):
-            cosine, sine = numpy.cos(self._two("angle", step)), numpy.sin(self._two("angle", step))
+            angle = self.place("angle", step, water)
+            cosine, sine = numpy.cos(angle), numpy.sin(angle)
             u, v = fields["u"], fields["v"]
             fields["u"], fields["v"] = u * cosine - v * sine, u * sine + v * cosine
-        return grid_of(*self._horizontal(step), self._heights(step), fields)
+        return grid_of(*self._horizontal(step), self._heights(step, water), fields)
 
     def _is_field(self, variable):
         sizes = [len(self.data.dimensions[d]) for d in variable.dimensions if d != self._time]
@@ -53,19 +53,29 @@ class OceanFile(NetcdfFile):
             and all(0 <= n - m <= 1 for n, m in zip(shape[1:], sizes[1:]))
         )
 
-    def _two(self, name, step):
-        """A variable on the cells' columns, without missing values."""
-        return numpy.nan_to_num(self.variable(name, step))
+    def _water(self, step):
+        """The columns that are no land."""
+        shape = [len(self.data.dimensions[name]) for name in (self._rows, self._columns)]
+        if "mask_rho" not in self.data.variables:
+            return numpy.ones(shape, bool)
+        water = numpy.nan_to_num(self.variable("mask_rho", step)) != 0
+        if not water.any():
+            raise InputError(f"{self.path}: 'mask_rho' is 1 nowhere, so all is land")
+        return water
 
     def _centred(self, name, step, water):
         """A variable at the centres of cells; on land NaN. A face towards land has no flow."""
         values = self.variable(name, step)
-        levels, rows, columns = len(self._levels), *(len(self.data.dimensions[d]) for d in (self._rows, self._columns))
-        on_faces = values.shape != (levels, rows, columns)
-        if on_faces:
-            values = numpy.nan_to_num(values)
-        if values.shape[0] == levels + 1:
+        rows, columns = water.shape
+        if values.shape[0] == len(self._levels) + 1:
             values = (values[1:] + values[:-1]) / 2
+        wet = water
+        if values.shape[1] < rows:
+            wet = wet[1:] & wet[:-1]
+        if values.shape[2] < columns:
+            wet = wet[:, 1:] & wet[:, :-1]
+        if wet is not water:
+            values = numpy.where(wet, values, numpy.nan_to_num(values))
         for axis, count in (1, rows), (2, columns):
             if values.shape[axis] == count - 1:  # the faces between cells: the outer ones repeat the next
                 wide = numpy.pad(values, [(1, 1) if i == axis else (0, 0) for i in range(3)], mode="edge")
@@ -75,17 +85,21 @@ class OceanFile(NetcdfFile):
     def _horizontal(self, step):
         for x, y in ("lon_rho", "lat_rho"), ("x_rho", "y_rho"):
             if x in self.data.variables and y in self.data.variables:
-                x, y = self.variable(x, step), self.variable(y, step)
-                if not (numpy.isfinite(x).all() and numpy.isfinite(y).all()):
-                    raise InputError(f"{self.path}: the coordinates of the rho points have missing values")
-                return local_plane(x, y)[:2] if "lon_rho" in self.data.variables else (x, y)
+                degrees = x == "lon_rho"
+                x, y = self.place(x, step), self.place(y, step)
+                if degrees:
+                    x, y, _, self.middle = local_plane(x, y, self.middle)
+                return x, y
         raise InputError(f"{self.path}: there are neither lon_rho and lat_rho nor x_rho and y_rho")
 
-    def _heights(self, step):
+    def _heights(self, step, water):
         """Heights of the cells' centres by the CF conventions, appendix D."""
 
         def term(name):
-            return self._two(self._terms[name], step) if name in self._terms else 0.0
+            if name not in self._terms:
+                return 0.0
+            values = self.variable(self._terms[name], step)
+            return self.placed(self._terms[name], values, water if values.ndim == 2 else True)
 
         depth, surface = numpy.maximum(term("depth"), 1e-3), term("eta")
         kind = text(self._levels, "standard_name")

@@ -25,19 +25,19 @@ class WrfFile(NetcdfFile):
             raise InputError(f"{path}: WRF's global attributes DX and DY, the spacing of the grid, are missing")
         self._axes = [(numpy.arange(len(data.dimensions[name])) * step) for name, step in zip(SPACE[:0:-1], spacing)]
 
-    def velocity(self, step):
-        return ("U", "V", "W") if {"U", "V", "W"} <= set(self._fields) else ()
+    def components(self, step):
+        return tuple(name if name in self._fields else None for name in "UVW")
 
     def arrays(self, step):
         return {name: 1 for name in self._fields}
 
     def read(self, step, names):
-        height = (self._centred("PH", step) + self._centred("PHB", step)) / GRAVITY
+        height = sum(self._centred(name, step, self.place) for name in ("PH", "PHB")) / GRAVITY
         return grid_of(*self._axes, height, {name: self._centred(name, step) for name in names})
 
-    def _centred(self, name, step):
+    def _centred(self, name, step, read=None):
         """A variable at the centres of cells: the mean of two faces where it lies on faces."""
-        values = self.variable(name, step)
+        values = (read or self.variable)(name, step)
         for axis, dimension in enumerate(d for d in self.data.variables[name].dimensions if d != "Time"):
             if dimension.endswith("_stag"):
                 low, high = [slice(None)] * 3, [slice(None)] * 3

@@ -1,0 +1,55 @@
+"""Shared by the tests of vdblic_import: running it, and reading the flow that it wrote."""
+
+import numpy
+import pyopenvdb as vdb
+
+from support import ToolTest
+
+TIMES = [0.0, 0.5, 1.25]
+
+
+def velocity_of(path, name="velocity"):
+    """Values (x, y, z, 3), active voxels and world positions over the box of a grid's active voxels."""
+    grid = vdb.read(str(path), name)
+    low, high = grid.evalActiveVoxelBoundingBox()
+    size = [b - a + 1 for a, b in zip(low, high)]
+    values = numpy.zeros((*size, 3) if name == "velocity" else size, numpy.float32)
+    grid.copyToArray(values, low)
+    marks = vdb.FloatGrid()
+    for voxel in grid.citerOnValues():
+        marks.fill(voxel.min, voxel.max, 1)
+    active = numpy.zeros(size, numpy.float32)
+    marks.copyToArray(active, low)
+    z, y, x = numpy.meshgrid(*(numpy.arange(n) + a for n, a in zip(size[::-1], low[::-1])), indexing="ij")
+    indices = numpy.stack([x, y, z], axis=-1).transpose(2, 1, 0, 3)
+    scale, origin = grid.transform.voxelSize(), grid.transform.indexToWorld((0, 0, 0))
+    return values, active > 0, indices * scale + origin
+
+
+class ImportTest(ToolTest):
+    def imports(self, *arguments, **options):
+        return self.outputs("vdblic_import", *arguments, **options)
+
+    def refuses(self, status, *arguments, **options):
+        before = self.files()
+        message = self.fails(status, "vdblic_import", *arguments, **options)
+        self.assertEqual(self.files(), before, arguments)
+        self.assertEqual(len(message.splitlines()), 2 if "lists the options" in message else 1, message)
+        return message
+
+    def assert_flow(self, path, expected, voxels=None, tolerance=1e-5):
+        """The volume holds a flow (a function of positions) at every active voxel. Returns the mask."""
+        values, active, positions = velocity_of(path)
+        scale = numpy.abs(expected(positions)).max()
+        numpy.testing.assert_allclose(values[active], expected(positions)[active], atol=tolerance * scale, rtol=0)
+        if voxels:
+            self.assertEqual(active.shape, voxels)
+            self.assertTrue(active.all(), path)
+        return active
+
+    def assert_advects(self, pattern):
+        """vdblic_advect takes frame spacing and velocity from the files."""
+        done = self.run_tool("vdblic_advect", pattern, "-o", "lic.%04d.vdb", "-v", "--preroll", 0)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("velocity: grid velocity", done.stderr)
+        self.assertRegex(done.stderr, r"s between frames \(by the files' times\)")

@@ -1,0 +1,163 @@
+"""vdblic_import refuses files that end too early, and values whose place is missing."""
+
+import unittest
+
+import netCDF4
+import numpy
+import pyopenvdb as vdb
+
+import flows
+import netcdf_flows
+from imports import TIMES, ImportTest, velocity_of
+
+
+def hide(path, name, place=..., packed=False):
+    """Make values of a variable missing; if packed, by a valid range that is not in packed numbers."""
+    with netCDF4.Dataset(path, "r+") as data:
+        if not packed:
+            values = data[name][:]
+            values[place] = numpy.nan
+            data[name][:] = values
+            return
+        old = data[name]
+        values = old[:]
+        data.renameVariable(name, "unpacked")
+        new = data.createVariable(name, "i2", old.dimensions)
+        new.setncatts({key: old.getncattr(key) for key in old.ncattrs() if key != "_FillValue"})
+        new.scale_factor = 1 / 30000
+        new[:] = values
+        new.valid_min, new.valid_max = -1.0, 0.0
+
+
+class Places(ImportTest):
+    def sea(self):
+        netcdf_flows.write_ocean(self.folder / "sea.nc", [0])
+        return self.folder / "sea.nc"
+
+    def test_levels_of_the_sea(self):
+        hide(self.sea(), "Cs_r", packed=True)
+        message = self.refuses(3, "sea.nc", "-o", "v.vdb")
+        self.assertIn("'Cs_r', which gives other values their place, lacks 6 of 6 values", message)
+        self.assertIn("valid_min and valid_max, which are in packed numbers", message)
+        for name in "s_rho", "hc", "h", "zeta", "angle", "lon_rho":
+            hide(self.sea(), name, ... if name in ("s_rho", "hc") else (..., 3, 4))
+            self.assertIn(f"'{name}', which gives other values their place", self.refuses(3, "sea.nc", "-o", "v.vdb"))
+        hide(self.sea(), "mask_rho")
+        self.assertIn("'mask_rho' is 1 nowhere", self.refuses(3, "sea.nc", "-o", "v.vdb"))
+
+    def test_land_needs_no_place(self):
+        self.imports(self.sea(), "-o", "whole.vdb")
+        for name in "h", "zeta", "angle":
+            hide(self.folder / "sea.nc", name, (..., slice(None), 0))  # land
+        self.imports("sea.nc", "-o", "part.vdb", "--like", "whole.vdb")
+        whole, active, _ = velocity_of(self.folder / "whole.vdb")
+        part, other, _ = velocity_of(self.folder / "part.vdb")
+        numpy.testing.assert_array_equal(active, other)
+        numpy.testing.assert_allclose(whole[active], part[active], atol=1e-4)
+
+    def test_flow_that_is_missing_in_the_sea(self):
+        self.imports(self.sea(), "-o", "whole.vdb", "--size", 36, 28, 40)
+        hide(self.folder / "sea.nc", "u", (0, 2, 3, 4))  # a face amid the sea
+        self.imports("sea.nc", "-o", "part.vdb", "--like", "whole.vdb")
+        whole, part = (vdb.read(str(self.folder / f"{name}.vdb"), "velocity") for name in ("whole", "part"))
+        x, y = netcdf_flows.plane(numpy.linspace(10, 10.5, 9), numpy.linspace(43, 43.4, 7))
+        lost = [voxel.min for voxel in whole.citerOnValues() if not part.getConstAccessor().isValueOn(voxel.min)]
+        self.assertGreater(len(lost), 100)
+        places = numpy.array([whole.transform.indexToWorld(voxel) for voxel in lost])
+        self.assertTrue(((places[:, 0] > x[3]) & (places[:, 0] < x[6])).all())
+        self.assertTrue(((places[:, 1] > y[2]) & (places[:, 1] < y[4])).all())
+
+    def test_heights_of_pressure_levels(self):
+        for place, status in ((0, 2, 3, 4), 3), ((0, slice(None), 3, 4), 3):
+            netcdf_flows.write_pressure_levels(self.folder / "air.nc", [6])
+            hide(self.folder / "air.nc", "z", place)
+            self.assertIn("'z', which gives other values their place", self.refuses(status, "air.nc", "-o", "v.vdb"))
+        for name in "uvw":  # what is missing itself needs no height
+            hide(self.folder / "air.nc", name, place)
+        path, = self.imports("air.nc", "-o", "v.vdb")
+        self.assert_flow(path, lambda at: netcdf_flows.wind(at, 0.6))
+        for name in "level", "longitude":
+            netcdf_flows.write_pressure_levels(self.folder / "air.nc", [6])
+            hide(self.folder / "air.nc", name, 2)
+            self.assertIn(f"'{name}', which gives", self.refuses(3, "air.nc", "-o", "v.vdb"))
+
+    def test_heights_of_wrf(self):
+        netcdf_flows.write_wrf(self.folder / "wrfout_d01", ["2005-08-28_00:00:00"])
+        hide(self.folder / "wrfout_d01", "PHB", (0, 2, 3, 4))
+        self.assertIn("'PHB', which gives", self.refuses(3, "wrfout_d01", "-o", "v.vdb"))
+
+
+class Times(ImportTest):
+    def write(self, **attributes):
+        netcdf_flows.write_heights(self.folder / "steady.nc", terrain=False)
+        with netCDF4.Dataset(self.folder / "steady.nc") as steady:
+            data = netcdf_flows.create(self.folder / "year.nc", month=3, z=5, y=6, x=9)
+            for name in "zyx":
+                netcdf_flows.put(data, name, (name,), steady[name][:], units=steady[name].units)
+            netcdf_flows.put(data, "month", ("month",), [1, 2, 3], **attributes)
+            for name in "uvw":
+                netcdf_flows.put(data, name, ("month", "z", "y", "x"), [steady[name][:]] * 3, units="m/s")
+            data.close()
+
+    def test_a_time_axis_without_units(self):
+        self.write()
+        message = self.refuses(3, "year.nc", "-o", "v.%04d.vdb")
+        self.assertIn("the time axis 'month' has no units", message)
+        self.assertIn("ncatted -a units,month,o,c,'days since 2000-01-01' year.nc", message)
+        self.write(units="months")
+        self.assertIn("the time axis 'month' is in 'months'", self.refuses(3, "year.nc", "-o", "v.%04d.vdb"))
+        self.write(units="days since 2000-01-01")
+        paths = self.imports("year.nc", "-o", "v.%04d.vdb")
+        self.assertEqual([vdb.readMetadata(str(path))["time"] for path in paths], [0, 86400, 172800])
+        self.assertEqual(vdb.readMetadata(str(paths[2]))["start"], "2000-01-02T00:00:00")
+
+    def test_an_axis_of_no_known_kind(self):
+        data = netcdf_flows.create(self.folder / "runs.nc", run=2, z=5, y=6, x=9)
+        for name in "uvw":
+            netcdf_flows.put(data, name, ("run", "z", "y", "x"), 1)
+        data.close()
+        self.assertIn("the axis 'run' of 'u' is of no known kind; if it is the time, give it units: ncatted -a units",
+                      self.refuses(3, "runs.nc", "-o", "v.%04d.vdb"))
+
+    def test_the_time_of_a_missing_array(self):
+        flows.write_foam(self.folder / "case", TIMES)
+        (self.folder / "case/0.5/U").unlink()
+        done = self.run_tool("vdblic_import", "case", "-o", "v.%04d.vdb", "--array", "U")
+        self.assertEqual((done.returncode, done.stdout), (3, "v.0001.vdb\n"))
+        self.assertIn("case: at 0.5 s: no array 'U'", done.stderr)
+
+
+class Truncated(ImportTest):
+    def test_netcdf(self):
+        for kind in "NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF3_64BIT_DATA", "NETCDF4":
+            with self.subTest(kind):
+                with netCDF4.Dataset(self.folder / "w.nc", "w", format=kind) as data:
+                    for name, size in ("time", None), ("z", 3), ("y", 4), ("x", 5):
+                        data.createDimension(name, size)
+                        netcdf_flows.put(data, name, (name,), numpy.arange(size or 2), units="s" if not size else "m")
+                    for i, name in enumerate("uvw"):
+                        netcdf_flows.put(data, name, ("time", "z", "y", "x"), numpy.full((2, 3, 4, 5), i + 1))
+                self.imports("w.nc", "-o", "v.%04d.vdb")
+                for path in self.folder.glob("v.*.vdb"):
+                    path.unlink()
+                whole = self.contents("w.nc")
+                for length in len(whole) - 8, len(whole) // 2, 50, 9:
+                    (self.folder / "w.nc").write_bytes(whole[:length])
+                    self.assertIn("w.nc: ", self.refuses(3, "w.nc", "-o", "v.%04d.vdb"))
+
+    def test_other_forms(self):
+        flows.write_vtk(flows.image(), self.folder / "a.vti")
+        flows.write_vtk(flows.tetrahedra(), self.folder / "a.vtu")
+        flows.write_vtk(flows.image(), self.folder / "a.vtk")
+        numpy.save(self.folder / "a.npy", numpy.ones((8, 8, 8, 3)))
+        numpy.savez(self.folder / "a.npz", velocity=numpy.ones((8, 8, 8, 3)))
+        for name in "a.vti", "a.vtu", "a.vtk", "a.npy", "a.npz":
+            whole = self.contents(name)
+            for share in 0.3, 0.9:
+                (self.folder / name).write_bytes(whole[:int(share * len(whole))])
+                with self.subTest(name, share=share):
+                    self.assertIn(f"{name}: ", self.refuses(3, name, "-o", "v.vdb"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,176 @@
+"""vdblic_import: cases as CGNS's library and OpenFOAM write them, and the voxels of meshes that nobody chose."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import unittest
+
+import numpy
+import pyopenvdb as vdb
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkCellLocator, vtkRectilinearGrid
+from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkProbeFilter
+from vtkmodules.vtkIOParallel import vtkPOpenFOAMReader
+from vtkmodules.vtkParallelCore import vtkDummyController
+
+import cgns
+import flows
+from imports import TIMES, ImportTest, velocity_of
+
+FOAM = pathlib.Path("/usr/share/openfoam")
+
+
+class Cgns(ImportTest):
+    @unittest.skipUnless(cgns.library(), "VTK has no library of CGNS")
+    def test_both_forms(self):
+        for form in cgns.FORMS:
+            with self.subTest(form):
+                cgns.write(self.folder / "box.cgns", form)
+                path, = self.imports("box.cgns", "-o", "v.vdb")
+                self.assert_flow(path, flows.flow, (9, 7, 5))
+                path.unlink()
+                whole = self.contents("box.cgns")
+                for share in 0.003, 0.02, 0.5:
+                    (self.folder / "box.cgns").write_bytes(whole[:int(share * len(whole))])
+                    message = self.refuses(3, "box.cgns", "-o", "v.vdb", timeout=20)
+                    self.assertRegex(message, "box.cgns: .*(ends too early|neither of the forms)")
+
+
+class Collated(ImportTest):
+    def test_the_layout(self):
+        flows.write_foam(self.folder / "case", [0.0])
+        for part in "0", "0.5", "constant":
+            (self.folder / "case/processors2" / part).mkdir(parents=True)
+        self.assertIn("case: VTK cannot read the collated files in processors2; put the case together first: "
+                      "reconstructPar -case case", self.refuses(3, "case", "-o", "v.%04d.vdb"))
+
+    @unittest.skipUnless(FOAM.is_dir() and shutil.which("icoFoam"), "OpenFOAM is not installed")
+    def test_a_real_case(self):
+        self.write_cavity()
+        self.run_foam("blockMesh")
+        self.run_foam("icoFoam")
+        paths = self.imports("cavity", "-o", "v.%04d.vdb")
+        self.assertEqual([vdb.readMetadata(str(path))["time"] for path in paths], [0, 0.01, 0.02])
+        values, active, positions = velocity_of(paths[-1])
+        self.assertEqual((active.shape, active.all()), ((20, 20, 1), True))
+        numpy.testing.assert_allclose(values, self.cells_at(positions, 0.02), atol=1e-6)
+        self.assertGreater(numpy.abs(values).max(), 0.3)
+        for time in "0.01", "0.02":
+            shutil.rmtree(self.folder / "cavity" / time)
+        self.run_foam("decomposePar", "-fileHandler", "collated")
+        self.assertIn("reconstructPar -case cavity", self.refuses(3, "cavity", "-o", "w.%04d.vdb"))
+
+    def run_foam(self, tool, *arguments):
+        done = subprocess.run([tool, *arguments], cwd=self.folder / "cavity", text=True, capture_output=True,
+                              env=os.environ | {"WM_PROJECT_DIR": str(FOAM)}, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def cells_at(self, positions, time):
+        """The velocity of the cells around positions, as VTK reads them."""
+        reader = vtkPOpenFOAMReader()
+        reader.SetController(vtkDummyController())
+        reader.SetFileName(str(self.folder / "cavity/system/controlDict"))
+        reader.CreateCellToPointOff()
+        reader.UpdateTimeStep(time)
+        mesh = reader.GetOutput().GetBlock(0)
+        locator = vtkCellLocator()
+        locator.SetDataSet(mesh)
+        locator.BuildLocator()
+        cells = [locator.FindCell(at) for at in positions.reshape(-1, 3)]
+        return vtk_to_numpy(mesh.GetCellData().GetArray("U"))[cells].reshape(positions.shape)
+
+    def write_cavity(self):
+        for name, kind, text in (
+                ("system/controlDict", "dictionary", "startFrom startTime; startTime 0; stopAt endTime; endTime 0.02; "
+                 "deltaT 0.005; writeControl timeStep; writeInterval 2; writePrecision 8;"),
+                ("system/blockMeshDict", "dictionary", "scale 0.1; vertices ((0 0 0)(1 0 0)(1 1 0)(0 1 0)(0 0 0.1)"
+                 "(1 0 0.1)(1 1 0.1)(0 1 0.1)); blocks (hex (0 1 2 3 4 5 6 7) (20 20 1) simpleGrading (1 1 1)); "
+                 "edges (); boundary (lid {type wall; faces ((3 7 6 2));} walls {type wall; faces ((0 4 7 3)"
+                 "(2 6 5 1)(1 5 4 0));} sides {type empty; faces ((0 3 2 1)(4 5 6 7));});"),
+                ("system/fvSchemes", "dictionary", "ddtSchemes{default Euler;} gradSchemes{default Gauss linear;} "
+                 "divSchemes{default Gauss linear;} laplacianSchemes{default Gauss linear orthogonal;} "
+                 "interpolationSchemes{default linear;} snGradSchemes{default orthogonal;}"),
+                ("system/fvSolution", "dictionary", "solvers{\"p.*\"{solver PCG; preconditioner DIC; tolerance 1e-6; "
+                 "relTol 0;} U{solver smoothSolver; smoother symGaussSeidel; tolerance 1e-5; relTol 0;}} "
+                 "PISO{nCorrectors 2; pRefCell 0; pRefValue 0;}"),
+                ("system/decomposeParDict", "dictionary", "numberOfSubdomains 2; method simple; coeffs{n (2 1 1);}"),
+                ("constant/transportProperties", "dictionary", "nu 0.01;"),
+                ("0/U", "volVectorField", "dimensions [0 1 -1 0 0 0 0]; internalField uniform (0 0 0); boundaryField"
+                 "{lid{type fixedValue; value uniform (1 0 0);} walls{type noSlip;} sides{type empty;}}"),
+                ("0/p", "volScalarField", "dimensions [0 2 -2 0 0 0 0]; internalField uniform 0; boundaryField"
+                 "{lid{type zeroGradient;} walls{type zeroGradient;} sides{type empty;}}")):
+            path = self.folder / "cavity" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            head = flows.FOAM_HEADER.format(kind=kind, place=path.parent.name, name=path.name)
+            path.write_text(head + text + "\n", encoding="utf-8")
+
+
+def graded(edges):
+    """Hexahedra between edges along x, y and z, as an unstructured grid; the grid of their edges."""
+    grid = vtkRectilinearGrid()
+    grid.SetDimensions(*map(len, edges))
+    for axis, set_coordinates in zip(edges, (grid.SetXCoordinates, grid.SetYCoordinates, grid.SetZCoordinates)):
+        set_coordinates(flows.numpy_to_vtk(axis, deep=True))
+    flows.add(grid.GetPointData(), "U", flows.flow(flows.grid_positions(*edges)))
+    append = vtkAppendFilter()
+    append.AddInputData(grid)
+    append.Update()
+    return append.GetOutput(), grid
+
+
+class Voxels(ImportTest):
+    def test_one_layer_of_cells(self):
+        for sizes in (20, 20, 1), (12, 1, 7), (1, 1, 5):
+            name = "x".join(map(str, sizes))
+            flows.write_foam(self.folder / name, [0.0], sizes=sizes)
+            path, = self.imports(name, "-o", f"{name}.vdb")
+            self.assert_flow(path, flows.flow, sizes)
+
+    def test_every_fine_cell_has_a_voxel(self):
+        """Three quarters of the cells are fine, in a corner of a box that coarse ones fill."""
+        edges = [numpy.concatenate([numpy.linspace(0, 1, 21), numpy.linspace(1.5, 3, 4)])] * 3
+        mesh, _ = graded(edges)
+        flows.write_vtk(mesh, self.folder / "m.vtu")
+        done = self.run_tool("vdblic_import", "m.vtu", "-o", "m.vdb")
+        self.assertEqual((done.returncode, "warning" in done.stderr), (0, False), done.stderr)
+        values, active, positions = velocity_of(self.folder / "m.vdb")
+        probed, valid = self.probed(mesh, positions)
+        numpy.testing.assert_array_equal(active.ravel(), valid)
+        numpy.testing.assert_allclose(values.reshape(-1, 3)[valid], probed[valid], atol=1e-5)
+        cells = numpy.stack([numpy.searchsorted(edge, positions[..., i]) for i, edge in enumerate(edges)], axis=-1)
+        self.assertEqual(len(numpy.unique(cells[active].reshape(-1, 3), axis=0)), 24**3)
+
+    def test_cells_without_a_voxel_are_told(self):
+        _, grid = graded([numpy.geomspace(1, 1000, 15), numpy.linspace(0, 3, 4), numpy.linspace(0, 3, 4)])
+        flows.write_vtk(grid, self.folder / "m.vtr")
+        done = self.run_tool("vdblic_import", "m.vtr", "-o", "m.vdb")
+        self.assertRegex(done.stderr, r"warning: only \d+ % of the cells have a voxel in them; --size or --voxel-size")
+        done = self.run_tool("vdblic_import", "m.vtr", "-o", "m.vdb", "--size", 15, 3, 3)
+        self.assertNotIn("warning", done.stderr)
+
+    def probed(self, mesh, positions):
+        cloud = flows.vtkUnstructuredGrid()
+        points = flows.vtkPoints()
+        points.SetData(flows.numpy_to_vtk(positions.reshape(-1, 3), deep=True))
+        cloud.SetPoints(points)
+        probe = vtkProbeFilter()
+        probe.SetInputData(cloud)
+        probe.SetSourceData(mesh)
+        probe.Update()
+        data = probe.GetOutput().GetPointData()
+        return vtk_to_numpy(data.GetArray("U")), vtk_to_numpy(data.GetArray("vtkValidPointMask")) != 0
+
+    def test_velocity_of_exodus(self):
+        image = flows.image()
+        for name in "DISPL", "VEL", "ACCL":
+            flows.add(image.GetPointData(), name, flows.flow(flows.grid_positions(*flows.axes()),
+                                                             1 if name == "VEL" else 0))
+        image.GetPointData().RemoveArray("U")
+        flows.write_vtk(image, self.folder / "v.vti")
+        path, = self.imports("v.vti", "-o", "v.vdb")
+        self.assert_flow(path, lambda at: flows.flow(at, 1))
+
+
+if __name__ == "__main__":
+    unittest.main()
