@@ -16,7 +16,7 @@ from vtkmodules.vtkParallelCore import vtkDummyController
 
 import cgns
 import flows
-from imports import TIMES, ImportTest, velocity_of
+from imports import ImportTest, velocity_of
 
 FOAM = pathlib.Path("/usr/share/openfoam")
 

@@ -105,17 +105,6 @@ def _visible(dataset, names):
     return bridge.vtk_to_numpy(data.GetArray(GHOSTS)) & hidden == 0
 
 
-def hide_cells(grid, valid):
-    """Hide the cells of a structured grid that have a corner without a value, from VTK's probes.
-
-    `valid` is a mask of (z, y, x) over the points.
-    """
-    whole = numpy.ones([n - 1 for n in valid.shape], bool)
-    for corner in numpy.ndindex(2, 2, 2):
-        whole &= valid[tuple(slice(c, c - 1 or None) for c in corner)]
-    add_array(grid.GetCellData(), GHOSTS, numpy.where(whole, 0, HIDDEN_CELL).astype(numpy.uint8).ravel())
-
-
 def _probed(dataset, names, target):
     dataset = shallow_copy(dataset)
     hide_cells_of_hidden_points(dataset)

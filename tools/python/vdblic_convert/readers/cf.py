@@ -91,7 +91,6 @@ class CfFile(NetcdfFile):
 
     def read(self, step, names):
         dimensions = self._space(self._fields[names[0]])
-        self._notes = []
         x, y = self._horizontal(names[0], dimensions)
         fields = {name: self._field(name, step, dimensions) for name in names}
         there = numpy.any([numpy.isfinite(values) for values in fields.values()], axis=0)
@@ -106,7 +105,7 @@ class CfFile(NetcdfFile):
 
     def parts(self, step, names):
         """One for each grid: components may lie on different faces of the cells."""
-        grids = {}
+        self._notes, grids = [], {}
         for name in names:
             variable = self._fields[name]
             grids.setdefault((self._space(variable), text(variable, "coordinates")), []).append(name)

@@ -2,15 +2,13 @@
 
 import numpy
 
-from ..resample import hide_cells
-from ..vtk_data import add_array, bridge, core, model
+from ..vtk_data import GHOSTS, HIDDEN_POINT, add_array, bridge, core, model
 
 EVEN = 1e-4  # of a spacing: how far apart coordinates may be from even ones; float32 is about as exact
 
 
 def grid_of(x, y, z, fields):
-    """A grid of fields (z, y, x). Its cells without a value at a corner are hidden
-    from probes.
+    """A grid of fields (z, y, x). Its points without a value are hidden.
 
     `x` and `y` are axes or (y, x), `z` is an axis or (z, y, x); axes may fall. Even axes give an image, uneven ones a
     rectilinear grid, all else a structured grid.
@@ -29,8 +27,8 @@ def grid_of(x, y, z, fields):
     for name, field in fields.items():
         add_array(grid.GetPointData(), name, field.astype(numpy.float32).ravel())
     valid = numpy.all([numpy.isfinite(field) for field in fields.values()], axis=0)
-    if not valid.all() and min(shape) > 1:
-        hide_cells(grid, valid)
+    if not valid.all():
+        add_array(grid.GetPointData(), GHOSTS, numpy.where(valid, 0, HIDDEN_POINT).astype(numpy.uint8).ravel())
     return grid
 
 

@@ -62,10 +62,10 @@ class NetcdfFile(Source):
         lacks = numpy.count_nonzero(missing & needed)
         if lacks:
             ranges = [a for a in ("valid_min", "valid_max", "valid_range") if a in self.data.variables[name].ncattrs()]
-            packed = f"; correct {' and '.join(ranges)}, which are in packed numbers" if ranges else ""
+            mend = f"correct {' and '.join(ranges)}, which are in packed numbers" if ranges else "complete the file"
             raise InputError(
-                f"{self.path}: '{name}', which gives other values their place, lacks {lacks} of {values.size} values"
-                f"{packed}"
+                f"{self.path}: '{name}', which gives other values their place, lacks {lacks} of {values.size} values; "
+                f"{mend}"
             )
         return numpy.where(missing, numpy.mean(values[~missing]) if not missing.all() else 0, values)
 
