@@ -2,6 +2,7 @@
 
 import unittest
 
+import netCDF4
 import numpy
 import pyopenvdb as vdb
 
@@ -187,6 +188,32 @@ class NetCdf(ImportTest):
             self.assertGreater(inner.sum(), 500)
             self.assertFalse(active[positions[..., 0] < -16000].any(), "land")
             self.assertEqual(vdb.readMetadata(str(path))["time"], time)
+
+    def test_packed_values_at_random_places(self):
+        """Against netCDF4's own reading: packed numbers, an axis that falls, missing values."""
+        random = numpy.random.default_rng(5)
+        data = netcdf_flows.create(self.folder / "packed.nc", time=2, z=6, y=7, x=8)
+        for name, values in ("z", numpy.arange(6)), ("y", -numpy.arange(7)), ("x", numpy.arange(8)):
+            netcdf_flows.put(data, name, (name,), 100.0 * values, units="m")
+        netcdf_flows.put(data, "time", ("time",), [0, 1], units="hours since 2020-02-29")
+        for name in "uvw":
+            variable = data.createVariable(name, "i2", ("time", "z", "y", "x"), fill_value=-32767)
+            variable.setncatts({"scale_factor": 0.002, "add_offset": 10.0, "units": "m s-1"})
+            values = random.uniform(-40, 60, (2, 6, 7, 8))
+            variable[:] = numpy.ma.masked_where(random.random(values.shape) < 0.1, values)
+        data.close()
+        paths = self.imports("packed.nc", "-o", "v.%04d.vdb")
+        with netCDF4.Dataset(self.folder / "packed.nc") as data:
+            for step, path in enumerate(paths):
+                grid = vdb.read(str(path), "velocity")
+                for _ in range(100):
+                    i, j, k = (int(random.integers(n)) for n in (8, 7, 6))
+                    expected = [data[name][step, k, j, i] for name in "uvw"]
+                    voxel = tuple(map(round, grid.transform.worldToIndex((100.0 * i, -100.0 * j, 100.0 * k))))
+                    valid = not any(value is numpy.ma.masked for value in expected)
+                    self.assertEqual(grid.getConstAccessor().isValueOn(voxel), valid)
+                    if valid:
+                        numpy.testing.assert_allclose(grid.getConstAccessor().getValue(voxel), expected, rtol=1e-6)
 
     def test_files_that_lack_something(self):
         data = netcdf_flows.create(self.folder / "flat.nc", y=3, x=4)
