@@ -1,5 +1,6 @@
 """vdblic_import refuses files that end too early, and values whose place is missing."""
 
+import shutil
 import unittest
 
 import netCDF4
@@ -144,6 +145,22 @@ class Truncated(ImportTest):
                 for length in len(whole) - 8, len(whole) // 2, 50, 9:
                     (self.folder / "w.nc").write_bytes(whole[:length])
                     self.assertIn("w.nc: ", self.refuses(3, "w.nc", "-o", "v.%04d.vdb"))
+
+    def test_openfoam(self):
+        flows.write_foam(self.folder / "whole", [0.0], sizes=(20, 20, 1))
+        for name in "0/U", "constant/polyMesh/points", "constant/polyMesh/faces", "constant/polyMesh/owner":
+            for share in 0.3, 0.7, 0.75, 0.98:
+                shutil.rmtree(self.folder / "case", ignore_errors=True)
+                shutil.copytree(self.folder / "whole", self.folder / "case")
+                whole = self.contents(f"whole/{name}")
+                (self.folder / "case" / name).write_bytes(whole[:int(share * len(whole))])
+                with self.subTest(name, share=share):
+                    self.assertIn("case: ", self.refuses(3, "case", "-o", "v.vdb"))
+
+    def test_a_header_of_numpy(self):
+        numpy.save(self.folder / "a.npy", numpy.ones((8, 8, 8, 3)))
+        (self.folder / "a.npy").write_bytes(self.contents("a.npy").replace(b"}", b"("))
+        self.assertIn("a.npy: cannot be read as NumPy's arrays", self.refuses(3, "a.npy", "-o", "v.vdb"))
 
     def test_other_forms(self):
         flows.write_vtk(flows.image(), self.folder / "a.vti")

@@ -29,7 +29,9 @@ def errors_of(path):
         yield
     finally:
         core.vtkOutputWindow.SetInstance(before)
-    text = re.sub(r"\s+", " ", "".join(char if char.isprintable() else " " for char in window.GetOutput()))
+    text = window.GetOutput()
+    text = text.decode(errors="replace") if isinstance(text, bytes) else text  # as VTK returns what is not UTF-8
+    text = re.sub(r"\s+", " ", "".join(char if char.isprintable() else " " for char in text))
     for kind, message in re.findall(
         r"(ERROR|Warning): In [^,]*, line \d+ (?:vtk\w+ \([^)]*\): )?(.*?)(?=ERROR: |Warning: |Generic Warning: |$)",
         text,

@@ -5,6 +5,7 @@ or three lengths), `matrix` (4 × 4, indices to world space, in place of both) a
 are not finite are left out.
 """
 
+import tokenize
 import zipfile
 
 import numpy
@@ -20,7 +21,7 @@ def open_source(path):
     try:
         loaded = numpy.load(path, mmap_mode="r", allow_pickle=False)
         arrays = {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, KeyError) as error:
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, KeyError, tokenize.TokenError) as error:
         raise InputError(f"{path}: cannot be read as NumPy's arrays: {error}") from None
     return NumpyFile(path, arrays)
 
