@@ -193,9 +193,12 @@ py::tuple readOverOneBox(const std::filesystem::path& path, const std::vector<st
         const bool alike = areAlike(grid->transform(), grids.front()->transform());
         openvdb::CoordBBox own = alike ? box : grid->evalActiveVoxelBoundingBox();
         if (grid->getGridClass() == openvdb::GRID_STAGGERED) own.max().offset(1);
-        const py::dict dictionary = toDictionary(*grid, own);
-        dictionary["alike"] = alike;
-        dictionaries.append(dictionary);
+        try {
+            dictionaries.append(toDictionary(*grid, own));
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+        }
+        dictionaries[dictionaries.size() - 1]["alike"] = alike;
         if (grid != grids.front()) grid.reset();
     }
     return py::make_tuple(dictionaries, metadata);

@@ -165,7 +165,7 @@ class Export(ToolTest):
         for status, words, *arguments in (
                 (3, "no grid 'p' of numbers or vectors; the file holds noise", "n.vdb", "-o", "n.vti", "--grids", "p"),
                 (3, "broken.vdb: cannot be read", "broken.vdb", "-o", "n.vti"),
-                (3, "of memory", "huge.vdb", "-o", "n.vti"),
+                (3, "huge.vdb: grid 'huge': the box of its voxels would take", "huge.vdb", "-o", "n.vti"),
                 (3, "no such file", "nothing.vdb", "-o", "n.vti"),
                 (3, "names no files", "-", "-o", "n.vti"),
                 (2, "must end in .vti or .npz", "n.vdb", "-o", "n.vtk"),
