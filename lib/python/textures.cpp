@@ -85,7 +85,7 @@ Textures::Textures(const Options& options, py::object frames, py::function tell)
     if (mFrames.is_none()) {
         mParams = withLeadIn(mParams, *this);
     } else {
-        mParams.flow.input = {"-"}; // numbered as they come
+        mParams.flow.input = {"frames"}; // one file, as far as the run can tell
     }
     mRun.emplace(mParams, source(), static_cast<Reporter&>(*this), mAlone);
 }

@@ -123,7 +123,7 @@ class Advect(ToolTest):
                 (ValueError, "'x' is none of auflic, auflic-2004, uflic, lic", (fields(1),), {"method": "x"}),
                 (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
                 (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
-                (ValueError, "no frame to compute: the input has none", ([],), {})):
+                (ValueError, "no frame to compute$", ([],), {})):
             with self.subTest(words), self.assertRaisesRegex(error, words):
                 list(vdblic.advect(*arguments, **options))
 

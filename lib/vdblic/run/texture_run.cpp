@@ -28,7 +28,10 @@ void TextureRun::open()
 {
     mCurrent = nextFrame();
     mReporter.checkStop(); // a stop may be what ended standard input
-    if (!mCurrent) throw InputError("no frame to compute: the input has none");
+    if (!mCurrent) {
+        const bool isStream = mParams.flow.input.pattern == "-";
+        throw InputError(isStream ? "no frame to compute: standard input named none" : "no frame to compute");
+    }
     mNext = nextFrame();
 }
 
