@@ -1,7 +1,7 @@
 #include "cli/option_names.h"
 #include "cli/tool.h"
-#include "cli/velocity_options.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/run/advect_params.h"
 #include "vdblic/run/sequence_info.h"
 
 #include <string>
@@ -17,27 +17,24 @@ int main(int argc, char** argv)
     cli::Tool tool("vdblic_info", "Tell what a sequence holds, and what its texture will need.");
     CLI::App& app = tool.app();
     app.add_option("SEQUENCE", patterns, "Files or patterns: name.%04d.vdb, also ####, @@@@, $F4, <F4>.")->required();
-    app.add_option("--frames", params.input.frames,
-                   "Frames to look at: 1-100, 1-100x2 or 1,5,9-20; every one by default.");
-    app.add_flag("--values", params.values,
-                 "Read the voxels too: their range, those that are not finite, displacements, checksums.");
-    const cli::VelocityOptions velocity(tool, params.velocity, params.frameSpacing);
     app.add_option("--json", json, "File to write the report to.");
+    tool.options(parametersOf(params));
     app.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
                "The report goes to standard error; the path of each finished output is printed on standard output.");
 
     return tool.run(argc, argv, [&](Reporter& reporter) {
-        velocity.apply();
         for (const std::string& pattern : patterns) {
             if (!json.empty()) checkNotInput(json, pattern);
         }
         if (!json.empty()) checkReport(json);
+        AdvectParams run;
+        const Parameters advised = parametersOf(run); // what the advice is about
         std::vector<SequenceInfo> sequences;
         for (const std::string& pattern : patterns) {
-            params.input.pattern = pattern;
+            params.flow.input.pattern = pattern;
             SequenceInfo info = inspectSequence(params, reporter);
             for (std::string& advice : info.advice)
-                advice = cli::withOptionNames(advice, "vdblic_advect");
+                advice = cli::withOptionNames(advice, advised);
             for (const std::string& line : infoLines(info))
                 reporter.say(line);
             sequences.push_back(std::move(info));

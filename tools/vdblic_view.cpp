@@ -1,4 +1,3 @@
-#include "cli/picture_options.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/render/frames_in_flight.h"
@@ -34,23 +33,28 @@ bool isLoopback(const std::string& host)
 int main(int argc, char** argv)
 {
     vdblic::SequenceParams input;
-    vdblic::RenderParams params;
+    vdblic::RenderParams params = vdblic::defaultRenderParams();
     std::string host = "127.0.0.1";
     int port = 0;
     bool open = false;
     vdblic::cli::Tool tool("vdblic_view", "Find the picture of flow textures by hand, in a browser, and keep it.");
     CLI::App& app = tool.app();
-    tool.inputSequence("TEXTURE", input, "Texture volumes.");
-    tool.option("--port", port, "Port to listen on; 0: any free one.")->check(CLI::Range(0, 65535));
-    tool.option("--host", host,
-                "Address to listen on. Any but the default lets other machines in that know the address with its "
-                "token.");
+    app.add_option("--port", port, "Port to listen on; 0: any free one.")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 65535));
+    app.add_option("--host", host,
+                   "Address to listen on. Any but the default lets other machines in that know the address with its "
+                   "token.")
+        ->capture_default_str();
     app.add_flag("--open", open, "Open the page in a browser (xdg-open).");
-    const vdblic::cli::PictureOptions picture(app, params);
+    tool.options(vdblic::joined(
+        {parametersOf(input, "TEXTURE",
+                      "Texture volumes: one file or a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>)."),
+         pictureParametersOf(params)}));
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         if (input.pattern == "-")
             throw vdblic::ParameterError("a viewer goes back and forth in a sequence; name a file or a pattern, not -");
-        vdblic::view::Viewer viewer(vdblic::view::startOf(app, input), vdblic::availableMemory() / 2);
+        vdblic::view::Viewer viewer(vdblic::view::startOf(tool.given(), input), vdblic::availableMemory() / 2);
         vdblic::view::Interface interface(viewer);
         const std::string token = vdblic::view::randomToken();
         vdblic::view::WebServer server(

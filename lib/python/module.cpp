@@ -52,7 +52,7 @@ void writeVolume(const std::string& path, const py::list& dictionaries, const py
     for (const auto& grid : made)
         grid->setSaveFloatAsHalf(half);
     const openvdb::MetaMap fileMetadata = toMetadata(metadata);
-    const VdbCompression kind = parseVdbCompression(compression);
+    const VdbCompression kind = valueOf<VdbCompression>(compression);
     const py::gil_scoped_release release;
     writeVdb(path, grids, fileMetadata, kind);
 }
@@ -85,38 +85,37 @@ py::object synth(const std::string& flow, const BoxSize& size, double time, doub
     return toDictionary(*grid);
 }
 
-std::string diff(const std::string& a, const std::string& b, const py::dict& given)
+std::string diff(const std::string& a, const std::string& b, const py::dict& keywords)
 {
-    const Options options(given);
     CompareSequencesParams params{a, b, "", "", false, "", {}};
-    options.set("frames", params.frames);
-    options.set("fail", params.compare.fail);
-    options.set("relative", params.compare.relative);
-    options.set("fail_percent", params.compare.failPercent);
-    options.set("warn", params.compare.warn);
-    options.set("ignored_metadata", params.compare.ignoredMetadata);
+    setFrom(keywords, parametersOf(params));
     const py::gil_scoped_release release;
     Reporter silent;
     return toJson(compareSequences(params, silent), params.compare);
 }
 
-std::string coherence(const std::string& velocity, const std::string& texture, const py::dict& given)
+std::string coherence(const std::string& velocity, const std::string& texture, const py::dict& keywords)
 {
-    const Options options(given);
     SequenceCoherenceParams params;
     params.flow.input.pattern = velocity;
     params.texture = texture;
-    options.set("frames", params.flow.input.frames);
-    options.set("velocity", params.flow.velocity.grid);
-    options.set("velocity_scale", params.flow.velocity.scale);
-    if (options.has("velocity_unit"))
-        params.flow.velocity.unit = parseVelocityUnit(options.get<std::string>("velocity_unit"));
-    options.set("frame_spacing", params.flow.frameSpacing);
-    options.set("texture_name", params.textureName);
-    options.set("samples", params.coherence.samples);
+    setFrom(keywords, parametersOf(params));
     const py::gil_scoped_release release;
     Reporter silent;
     return toJson(coherenceOfSequence(params, silent), params);
+}
+
+/// What the keyword arguments of a function are. @param function advect, picture, diff or coherence
+py::list parametersOfFunction(const std::string& function)
+{
+    AdvectParams run;
+    RenderParams picture = defaultRenderParams();
+    CompareSequencesParams compared;
+    SequenceCoherenceParams measured;
+    return described(function == "advect"    ? advectParameters(run)
+                     : function == "picture" ? pictureParametersOf(picture)
+                     : function == "diff"    ? parametersOf(compared)
+                                             : parametersOf(measured));
 }
 
 } // namespace
@@ -134,13 +133,13 @@ PYBIND11_MODULE(_core, module)
     module.def("synth", &synth);
     module.def("diff", &diff);
     module.def("coherence", &coherence);
+    module.def("parameters", &parametersOfFunction);
     py::class_<Textures>(module, "Textures")
         .def(py::init([](const py::dict& options, py::object frames, py::function tell) {
-            return std::make_unique<Textures>(Options(options), std::move(frames), std::move(tell));
+            return std::make_unique<Textures>(options, std::move(frames), std::move(tell));
         }))
         .def("next", &Textures::next);
     py::class_<Picture>(module, "Picture")
-        .def(
-            py::init([](const py::dict& options) { return std::make_unique<Picture>(renderParams(Options(options))); }))
+        .def(py::init([](const py::dict& options) { return std::make_unique<Picture>(renderParams(options)); }))
         .def("render", &render);
 }

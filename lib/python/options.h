@@ -1,50 +1,17 @@
 #pragma once
 
-#include "vdblic/core/errors.h"
+#include "vdblic/core/parameters.h"
 
-#include <fmt/format.h>
 #include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
-#include <functional>
-#include <string>
 
 namespace vdblic::python {
 
-/// Keyword arguments that were given, by name. @throws ParameterError if one has a value of another type
-class __attribute__((visibility("hidden"))) Options { // as what it holds
-  public:
-    explicit Options(pybind11::dict given) : mGiven(std::move(given)) {}
+/// Set parameters from keyword arguments. A value is a number, a text, true or false, or a sequence of those, nested
+/// for what may be repeated.
+/// @throws ParameterError on a keyword that no parameter has, or a value that does not fit
+void setFrom(const pybind11::dict& keywords, const Parameters& parameters);
 
-    [[nodiscard]] bool has(const char* name) const { return mGiven.contains(name); }
-
-    template<typename T>
-    [[nodiscard]] T get(const char* name) const
-    {
-        try {
-            return mGiven[name].template cast<T>();
-        } catch (const pybind11::cast_error&) {
-            throw ParameterError(fmt::format("`{}` cannot be {}", name,
-                                             pybind11::repr(mGiven[name]).template cast<std::string>().substr(0, 100)));
-        }
-    }
-
-    /// Set a parameter if its argument was given.
-    template<typename T>
-    void set(const char* name, T& target) const
-    {
-        if (has(name)) target = get<T>(name);
-    }
-
-    /// Set a parameter from a text if its argument was given.
-    template<typename T>
-    void parse(const char* name, T& target, const std::function<T(std::string)>& parse) const
-    {
-        if (has(name)) target = parse(get<std::string>(name));
-    }
-
-  private:
-    pybind11::dict mGiven;
-};
+/// The parameters as dictionaries of `key`, `text`, `kind`, `unit`, `default` and `expert`, for documentation.
+[[nodiscard]] pybind11::list described(const Parameters& parameters);
 
 } // namespace vdblic::python

@@ -1,17 +1,18 @@
 #pragma once
 
-#include "options.h"
 #include "vdblic/image/image.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/scene.h"
+
+#include <pybind11/pybind11.h>
 
 #include <cstdint>
 #include <optional>
 
 namespace vdblic::python {
 
-[[nodiscard]] RenderParams renderParams(const Options& options); ///< @throws ParameterError, InputError
+[[nodiscard]] RenderParams renderParams(const pybind11::dict& keywords); ///< @throws ParameterError, InputError
 
 /// Pictures of volumes in memory. As in vdblic_render of paths on standard input, the first volume with an active voxel
 /// chooses camera and look for all. Not thread-safe.

@@ -1,6 +1,7 @@
 #include "textures.h"
 
 #include "grid_arrays.h"
+#include "options.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/run/lead_in.h"
@@ -10,10 +11,13 @@
 #include <fmt/format.h>
 #include <openvdb/tree/LeafManager.h>
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace vdblic::python {
@@ -34,54 +38,24 @@ void roundToHalf(openvdb::FloatGrid& grid)
 
 } // namespace
 
-AdvectParams advectParams(const Options& options)
+Parameters advectParameters(AdvectParams& params)
 {
-    AdvectParams params;
-    options.set("input", params.flow.input.pattern);
-    options.set("frames", params.flow.input.frames);
-    options.set("clamp_frames", params.flow.input.clampFrames);
-    params.output = "texture.vdb"; // which is not written
-    options.parse<TextureMethod>("method", params.texture.method, valueOf<TextureMethod>);
-    options.set("life_span", params.texture.lifeSpan);
-    options.set("substeps", params.texture.substeps);
-    options.set("release_window", params.texture.releaseWindow);
-    options.set("sample_spacing", params.texture.pathline.sampleSpacing);
-    options.set("tolerance", params.texture.pathline.tolerance);
-    options.set("velocity", params.flow.velocity.grid);
-    options.set("velocity_scale", params.flow.velocity.scale);
-    options.set("carry", params.flow.velocity.carry);
-    if (options.has("velocity_unit"))
-        params.flow.velocity.unit = parseVelocityUnit(options.get<std::string>("velocity_unit"));
-    if (options.has("non_finite")) {
-        const auto text = options.get<std::string>("non_finite");
-        if (text != "refuse" && text != "zero")
-            throw ParameterError(fmt::format("`non_finite` '{}' is neither refuse nor zero", text));
-        params.flow.velocity.nonFinite = text == "zero" ? NonFinite::kZero : NonFinite::kRefuse;
-    }
-    options.set("frame_spacing", params.flow.frameSpacing);
-    options.set("mask", params.flow.domain.mask);
-    options.set("box", params.flow.domain.box);
-    options.set("world_box", params.flow.domain.worldBox);
-    options.set("refine", params.flow.domain.refinement.factors);
-    options.parse<Interpolation>("interpolation", params.flow.domain.refinement.interpolation, parseInterpolation);
-    options.set("sharpen", params.texture.feedback.sharpen);
-    options.set("noise_share", params.texture.feedback.noiseShare);
-    options.set("finish", params.finish);
-    options.set("noise", params.noise);
-    options.set("seed", params.seed);
-    options.set("preroll", params.preroll);
-    options.set("lead_in", params.leadIn);
-    options.set("derived", params.derived);
-    options.set("texture_name", params.textureName);
-    options.parse<GridPrecision>("precision", params.format.precision, parseGridPrecision);
-    options.parse<ScalarVoxels>("scalars", params.format.scalars, parseScalarVoxels);
-    params.validate();
-    return params;
+    Parameters parameters = parametersOf(params);
+    std::erase_if(parameters, [](const Parameter& parameter) {
+        static constexpr std::array<std::string_view, 9> kOfFiles = {
+            "output",           "json",        "resume", "restart", "keep_checkpoint",
+            "checkpoint_every", "compression", "fps",    "renumber"};
+        return std::find(kOfFiles.begin(), kOfFiles.end(), parameter.info.key) != kOfFiles.end();
+    });
+    return parameters;
 }
 
-Textures::Textures(const Options& options, py::object frames, py::function tell)
-    : mParams(advectParams(options)), mFrames(std::move(frames)), mTell(std::move(tell))
+Textures::Textures(const py::dict& keywords, py::object frames, py::function tell)
+    : mFrames(std::move(frames)), mTell(std::move(tell))
 {
+    setFrom(keywords, advectParameters(mParams));
+    mParams.output = "texture.vdb"; // which is not written
+    mParams.validate();
     if (mFrames.is_none()) {
         mParams = withLeadIn(mParams, *this);
     } else {

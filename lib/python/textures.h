@@ -1,6 +1,5 @@
 #pragma once
 
-#include "options.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/run/texture_run.h"
@@ -13,7 +12,8 @@
 
 namespace vdblic::python {
 
-[[nodiscard]] AdvectParams advectParams(const Options& options); ///< @throws ParameterError
+/// The parameters of a run without those of the files that it writes.
+[[nodiscard]] Parameters advectParameters(AdvectParams& params);
 
 /// The textures of a velocity sequence, one after the other, from files or from volumes of Python, to volumes of
 /// Python. Ctrl-C ends it before the next step. Not thread-safe.
@@ -21,7 +21,7 @@ class __attribute__((visibility("hidden"))) Textures : private Reporter { // as 
   public:
     /// @param frames an iterator over lists of grids as dictionaries and their metadata; None: files by `input`
     /// @param tell   called with a kind, `said` or `warned`, and a message
-    Textures(const Options& options, pybind11::object frames, pybind11::function tell);
+    Textures(const pybind11::dict& keywords, pybind11::object frames, pybind11::function tell);
 
     /// The next texture as grids and metadata, or None at the end.
     [[nodiscard]] pybind11::object next();

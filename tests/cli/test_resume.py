@@ -343,7 +343,7 @@ class Resume(ToolTest):
             "--mask": mask, "--bbox": (0, 0, 0, 9, 9, 9), "--bbox-world": (0, 0, 0, 9, 9, 9), "--noise": noise,
             "--seed": 2, "--preroll": 3, "--release-window": 0.5, "--sample-spacing": 0.4, "--tolerance": 0.1,
             "--sharpen": 2, "--noise-share": 0.2, "--texture-name": "smoke", "--refine": 2,
-            "--precision": "float", "--compression": "zip", "--scalars": "texture", "--substeps": 2,
+            "--precision": "float", "--compression": "none", "--scalars": "texture", "--substeps": 2,
             "--interpolation": "cubic", "--finish": 1}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps"}

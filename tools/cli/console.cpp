@@ -46,8 +46,8 @@ void toStandardError(const std::string& text)
 
 } // namespace
 
-Console::Console(std::string tool, Level level)
-    : mTool(std::move(tool)), mLevel(level),
+Console::Console(std::string tool, Level level, const Parameters& parameters)
+    : mTool(std::move(tool)), mParameters(parameters), mLevel(level),
       mShared(::isatty(STDERR_FILENO) != 0 && (isPipe(STDIN_FILENO) || isPipe(STDOUT_FILENO))),
       mTerminal(::isatty(STDERR_FILENO) != 0 && !mShared), mStart(std::chrono::steady_clock::now()), mLastFrame(mStart)
 {
@@ -127,7 +127,7 @@ void Console::print(std::string_view kind, std::string_view message)
 {
     if (mLevel == Level::kSilent) return;
     clearBar();
-    toStandardError(fmt::format("{}: {}{}\n", mTool, kind, withOptionNames(message, mTool)));
+    toStandardError(fmt::format("{}: {}{}\n", mTool, kind, withOptionNames(message, mParameters)));
 }
 
 void Console::clearBar()

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
 #include "vdblic/core/reporter.h"
 
 #include <chrono>
@@ -24,7 +25,8 @@ class Console : public Reporter {
   public:
     enum class Level { kSilent, kQuiet, kNormal, kVerbose }; ///< kSilent: nothing at all
 
-    Console(std::string tool, Level level);
+    /// @param parameters of the tool; must outlive this
+    Console(std::string tool, Level level, const Parameters& parameters);
     ~Console() override;
 
     void progress(std::size_t done, std::size_t total) override;
@@ -41,6 +43,7 @@ class Console : public Reporter {
     void clearBar();
 
     std::string mTool;
+    const Parameters& mParameters;
     Level mLevel;
     bool mShared; // the terminal, with other stages of a pipeline
     bool mTerminal, mBarShown = false;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 #include <string>
 #include <string_view>
 
@@ -7,7 +9,7 @@ namespace vdblic::cli {
 
 /// A message of the library in the words of a tool: each parameter in backticks, such as `max_memory`, becomes the
 /// option that sets it, --max-memory. Anything else in backticks stays.
-/// @param tool its name; a few options differ between tools
-[[nodiscard]] std::string withOptionNames(std::string_view message, std::string_view tool);
+/// @param parameters of the tool; those that it lacks are spelled with dashes
+[[nodiscard]] std::string withOptionNames(std::string_view message, const Parameters& parameters);
 
 } // namespace vdblic::cli

@@ -35,7 +35,6 @@ namespace vdblic::cli {
 namespace {
 
 constexpr int kMaxThreads = 1024;
-constexpr std::int64_t kMostNumber = 1'000'000'000'000; // of a frame
 constexpr std::uint64_t kLeastMemory = std::uint64_t(128) << 20;
 
 int status(ExitStatus value)
@@ -91,29 +90,15 @@ Tool::Tool(std::string name, const std::string& description)
                 "The path of each finished output is printed on standard output, messages on standard error.");
 }
 
-void Tool::inputSequence(const std::string& name, SequenceParams& target, const std::string& help)
+void Tool::options(Parameters parameters)
 {
-    mApp.add_option(name, target.pattern,
-                    help + " One file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), or - for paths on "
-                           "standard input.")
-        ->required();
-    mApp.add_option("--frames", target.frames,
-                    "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.");
-    mApp.add_flag("--clamp-frames", target.clampFrames,
-                  "Leave out frames of --frames that lie beyond the files on disk.");
-    mApp.add_option("--renumber", target.renumber,
-                    "Number paths on standard input from this number on as they come, whatever their names.")
-        ->check(CLI::Range(-kMostNumber, kMostNumber));
-}
-
-void Tool::output(std::string& target, const std::string& help)
-{
-    mApp.add_option("-o,--output", target, help)->required();
-}
-
-void Tool::skipExisting(bool& target)
-{
-    mApp.add_flag("--skip-existing", target, "Leave outputs that are there as they are, and print their paths.");
+    mOptions.emplace(mApp, std::move(parameters));
+    const auto list = [this] {
+        fmt::print("{}", toJson(mOptions->parameters()));
+        throw CLI::Success{}; // before the required options are missed
+    };
+    mApp.add_flag_callback("--parameters", list, "Print the options as JSON, for programs, and exit.")
+        ->group(kExpertGroup);
 }
 
 void Tool::verifies(std::function<std::vector<SequenceParams>()> inputs)
@@ -241,11 +226,13 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
     std::optional<tbb::global_control> threads;
     if (mThreads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(mThreads));
     ::mallopt(M_ARENA_MAX, int(threadCount())); // an arena has no use of memory that threads of others freed
-    Console console(mApp.get_name(), !mPrints   ? Console::Level::kSilent
-                                     : mQuiet   ? Console::Level::kQuiet
-                                     : mVerbose ? Console::Level::kVerbose
-                                                : Console::Level::kNormal);
+    const Console::Level level = !mPrints   ? Console::Level::kSilent
+                                 : mQuiet   ? Console::Level::kQuiet
+                                 : mVerbose ? Console::Level::kVerbose
+                                            : Console::Level::kNormal;
+    Console console(mApp.get_name(), level, mOptions->parameters());
     try {
+        mOptions->apply();
         limitMemory();
         if (mVerify) verify(console);
         return status(job(console));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cli/exit_status.h"
+#include "cli/parameter_options.h"
 #include "cli/ranks.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/io/sequence.h"
@@ -9,7 +10,9 @@
 
 #include <functional>
 #include <istream>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,19 +25,10 @@ class Tool {
   public:
     Tool(std::string name, const std::string& description);
 
-    /// Add an option. Its default is the target's value, which the help shows.
-    template<typename T>
-    CLI::Option* option(const std::string& name, T& target, const std::string& help)
-    {
-        return mApp.add_option(name, target, help)->capture_default_str();
-    }
-    /// The positional input sequence and its `--frames`.
-    void inputSequence(const std::string& name, SequenceParams& target, const std::string& help);
-    /// The required `-o,--output`.
-    void output(std::string& target, const std::string& help);
-
-    /// `--skip-existing`, for stages whose frames are independent of each other.
-    void skipExisting(bool& target);
+    /// Add options for the job's parameters. They are set before the job begins.
+    void options(Parameters parameters);
+    /// What the command line gave of them, by key.
+    [[nodiscard]] const std::map<std::string, Words>& given() const { return mOptions->given(); }
 
     /// `--verify`. @param inputs returns the .vdb files that the job will read; called once all options are parsed
     void verifies(std::function<std::vector<SequenceParams>()> inputs);
@@ -61,6 +55,7 @@ class Tool {
     [[nodiscard]] int tell(const CLI::Success& asked) const;
 
     CLI::App mApp;
+    std::optional<ParameterOptions> mOptions;
     std::unique_ptr<std::istream> mInput;
     std::function<std::vector<SequenceParams>()> mInputs;
     int mThreads = 0, mProcesses = 1; // processes on this machine

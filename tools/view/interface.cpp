@@ -24,6 +24,13 @@
 namespace vdblic::view {
 namespace {
 
+/// A message of the library in the words of the options.
+std::string inOptions(std::string_view message)
+{
+    RenderParams params;
+    return cli::withOptionNames(message, pictureParametersOf(params));
+}
+
 using Json = nlohmann::json;
 
 WebAnswer jsonAnswer(const Json& json, int status = 200)
@@ -34,7 +41,7 @@ WebAnswer jsonAnswer(const Json& json, int status = 200)
 
 WebAnswer errorAnswer(int status, const std::string& message)
 {
-    return jsonAnswer({{"error", cli::withOptionNames(message, "vdblic_view")}}, status);
+    return jsonAnswer({{"error", inOptions(message)}}, status);
 }
 
 Json listOf(const glm::dvec3& v)
@@ -71,7 +78,7 @@ Json toJson(const Histogram& histogram)
 {
     return {{"low", histogram.low},
             {"high", histogram.high},
-            {"scale", valueScaleName(histogram.scale)},
+            {"scale", nameOf(histogram.scale)},
             {"counts", histogram.counts}};
 }
 
@@ -85,7 +92,7 @@ Json valuesOf(const RenderParams& params)
             {"halo", look.halo},
             {"shadows", look.shadows},
             {"depth-cue", look.depthCue},
-            {"shading", shadingModelName(shading.model)},
+            {"shading", nameOf(shading.model)},
             {"ambient", shading.ambient},
             {"diffuse", shading.diffuse},
             {"specular", shading.specular},
@@ -187,7 +194,7 @@ Json Interface::scene(const Json& state, std::int64_t frame)
     return {{"settled", view.settled},
             {"time", view.frame->time ? Json(*view.frame->time) : Json()},
             {"camera",
-             {{"projection", toString(camera.projection())},
+             {{"projection", nameOf(camera.projection())},
               {"eye", listOf(camera.eye())},
               {"target", listOf(camera.target())},
               {"up", listOf(camera.up())},
@@ -199,8 +206,8 @@ Json Interface::scene(const Json& state, std::int64_t frame)
             {"opacityBy", view.scene.opacityBy},
             {"range", transfer.range()},
             {"opacityRange", transfer.opacityRange()},
-            {"colorScale", valueScaleName(transfer.colorAxis().scale)},
-            {"opacityScale", valueScaleName(transfer.opacityAxis().scale)},
+            {"colorScale", nameOf(transfer.colorAxis().scale)},
+            {"opacityScale", nameOf(transfer.opacityAxis().scale)},
             {"opacity", points},
             {"colorMap", transfer.colorMapName()},
             {"colors", colors},
@@ -247,7 +254,7 @@ WebAnswer Interface::picture(const Json& asked, const WebRequest& request)
                               : encodeJpeg(displayBytes(shown.image, shown.background), shown.image.size, quality)};
     answer.headers = {{"Vdblic-Samples", std::to_string(shown.samples)}, {"Vdblic-Settled", shown.settled ? "1" : "0"}};
     if (!shown.nothingSeen.empty()) {
-        const std::string reason = cli::withOptionNames(shown.nothingSeen, "vdblic_view");
+        const std::string reason = inOptions(shown.nothingSeen);
         answer.headers.emplace_back("Vdblic-Nothing", Json(reason).dump(-1, ' ', /*ensure_ascii=*/true));
     }
     return answer;

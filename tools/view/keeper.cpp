@@ -103,7 +103,7 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
                              "eye", "target", "up", "fov", "view-height", "orbit", "orbit-frames", "keys"})
         rest.erase(held);
     Start start = mViewer.start();
-    std::erase_if(start.fixed, [](const std::string& word) { return word.starts_with("--transfer="); });
+    start.fixed.erase("transfer");
     return {{"files", {transfer, camera}},
             {"command", commandOf(start, rest, {"--transfer", transfer, "--camera", camera, "-o", "image.%04d.png"})}};
 }

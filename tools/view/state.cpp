@@ -1,6 +1,5 @@
 #include "view/state.h"
 
-#include "cli/picture_options.h"
 #include "vdblic/camera/camera_keys.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/json_file.h"
@@ -9,8 +8,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <iterator>
-#include <optional>
 #include <utility>
 
 namespace vdblic::view {
@@ -18,89 +15,36 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The options that a state may hold: all of a picture's that name no file.
-constexpr const char* kOfStates[] = {"size",
-                                     "stretch",
-                                     "scale",
-                                     "samples",
-                                     "eye",
-                                     "target",
-                                     "up",
-                                     "projection",
-                                     "fov",
-                                     "view-height",
-                                     "orbit",
-                                     "orbit-frames",
-                                     "step",
-                                     "look",
-                                     "by",
-                                     "color-by",
-                                     "opacity-by",
-                                     "colormap",
-                                     "colors",
-                                     "opacity",
-                                     "range",
-                                     "opacity-range",
-                                     "color-scale",
-                                     "opacity-scale",
-                                     "modulate",
-                                     "limb-darkening",
-                                     "shading",
-                                     "ambient",
-                                     "diffuse",
-                                     "specular",
-                                     "shininess",
-                                     "head-light",
-                                     "light",
-                                     "halo",
-                                     "shadows",
-                                     "depth-cue",
-                                     "clip-plane",
-                                     "clip-box",
-                                     "roi-box",
-                                     "solid",
-                                     "solid-color",
-                                     "background",
-                                     "background-alpha",
-                                     "annotate"};
-/// Options that name files; the command line alone sets them.
-constexpr const char* kFixed[] = {"texture", "transfer", "roi"};
-/// Options that may be repeated, and how many numbers each takes.
-constexpr std::pair<const char*, std::size_t> kRepeated[] = {{"light", 3}, {"clip-plane", 6}};
 constexpr std::size_t kMostText = 10000, kMostRepeats = 64;
 
-template<typename Names>
-bool isOneOf(const Names& names, const std::string& name)
+/// The name of a parameter in a state: its option without dashes.
+std::string nameOf(const Parameter& parameter)
 {
-    return std::any_of(std::begin(names), std::end(names), [&](const char* known) { return name == known; });
+    return parameter.option().substr(2);
 }
 
-/// A number as JSON; nothing for other texts.
-std::optional<Json> numberIn(const std::string& text)
+/// The parameter that a state names; null if states do not hold it.
+const Parameter* findInState(const Parameters& parameters, const std::string& name)
 {
-    Json number = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-    if (!number.is_number()) return std::nullopt;
-    return number;
+    const auto found = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const Parameter& parameter) { return nameOf(parameter) == name; });
+    return found == parameters.end() || found->info.isFile ? nullptr : &*found;
 }
 
-/// The value of an option in a state.
-Json valueOf(const std::string& name, const std::vector<std::string>& texts)
+/// The value of a parameter in a state: a number, a text, numbers, or lists of those for what may be repeated.
+Json valueOf(const Parameter& parameter, const Words& words)
 {
+    if (parameter.type == WordType::kText) return words.front();
     Json numbers = Json::array();
-    for (const std::string& text : texts) {
-        const auto number = numberIn(text);
-        if (!number) return texts.front();
-        numbers.push_back(*number);
+    for (const std::string& word : words)
+        numbers.push_back(Json::parse(word));
+    if (!parameter.repeats) return numbers.size() == 1 ? numbers.front() : numbers;
+    Json lists = Json::array();
+    for (std::size_t i = 0; i < numbers.size(); i += parameter.least) {
+        const auto at = [&](std::size_t n) { return numbers.begin() + std::ptrdiff_t(n); };
+        lists.push_back(Json(std::vector<Json>(at(i), at(i + parameter.least))));
     }
-    for (const auto& [repeated, count] : kRepeated) {
-        if (name != repeated) continue;
-        Json lists = Json::array();
-        for (std::size_t i = 0; i + count <= numbers.size(); i += count)
-            lists.push_back(Json(
-                std::vector<Json>(numbers.begin() + std::ptrdiff_t(i), numbers.begin() + std::ptrdiff_t(i + count))));
-        return lists;
-    }
-    return numbers.size() == 1 ? numbers.front() : numbers;
+    return lists;
 }
 
 bool isNumbers(const Json& value)
@@ -109,24 +53,37 @@ bool isNumbers(const Json& value)
            std::all_of(value.begin(), value.end(), [](const Json& number) { return number.is_number(); });
 }
 
-void addArguments(std::vector<std::string>& arguments, const std::string& name, const Json& value)
+/// The words of a value in a state. @throws ParameterError
+Words wordsOf(const std::string& name, const Json& value)
 {
-    const std::string option = "--" + name;
-    if (value.is_number()) {
-        arguments.push_back(fmt::format("{}={}", option, value.dump()));
-    } else if (value.is_string() && value.get_ref<const std::string&>().size() <= kMostText) {
-        arguments.push_back(fmt::format("{}={}", option, value.get_ref<const std::string&>()));
-    } else if (isNumbers(value)) {
-        arguments.push_back(option);
-        for (const Json& number : value)
-            arguments.push_back(number.dump());
-    } else if (value.is_array() && !value.empty() && value.size() <= kMostRepeats &&
-               std::all_of(value.begin(), value.end(), isNumbers)) {
-        for (const Json& part : value)
-            addArguments(arguments, name, part);
-    } else {
+    if (value.is_number()) return {value.dump()};
+    if (value.is_string() && value.get_ref<const std::string&>().size() <= kMostText) return {value.get<std::string>()};
+    const bool areLists = value.is_array() && !value.empty() && value.size() <= kMostRepeats &&
+                          std::all_of(value.begin(), value.end(), isNumbers);
+    if (!isNumbers(value) && !areLists)
         throw ParameterError(fmt::format("\"{}\" must be a number, a text, numbers or lists of numbers", name));
+    Words words;
+    for (const Json& part : value) {
+        const Words more = wordsOf(name, part);
+        words.insert(words.end(), more.begin(), more.end());
     }
+    return words;
+}
+
+/// What a state gives, by key. @throws ParameterError
+std::map<std::string, Words> givenBy(const Start& start, const Json& state, const Parameters& parameters)
+{
+    if (!state.is_object()) throw ParameterError("a state must be an object");
+    std::map<std::string, Words> given = start.fixed;
+    for (const auto& [name, value] : state.items()) {
+        if (name == "keys") continue;
+        const Parameter* const parameter = findInState(parameters, name);
+        if (!parameter) throw ParameterError(fmt::format("a state has no \"{:.60}\"", name));
+        if (name == "solid" && value != "domain" && (start.solid.empty() || value != start.solid))
+            throw ParameterError("\"solid\" must be domain or what the command line names");
+        given[std::string(parameter->info.key)] = wordsOf(name, value);
+    }
+    return given;
 }
 
 /// A word for a shell.
@@ -142,51 +99,52 @@ std::string quoted(const std::string& word)
 
 } // namespace
 
-Start startOf(const CLI::App& app, const SequenceParams& input)
+Start startOf(const std::map<std::string, Words>& given, const SequenceParams& input)
 {
+    RenderParams params;
     Start start{input, {}, Json::object(), {}};
-    for (const CLI::Option* option : app.get_options()) {
-        if (option->count() == 0 || option->get_lnames().empty()) continue;
-        const std::string& name = option->get_lnames().front();
-        const std::vector<std::string> texts = option->reduced_results();
-        if (isOneOf(kFixed, name)) start.fixed.push_back(fmt::format("--{}={}", name, texts.front()));
-        if (isOneOf(kOfStates, name)) start.state[name] = valueOf(name, texts);
-        if (name == "solid" && texts.front() != "domain") start.solid = texts.front();
+    for (const Parameter& parameter : pictureParametersOf(params)) {
+        const auto words = given.find(std::string(parameter.info.key));
+        if (words == given.end()) continue;
+        parameter.check(words->second);
+        const std::string name = nameOf(parameter);
         if (name == "camera") {
-            (void)readCameraKeys(texts.front());
-            start.state["keys"] = readJson(texts.front())["keys"];
+            (void)readCameraKeys(words->second.front());
+            start.state["keys"] = readJson(words->second.front())["keys"];
+        } else if (parameter.info.isFile) {
+            start.fixed.insert(*words);
+        } else {
+            start.state[name] = valueOf(parameter, words->second);
         }
+        if (name == "solid" && words->second.front() != "domain") start.solid = words->second.front();
     }
     return start;
 }
 
 std::vector<std::string> argumentsOf(const Start& start, const Json& state)
 {
-    if (!state.is_object()) throw ParameterError("a state must be an object");
-    std::vector<std::string> arguments = start.fixed;
-    for (const auto& [name, value] : state.items()) {
-        if (name == "keys") continue;
-        if (!isOneOf(kOfStates, name)) throw ParameterError(fmt::format("a state has no \"{:.60}\"", name));
-        if (name == "solid" && value != "domain" && (start.solid.empty() || value != start.solid))
-            throw ParameterError("\"solid\" must be domain or what the command line names");
-        addArguments(arguments, name, value);
+    RenderParams params;
+    const Parameters parameters = pictureParametersOf(params);
+    std::vector<std::string> arguments;
+    for (const auto& [key, words] : givenBy(start, state, parameters)) {
+        const Parameter& parameter = *find(parameters, key);
+        if (words.size() == 1) {
+            arguments.push_back(fmt::format("{}={}", parameter.option(), words.front()));
+            continue;
+        }
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            if (i % parameter.least == 0) arguments.push_back(parameter.option());
+            arguments.push_back(words[i]);
+        }
     }
     return arguments;
 }
 
 RenderParams paramsOf(const Start& start, const Json& state)
 {
-    RenderParams params;
-    CLI::App app;
-    const cli::PictureOptions options(app, params);
-    std::vector<std::string> arguments = argumentsOf(start, state);
-    std::reverse(arguments.begin(), arguments.end()); // as CLI11 takes them
-    try {
-        app.parse(std::move(arguments));
-    } catch (const CLI::ParseError& error) {
-        throw ParameterError(error.what());
-    }
-    options.apply();
+    RenderParams params = defaultRenderParams();
+    const Parameters parameters = pictureParametersOf(params);
+    set(parameters, givenBy(start, state, parameters));
     try {
         if (state.contains("keys")) params.motion.keys = parseCameraKeys(Json{{"keys", state["keys"]}});
     } catch (const InputError& error) {

@@ -3,9 +3,9 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/render/render_params.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,13 +17,13 @@ namespace vdblic::view {
 /// numbers, and lists of those for options that may be repeated. `keys` holds key frames of the camera.
 struct Start {
     SequenceParams input;
-    std::vector<std::string> fixed; ///< arguments that no state changes
+    std::map<std::string, Words> fixed; ///< parameters that name files, by key: no state changes them
     nlohmann::json state;
     std::string solid; ///< the file that the state may name as `solid`; or empty
 };
 
-/// @param app parsed, with the options of PictureOptions. @throws InputError naming the file of key frames
-[[nodiscard]] Start startOf(const CLI::App& app, const SequenceParams& input);
+/// @param given parameters of a picture, by key. @throws ParameterError; InputError naming the file of key frames
+[[nodiscard]] Start startOf(const std::map<std::string, Words>& given, const SequenceParams& input);
 
 /// The arguments of vdblic_render for a state; its key frames are left out.
 /// @throws ParameterError on what a state cannot hold; no state names a file that the command line does not

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import logging
 import os
-import pathlib
-import tempfile
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy
 
 from . import _core
+from .parameters import checked, described
 from .volumes import Grid, Volume, as_dictionaries
 
 _LOG = logging.getLogger("vdblic")
@@ -20,63 +19,35 @@ Frame = Volume | Grid | numpy.ndarray | tuple[float, numpy.ndarray]
 
 
 def advect(
-    frames: str | os.PathLike | Iterable[Frame],
-    *,
-    frame_spacing: float | None = None,
-    voxel_size: float | Sequence[float] = 1.0,
-    method: str = "auflic",
-    refine: int | Sequence[int] = 1,
-    substeps: int = 1,
-    life_span: int = 4,
-    seed: int = 1,
-    **parameters,
+    velocities: str | os.PathLike | Iterable[Frame], /, *, voxel_size: float | Sequence[float] = 1.0, **parameters
 ) -> Iterator[Volume]:
     """Yield the flow texture of every frame as it is finished: a Volume with `density`, `magnitude` and metadata.
 
     The textures are those of `vdblic_advect`, bit for bit.
 
-    frames         the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities: arrays
+    velocities     the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities: arrays
                    (x, y, z, 3) in world units per second, pairs (time, array), Grids or Volumes. An iterable is read
                    one frame ahead; frames count from 1.
-    frame_spacing  seconds between frames; by default from the times, else 1/24
     voxel_size     of plain arrays: one length or three
-    method         auflic, auflic-2004, uflic or lic
-    refine         texture voxels along each axis in a voxel of the velocity: one number or three
-    substeps       textures for each interval between frames
-    life_span      of a seed, in frames
-    parameters     what else the library's AdvectParams hold: frames, clamp_frames (of a pattern), velocity,
-                   velocity_unit, velocity_scale, non_finite, carry, derived, mask, box, world_box, interpolation,
-                   noise, preroll, lead_in, release_window, sample_spacing, tolerance, sharpen, noise_share, finish,
-                   texture_name, scalars, precision
+    parameters     of `vdblic_advect`:
 
-    Closing the iterator, an error in `frames` and Ctrl-C stop the run after the step in progress. Warnings are
-    Python's, messages go to the logger `vdblic`. Any number of runs may go on at a time.
+{parameters}
+    Closing the iterator ends the run; Ctrl-C ends it before the next step. Warnings are Python's, messages go to the
+    logger `vdblic`. Any number of runs may go on at a time.
     """
-    options = _checked(parameters)
-    options |= {"method": method, "substeps": substeps, "life_span": life_span, "seed": seed}
-    options["refine"] = [refine] * 3 if isinstance(refine, int) else list(refine)
-    if frame_spacing is not None:
-        options["frame_spacing"] = frame_spacing
+    lengths = numpy.broadcast_to(numpy.asarray(voxel_size, float), 3)
+    if not (numpy.isfinite(lengths).all() and (lengths > 0).all()):
+        raise ValueError(f"voxel_size {voxel_size} must be one length above 0, or three")
+    options = checked("advect", parameters, PARAMETERS)
     source = None
-    if isinstance(frames, (str, os.PathLike)):
-        options["input"] = os.fspath(frames)
+    if isinstance(velocities, (str, os.PathLike)):
+        options["input"] = os.fspath(velocities)
     else:
-        source = iter(frames)
-    return _textures(options, source, voxel_size)
+        source = iter(velocities)
+    return _textures(options, source, lengths)
 
 
-PARAMETERS = frozenset(
-    "frames clamp_frames velocity velocity_unit velocity_scale non_finite carry derived mask box world_box"
-    " interpolation noise preroll lead_in release_window sample_spacing tolerance sharpen noise_share finish"
-    " texture_name scalars precision".split()
-)
-
-
-def _checked(parameters):
-    for name in parameters:
-        if name not in PARAMETERS:
-            raise TypeError(f"advect() has no parameter '{name}'; it has {', '.join(sorted(PARAMETERS))}")
-    return {name: value for name, value in parameters.items() if value is not None}
+PARAMETERS = described(advect, _core.parameters("advect"), without=("input",))
 
 
 def _textures(options, source, voxel_size):

@@ -5,32 +5,19 @@ from __future__ import annotations
 import numpy
 
 from . import _core
+from .parameters import checked, described
 from .volumes import Volume, as_dictionaries
-
-OPTIONS = frozenset(
-    "look size by color_by opacity_by transfer colormap colors opacity range opacity_range color_scale opacity_scale"
-    " shadows texture solid samples step stretch eye target up projection fov view_height".split()
-)
 
 
 class Renderer:
     """Ray casts textures. Options are those of `vdblic_render`; what is not given is chosen from the first texture.
 
-    look                          flow, vortex, ink, smoke or xray: what all other options start from
-    size                          (width, height) in pixels
-    by, color_by, opacity_by      grids whose values choose colour and opacity
-    transfer, colormap, colors, opacity, range, opacity_range, color_scale, opacity_scale  of the transfer function
-    eye, target, up, projection, fov, view_height, stretch  of the camera
-    samples, step, shadows, solid, texture
-
+{parameters}
     One renderer keeps camera and colours over a sequence. Not for several threads at a time; each may have its own.
     """
 
     def __init__(self, **options):
-        for name in options:
-            if name not in OPTIONS:
-                raise TypeError(f"Renderer() has no option '{name}'; it has {', '.join(sorted(OPTIONS))}")
-        self._picture = _core.Picture({name: value for name, value in options.items() if value is not None})
+        self._picture = _core.Picture(checked("Renderer", options, OPTIONS))
 
     def __call__(self, texture: Volume, frame: int | None = None) -> numpy.ndarray:
         """The picture of a texture: (height, width, 4), rows from the top, linear light, premultiplied alpha.
@@ -39,6 +26,9 @@ class Renderer:
         """
         number = texture.frame if frame is None else frame
         return self._picture.render(as_dictionaries(texture.grids), texture.metadata, 1 if number is None else number)
+
+
+OPTIONS = described(Renderer, _core.parameters("picture"))
 
 
 def displayed(picture: numpy.ndarray, background: tuple[float, float, float] = (0.04, 0.05, 0.07)) -> numpy.ndarray:

@@ -45,24 +45,53 @@ void checkDistance(const char* name, const glm::dvec3& point, const Corners& box
 
 } // namespace
 
-Projection parseProjection(std::string_view text)
-{
-    if (text == "perspective") return Projection::kPerspective;
-    if (text == "orthographic") return Projection::kOrthographic;
-    throw ParameterError(fmt::format("projection '{}' is neither perspective nor orthographic", text));
-}
-
-std::string_view toString(Projection projection)
-{
-    return projection == Projection::kPerspective ? "perspective" : "orthographic";
-}
-
 glm::dvec3 middleOf(const Corners& box)
 {
     glm::dvec3 middle(0);
     for (const glm::dvec3& corner : box)
         middle += corner / 8.0;
     return middle;
+}
+
+Parameters parametersOf(CameraParams& params)
+{
+    return {
+        parameter({.key = "eye",
+                   .text = "Position of the camera. By default a three-quarter view that shows all of every frame.",
+                   .unit = "world",
+                   .words = "X Y Z",
+                   .group = "Camera"},
+                  params.eye),
+        parameter({.key = "target",
+                   .text = "Position the camera looks at; the middle by default.",
+                   .unit = "world",
+                   .words = "X Y Z",
+                   .group = "Camera"},
+                  params.target),
+        parameter({.key = "up",
+                   .text = "Direction that is up in the image; 0 0 1 by default.",
+                   .words = "X Y Z",
+                   .group = "Camera"},
+                  params.up),
+        parameter({.key = "projection",
+                   .text = "With or without the convergence of parallels.",
+                   .words = "KIND",
+                   .group = "Camera"},
+                  params.projection),
+        parameter({.key = "fov",
+                   .text = "Vertical field of view of a perspective.",
+                   .unit = "degrees",
+                   .group = "Camera",
+                   .limits = {kLeastFieldOfView, 180},
+                   .attribute = "fieldOfView"},
+                  params.fieldOfView),
+        parameter({.key = "view_height",
+                   .text = "Height of an orthographic picture; by default all is seen.",
+                   .unit = "world",
+                   .group = "Camera",
+                   .limits = {.least = 0, .isAbove = true}},
+                  params.viewHeight),
+    };
 }
 
 void CameraParams::validate() const
@@ -81,13 +110,9 @@ void CameraParams::validate() const
     if (eye && target && *eye == *target) {
         throw ParameterError(fmt::format("camera eye and target are the same place, {}", vectorText(*eye)));
     }
-    if (!(fieldOfView >= kLeastFieldOfView && fieldOfView < 180)) {
-        throw ParameterError(
-            fmt::format("field of view {} must be at least {} and below 180 degrees", fieldOfView, kLeastFieldOfView));
-    }
-    if (viewHeight && !(*viewHeight > 0 && std::isfinite(*viewHeight))) {
-        throw ParameterError(fmt::format("view height {} must be above 0", *viewHeight));
-    }
+    CameraParams copy = *this;
+    checkLimits(parametersOf(copy));
+    if (fieldOfView >= 180) throw ParameterError(fmt::format("`fov` {} must be below 180 degrees", fieldOfView));
     if (viewHeight && projection == Projection::kPerspective) {
         throw ParameterError("a view height is for the orthographic projection; a perspective has a field of view");
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -12,10 +14,8 @@
 namespace vdblic {
 
 enum class Projection { kPerspective, kOrthographic };
-
-/// `perspective` or `orthographic`. @throws ParameterError on anything else
-[[nodiscard]] Projection parseProjection(std::string_view text);
-[[nodiscard]] std::string_view toString(Projection projection);
+template<>
+inline constexpr auto kNames<Projection> = std::to_array<std::string_view>({"perspective", "orthographic"});
 
 /// Where the picture is taken from, in world space. Unset members are chosen so that the volume fills the picture.
 struct CameraParams {
@@ -29,6 +29,7 @@ struct CameraParams {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(CameraParams& params);
 
 /// The corners of a box around all that is visible, in world space. Bit a of a corner's index is its side along the
 /// box's axis a.

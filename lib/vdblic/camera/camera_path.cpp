@@ -101,14 +101,40 @@ CameraParams CameraKeys::applied(CameraParams params, double frame) const
     return params;
 }
 
+Parameters parametersOf(CameraMotion& params)
+{
+    const auto wordsOf = [&params] {
+        return params.keys.file.empty() ? Words{} : Words{params.keys.file.filename().string()};
+    };
+    return {
+        parameter({.key = "orbit",
+                   .text = "Turns of the camera around the target in the course of the sequence; the last frame ends "
+                           "one step before the first begins again.",
+                   .unit = "turns",
+                   .group = "Camera",
+                   .limits = {-kMostTurns, kMostTurns}},
+                  params.orbit),
+        parameter({.key = "orbit_frames",
+                   .text = "Frames that the turns take, instead of those on disk; needed for paths on standard input, "
+                           "where frame 1 is the first.",
+                   .group = "Camera",
+                   .limits = {.least = 1}},
+                  params.orbitFrames),
+        parameter(
+            {.key = "camera",
+             .text = "JSON file of key frames of the camera (docs/render-reference.md).",
+             .words = "FILE",
+             .group = "Camera",
+             .isFile = true,
+             .attribute = "cameraKeys"},
+            WordType::kText, 1, [&params](const Words& words) { params.keys = readCameraKeys(words[0]); }, wordsOf),
+    };
+}
+
 void CameraMotion::validate() const
 {
-    if (!(std::abs(orbit) <= kMostTurns)) {
-        throw ParameterError(fmt::format("an orbit of {} turns must be a number up to {}", orbit, kMostTurns));
-    }
-    if (orbitFrames && *orbitFrames < 1) {
-        throw ParameterError(fmt::format("an orbit of {} frames must have at least 1", *orbitFrames));
-    }
+    CameraMotion copy = *this;
+    checkLimits(parametersOf(copy));
     if (orbitFrames && orbit == 0) throw ParameterError("the frames of an orbit are given, but not its turns");
     if (orbit != 0 && !keys.empty()) {
         throw ParameterError("the camera can follow key frames or an orbit, not both");

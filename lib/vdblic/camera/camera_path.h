@@ -55,6 +55,7 @@ struct CameraMotion {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(CameraMotion& params);
 
 /// The frames of a sequence: the number of the first one, and how many numbers there are until it repeats.
 struct FrameSpan {

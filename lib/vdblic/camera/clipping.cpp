@@ -1,11 +1,13 @@
 #include "vdblic/camera/clipping.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/image/vector_text.h"
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include <cmath>
+#include <cstddef>
 
 namespace vdblic {
 namespace {
@@ -16,6 +18,56 @@ bool finite(const glm::dvec3& v)
 }
 
 } // namespace
+
+Parameters parametersOf(ClipParams& params)
+{
+    const auto vectorAt = [](const Words& words, std::size_t first) {
+        return WordsOf<glm::dvec3>::read({words[first], words[first + 1], words[first + 2]});
+    };
+    const auto append = [](Words& words, const glm::dvec3& vector) {
+        const Words more = WordsOf<glm::dvec3>::write(vector);
+        words.insert(words.end(), more.begin(), more.end());
+    };
+    Parameter plane = parameter(
+        {.key = "clip_plane",
+         .text = "Plane through a point, cutting away what its normal points away from; may be repeated.",
+         .unit = "world",
+         .words = "X Y Z NX NY NZ",
+         .group = "Cuts",
+         .attribute = "clipPlanes"},
+        WordType::kNumber, 6,
+        [&params, vectorAt](const Words& words) {
+            params.planes.clear();
+            for (std::size_t i = 0; i < words.size(); i += 6)
+                params.planes.push_back({vectorAt(words, i), vectorAt(words, i + 3)});
+        },
+        [&params, append] {
+            Words words;
+            for (const auto& [point, normal] : params.planes) {
+                append(words, point);
+                append(words, normal);
+            }
+            return words;
+        });
+    plane.repeats = true;
+    const Parameter box = parameter(
+        {.key = "clip_box",
+         .text = "Low and high corner of a box, cutting away what is outside.",
+         .unit = "world",
+         .words = "X Y Z X Y Z",
+         .group = "Cuts"},
+        WordType::kNumber, 6,
+        [&params, vectorAt](const Words& words) {
+            params.box = {vectorAt(words, 0), vectorAt(words, 3)};
+        },
+        [&params, append] {
+            Words words;
+            for (int corner = 0; params.box && corner < 2; ++corner)
+                append(words, (*params.box)[std::size_t(corner)]);
+            return words;
+        });
+    return {plane, box};
+}
 
 void ClipParams::validate() const
 {

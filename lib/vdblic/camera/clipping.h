@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 #include <glm/vec3.hpp>
 
 #include <array>
@@ -25,5 +27,7 @@ struct ClipParams {
     /// The same cuts in a space that is stretched along its axes. @param factors above 0
     [[nodiscard]] ClipParams stretched(const glm::dvec3& factors) const;
 };
+
+[[nodiscard]] Parameters parametersOf(ClipParams& params);
 
 } // namespace vdblic

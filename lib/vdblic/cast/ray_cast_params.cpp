@@ -6,11 +6,23 @@
 
 namespace vdblic {
 
+Parameters parametersOf(RayCastParams& params)
+{
+    const Parameters own = {
+        parameter({.key = "step",
+                   .text = "Distance between samples. Opacity does not depend on it.",
+                   .unit = "voxels",
+                   .group = "Picture",
+                   .limits = {0.01, 100}},
+                  params.step),
+    };
+    return joined({own, parametersOf(params.clip)});
+}
+
 void RayCastParams::validate() const
 {
-    if (!(step >= 0.01 && step <= 100)) {
-        throw ParameterError(fmt::format("step {} must be between 0.01 and 100 voxels", step));
-    }
+    RayCastParams copy = *this;
+    checkLimits(parametersOf(copy));
     if (!(leastTransmittance >= 0 && leastTransmittance < 1)) {
         throw ParameterError(fmt::format("least transmittance {} must be at least 0 and below 1", leastTransmittance));
     }

@@ -17,4 +17,6 @@ struct RayCastParams {
     void validate() const;
 };
 
+[[nodiscard]] Parameters parametersOf(RayCastParams& params);
+
 } // namespace vdblic

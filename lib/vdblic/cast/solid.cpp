@@ -4,6 +4,7 @@
 #include "vdblic/cast/solid_mesh.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/image/vector_text.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
@@ -143,12 +144,28 @@ Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, co
 
 } // namespace
 
+Parameters parametersOf(SolidParams& params)
+{
+    return {
+        parameter({.key = "solid",
+                   .text = "Opaque body: a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one file or "
+                           "a sequence; or domain, what the texture leaves out of its box.",
+                   .words = "FILE[:GRID] or domain",
+                   .group = "Solid"},
+                  params.source),
+        parameter({.key = "solid_color",
+                   .text = "Colour of the solid as displayed.",
+                   .words = "R G B",
+                   .group = "Solid",
+                   .limits = {0, 1}},
+                  params.color),
+    };
+}
+
 void SolidParams::validate() const
 {
-    for (int channel = 0; channel < 3; ++channel) {
-        if (!(color[channel] >= 0 && color[channel] <= 1))
-            throw ParameterError(fmt::format("solid colour value {} must be between 0 and 1", color[channel]));
-    }
+    SolidParams copy = *this;
+    checkLimits(parametersOf(copy));
     if (source.empty() || source == "domain") return;
     (void)FramePattern(parseGridReference(source).path.string());
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 #include <glm/vec3.hpp>
 
 #include <string>
@@ -19,5 +21,7 @@ struct SolidParams {
     /// @throws ParameterError
     void validate() const;
 };
+
+[[nodiscard]] Parameters parametersOf(SolidParams& params);
 
 } // namespace vdblic

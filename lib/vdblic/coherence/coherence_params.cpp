@@ -9,16 +9,58 @@
 
 namespace vdblic {
 
+Parameters parametersOf(CoherenceParams& params)
+{
+    constexpr double kMostSamples = 1e8;
+    return {parameter({.key = "samples", .text = "Points a frame is looked at.", .limits = {1, kMostSamples}},
+                      params.samples)};
+}
+
 void CoherenceParams::validate() const
 {
-    constexpr int kMostSamples = 100'000'000;
-    if (samples < 1 || samples > kMostSamples) {
-        throw ParameterError(fmt::format("{} samples a frame must lie between 1 and {}", samples, kMostSamples));
-    }
+    CoherenceParams copy = *this;
+    checkLimits(parametersOf(copy));
     if (!(leastMotion > 0 && std::isfinite(leastMotion))) {
         throw ParameterError(fmt::format("the least motion of {} voxels a step must be above 0", leastMotion));
     }
     pathline.validate();
+}
+
+Parameters parametersOf(SequenceCoherenceParams& params)
+{
+    const Parameters own = {
+        parameter({.key = "input",
+                   .text = "Velocity sequence: one file, or a pattern: name.%04d.vdb, also ####, @@@@, $F4, <F4>.",
+                   .option = "VELOCITY",
+                   .isRequired = true,
+                   .isFile = true},
+                  params.flow.input.pattern),
+        parameter({.key = "texture",
+                   .text = "The textures made from it; frames are matched by number.",
+                   .option = "TEXTURE",
+                   .isRequired = true,
+                   .isFile = true},
+                  params.texture),
+        parameter({.key = "frames", .text = "Frames to measure: 1-100, 1-100x2 or 1,5,9-20; every frame by default."},
+                  params.flow.input.frames),
+        parameter(
+            {.key = "clamp_frames", .text = "Leave out frames of the selection that lie beyond the files on disk."},
+            params.flow.input.clampFrames),
+        parameter({.key = "texture_name",
+                   .text = "Name of the texture grid; by default that of vdblic_advect.",
+                   .option = "--texture",
+                   .words = "NAME"},
+                  params.textureName),
+        parameter({.key = "json", .text = "File to write every figure to.", .words = "FILE", .isFile = true},
+                  params.json),
+        parameter({.key = "plot",
+                   .text = "SVG file to plot the autocorrelations to.",
+                   .option = "-o,--output",
+                   .words = "FILE",
+                   .isFile = true},
+                  params.plot),
+    };
+    return joined({own, parametersOf(params.coherence), parametersOf(params.flow)});
 }
 
 void SequenceCoherenceParams::validate() const

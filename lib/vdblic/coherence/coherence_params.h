@@ -15,6 +15,7 @@ struct CoherenceParams {
 
     void validate() const; ///< @throws ParameterError
 };
+[[nodiscard]] Parameters parametersOf(CoherenceParams& params);
 
 /// Which sequences to measure, and where the results go.
 struct SequenceCoherenceParams {
@@ -27,5 +28,6 @@ struct SequenceCoherenceParams {
 
     void validate() const; ///< @throws ParameterError
 };
+[[nodiscard]] Parameters parametersOf(SequenceCoherenceParams& params);
 
 } // namespace vdblic

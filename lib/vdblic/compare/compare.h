@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/compare/difference.h"
+#include "vdblic/core/parameters.h"
 #include "vdblic/core/reporter.h"
 
 #include <openvdb/version.h>
@@ -38,6 +39,7 @@ struct CompareParams {
     /// @throws ParameterError naming the parameter, its value and its range
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(CompareParams& params);
 
 /// Compare two grids; their names do not matter.
 ///
@@ -73,6 +75,7 @@ struct CompareSequencesParams {
     /// @throws ParameterError on contradictions
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(CompareSequencesParams& params);
 
 /// Compare two sequences by frame number and report each frame as soon as it is compared.
 ///

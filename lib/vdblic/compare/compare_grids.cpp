@@ -14,17 +14,6 @@
 #include <type_traits>
 
 namespace vdblic {
-namespace {
-
-void checkTolerance(const char* name, double value)
-{
-    if (!(value >= 0) || std::isinf(value)) {
-        throw ParameterError(fmt::format("{} is {}; give a number of at least 0", name, value));
-    }
-}
-
-} // namespace
-
 std::vector<std::string> creationMetadata()
 {
     // Not every file_*: Mantaflow's file_base_resolution, for example, describes the content.
@@ -32,17 +21,58 @@ std::vector<std::string> creationMetadata()
             "file_mem_bytes", "file_voxel_count", "file_delayed_load", "is_saved_as_half_float"};
 }
 
+Parameters parametersOf(CompareParams& params)
+{
+    const Limits positive{.least = 0};
+    const auto addIgnored = [&params](const Words& names) {
+        params.ignoredMetadata.insert(params.ignoredMetadata.end(), names.begin(), names.end());
+    };
+    Parameter ignored = parameter(
+        {.key = "ignore_metadata",
+         .text =
+             "Names of metadata to ignore besides creation details and file statistics; a last * stands for any rest.",
+         .words = "NAME,NAME"},
+        WordType::kText, 1, addIgnored, [] { return Words{}; });
+    ignored.most = WordsOf<std::vector<std::string>>::kMost;
+    return {
+        parameter({.key = "fail",
+                   .text = "Errors up to this are within tolerance.",
+                   .unit = "unit of the values",
+                   .limits = positive},
+                  params.fail),
+        parameter({.key = "relative",
+                   .text = "As are errors up to this share of the larger of |a| and |b|.",
+                   .limits = positive},
+                  params.relative),
+        parameter({.key = "fail_percent",
+                   .text = "Share of a grid's voxels that may be over tolerance.",
+                   .unit = "%",
+                   .limits = {0, 100}},
+                  params.failPercent),
+        parameter({.key = "hard_fail",
+                   .text = "Yet one error over this fails.",
+                   .unit = "unit of the values",
+                   .limits = positive},
+                  params.hardFail),
+        parameter({.key = "warn",
+                   .text = "Errors over this are worth a warning.",
+                   .unit = "unit of the values",
+                   .limits = positive},
+                  params.warn),
+        parameter({.key = "inactive", .text = "Compare inactive voxels too, where they hold more than the background."},
+                  params.inactive),
+        parameter({.key = "first", .text = "Stop at the first difference."}, params.firstOnly),
+        ignored,
+    };
+}
+
 void CompareParams::validate() const
 {
-    checkTolerance("the failure tolerance (`fail`)", fail);
-    checkTolerance("the relative tolerance (`relative`)", relative);
-    checkTolerance("the share of failures (`fail_percent`)", failPercent);
-    if (failPercent > 100) {
-        throw ParameterError(fmt::format("the share of failures (`fail_percent`) is {}; at most 100", failPercent));
-    }
-    if (hardFail) checkTolerance("the hard limit (`hard_fail`)", *hardFail);
-    if (warn) checkTolerance("the warning tolerance (`warn`)", *warn);
-    checkTolerance("the transform tolerance", transformTolerance);
+    CompareParams copy = *this;
+    checkLimits(parametersOf(copy));
+    if (!(transformTolerance >= 0) || std::isinf(transformTolerance))
+        throw ParameterError(
+            fmt::format("the transform tolerance is {}; give a number of at least 0", transformTolerance));
     if (firstOnly && failPercent > 0) {
         throw ParameterError(
             "`first` stops before the share of failures is known; leave out `fail_percent` or `first`");

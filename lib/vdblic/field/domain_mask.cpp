@@ -114,6 +114,37 @@ openvdb::GridBase::Ptr readMask(const std::string& argument, std::int64_t frame,
 
 } // namespace
 
+Parameters parametersOf(DomainParams& params)
+{
+    return {
+        parameter({.key = "mask",
+                   .text = "Compute only where a grid is above 0 (a level set: below): one file or a sequence.",
+                   .words = "FILE[:GRID]",
+                   .group = "Domain",
+                   .isFile = true},
+                  params.mask),
+        parameter({.key = "box",
+                   .text = "Compute only in a box of voxels: first and last.",
+                   .option = "--bbox",
+                   .words = "X Y Z X Y Z",
+                   .group = "Domain"},
+                  params.box),
+        parameter({.key = "world_box",
+                   .text = "Compute only in a box of world space: low and high corner.",
+                   .option = "--bbox-world",
+                   .words = "X Y Z X Y Z",
+                   .group = "Domain"},
+                  params.worldBox),
+        refineParameter("Texture voxels along each axis in a voxel of the velocity.", params.refinement),
+        parameter({.key = "interpolation",
+                   .text = "Of the velocity between its voxels, with refinement.",
+                   .words = "HOW",
+                   .group = "Texture",
+                   .isExpert = true},
+                  params.refinement.interpolation),
+    };
+}
+
 void DomainParams::validate() const
 {
     const auto check = [](const auto& corners, const char* what) {

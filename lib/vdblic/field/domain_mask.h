@@ -24,6 +24,7 @@ struct DomainParams {
 
     void validate() const; ///< @throws ParameterError
 };
+[[nodiscard]] Parameters parametersOf(DomainParams& params);
 
 /// The domain of a frame: the active voxels of the velocity, refined, that the parameters include.
 ///

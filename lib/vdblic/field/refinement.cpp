@@ -64,26 +64,29 @@ MaskLeaf::NodeMaskType refinedMask(const MaskLeaf::NodeMaskType& velocity, const
 
 } // namespace
 
-Interpolation parseInterpolation(std::string_view text)
+Parameter refineParameter(std::string_view text, Refinement& refinement)
 {
-    if (text == "linear") return Interpolation::kLinear;
-    if (text == "cubic") return Interpolation::kCubic;
-    throw ParameterError(fmt::format("interpolation '{}' is neither linear nor cubic", text));
-}
-
-std::string_view toString(Interpolation interpolation)
-{
-    return interpolation == Interpolation::kLinear ? "linear" : "cubic";
+    const auto read = [&refinement](const Words& words) {
+        if (words.size() == 2) throw ParameterError("`refine` takes one number, or one for each of the three axes");
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            refinement.factors[axis] = int(detail::integerIn(words[words.size() == 1 ? 0 : axis]).value());
+    };
+    const auto write = [&refinement]() -> Words {
+        const auto& [x, y, z] = refinement.factors;
+        if (x == y && y == z) return {fmt::format("{}", x)};
+        return {fmt::format("{}", x), fmt::format("{}", y), fmt::format("{}", z)};
+    };
+    Parameter result = parameter(
+        {.key = "refine", .text = text, .words = "N or NX NY NZ", .group = "Texture", .limits = {1, Refinement::kMost}},
+        WordType::kInteger, 1, read, write);
+    result.most = 3;
+    return result;
 }
 
 void Refinement::validate() const
 {
-    for (const int factor : factors) {
-        if (factor < 1 || factor > kMost) {
-            throw ParameterError(fmt::format("refinement {} {} {}: each factor must be 1 to {}", factors[0], factors[1],
-                                             factors[2], kMost));
-        }
-    }
+    Refinement copy = *this;
+    checkLimits({refineParameter("", copy)});
 }
 
 openvdb::Mat3d Refinement::toTexture() const

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 #include <openvdb/openvdb.h>
 
 #include <array>
@@ -10,9 +12,8 @@ namespace vdblic {
 
 /// Interpolation between voxels: trilinear, or by cubic convolution.
 enum class Interpolation { kLinear, kCubic };
-
-[[nodiscard]] Interpolation parseInterpolation(std::string_view text); ///< `linear`, `cubic`. @throws ParameterError
-[[nodiscard]] std::string_view toString(Interpolation interpolation);
+template<>
+inline constexpr auto kNames<Interpolation> = std::to_array<std::string_view>({"linear", "cubic"});
 
 /// How many texture voxels fill a voxel of the velocity, along each axis.
 ///
@@ -60,5 +61,8 @@ struct Refinement {
 
     bool operator==(const Refinement&) const = default;
 };
+
+/// The parameter `refine`: one factor, or one for each axis. @param text what it refines
+[[nodiscard]] Parameter refineParameter(std::string_view text, Refinement& refinement);
 
 } // namespace vdblic

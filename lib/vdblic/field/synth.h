@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/analytic_flow.h"
 
@@ -21,6 +22,7 @@ struct SynthParams {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(SynthParams& params);
 
 /// Sample a flow at one time on the active voxels of a domain: a grid `velocity` in world units per second, of the
 /// vector type contravariant relative.

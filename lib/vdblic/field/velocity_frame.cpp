@@ -28,8 +28,6 @@ using openvdb::Mat3d;
 using openvdb::Vec3f;
 using openvdb::Vec3SGrid;
 
-constexpr std::array<std::string_view, 4> kUnitNames = {"world/s", "world/frame", "voxel/s", "voxel/frame"};
-
 constexpr int kLeaf = openvdb::Vec3STree::LeafNodeType::DIM;
 
 bool isVector(const openvdb::GridBase& grid)
@@ -106,26 +104,36 @@ void carry(const VdbFile& file, const std::vector<std::string>& names, VelocityF
 
 } // namespace
 
-VelocityUnit parseVelocityUnit(std::string_view text)
+Parameters parametersOf(VelocityParams& params)
 {
-    for (std::size_t i = 0; i < kUnitNames.size(); ++i) {
-        if (text == kUnitNames[i]) return VelocityUnit(i);
-    }
-    throw ParameterError(fmt::format("velocity unit '{}' is not one of {}", text, fmt::join(kUnitNames, ", ")));
-}
-
-std::string_view toString(VelocityUnit unit)
-{
-    return kUnitNames[std::size_t(unit)];
+    constexpr double kMost = 1e18; // velocities are single precision
+    return {
+        parameter({.key = "velocity",
+                   .text = "Name of the velocity grid, or of three scalar grids.",
+                   .words = "NAME",
+                   .group = "Velocity"},
+                  params.grid),
+        parameter({.key = "velocity_unit",
+                   .text = "Unit of the stored velocities; world/s unless the file is known.",
+                   .words = "UNIT",
+                   .group = "Velocity"},
+                  params.unit),
+        parameter({.key = "velocity_scale",
+                   .text = "Factor on the velocities.",
+                   .group = "Velocity",
+                   .limits = {-kMost, kMost}},
+                  params.scale),
+    };
 }
 
 void VelocityParams::validate() const
 {
-    constexpr double kLeast = 1e-18, kMost = 1e18; // velocities are single precision
-    if (!(std::abs(scale) >= kLeast && std::abs(scale) <= kMost)) {
+    VelocityParams copy = *this;
+    checkLimits(parametersOf(copy));
+    constexpr double kLeast = 1e-18;
+    if (std::abs(scale) < kLeast)
         throw ParameterError(
-            fmt::format("velocity scale {} must be {} to {}, or the negative of that", scale, kLeast, kMost));
-    }
+            fmt::format("`velocity_scale` cannot be {}: its magnitude must be {} or more", scale, kLeast));
 }
 
 VelocityConvention conventionOf(const openvdb::GridBase& grid, const VelocityParams& params)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
 #include "vdblic/io/sequence.h"
 
 #include <openvdb/openvdb.h>
@@ -13,16 +14,17 @@ namespace vdblic {
 
 /// The unit of stored velocities.
 enum class VelocityUnit { kWorldPerSecond, kWorldPerFrame, kVoxelPerSecond, kVoxelPerFrame };
-
-/// Parse `world/s`, `world/frame`, `voxel/s` or `voxel/frame`. @throws ParameterError on anything else
-[[nodiscard]] VelocityUnit parseVelocityUnit(std::string_view text);
-[[nodiscard]] std::string_view toString(VelocityUnit unit);
+template<>
+inline constexpr auto kNames<VelocityUnit> = std::to_array<std::string_view>({"world/s", "world/frame", "voxel/s",
+                                                                              "voxel/frame"});
 
 /// Mantaflow stores voxels per its own unit of time, of which 2.5 make a second (measured at 24, 30 and 48 fps).
 inline constexpr double kMantaflowScale = 2.5;
 
 /// The treatment of velocities that are not finite.
 enum class NonFinite { kRefuse, kZero };
+template<>
+inline constexpr auto kNames<NonFinite> = std::to_array<std::string_view>({"refuse", "zero"});
 
 /// How to find and interpret the velocity in a file.
 struct VelocityParams {
@@ -34,6 +36,7 @@ struct VelocityParams {
 
     void validate() const; ///< @throws ParameterError
 };
+[[nodiscard]] Parameters parametersOf(VelocityParams& params);
 
 /// How stored velocities are understood.
 struct VelocityConvention {

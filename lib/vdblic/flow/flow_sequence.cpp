@@ -123,7 +123,7 @@ void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& inter
     const bool given = mParams.velocity.unit.has_value();
     mReporter.detail(
         fmt::format("velocity: grid {}; unit {} x {} ({}); {} s between frames ({}); at most {:.2f} voxels a step",
-                    velocity.gridName, toString(velocity.unit), velocity.scale,
+                    velocity.gridName, nameOf(velocity.unit), velocity.scale,
                     given                ? "as given"
                     : velocity.mantaflow ? "a Mantaflow cache"
                                          : "by default",

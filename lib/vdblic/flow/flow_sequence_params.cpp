@@ -1,20 +1,36 @@
 #include "vdblic/flow/flow_sequence_params.h"
 
-#include "vdblic/core/errors.h"
-
-#include <fmt/format.h>
-
 namespace vdblic {
+
+Parameters parametersOf(FlowSequenceParams& params)
+{
+    constexpr double kLeast = 1e-18, kMost = 1e18;
+    Parameters all = parametersOf(params.velocity);
+    all.push_back(
+        parameter({.key = "frame_spacing",
+                   .text = "Seconds between the frames on disk; from the files' metadata by default, else 1/24.",
+                   .option = "--dt",
+                   .unit = "s",
+                   .group = "Velocity",
+                   .limits = {kLeast, kMost}},
+                  params.frameSpacing));
+    const auto setFps = [&params](const Words& words) { params.frameSpacing = 1 / detail::numberIn(words[0]).value(); };
+    all.push_back(parameter({.key = "fps",
+                             .text = "Frames per second, instead of the seconds between them.",
+                             .group = "Velocity",
+                             .limits = {1 / kMost, 1 / kLeast},
+                             .isContent = false,
+                             .excludes = "frame_spacing"},
+                            WordType::kNumber, 1, setFps, [] { return Words{}; }));
+    return all;
+}
 
 void FlowSequenceParams::validate() const
 {
     velocity.validate();
     domain.validate();
-    constexpr double kLeast = 1e-18, kMost = 1e18;
-    if (frameSpacing && !(*frameSpacing >= kLeast && *frameSpacing <= kMost)) {
-        throw ParameterError(
-            fmt::format("the frame spacing of {} s must be above 0, {} to {}", *frameSpacing, kLeast, kMost));
-    }
+    FlowSequenceParams copy = *this;
+    checkLimits(parametersOf(copy));
 }
 
 } // namespace vdblic

@@ -17,5 +17,7 @@ struct FlowSequenceParams {
 
     void validate() const; ///< @throws ParameterError
 };
+/// Those of the velocity and of the frame spacing; the sequence and its domain have their own.
+[[nodiscard]] Parameters parametersOf(FlowSequenceParams& params);
 
 } // namespace vdblic

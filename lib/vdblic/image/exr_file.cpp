@@ -187,16 +187,44 @@ std::vector<std::string> exrCompressions()
     return names;
 }
 
+Parameters parametersOf(ExrParams& params)
+{
+    const auto layerNames = [&params] {
+        Words names;
+        for (const auto& [name, layer] : kLayers) {
+            if (std::find(params.layers.begin(), params.layers.end(), layer) != params.layers.end())
+                names.emplace_back(name);
+        }
+        return names;
+    };
+    Parameter layers = parameter(
+        {.key = "aov",
+         .text = "Further channels of .exr: depth, normal, magnitude, texture, samples, or all.",
+         .words = "NAME,NAME",
+         .group = "Output",
+         .attribute = "-"},
+        WordType::kText, 1, [&params](const Words& words) { params.layers = parseImageLayers(words); }, layerNames);
+    layers.most = WordsOf<std::vector<std::string>>::kMost;
+    Parameter compression =
+        parameter({.key = "compression", .text = "Of .exr.", .words = "HOW", .group = "Output", .attribute = "-"},
+                  params.compression);
+    compression.choices = exrCompressions();
+    compression.get = [&params] { return Words{params.compression}; };
+    Parameter precision = parameter({.key = "precision",
+                                     .text = "Of colour and alpha in .exr.",
+                                     .words = "NUMBERS",
+                                     .group = "Output",
+                                     .attribute = "-"},
+                                    params.precision);
+    precision.choices = {"half", "float"};
+    precision.get = [&params] { return Words{params.precision}; };
+    return {layers, precision, compression};
+}
+
 void ExrParams::validate() const
 {
-    if (precision != "half" && precision != "float") {
-        throw ParameterError(fmt::format("precision '{}' is neither half nor float", precision));
-    }
-    const std::vector<std::string> names = exrCompressions();
-    if (std::find(names.begin(), names.end(), compression) == names.end()) {
-        throw ParameterError(
-            fmt::format("compression '{}' is none of OpenEXR's: {}", compression, fmt::join(names, ", ")));
-    }
+    ExrParams copy = *this;
+    checkLimits(parametersOf(copy));
 }
 
 std::string encodeExr(const Image& image, const ImageHeader& header, const Background& background,

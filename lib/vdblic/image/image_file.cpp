@@ -1,6 +1,7 @@
 #include "vdblic/image/image_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/image/vector_text.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/output_pattern.h"
 
@@ -18,12 +19,29 @@ ImageFormat imageFormat(const std::filesystem::path& path)
                                                                                          : ImageFormat::kPng;
 }
 
+Parameters parametersOf(Background& params)
+{
+    const auto setColor = [&params](const Words& words) { params = {WordsOf<glm::dvec3>::read(words), 1}; };
+    return {
+        parameter({.key = "background",
+                   .text = "Background as displayed; the look's by default.",
+                   .words = "R G B",
+                   .group = "Picture",
+                   .limits = {0, 1},
+                   .attribute = "backgroundColor"},
+                  WordType::kNumber, 3, setColor, [&params] { return WordsOf<glm::dvec3>::write(params.color); }),
+        parameter({.key = "background_alpha",
+                   .text = "How opaque the background is in .exr; by default 1 if a background is given, else 0.",
+                   .group = "Picture",
+                   .limits = {0, 1}},
+                  params.alpha),
+    };
+}
+
 void Background::validate() const
 {
-    for (const double value : {color.r, color.g, color.b, alpha}) {
-        if (!(value >= 0 && value <= 1))
-            throw ParameterError(fmt::format("background value {} must be between 0 and 1", value));
-    }
+    Background copy = *this;
+    checkLimits(parametersOf(copy));
 }
 
 void writeImage(const std::filesystem::path& path, const Image& image, const ImageHeader& header,

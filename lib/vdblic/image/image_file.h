@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
 #include "vdblic/image/image.h"
 
 #include <glm/mat4x4.hpp>
@@ -36,6 +37,7 @@ struct Background {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(Background& params);
 
 /// What an .exr file can hold besides colour and alpha.
 enum class ImageLayer { kDepth, kNormal, kDriver, kTexture, kSamples };
@@ -54,6 +56,7 @@ struct ExrParams {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(ExrParams& params);
 /// OpenEXR's compressions, in its own spelling: none, rle, zips, zip, piz ...
 [[nodiscard]] std::vector<std::string> exrCompressions();
 

@@ -153,6 +153,32 @@ std::vector<std::int64_t> FramePattern::framesOnDisk() const
     return frames;
 }
 
+Parameters parametersOf(SequenceParams& params, std::string_view name, std::string_view text)
+{
+    constexpr double kMostNumber = 1e12; // of a frame
+    return {
+        parameter(
+            {.key = "input", .text = text, .option = name, .isRequired = true, .isContent = false, .isFile = true},
+            params.pattern),
+        parameter({.key = "frames",
+                   .text = "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.",
+                   .group = "Input",
+                   .isContent = false},
+                  params.frames),
+        parameter({.key = "clamp_frames",
+                   .text = "Leave out frames of the selection that lie beyond the files on disk.",
+                   .group = "Input",
+                   .isContent = false},
+                  params.clampFrames),
+        parameter({.key = "renumber",
+                   .text = "Number paths on standard input from this number on as they come, whatever their names.",
+                   .group = "Input",
+                   .limits = {-kMostNumber, kMostNumber},
+                   .isContent = false},
+                  params.renumber),
+    };
+}
+
 std::vector<FrameFile> selectFrames(const SequenceParams& params)
 {
     const FramePattern pattern(params.pattern);

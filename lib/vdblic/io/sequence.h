@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
 #include "vdblic/io/frame_list.h"
 
 #include <cstddef>
@@ -69,6 +70,9 @@ struct SequenceParams {
     bool clampFrames = false;               ///< leave out listed frames before the first or after the last on disk
     std::optional<std::int64_t> renumber{}; ///< number paths on standard input from here, whatever their names
 };
+
+/// Those of an input sequence. @param name of the positional argument  @param text what the sequence is
+[[nodiscard]] Parameters parametersOf(SequenceParams& params, std::string_view name, std::string_view text);
 
 /// The files a sequence selects; all of them exist.
 ///

@@ -50,9 +50,7 @@ void initializeOnce()
 std::uint32_t compressionFlags(VdbCompression compression)
 {
     namespace io = openvdb::io;
-    return io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC
-                                       : compression == VdbCompression::kZip ? io::COMPRESS_ZIP
-                                                                             : io::COMPRESS_NONE);
+    return io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC : io::COMPRESS_NONE);
 }
 
 /// Overwrite the placeholders of the checksums and of the identity.
@@ -175,19 +173,6 @@ void cacheFile(const std::filesystem::path& path)
 bool verifyVdb(const std::filesystem::path& path)
 {
     return GuardedFile(path).hasChecksums();
-}
-
-VdbCompression parseVdbCompression(std::string_view text)
-{
-    for (const VdbCompression compression : {VdbCompression::kBlosc, VdbCompression::kZip, VdbCompression::kNone}) {
-        if (text == toString(compression)) return compression;
-    }
-    throw ParameterError(fmt::format("compression '{}' is none of none, zip and blosc", text));
-}
-
-std::string_view toString(VdbCompression compression)
-{
-    return compression == VdbCompression::kBlosc ? "blosc" : compression == VdbCompression::kZip ? "zip" : "none";
 }
 
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/names.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -81,10 +82,9 @@ void cacheFile(const std::filesystem::path& path);
 bool verifyVdb(const std::filesystem::path& path);
 
 /// How the leaves of a file are compressed.
-enum class VdbCompression { kBlosc, kZip, kNone };
-
-[[nodiscard]] VdbCompression parseVdbCompression(std::string_view text); ///< @throws ParameterError
-[[nodiscard]] std::string_view toString(VdbCompression compression);     ///< `blosc`, `zip` or `none`
+enum class VdbCompression { kBlosc, kNone };
+template<>
+inline constexpr auto kNames<VdbCompression> = std::to_array<std::string_view>({"blosc", "none"});
 
 /// Write grids and file metadata atomically, and add `creator` and `checksum`. Equal content gives equal files.
 /// @throws OutputError naming the file and the reason, such as a full disk; std::bad_alloc

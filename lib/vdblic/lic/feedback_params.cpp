@@ -6,14 +6,28 @@
 
 namespace vdblic {
 
+Parameters parametersOf(FeedbackParams& params)
+{
+    return {
+        parameter({.key = "sharpen",
+                   .text = "Strength of the high-pass filter between steps.",
+                   .group = "Texture",
+                   .limits = {0, 100},
+                   .isExpert = true},
+                  params.sharpen),
+        parameter({.key = "noise_share",
+                   .text = "Share of the original noise in the input of a step.",
+                   .group = "Texture",
+                   .limits = {0, 1},
+                   .isExpert = true},
+                  params.noiseShare),
+    };
+}
+
 void FeedbackParams::validate() const
 {
-    if (!(sharpen >= 0 && sharpen <= 100)) {
-        throw ParameterError(fmt::format("sharpening {} must lie in 0 to 100", sharpen));
-    }
-    if (!(noiseShare >= 0 && noiseShare <= 1)) {
-        throw ParameterError(fmt::format("noise share {} must lie in 0 to 1", noiseShare));
-    }
+    FeedbackParams copy = *this;
+    checkLimits(parametersOf(copy));
     if (!(deviation > 0 && deviation <= 0.5f)) {
         throw ParameterError(fmt::format("deviation {} must be above 0 and at most 0.5", deviation));
     }

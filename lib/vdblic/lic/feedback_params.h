@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 namespace vdblic {
 
 /// The noise-jittered high-pass filter between a texture and the next step's input.
@@ -11,5 +13,6 @@ struct FeedbackParams {
 
     void validate() const; ///< @throws ParameterError
 };
+[[nodiscard]] Parameters parametersOf(FeedbackParams& params);
 
 } // namespace vdblic

@@ -6,14 +6,30 @@
 
 namespace vdblic {
 
+Parameters parametersOf(PathlineParams& params)
+{
+    return {
+        parameter({.key = "sample_spacing",
+                   .text = "Distance of deposits on a pathline.",
+                   .unit = "voxels",
+                   .group = "Texture",
+                   .limits = {0.05, 10},
+                   .isExpert = true},
+                  params.sampleSpacing),
+        parameter({.key = "tolerance",
+                   .text = "Largest error of an integration step.",
+                   .unit = "voxels",
+                   .group = "Texture",
+                   .limits = {1e-4, 10},
+                   .isExpert = true},
+                  params.tolerance),
+    };
+}
+
 void PathlineParams::validate() const
 {
-    if (!(tolerance >= 1e-4f && tolerance <= 10)) {
-        throw ParameterError(fmt::format("tolerance {} must lie between 0.0001 and 10 voxels", tolerance));
-    }
-    if (!(sampleSpacing >= 0.05f && sampleSpacing <= 10)) {
-        throw ParameterError(fmt::format("sample spacing {} must lie between 0.05 and 10 voxels", sampleSpacing));
-    }
+    PathlineParams copy = *this;
+    checkLimits(parametersOf(copy));
 }
 
 } // namespace vdblic

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 namespace vdblic {
 
 /// How pathlines are integrated and sampled.
@@ -9,5 +11,6 @@ struct PathlineParams {
 
     void validate() const; ///< @throws ParameterError
 };
+[[nodiscard]] Parameters parametersOf(PathlineParams& params);
 
 } // namespace vdblic

@@ -6,20 +6,41 @@
 
 namespace vdblic {
 
+Parameters parametersOf(TextureParams& params)
+{
+    const Parameters own = {
+        parameter({.key = "method",
+                   .text = "auflic: accelerated UFLIC; auflic-2004: the same as published; uflic: a seed for every "
+                           "voxel and frame; lic: each frame on its own.",
+                   .words = "METHOD",
+                   .group = "Texture"},
+                  params.method),
+        parameter({.key = "life_span",
+                   .text = "Life span of a seed, with lic the length of the kernel.",
+                   .option = "--life",
+                   .unit = "frames",
+                   .group = "Texture",
+                   .limits = {1, 1000}},
+                  params.lifeSpan),
+        parameter({.key = "substeps",
+                   .text = "Textures for each interval between frames.",
+                   .group = "Texture",
+                   .limits = {1, 64}},
+                  params.substeps),
+        parameter({.key = "release_window",
+                   .text = "auflic, auflic-2004: part of a frame in which a pathline takes up seeds.",
+                   .group = "Texture",
+                   .limits = {0, 1, true},
+                   .isExpert = true},
+                  params.releaseWindow),
+    };
+    return joined({own, parametersOf(params.pathline), parametersOf(params.feedback)});
+}
+
 void TextureParams::validate() const
 {
-    constexpr int kMaxLifeSpan = 1000;
-    if (lifeSpan < 1 || lifeSpan > kMaxLifeSpan) {
-        throw ParameterError(fmt::format("life span {} must lie between 1 and {} frames", lifeSpan, kMaxLifeSpan));
-    }
-    constexpr int kMaxSubsteps = 64;
-    if (substeps < 1 || substeps > kMaxSubsteps) {
-        throw ParameterError(fmt::format("substeps {} must lie between 1 and {}", substeps, kMaxSubsteps));
-    }
-    if (!(releaseWindow > 0 && releaseWindow <= 1)) {
-        throw ParameterError(fmt::format("release window {} must be above 0 and at most 1 frame", releaseWindow));
-    }
-    pathline.validate();
+    TextureParams copy = *this;
+    checkLimits(parametersOf(copy));
     feedback.validate();
 }
 

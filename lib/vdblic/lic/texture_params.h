@@ -20,5 +20,6 @@ struct TextureParams {
 
     void validate() const; ///< @throws ParameterError
 };
+[[nodiscard]] Parameters parametersOf(TextureParams& params);
 
 } // namespace vdblic

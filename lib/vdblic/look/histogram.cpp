@@ -22,7 +22,7 @@ constexpr double kBeyond = 0.25;
 
 nlohmann::json toJson(const Histogram& histogram)
 {
-    return {{"low", histogram.low},     {"high", histogram.high},   {"scale", valueScaleName(histogram.scale)},
+    return {{"low", histogram.low},     {"high", histogram.high},   {"scale", nameOf(histogram.scale)},
             {"below", histogram.below}, {"above", histogram.above}, {"counts", histogram.counts}};
 }
 
@@ -109,8 +109,8 @@ std::string histogramJson(const TextureHistograms& histograms, const Look& look,
         {"transferFunction",
          {{"range", transfer.range()},
           {"opacityRange", transfer.opacityRange()},
-          {"colorScale", valueScaleName(transfer.colorAxis().scale)},
-          {"opacityScale", valueScaleName(transfer.opacityAxis().scale)},
+          {"colorScale", nameOf(transfer.colorAxis().scale)},
+          {"opacityScale", nameOf(transfer.opacityAxis().scale)},
           {"colorMap", transfer.colorMapName()},
           {"opacity", points}}},
     };

@@ -20,5 +20,6 @@ struct LookParams {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(LookParams& params);
 
 } // namespace vdblic

@@ -9,19 +9,6 @@
 
 namespace vdblic {
 
-const char* valueScaleName(ValueScale scale)
-{
-    return scale == ValueScale::kLinear ? "linear" : "log";
-}
-
-ValueScale parseValueScale(std::string_view name)
-{
-    for (const ValueScale scale : {ValueScale::kLinear, ValueScale::kLogarithmic}) {
-        if (name == valueScaleName(scale)) return scale;
-    }
-    throw ParameterError(fmt::format("no scale '{}'; choose linear or log", name));
-}
-
 double ScalarAxis::position(double value) const
 {
     const auto& [low, high] = range;

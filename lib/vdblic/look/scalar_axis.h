@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/names.h"
+
 #include <array>
 #include <string_view>
 
@@ -7,11 +9,8 @@ namespace vdblic {
 
 /// How the values of a range are spread over positions.
 enum class ValueScale { kLinear, kLogarithmic };
-
-/// `linear` or `log`.
-[[nodiscard]] const char* valueScaleName(ValueScale scale);
-/// @throws ParameterError on any other name
-[[nodiscard]] ValueScale parseValueScale(std::string_view name);
+template<>
+inline constexpr auto kNames<ValueScale> = std::to_array<std::string_view>({"linear", "log"});
 
 /// Positions along a scalar's range: 0 at its low end, 1 at its high end.
 struct ScalarAxis {

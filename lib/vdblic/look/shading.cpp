@@ -1,43 +1,67 @@
 #include "vdblic/look/shading.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/image/vector_text.h"
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 
 namespace vdblic {
-namespace {
-
-constexpr std::string_view kModelNames[] = {"phong", "lines", "none"};
-
-} // namespace
-
-ShadingModel shadingModel(std::string_view name)
+Parameters parametersOf(Shading& params)
 {
-    const auto* found = std::find(std::begin(kModelNames), std::end(kModelNames), name);
-    if (found == std::end(kModelNames)) {
-        throw ParameterError(fmt::format("no shading '{}'; choose one of phong, lines, none", name));
-    }
-    return ShadingModel(found - std::begin(kModelNames));
-}
-
-std::string_view shadingModelName(ShadingModel model)
-{
-    return kModelNames[int(model)];
+    const Limits positive{.least = 0};
+    const auto setLights = [&params](const Words& words) {
+        params.lights.clear();
+        for (std::size_t i = 0; i < words.size(); i += 3)
+            params.lights.push_back({WordsOf<glm::dvec3>::read({words[i], words[i + 1], words[i + 2]})});
+    };
+    const auto lights = [&params] {
+        Words words;
+        for (const DirectionalLight& light : params.lights) {
+            const Words direction = WordsOf<glm::dvec3>::write(light.direction);
+            words.insert(words.end(), direction.begin(), direction.end());
+        }
+        return words;
+    };
+    Parameter light = parameter({.key = "light",
+                                 .text = "Direction towards a far-away light, in place of the look's; may be repeated.",
+                                 .unit = "world",
+                                 .words = "X Y Z",
+                                 .group = "Light",
+                                 .attribute = "-"},
+                                WordType::kNumber, 3, setLights, lights);
+    light.repeats = true;
+    return {
+        parameter({.key = "shading",
+                   .text = "phong: by the texture's gradient; lines: as thin lines, by the direction the texture "
+                           "changes least in; none.",
+                   .words = "HOW",
+                   .group = "Light"},
+                  params.model),
+        parameter({.key = "ambient", .text = "Ambient reflection.", .group = "Light", .limits = positive},
+                  params.ambient),
+        parameter({.key = "diffuse", .text = "Diffuse reflection.", .group = "Light", .limits = positive},
+                  params.diffuse),
+        parameter({.key = "specular", .text = "Specular reflection.", .group = "Light", .limits = positive},
+                  params.specular),
+        parameter({.key = "shininess", .text = "Exponent of highlights.", .group = "Light", .limits = positive},
+                  params.shininess),
+        parameter(
+            {.key = "head_light", .text = "Intensity of the light at the eye.", .group = "Light", .limits = positive},
+            params.headLight),
+        light,
+    };
 }
 
 void Shading::validate() const
 {
-    for (const float value : {ambient, diffuse, specular, shininess, headLight, leastGradient}) {
-        if (!(value >= 0) || !std::isfinite(value)) {
-            throw ParameterError(fmt::format("shading value {} must be a number not below 0", value));
-        }
-    }
+    Shading copy = *this;
+    checkLimits(parametersOf(copy));
+    if (!(leastGradient >= 0) || !std::isfinite(leastGradient))
+        throw ParameterError(fmt::format("shading value {} must be a number not below 0", leastGradient));
     for (const DirectionalLight& light : lights) {
         const auto& [x, y, z] = std::array{light.direction.x, light.direction.y, light.direction.z};
         if (!(glm::length(light.direction) > 0) || !std::isfinite(x + y + z)) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
+
 #include <glm/vec3.hpp>
 
 #include <string>
@@ -21,9 +23,8 @@ enum class ShadingModel {
     kNone,    ///< not at all: colours are the transfer function's
 };
 
-/// @throws ParameterError if the name is none of phong, lines, none
-[[nodiscard]] ShadingModel shadingModel(std::string_view name);
-[[nodiscard]] std::string_view shadingModelName(ShadingModel model);
+template<>
+inline constexpr auto kNames<ShadingModel> = std::to_array<std::string_view>({"phong", "lines", "none"});
 
 /// Ambient, diffuse and specular reflection of white lights: one at the eye, and directional ones.
 ///
@@ -44,5 +45,6 @@ struct Shading {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(Shading& params);
 
 } // namespace vdblic

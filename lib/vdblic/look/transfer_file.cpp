@@ -56,9 +56,9 @@ void readKey(const std::string& key, const Json& value, TransferParams& params)
     } else if (key == "opacity_unit") {
         params.opacityUnit = parseText(value, key);
     } else if (key == "color_scale") {
-        params.colorScale = parseValueScale(parseText(value, key));
+        params.colorScale = valueOf<ValueScale>(parseText(value, key));
     } else if (key == "opacity_scale") {
-        params.opacityScale = parseValueScale(parseText(value, key));
+        params.opacityScale = valueOf<ValueScale>(parseText(value, key));
     } else if (key == "colormap") {
         params.colorMap = parseText(value, key);
         params.colors.clear();
@@ -97,7 +97,7 @@ void readTransferFile(const std::filesystem::path& path, TransferParams& params)
 
 bool writeTransferFile(const std::filesystem::path& path, const TransferParams& params)
 {
-    Json file = {{"range", params.range.value()}, {"color_scale", valueScaleName(params.colorScale)}};
+    Json file = {{"range", params.range.value()}, {"color_scale", nameOf(params.colorScale)}};
     if (params.colors.empty()) file["colormap"] = params.colorMap;
     for (const auto& [position, color] : params.colors)
         file["colors"].push_back({position, color[0], color[1], color[2]});
@@ -105,7 +105,7 @@ bool writeTransferFile(const std::filesystem::path& path, const TransferParams& 
         file["opacity"].push_back({position, opacity});
     if (!params.unit.empty()) file["unit"] = params.unit;
     if (params.opacityRange) file["opacity_range"] = *params.opacityRange;
-    if (params.opacityScale) file["opacity_scale"] = valueScaleName(*params.opacityScale);
+    if (params.opacityScale) file["opacity_scale"] = nameOf(*params.opacityScale);
     if (!params.opacityUnit.empty()) file["opacity_unit"] = params.opacityUnit;
     return writeReport(path, file.dump(2) + '\n');
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/look/scalar_axis.h"
 
@@ -25,6 +26,9 @@ struct OpacityPoint {
 /// digits. @throws ParameterError
 [[nodiscard]] std::vector<ColorPoint> parseColors(std::string_view text);
 
+/// The text that parseColors() reads back.
+[[nodiscard]] std::string colorsText(const std::vector<ColorPoint>& points);
+
 /// How scalars that grids beside the texture hold become colour and opacity. One scalar may do both.
 struct TransferParams {
     std::string colorMap = "ember";
@@ -46,5 +50,6 @@ struct TransferParams {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(TransferParams& params);
 
 } // namespace vdblic

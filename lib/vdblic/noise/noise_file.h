@@ -24,6 +24,7 @@ struct NoiseParams {
     /// @throws ParameterError
     void validate() const;
 };
+[[nodiscard]] Parameters parametersOf(NoiseParams& params);
 
 /// Write the noise of makeNoise() as the one grid of a file.
 ///

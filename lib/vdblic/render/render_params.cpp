@@ -2,7 +2,10 @@
 
 #include "vdblic/cast/supersampling.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/image/vector_text.h"
 #include "vdblic/look/histogram.h"
+#include "vdblic/look/look_preset.h"
+#include "vdblic/look/transfer_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,7 +21,186 @@ namespace {
 constexpr int kMostPixels = 32768; // a side
 constexpr double kMostStretch = 1e6;
 
+void setLook(RenderParams& params, const std::string& name)
+{
+    const LookPreset preset = lookPreset(name);
+    params.lookName = name;
+    params.look = preset.look;
+    params.background = {preset.background, 0};
+    params.opacityBy = preset.opacityBy;
+}
+
 } // namespace
+
+RenderParams defaultRenderParams()
+{
+    RenderParams params;
+    setLook(params, params.lookName);
+    return params;
+}
+
+Parameters pictureParametersOf(RenderParams& params)
+{
+    Parameter look = parameter(
+        {.key = "look",
+         .text = "Look that all other options start from.",
+         .words = "NAME",
+         .group = "Picture",
+         .attribute = "look"},
+        WordType::kText, 1, [&params](const Words& words) { setLook(params, words[0]); },
+        [&params] { return Words{params.lookName}; });
+    look.choices = lookPresetNames();
+    const auto setBy = [&params](const Words& words) {
+        params.colorBy = words[0];
+        params.opacityBy.clear();
+    };
+    const auto opacityBy = [&params] {
+        return params.opacityBy.empty() ? Words{params.colorBy} : Words{params.opacityBy.front()};
+    };
+    const auto annotations = [&params] {
+        return params.annotations.any() ? Words{annotationText(params.annotations)} : Words{};
+    };
+    const Parameters picture = {
+        look,
+        parameter(
+            {.key = "texture",
+             .text = "Float grid that holds the texture; by default the one that vdblic_advect made, else density.",
+             .words = "NAME",
+             .group = "Picture",
+             .isFile = true,
+             .attribute = "textureGrid"},
+            params.texture),
+        parameter({.key = "size",
+                   .text = "Size of the image.",
+                   .unit = "pixels",
+                   .words = "W H",
+                   .group = "Picture",
+                   .attribute = "-"},
+                  params.size),
+        parameter({.key = "scale",
+                   .text = "Factor on the size, for previews.",
+                   .group = "Picture",
+                   .limits = {0, kMostPixels, true}},
+                  params.scale),
+        parameter({.key = "samples",
+                   .text = "Rays to a pixel, at points of a low-discrepancy pattern.",
+                   .group = "Picture",
+                   .limits = {1, kMostSamples}},
+                  params.samples),
+        parameter({.key = "stretch",
+                   .text = "Factors on the world's axes, such as 1 1 20 to exaggerate heights; camera and lights stand "
+                           "in the stretched space, cuts in the data's own.",
+                   .words = "X Y Z",
+                   .group = "Camera",
+                   .limits = {1 / kMostStretch, kMostStretch}},
+                  params.stretch),
+    };
+    const Parameters shown = {
+        parameter({.key = "roi",
+                   .text = "Grid whose active voxels are all that is shown.",
+                   .words = "FILE[:GRID]",
+                   .group = "Cuts",
+                   .isFile = true,
+                   .attribute = "region"},
+                  params.region),
+        parameter({.key = "roi_box",
+                   .text = "Low and high corner of a box; only voxels with their centre inside are shown.",
+                   .unit = "world",
+                   .words = "X Y Z X Y Z",
+                   .group = "Cuts",
+                   .attribute = "regionBox"},
+                  params.regionBox),
+    };
+    const Parameters annotate = {
+        parameter(
+            {.key = "annotate",
+             .text = "Explanations over the picture: box, axes, colorbar, time, title=TEXT. In .exr channels of their "
+                     "own, annotation.R and so on.",
+             .words = "NAME,NAME",
+             .group = "Picture",
+             .attribute = "annotations"},
+            WordType::kText, 1, [&params](const Words& words) { params.annotations = parseAnnotations(words[0]); },
+            annotations),
+    };
+    const Parameters scalars = {
+        parameter({.key = "by",
+                   .text = "Float grid that colour and opacity follow; magnitude by default.",
+                   .words = "NAME",
+                   .group = "Colour and opacity",
+                   .attribute = "-"},
+                  WordType::kText, 1, setBy, [] { return Words{}; }),
+        parameter({.key = "color_by",
+                   .text = "Float grid that colour follows.",
+                   .words = "NAME",
+                   .group = "Colour and opacity"},
+                  params.colorBy),
+        parameter(
+            {.key = "opacity_by",
+             .text = "Float grid that opacity follows.",
+             .words = "NAME",
+             .group = "Colour and opacity"},
+            WordType::kText, 1, [&params](const Words& words) { params.opacityBy = {words[0]}; }, opacityBy),
+        parameter(
+            {.key = "transfer",
+             .text = "JSON file of a transfer function (docs/render-reference.md).",
+             .words = "FILE",
+             .group = "Colour and opacity",
+             .isFile = true,
+             .attribute = "-"},
+            WordType::kText, 1, [&params](const Words& words) { readTransferFile(words[0], params.look.transfer); },
+            [] { return Words{}; }),
+    };
+    return joined({picture, parametersOf(params.camera), parametersOf(params.motion), scalars,
+                   parametersOf(params.look), parametersOf(params.rays), shown, parametersOf(params.solid), annotate,
+                   parametersOf(params.background)});
+}
+
+Parameters parametersOf(RenderParams& params)
+{
+    const Parameters outputs = {
+        parameter({.key = "output",
+                   .text = "Image or pattern of images, .exr (linear, premultiplied alpha) or .png (8 bit sRGB, "
+                           "opaque). May be left out with a film, a histogram or a transfer function to write.",
+                   .option = "-o,--output",
+                   .group = "Output",
+                   .isFile = true},
+                  params.output),
+        parameter({.key = "skip_existing",
+                   .text = "Leave outputs that are there as they are, and print their paths.",
+                   .group = "Output"},
+                  params.skipExisting),
+        parameter({.key = "keep_going",
+                   .text = "Leave out frames that cannot be read; the exit status tells at the end.",
+                   .group = "Output"},
+                  params.keepGoing),
+    };
+    const Parameters further = {
+        parameter({.key = "histogram",
+                   .text = "Histograms of texture and scalars with the transfer function over them, .png or .json.",
+                   .words = "FILE",
+                   .group = "Output",
+                   .isFile = true},
+                  params.histogram),
+        parameter({.key = "transfer_out",
+                   .text = "JSON file for the range, colours and opacity that are rendered with.",
+                   .words = "FILE",
+                   .group = "Output",
+                   .isFile = true},
+                  params.transferOut),
+        parameter({.key = "film",
+                   .text = "Film of all frames, .mp4, made by ffmpeg.",
+                   .words = "FILE",
+                   .group = "Output",
+                   .isFile = true},
+                  params.film),
+        parameter({.key = "fps", .text = "Frames of the film a second.", .group = "Output", .limits = {0.01, 1000}},
+                  params.framesPerSecond),
+    };
+    return joined({parametersOf(params.input, "TEXTURE",
+                                "Texture volumes: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), or "
+                                "- for paths on standard input."),
+                   outputs, pictureParametersOf(params), parametersOf(params.exr), further});
+}
 
 void RenderParams::validate() const
 {
@@ -28,9 +210,8 @@ void RenderParams::validate() const
         throw ParameterError(fmt::format("film '{}' must end in .mp4", film));
     if (!film.empty() && skipExisting)
         throw ParameterError("a film needs the pictures of all frames; existing ones cannot be skipped");
-    if (!(framesPerSecond >= 0.01 && framesPerSecond <= 1000)) {
-        throw ParameterError(fmt::format("{} frames per second must be between 0.01 and 1000", framesPerSecond));
-    }
+    RenderParams copy = *this;
+    checkLimits(parametersOf(copy));
     if (!output.empty()) {
         const bool exrOutput = imageFormat(output) == ImageFormat::kExr;
         if (!exr.layers.empty() && !exrOutput) {
@@ -43,6 +224,8 @@ void RenderParams::validate() const
 
 void RenderParams::validatePicture() const
 {
+    RenderParams copy = *this;
+    checkLimits(pictureParametersOf(copy));
     camera.validate();
     motion.validate();
     look.validate();
@@ -59,22 +242,10 @@ void RenderParams::validatePicture() const
         if (!isFinite || !(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))
             throw ParameterError(fmt::format("region box {} must be a low and a high corner", fmt::join(b, " ")));
     }
-    for (const double factor : {stretch.x, stretch.y, stretch.z}) {
-        if (!(factor >= 1 / kMostStretch && factor <= kMostStretch)) {
-            throw ParameterError(
-                fmt::format("stretch {} must be between {} and {}", factor, 1 / kMostStretch, kMostStretch));
-        }
-    }
-    if (!(scale > 0 && scale <= kMostPixels)) {
-        throw ParameterError(fmt::format("scale {} must be above 0 and at most {}", scale, kMostPixels));
-    }
     for (const glm::ivec2& sides : {size, scaledSize()}) {
         if (std::min(sides.x, sides.y) >= 1 && std::max(sides.x, sides.y) <= kMostPixels) continue;
         throw ParameterError(
             fmt::format("image size {}x{} must be 1 to {} pixels a side", sides.x, sides.y, kMostPixels));
-    }
-    if (samples < 1 || samples > kMostSamples) {
-        throw ParameterError(fmt::format("{} samples to a pixel must be 1 to {}", samples, kMostSamples));
     }
 }
 

@@ -46,6 +46,7 @@ struct RenderParams {
     int samples = 1;             ///< rays per pixel
     CameraParams camera;
     CameraMotion motion;
+    std::string lookName = "flow"; ///< that `look`, `background` and `opacityBy` started from
     LookParams look;
     RayCastParams rays;
     Background background;
@@ -60,5 +61,12 @@ struct RenderParams {
     /// As validate(), but for outputs. @throws ParameterError
     void validatePicture() const;
 };
+
+/// As the look `flow` has it.
+[[nodiscard]] RenderParams defaultRenderParams();
+/// Those that determine a picture: not the files that it comes from and goes to. The look comes first, so that others
+/// are set on top of it.
+[[nodiscard]] Parameters pictureParametersOf(RenderParams& params);
+[[nodiscard]] Parameters parametersOf(RenderParams& params);
 
 } // namespace vdblic

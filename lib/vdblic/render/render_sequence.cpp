@@ -284,14 +284,14 @@ class SequenceRenderer {
         if (mParams.input.pattern == "-") tellTransfer();
         const Look& look = scene.look;
         const Camera camera = scene.cameras.at(frame);
-        mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, toString(camera.projection()),
+        mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, nameOf(camera.projection()),
                                      vectorText(camera.eye()), vectorText(camera.target()), vectorText(camera.up())));
         const TransferFunction& transfer = look.transfer;
-        mReporter.detail(fmt::format(
-            "{} {} to {} ({}), opacity by {} {} to {} ({}): {}, texture {} to {}", mParams.colorBy, transfer.range()[0],
-            transfer.range()[1], valueScaleName(transfer.colorAxis().scale), scene.opacityBy,
-            transfer.opacityRange()[0], transfer.opacityRange()[1], valueScaleName(transfer.opacityAxis().scale),
-            opacityText(transfer.opacity()), look.texture.low, look.texture.high));
+        mReporter.detail(fmt::format("{} {} to {} ({}), opacity by {} {} to {} ({}): {}, texture {} to {}",
+                                     mParams.colorBy, transfer.range()[0], transfer.range()[1],
+                                     nameOf(transfer.colorAxis().scale), scene.opacityBy, transfer.opacityRange()[0],
+                                     transfer.opacityRange()[1], nameOf(transfer.opacityAxis().scale),
+                                     opacityText(transfer.opacity()), look.texture.low, look.texture.high));
         const std::string which = mExchange.isAlone()
                                       ? fmt::format("{} frames at once", framesInFlight(scene.frameBytes))
                                       : fmt::format("each frame by {} ranks", mExchange.size());

@@ -52,5 +52,6 @@ struct AdvectParams {
     /// The number of textures of so many frames; 0 if that is not known. There is nothing between the last and a next.
     [[nodiscard]] std::size_t textures(std::size_t frames) const;
 };
+[[nodiscard]] Parameters parametersOf(AdvectParams& params);
 
 } // namespace vdblic

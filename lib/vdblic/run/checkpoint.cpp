@@ -10,7 +10,7 @@
 namespace vdblic {
 namespace {
 
-constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time", *kSpacing = "frame_spacing";
+constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time", *kSpacing = "number_spacing";
 
 std::string inputKey(std::size_t index)
 {

@@ -140,9 +140,10 @@ void setInterval(const SequenceInfoParams& params, const std::vector<FrameFile>&
                  const std::vector<FrameTimes>& times, VelocityInfo& velocity)
 {
     const bool isOne = files.size() < 2;
-    const double skipped = isOne ? 1 : double(files[1].frame - files[0].frame) / double(frameSpacing(params.input));
-    auto interval = frameInterval(params.frameSpacing, times[0], isOne ? nullptr : &times[1], skipped);
-    if (!interval) interval = frameInterval(params.frameSpacing, {{}, times[0].dt}, nullptr, skipped);
+    const double skipped =
+        isOne ? 1 : double(files[1].frame - files[0].frame) / double(frameSpacing(params.flow.input));
+    auto interval = frameInterval(params.flow.frameSpacing, times[0], isOne ? nullptr : &times[1], skipped);
+    if (!interval) interval = frameInterval(params.flow.frameSpacing, {{}, times[0].dt}, nullptr, skipped);
     velocity.interval = interval->seconds;
     velocity.intervalSource = interval->source;
 }
@@ -160,7 +161,7 @@ double meanLength(const openvdb::Vec3SGrid& grid, const openvdb::Mat3s& matrix)
 /// The displacements of a frame, added to those before. @param frames already added
 void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::size_t frames, VelocityInfo& velocity)
 {
-    VelocityParams reading = params.velocity;
+    VelocityParams reading = params.flow.velocity;
     reading.nonFinite = NonFinite::kZero;
     reading.carry.clear();
     VelocityFrame frame = readVelocity(file, reading);
@@ -179,7 +180,7 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
         frame.unit = unit;
         const double other = frame.largestDisplacement(velocity.interval);
         if (unit == velocity.unit || other < kLeast || other > kLargeDisplacement) continue;
-        motion.otherUnits.push_back(fmt::format("{}: {:.3g}", toString(unit), other));
+        motion.otherUnits.push_back(fmt::format("{}: {:.3g}", nameOf(unit), other));
     }
 }
 
@@ -201,17 +202,29 @@ void estimateRun(const SequenceInfo& info, std::size_t frames, VelocityInfo& vel
 
 } // namespace
 
+Parameters parametersOf(SequenceInfoParams& params)
+{
+    const Parameters own = {
+        parameter({.key = "frames", .text = "Frames to look at: 1-100, 1-100x2 or 1,5,9-20; every one by default."},
+                  params.flow.input.frames),
+        parameter({.key = "values",
+                   .text = "Read the voxels too: their range, those that are not finite, displacements, checksums."},
+                  params.values),
+    };
+    return joined({own, parametersOf(params.flow)});
+}
+
 void SequenceInfoParams::validate() const
 {
-    FlowSequenceParams{input, velocity, frameSpacing, {}}.validate();
+    flow.validate();
 }
 
 SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& reporter)
 {
     params.validate();
     SequenceInfo info;
-    info.pattern = params.input.pattern;
-    const std::vector<FrameFile> files = findFiles(params.input, info);
+    info.pattern = params.flow.input.pattern;
+    const std::vector<FrameFile> files = findFiles(params.flow.input, info);
     std::vector<FrameTimes> times;
     std::vector<FrameFile> readable;
     for (const FrameFile& file : files) {
@@ -227,7 +240,7 @@ SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& r
             const auto creator = header.metadata.getMetadata<openvdb::StringMetadata>("creator");
             if (creator && info.creator.empty()) info.creator = creator->value();
             FrameTimes ofFrame;
-            auto velocity = velocityOf({header.grids, header.metadata, file.path}, params.velocity, ofFrame);
+            auto velocity = velocityOf({header.grids, header.metadata, file.path}, params.flow.velocity, ofFrame);
             if (velocity && !info.velocity) info.velocity = std::move(velocity);
             if (times.size() < 2) times.push_back(ofFrame);
             readable.push_back(file);

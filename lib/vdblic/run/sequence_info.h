@@ -2,7 +2,7 @@
 
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/velocity_frame.h"
-#include "vdblic/io/sequence.h"
+#include "vdblic/flow/flow_sequence_params.h"
 
 #include <openvdb/openvdb.h>
 
@@ -16,13 +16,13 @@ namespace vdblic {
 
 /// Which sequence to inspect, and how its velocity is understood.
 struct SequenceInfoParams {
-    SequenceParams input;
-    VelocityParams velocity;
-    std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
-    bool values = false;                ///< read the voxels too, not only the headers
+    FlowSequenceParams flow;
+    bool values = false; ///< read the voxels too, not only the headers
 
     void validate() const; ///< @throws ParameterError
 };
+/// But for the sequence itself: a tool inspects several.
+[[nodiscard]] Parameters parametersOf(SequenceInfoParams& params);
 
 /// The values of a grid over all frames, those of vectors by their lengths.
 struct ValueInfo {

@@ -42,7 +42,7 @@ void addGrid(const GridInfo& grid, std::size_t files, std::vector<std::string>& 
 void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
 {
     lines.push_back(fmt::format("  velocity: grid {}; unit {} x {}; {:.6g} s between frames ({})", velocity.grid,
-                                toString(velocity.unit), velocity.scale, velocity.interval, velocity.intervalSource));
+                                nameOf(velocity.unit), velocity.scale, velocity.interval, velocity.intervalSource));
     if (velocity.motion) {
         lines.push_back(fmt::format("    moves at most {:.3g} voxels a step, in frame {}, and {:.3g} on average",
                                     velocity.motion->largest, velocity.motion->frame, velocity.motion->mean));
@@ -74,7 +74,7 @@ nlohmann::json ofGrid(const GridInfo& grid)
 nlohmann::json ofVelocity(const VelocityInfo& velocity)
 {
     nlohmann::json result = {{"grid", velocity.grid},
-                             {"unit", toString(velocity.unit)},
+                             {"unit", nameOf(velocity.unit)},
                              {"scale", velocity.scale},
                              {"interval", velocity.interval},
                              {"interval_source", velocity.intervalSource},

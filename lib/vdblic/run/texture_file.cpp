@@ -72,7 +72,7 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params)
     const Refinement& refinement = params.flow.domain.refinement;
     const std::array<int, 3>& factors = refinement.factors;
     metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
-    metadata.insertMeta("interpolation", openvdb::StringMetadata(std::string(toString(refinement.interpolation))));
+    metadata.insertMeta("interpolation", openvdb::StringMetadata(std::string(nameOf(refinement.interpolation))));
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
     metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));

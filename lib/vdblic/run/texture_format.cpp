@@ -7,28 +7,22 @@
 
 namespace vdblic {
 
-GridPrecision parseGridPrecision(std::string_view text)
+Parameters parametersOf(TextureFormat& params)
 {
-    if (text == "half") return GridPrecision::kHalf;
-    if (text == "float") return GridPrecision::kFloat;
-    throw ParameterError(fmt::format("precision '{}' is neither half nor float", text));
-}
-
-std::string_view toString(GridPrecision precision)
-{
-    return precision == GridPrecision::kHalf ? "half" : "float";
-}
-
-ScalarVoxels parseScalarVoxels(std::string_view text)
-{
-    if (text == "velocity") return ScalarVoxels::kVelocity;
-    if (text == "texture") return ScalarVoxels::kTexture;
-    throw ParameterError(fmt::format("the voxels '{}' of the scalars are neither velocity nor texture", text));
-}
-
-std::string_view toString(ScalarVoxels voxels)
-{
-    return voxels == ScalarVoxels::kVelocity ? "velocity" : "texture";
+    return {
+        parameter({.key = "scalars",
+                   .text = "Voxels of magnitude and the other float grids.",
+                   .words = "VOXELS",
+                   .group = "Output"},
+                  params.scalars),
+        parameter({.key = "precision",
+                   .text = "Numbers of texture and scalars in the files.",
+                   .words = "NUMBERS",
+                   .group = "Output"},
+                  params.precision),
+        parameter({.key = "compression", .text = "Of the files.", .words = "HOW", .group = "Output"},
+                  params.compression),
+    };
 }
 
 void saveAsHalf(openvdb::FloatGrid& grid)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/parameters.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <openvdb/openvdb.h>
@@ -13,14 +14,13 @@ enum class GridPrecision {
     kHalf, ///< 11 significant bits; a scalar outside the range of half precision stays single
     kFloat,
 };
-[[nodiscard]] GridPrecision parseGridPrecision(std::string_view text); ///< `half` or `float`. @throws ParameterError
-[[nodiscard]] std::string_view toString(GridPrecision precision);
+template<>
+inline constexpr auto kNames<GridPrecision> = std::to_array<std::string_view>({"half", "float"});
 
 /// The voxels that scalars have in a texture file.
 enum class ScalarVoxels { kVelocity, kTexture };
-[[nodiscard]] ScalarVoxels
-parseScalarVoxels(std::string_view text); ///< `velocity` or `texture`. @throws ParameterError
-[[nodiscard]] std::string_view toString(ScalarVoxels voxels);
+template<>
+inline constexpr auto kNames<ScalarVoxels> = std::to_array<std::string_view>({"velocity", "texture"});
 
 /// How texture files hold their grids.
 struct TextureFormat {
@@ -28,6 +28,7 @@ struct TextureFormat {
     VdbCompression compression = VdbCompression::kBlosc;
     ScalarVoxels scalars = ScalarVoxels::kVelocity;
 };
+[[nodiscard]] Parameters parametersOf(TextureFormat& params);
 
 /// Mark a grid to be written in half precision, if half precision holds its values: the largest magnitude must lie in
 /// 1/16 to 65504, or be 0. Below 1/16, values of a thousandth of the largest would lose bits.

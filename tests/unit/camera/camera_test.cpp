@@ -162,7 +162,7 @@ TEST(Camera, RefusesWhatHasNoMeaning)
             << height;
     }
     EXPECT_THROW((CameraParams{.viewHeight = 1}.validate()), ParameterError);
-    EXPECT_THROW((void)parseProjection("isometric"), ParameterError);
+    EXPECT_THROW((void)valueOf<Projection>("isometric"), ParameterError);
     // Too far away for double precision.
     for (const double far : {1e30, 1e308})
         EXPECT_THROW(Camera({.eye = glm::dvec3(far)}, kFlat, {10, 10}), ParameterError);

@@ -262,7 +262,7 @@ TEST_F(VelocityFile, UnderstandsEveryUnit)
     const Vec3d stored(3, 0, 0);
     const auto voxels = [&](const char* unit, double scale = 1) {
         VelocityParams params;
-        params.unit = parseVelocityUnit(unit);
+        params.unit = valueOf<VelocityUnit>(unit);
         params.scale = scale;
         return (read({grid}, params).toVoxelsPerStep(interval) * stored)[0];
     };
@@ -271,7 +271,7 @@ TEST_F(VelocityFile, UnderstandsEveryUnit)
     EXPECT_NEAR(voxels("voxel/s"), 3 * 0.1, 1e-12);
     EXPECT_NEAR(voxels("voxel/frame"), 3, 1e-12);
     EXPECT_NEAR(voxels("voxel/frame", -2), -6, 1e-12);
-    EXPECT_THROW((void)parseVelocityUnit("m/s"), ParameterError);
+    EXPECT_THROW((void)valueOf<VelocityUnit>("m/s"), ParameterError);
 }
 
 TEST_F(VelocityFile, RecognisesMantaflowUnlessGivenTheUnit)

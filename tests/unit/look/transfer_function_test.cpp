@@ -184,9 +184,9 @@ TEST(TransferFunction, ALogarithmicRangeBeginsAboveZero)
         params.opacityScale = ValueScale::kLogarithmic;
         EXPECT_THROW((void)TransferFunction(params), ParameterError) << low;
     }
-    EXPECT_EQ(parseValueScale("log"), ValueScale::kLogarithmic);
+    EXPECT_EQ(valueOf<ValueScale>("log"), ValueScale::kLogarithmic);
     for (const char* bad : {"", "Log", "logarithmic", "linear "})
-        EXPECT_THROW((void)parseValueScale(bad), ParameterError) << bad;
+        EXPECT_THROW((void)valueOf<ValueScale>(bad), ParameterError) << bad;
 }
 
 /// CIE lightness, 0 to 100.

@@ -58,7 +58,7 @@ TEST(Checkpoint, HoldsEveryParameterOfARun)
     EXPECT_EQ(readCheckpoint(folder / "c.vdb", texts).position.frameSpacing, kCheckpoint.position.frameSpacing);
     const openvdb::MetaMap metadata = readVdb(folder / "c.vdb").metadata;
     EXPECT_EQ(metadata.metaValue<std::string>("life_span"), "4");
-    EXPECT_EQ(metadata.metaValue<std::string>("dt"), "0.5");
+    EXPECT_EQ(metadata.metaValue<std::string>("frame_spacing"), "0.5");
     EXPECT_EQ(metadata.metaValue<std::string>("derived"), "vorticity,q");
     EXPECT_EQ(metadata.metaValue<std::string>("box"), "0 1 2 3 4 5");
     for (const auto& [key, value] : texts)

@@ -1,0 +1,26 @@
+"""Keyword arguments that the library describes."""
+
+from __future__ import annotations
+
+import textwrap
+
+
+def described(function, parameters: list[dict], without: tuple[str, ...] = ()) -> frozenset[str]:
+    """List the library's parameters in a docstring in place of {parameters}. Returns their names."""
+    lines = []
+    listed = [p for p in parameters if p["key"] not in without]
+    for parameter in sorted(listed, key=lambda p: p["expert"]):
+        text = parameter["text"].rstrip(".")
+        notes = [parameter["unit"], parameter["kind"], parameter["default"] and f"default {parameter['default']}"]
+        text += f" [{'; '.join(note for note in notes if note)}]"
+        lines += textwrap.wrap(text, 118, initial_indent=f"    {parameter['key']:<18} ", subsequent_indent=" " * 23)
+    function.__doc__ = (function.__doc__ or "").replace("{parameters}", "\n".join(lines) + "\n")
+    return frozenset(p["key"] for p in listed)
+
+
+def checked(name: str, given: dict, known: frozenset[str]) -> dict:
+    """The arguments that are not None. Raises TypeError for one that the library does not have."""
+    for key in given:
+        if key not in known:
+            raise TypeError(f"{name}() has no parameter '{key}'; it has {', '.join(sorted(known))}")
+    return {key: value for key, value in given.items() if value is not None}

@@ -1,0 +1,196 @@
+#pragma once
+
+#include "vdblic/core/names.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace vdblic {
+
+/// A parameter's value as texts: one for a number or a name, several for a vector or a list, none if it is not given.
+using Words = std::vector<std::string>;
+
+/// What a word of a parameter is.
+enum class WordType { kFlag, kInteger, kNumber, kText };
+
+/// Bounds of numbers.
+struct Limits {
+    double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
+    bool isAbove = false; ///< whether `least` itself is refused
+};
+
+/// What people are told of a parameter.
+struct ParameterInfo {
+    std::string_view key;  ///< its name in messages, in Python and in checkpoints: `life_span`
+    std::string_view text; ///< what it does, in a sentence or two
+    std::string_view
+        option{}; ///< what tools call it; empty: the key with dashes; without dashes: a positional argument
+    std::string_view unit{};
+    std::string_view words{}; ///< what its words are: `X Y Z`
+    std::string_view group{}; ///< of the help
+    Limits limits{};
+    bool isRequired = false;
+    bool isExpert = false;        ///< stands at the end of the help
+    bool isContent = true;        ///< has a say in what the outputs hold: checkpoints keep it
+    bool isFile = false;          ///< names a file, or what is in one: no page of the viewer sets it
+    std::string_view excludes{};  ///< key of a parameter that cannot be given beside it
+    std::string_view attribute{}; ///< its name in an image's header; empty: the key in camel case
+};
+
+/// A described parameter of a struct. From it come options, help, keywords, checkpoints, attributes and documents, so
+/// that each stands in one place.
+struct Parameter {
+    ParameterInfo info;
+    WordType type = WordType::kText;
+    std::size_t least = 1, most = 1; ///< words of a value
+    bool repeats = false;            ///< whether values of `least` words may follow each other
+    std::vector<std::string> choices{};
+    std::function<void(const Words&)> set; ///< @throws ParameterError
+    std::function<Words()> get;
+
+    [[nodiscard]] std::string option() const; ///< `--life`, or `-o,--output`, or `VELOCITY`
+    [[nodiscard]] bool isPositional() const { return !option().starts_with('-'); }
+    [[nodiscard]] bool isList() const { return most > least; }
+    /// What a value must be: "a whole number from 1 to 1000".
+    [[nodiscard]] std::string kind() const;
+    /// @throws ParameterError if words are none, too many, no numbers or out of bounds
+    void check(const Words& words) const;
+    /// The value in one text, as messages and files have it; empty if it is not given.
+    [[nodiscard]] std::string text() const;
+};
+
+/// The parameters of a struct, in the order in which they are set. They refer to it, and it must outlive them.
+using Parameters = std::vector<Parameter>;
+
+[[nodiscard]] Parameters joined(std::initializer_list<Parameters> lists);
+/// The parameter of a key, or null.
+[[nodiscard]] const Parameter* find(const Parameters& parameters, std::string_view key);
+/// Check all values against their bounds. @throws ParameterError
+void checkLimits(const Parameters& parameters);
+/// Set those that are given, by key. @throws ParameterError, also on unknown keys
+void set(const Parameters& parameters, const std::map<std::string, Words>& given);
+
+/// How a type is written in words. Vectors of other libraries specialise it.
+template<typename T>
+struct WordsOf;
+
+namespace detail {
+
+[[nodiscard]] std::optional<double> numberIn(std::string_view word);
+[[nodiscard]] std::optional<std::int64_t> integerIn(std::string_view word);
+
+template<typename T>
+T scalarIn(const std::string& word)
+{
+    if constexpr (std::is_same_v<T, std::string>) {
+        return word;
+    } else if constexpr (std::is_enum_v<T>) {
+        return valueOf<T>(word);
+    } else if constexpr (std::is_same_v<T, bool>) {
+        return word == "true";
+    } else if constexpr (std::is_integral_v<T>) {
+        return static_cast<T>(integerIn(word).value_or(0));
+    } else if constexpr (std::is_same_v<T, float>) {
+        return std::strtof(word.c_str(), nullptr); // not by way of double, which would round twice
+    } else {
+        return static_cast<T>(numberIn(word).value_or(0));
+    }
+}
+template<typename T>
+std::string wordOf(const T& value)
+{
+    if constexpr (std::is_enum_v<T>) {
+        return std::string(nameOf(value));
+    } else {
+        return fmt::format("{}", value);
+    }
+}
+template<typename T>
+constexpr WordType kTypeOf = std::is_same_v<T, bool>       ? WordType::kFlag
+                             : std::is_integral_v<T>       ? WordType::kInteger
+                             : std::is_floating_point_v<T> ? WordType::kNumber
+                                                           : WordType::kText;
+
+} // namespace detail
+
+template<typename T>
+requires std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>
+struct WordsOf<T> {
+    using Scalar = T;
+    static constexpr std::size_t kLeast = 1, kMost = 1;
+    static T read(const Words& words) { return detail::scalarIn<T>(words.front()); }
+    static Words write(const T& value)
+    {
+        const std::string word = detail::wordOf(value);
+        return word.empty() ? Words{} : Words{word};
+    }
+};
+template<typename T>
+struct WordsOf<std::optional<T>> {
+    using Scalar = typename WordsOf<T>::Scalar;
+    static constexpr std::size_t kLeast = WordsOf<T>::kLeast, kMost = WordsOf<T>::kMost;
+    static std::optional<T> read(const Words& words) { return WordsOf<T>::read(words); }
+    static Words write(const std::optional<T>& value) { return value ? WordsOf<T>::write(*value) : Words{}; }
+};
+template<typename T, std::size_t kCount>
+struct WordsOf<std::array<T, kCount>> {
+    using Scalar = T;
+    static constexpr std::size_t kLeast = kCount, kMost = kCount;
+    static std::array<T, kCount> read(const Words& words)
+    {
+        std::array<T, kCount> values;
+        for (std::size_t i = 0; i < kCount; ++i)
+            values[i] = detail::scalarIn<T>(words[i]);
+        return values;
+    }
+    static Words write(const std::array<T, kCount>& values)
+    {
+        Words words;
+        for (const T& value : values)
+            words.push_back(detail::wordOf(value));
+        return words;
+    }
+};
+template<>
+struct WordsOf<std::vector<std::string>> {
+    using Scalar = std::string;
+    static constexpr std::size_t kLeast = 1, kMost = std::numeric_limits<std::size_t>::max();
+    static std::vector<std::string> read(const Words& words) { return words; }
+    static Words write(const std::vector<std::string>& values) { return values; }
+};
+
+/// Describe a member of a struct.
+template<typename T>
+[[nodiscard]] Parameter parameter(const ParameterInfo& info, T& target)
+{
+    using Conversion = WordsOf<T>;
+    using Scalar = typename Conversion::Scalar;
+    Parameter result{info, detail::kTypeOf<Scalar>, Conversion::kLeast, Conversion::kMost};
+    if constexpr (std::is_integral_v<Scalar> && sizeof(Scalar) < sizeof(std::int64_t)) {
+        result.info.limits.least = std::max(info.limits.least, double(std::numeric_limits<Scalar>::min()));
+        result.info.limits.most = std::min(info.limits.most, double(std::numeric_limits<Scalar>::max()));
+    }
+    if constexpr (std::is_enum_v<Scalar>) result.choices.assign(kNames<Scalar>.begin(), kNames<Scalar>.end());
+    result.set = [&target](const Words& words) { target = Conversion::read(words); };
+    result.get = [&target] { return Conversion::write(target); };
+    return result;
+}
+
+/// Describe what is set in another way than by a member.
+/// @param count words of a value
+[[nodiscard]] inline Parameter parameter(const ParameterInfo& info, WordType type, std::size_t count,
+                                         std::function<void(const Words&)> set, std::function<Words()> get)
+{
+    return {info, type, count, count, false, {}, std::move(set), std::move(get)};
+}
+
+} // namespace vdblic
