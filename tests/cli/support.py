@@ -2,10 +2,13 @@
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
 import unittest
+
+import numpy
 
 BIN = pathlib.Path(os.environ["VDBLIC_BIN"])
 
@@ -78,3 +81,16 @@ class RenderTest(ToolTest):
         message = self.fails(status, "vdblic_render", *arguments, **options)
         self.assertEqual(self.files(), before, arguments)
         return message
+
+    def run_peer(self, *command):
+        done = subprocess.run(list(map(str, command)), cwd=self.folder, text=True, capture_output=True)
+        self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}\n{done.stderr}")
+        return done.stdout
+
+    def pixels(self, name, *channels):
+        """The channels of an .exr as arrays, by OpenImageIO."""
+        text = self.run_peer("oiiotool", "-v", "--dumpdata", name)
+        names = re.sub(r" \(\w+\)", "", re.search(r"channel list: (.*)", text)[1]).split(", ")
+        pixels = re.findall(r"Pixel \((\d+), (\d+)\): (.*)", text)
+        values = numpy.array([values.split() for *_, values in pixels], float).reshape(int(pixels[-1][1]) + 1, -1, len(names))
+        return [values[..., names.index(channel)] for channel in channels]
