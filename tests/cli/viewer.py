@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -10,7 +11,10 @@ import subprocess
 import tempfile
 import urllib.parse
 
-from support import BIN, ToolTest
+from support import BIN, ToolTest, skip
+
+if not (BIN / "vdblic_view").exists():
+    skip("built without vdblic_view")
 
 
 class ViewerTest(ToolTest):
@@ -48,17 +52,23 @@ class ViewerTest(ToolTest):
         """End the viewer as a shell does; returns its exit status."""
         if self.viewer.poll() is None:
             self.viewer.send_signal(signal.SIGTERM)
-        status = self.viewer.wait(10)
+        status = self.viewer.wait(25)  # less than the 30 s that an idle connection is held
         self.viewer.stderr.close()
         self.viewer.stdout.close()
         return status
+
+    def wait_until_busy(self):
+        """Wait until the viewer has computed for a quarter of a second more."""
+        spent = lambda: sum(map(int, pathlib.Path(f"/proc/{self.viewer.pid}/stat").read_text().rsplit(")")[-1].split()[11:13]))
+        enough = spent() + os.sysconf("SC_CLK_TCK") // 4
+        self.wait_until(lambda: spent() >= enough, "the viewer does nothing")
 
     def resident(self):
         """The memory that the viewer holds [bytes]."""
         with open(f"/proc/{self.viewer.pid}/status", encoding="utf-8") as status:
             return 1024 * int(re.search(r"VmRSS:\s+(\d+)", status.read())[1])
 
-    def request(self, path, body=None, method=None, headers=None, token=None, timeout=60):
+    def request(self, path, body=None, method=None, headers=None, token=None, timeout=120):
         """One request. @return status, headers and body of the answer"""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
         given = {"Content-Type": "application/json"} if body is not None else {}
