@@ -1,12 +1,15 @@
 #!/bin/sh
 # The one list of what VDBLIC needs, and the one place that installs it.
 #
-# Each line names a Debian package and a probe that shows it is there: a command, a header, a file, a
-# Python module of /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are
-# named and the status is 1, so that a caller can stop before a confusing compiler error.
+#     .ci/packages.sh         all: also what the other tools, the tests and the gate need
+#     .ci/packages.sh main    what turns velocities into pictures and a film: vdblic_advect, vdblic_render and ffmpeg
+#
+# Each line names a Debian package and a probe that shows it is there: a command, a header, a file, a Python module of
+# /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are named
+# and the status is 1, so that a caller can stop before a confusing compiler error.
 set -u
 
-needs() {
+main_needs() {
     cat <<'LIST'
 git                     command git
 g++                     command c++
@@ -23,17 +26,23 @@ libtbb-dev              header  tbb/parallel_for.h
 libopenexr-dev          header  OpenEXR/ImfOutputFile.h
 libpng-dev              header  png.h
 libcairo2-dev           header  cairo/cairo.h
-libcpp-httplib-dev      header  httplib.h
-libturbojpeg0-dev       header  turbojpeg.h
 libassimp-dev           header  assimp/Importer.hpp
-libopenmpi-dev          command mpicxx
-openmpi-bin             command mpirun
 fonts-dejavu-core       file    /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 libboost-math-dev       header  boost/math/distributions/students_t.hpp
 libglm-dev              header  glm/glm.hpp
 libcli11-dev            header  CLI/CLI.hpp
 libfmt-dev              header  fmt/format.h
 nlohmann-json3-dev      header  nlohmann/json.hpp
+ffmpeg                  command ffmpeg
+LIST
+}
+
+others_need() {
+    cat <<'LIST'
+libcpp-httplib-dev      header  httplib.h
+libturbojpeg0-dev       header  turbojpeg.h
+libopenmpi-dev          command mpicxx
+openmpi-bin             command mpirun
 libgtest-dev            header  gtest/gtest.h
 libbenchmark-dev        header  benchmark/benchmark.h
 python3-openvdb         python  pyopenvdb
@@ -45,7 +54,6 @@ python3-netcdf4         python  netCDF4
 libopenvdb-tools        command vdb_print
 openexr                 command exrheader
 openimageio-tools       command idiff
-ffmpeg                  command ffmpeg
 blender                 command blender
 chromium                command chromium
 chromium-driver         command chromedriver
@@ -56,6 +64,12 @@ clang-tidy              command run-clang-tidy
 libclang-rt-14-dev      clang   fuzzer
 LIST
 }
+
+case ${1-} in
+    main) needs() { main_needs; } ;;
+    '') needs() { main_needs && others_need; } ;;
+    *) echo "usage: .ci/packages.sh [main]" >&2 && exit 2 ;;
+esac
 
 present() {
     case $1 in

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-.ci/packages.sh || echo "continuing with the installed packages" >&2
+.ci/packages.sh main || echo "continuing with the installed packages" >&2
 cmake --preset release
 cmake --build --preset release --target tool_advect tool_render
 
