@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::int64_t kMostFrames = 1'000'000'000'000;
+constexpr double kMostFrames = 1e12;
 
 double parseNumber(const Json& value, const std::string& what)
 {
@@ -39,9 +39,9 @@ std::int64_t parseFrame(const Json& key, const std::string& what)
     if (!key.is_object() || !key.contains("frame") || !key["frame"].is_number_integer()) {
         throw InputError(fmt::format("{} has no whole number \"frame\"", what));
     }
-    const auto frame = key["frame"].get<std::int64_t>();
-    if (std::abs(frame) > kMostFrames) throw InputError(fmt::format("{}: frame {} is no usable one", what, frame));
-    return frame;
+    const auto frame = key["frame"].get<double>(); // of which an integer type may hold another
+    if (std::abs(frame) > kMostFrames) throw InputError(fmt::format("{}: frame {:.0f} is no usable one", what, frame));
+    return std::int64_t(frame);
 }
 
 } // namespace

@@ -13,6 +13,8 @@
 namespace vdblic {
 namespace {
 
+constexpr int kMostDepth = 16; // nlohmann::json prints, copies and frees what is nested by recursion
+
 /// "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while parsing value - unexpected
 /// ..." → "line 3, column 5: unexpected ..."
 std::string plainWords(const std::string& message)
@@ -32,7 +34,10 @@ nlohmann::json readJson(const std::filesystem::path& path)
         throw InputError(fmt::format("{}: cannot be read: {}", path.string(), std::generic_category().message(errno)));
     }
     try {
-        return nlohmann::json::parse(stream);
+        return nlohmann::json::parse(stream, [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+            if (depth > kMostDepth) throw InputError(fmt::format("{}: is nested too deeply", path.string()));
+            return true;
+        });
     } catch (const nlohmann::json::exception& error) {
         throw InputError(fmt::format("{}: is no JSON: {}", path.string(), plainWords(error.what())));
     }

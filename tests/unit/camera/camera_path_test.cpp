@@ -174,6 +174,11 @@ TEST_F(CameraKeyFile, SaysWhatIsWrongWithIt)
     refusal(R"({"keys": [{"eye": [1, 2, 3]}]})");
     refusal(R"({"keys": [{"frame": 1.5}]})");
     refusal(R"({"keys": [{"frame": 99999999999999999999}]})");
+    refusal(R"({"keys": [{"frame": 18446744073709551615}]})");
+    EXPECT_NE(refusal(R"({"keys": [{"frame": -9223372036854775808}]})").find("no usable"), std::string::npos);
+    std::string nested =
+        R"({"keys": [{"frame": 1, "eye": )" + std::string(200000, '[') + std::string(200000, ']') + "}]}";
+    EXPECT_NE(refusal(nested).find("nested too deeply"), std::string::npos);
     EXPECT_NE(refusal(R"({"keys": [{"frame": 3}, {"frame": 2}]})").find("frame 2"), std::string::npos);
     EXPECT_NE(refusal(R"({"keys": [{"frame": 3}, {"frame": 3}]})").find("frame 3"), std::string::npos);
     EXPECT_NE(refusal(R"({"keys": [{"frame": 1, "eye": [1, 2]}]})").find("eye"), std::string::npos);
