@@ -3,6 +3,7 @@
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -12,6 +13,7 @@ import unittest
 import numpy
 
 BIN = pathlib.Path(os.environ["VDBLIC_BIN"])
+signal.signal(signal.SIGINT, signal.default_int_handler)  # shells ignore it for what runs in their background
 
 
 def skip(reason):
