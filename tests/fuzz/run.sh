@@ -4,27 +4,37 @@
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
-out=build/fuzz
+out=build/fuzz lib=lib/vdblic
 command -v clang++ >/dev/null || { echo "clang++ is missing; not fuzzed" >&2; exit 0; }
 
-compile() {
-    target=$1
-    shift
-    clang++ -std=c++20 -g -O1 -Wno-psabi -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Ilib \
-        "tests/fuzz/$target.cpp" "$@" -lfmt -o "$out/$target"
+sources() {
+    case $1 in
+        layout) echo $lib/io/vdb_layout.cpp $lib/io/checksum.cpp ;;
+        text) echo $lib/core/memory.cpp $lib/io/atomic_file.cpp $lib/io/frame_list.cpp $lib/io/path_list.cpp \
+            $lib/io/pattern_advice.cpp $lib/io/sequence.cpp $lib/io/grid_reference.cpp $lib/look/transfer_params.cpp \
+            $lib/image/color_map.cpp $lib/look/scalar_axis.cpp ;;
+        json) echo $lib/camera/*.cpp $lib/io/json_file.cpp $lib/io/atomic_file.cpp $lib/look/transfer_file.cpp \
+            $lib/look/transfer_params.cpp $lib/look/scalar_axis.cpp $lib/image/color_map.cpp ;;
+        request) echo tools/view/connection.cpp ;;
+    esac
 }
 
-mkdir -p "$out/corpus/layout" "$out/corpus/text"
-io=lib/vdblic/io look=lib/vdblic/look
-compile fuzz_layout $io/vdb_layout.cpp $io/checksum.cpp &
-compile fuzz_text lib/vdblic/core/memory.cpp $io/atomic_file.cpp $io/frame_list.cpp $io/path_list.cpp \
-    $io/pattern_advice.cpp $io/sequence.cpp $io/grid_reference.cpp $look/transfer_params.cpp lib/vdblic/image/color_map.cpp \
-    $look/scalar_axis.cpp
-wait $!
+compile() {
+    mkdir -p "$out/corpus/$1"
+    clang++ -std=c++20 -g -O1 -Wno-psabi -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Ilib -Itools \
+        "tests/fuzz/fuzz_$1.cpp" $(sources "$1") -lfmt -o "$out/fuzz_$1"
+}
+
 fuzz() {
     "$out/fuzz_$1" -max_total_time=$((seconds / 2)) -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \
         -print_final_stats=1 "$out/corpus/$1" "tests/fuzz/corpus/$1"
 }
-fuzz layout &
-fuzz text
-wait $!
+
+for part in compile fuzz; do # two at a time
+    for pair in 'layout text' 'json request'; do
+        set -- $pair
+        $part "$1" &
+        $part "$2"
+        wait $!
+    done
+done
