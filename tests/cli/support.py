@@ -13,7 +13,9 @@ import unittest
 import numpy
 
 BIN = pathlib.Path(os.environ["VDBLIC_BIN"])
-signal.signal(signal.SIGINT, signal.default_int_handler)  # shells ignore it for what runs in their background
+# A shell ignores the one for what runs in its background, nohup the other.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def skip(reason):

@@ -45,6 +45,7 @@ class VdbAssembly : public openvdb::io::Archive {
 
     /// @param stream seekable, and throws; OpenVDB does not check the state of its stream
     /// @param source of leaves; the nodes of those grids need no values
+    // NOLINTNEXTLINE(clang-diagnostic-overloaded-virtual): nobody calls the one that it hides
     void write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
                LeafSource* source = nullptr) const;
 
