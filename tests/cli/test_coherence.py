@@ -169,9 +169,9 @@ class Coherence(ToolTest):
         """UFLIC, because AUFLIC's mean along the flow is over texture voxels: it lengthens coarse streaks more."""
         lengths = {}
         for refine in 1, 2, 3:
-            self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "6-8", "--refine", refine,
-                         "--method", "uflic", "--finish", 0)
-            report = self.report(WAKE, "lic.%04d.vdb", "--frames", "6-8", "--samples", 30000, "-o", f"{refine}.svg")
+            self.outputs("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "7-8", "--refine", refine,
+                         "--method", "uflic", "--finish", 0, "--lead-in", 2)
+            report = self.report(WAKE, "lic.%04d.vdb", "--frames", "7-8", "--samples", 30000, "-o", f"{refine}.svg")
             lags = report["lags"]
             self.assertEqual((lags[0], lags[-1]), (0.5 / refine, 16))
             self.assertEqual(lags, sorted({0.5 * n / refine for n in range(1, 33)} | {0.5 * n for n in range(1, 33)}))
