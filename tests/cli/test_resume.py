@@ -309,15 +309,16 @@ class Resume(ToolTest):
         """Refined and with substeps: stopped between frames, inside an interval, and in the preroll."""
         for options in (("--refine", 2), ("--substeps", 3), ("--substeps", 4, "--refine", 1, 2, 1, "--method", "uflic"),
                         ("--substeps", 2, "--method", "lic")):
-            whole = self.whole(self.flow(), *options)
+            arguments, frames = (self.flow(), *options), "1-20"
+            whole = self.whole(*arguments, frames=frames)
             for after in 6, 7:
-                self.interrupted(self.flow(), *options, after=after)
-                self.finish(whole, self.flow(), *options)
+                self.interrupted(*arguments, after=after, frames=frames)
+                self.finish(whole, *arguments, frames=frames)
                 self.clear()
-            self.interrupted(self.flow(), *options, after=7)
+            self.interrupted(*arguments, after=7, frames=frames)
             done = self.outputs_there()
             (self.folder / f"lic.{done:04}.vdb").unlink()
-            self.assertIn(f"lic.{done:04}.vdb was finished, but it is not there", self.refused(3, self.flow(), *options))
+            self.assertIn(f"lic.{done:04}.vdb was finished, but it is not there", self.refused(3, *arguments, frames=frames))
             self.clear()
 
     def test_an_input_that_now_ends_inside_an_interval(self):
