@@ -1,12 +1,13 @@
 #include "view/state.h"
 
-#include "cli/picture_options.h"
+#include "cli/parameter_options.h"
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,17 +16,16 @@ namespace vdblic::view {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
 
 /// The start that the words of a command line make.
 Start startFrom(Words words)
 {
     CLI::App app;
     RenderParams params;
-    const cli::PictureOptions options(app, params);
+    const cli::ParameterOptions options(app, pictureParametersOf(params));
     std::reverse(words.begin(), words.end());
     app.parse(std::move(words));
-    return startOf(app, {.pattern = "lic.%04d.vdb", .frames = "1-3"});
+    return startOf(options.given(), {.pattern = "lic.%04d.vdb", .frames = "1-3"});
 }
 
 TEST(State, IsWhatTheCommandLineSays)
@@ -69,7 +69,7 @@ TEST(State, HasTheParametersOfTheCommandLine)
     EXPECT_FALSE(params.motion.keys.empty());
     // The command says the same.
     const Start again = startFrom(argumentsOf(start, Json::parse(R"({"eye": [3, -4, 5.5], "look": "smoke"})")));
-    EXPECT_EQ(again.fixed, Words{"--texture=density"});
+    EXPECT_EQ(again.fixed, (std::map<std::string, Words>{{"texture", {"density"}}}));
     EXPECT_EQ(again.state, Json::parse(R"({"eye": [3, -4, 5.5], "look": "smoke"})"));
 }
 
@@ -86,9 +86,9 @@ TEST(State, TakesKeyFramesFromTheirFile)
 TEST(State, NamesNoFileButThoseOfTheCommandLine)
 {
     const Start start = startFrom({"--transfer", "function.json", "--solid", "body.vdb"});
-    EXPECT_EQ(start.fixed, Words{"--transfer=function.json"});
+    EXPECT_EQ(start.fixed, (std::map<std::string, Words>{{"transfer", {"function.json"}}}));
     EXPECT_EQ(argumentsOf(start, Json::parse(R"({"solid": "body.vdb"})")),
-              (Words{"--transfer=function.json", "--solid=body.vdb"}));
+              (Words{"--solid=body.vdb", "--transfer=function.json"}));
     for (const char* state :
          {R"({"transfer": "secret.json"})", R"({"camera": "secret.json"})", R"({"roi": "lic.vdb"})",
           R"({"solid": "/etc/passwd"})", R"({"solid": ["body.vdb"]})", R"({"texture": "q"})", R"({"output": "x.png"})",
