@@ -120,7 +120,7 @@ class Advect(ToolTest):
                 (ValueError, "frame 1 has the shape", ([numpy.zeros((4, 4, 4))],), {}),
                 (ValueError, "`life_span`|life", (fields(1),), {"life_span": 0}),
                 (ValueError, "`refine` cannot be", (fields(1),), {"refine": "x"}),
-                (ValueError, "'x' is none of auflic, auflic-2004, uflic, lic", (fields(1),), {"method": "x"}),
+                (ValueError, "`method` cannot be x; it is one of auflic, auflic-2004, uflic, lic", (fields(1),), {"method": "x"}),
                 (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
                 (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
                 (ValueError, "no frame to compute$", ([],), {})):
@@ -208,7 +208,7 @@ class Pictures(ToolTest):
         return numpy.array(rows)
 
     def test_mistakes(self):
-        with self.assertRaisesRegex(TypeError, "no option 'width'"):
+        with self.assertRaisesRegex(TypeError, "no parameter 'width'"):
             vdblic.Renderer(width=3)
         with self.assertRaisesRegex(ValueError, "flow, vortex"):
             vdblic.Renderer(look="nice")

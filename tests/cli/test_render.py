@@ -165,7 +165,7 @@ class Render(RenderTest):
             (self.folder / "log.json").write_text(
                 json.dumps({of.replace("-", "_") + "range": [-1, 1], f"{option}_scale": "log"}), encoding="utf-8")
             self.assertIn("log.json", self.refuses(3, *good, "--transfer", "log.json"))
-        self.assertIn("linear or log", self.refuses(2, *good, "--color-scale", "square"))
+        self.assertIn("one of linear, log", self.refuses(2, *good, "--color-scale", "square"))
 
     def test_options_of_numbers_do_not_swallow_the_input(self):
         for options in (["--background", 0, 0, 0], ["--clip-plane", 1, 0, 0, 1, 0, 0], ["--light", 0, 0, 1],

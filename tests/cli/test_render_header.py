@@ -16,7 +16,7 @@ from support import ToolTest
 # Options of input, output and execution, which do not affect the picture.
 NOT_OF_THE_PICTURE = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--frames",
                       "--clamp-frames", "--renumber", "--skip-existing", "--keep-going", "--output", "--histogram",
-                      "--transfer-out", "--film", "--fps"}
+                      "--transfer-out", "--film", "--fps", "--parameters"}
 ORTHOGRAPHIC = ["--projection", "orthographic"]
 # For each option: the options that it needs, and a value other than its default.
 VALUES = {
@@ -109,7 +109,7 @@ class Header(ToolTest):
                              "--clip-box", 0, 0, 0, 1, 2, 0.5, "--light", 1, 2, 3, "--transfer", "function.json",
                              "--stretch", 1, 1, 2, "--roi", "lic.0001.vdb:magnitude")
         for line in ('clipPlanes (type string): "0.5 0 0 1 0 0, 0 1 0 0 -1 0"', 'clipBox (type string): "0 0 0 1 2 0.5"',
-                     'lights (type string): "1 2 3 1"', 'colorMap (type string): "0:1 0 0, 1:0 0 1"',
+                     'lights (type string): "1 2 3 1"', 'colors (type string): "0:#ff0000,1:#0000ff"',
                      "stretch (type v3f): (1 1 2)", 'region (type string): "lic.0001.vdb:magnitude"',
                      'shading (type string): "phong"', "frame (type int): 1"):
             self.assertIn(line, header)

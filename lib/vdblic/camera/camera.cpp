@@ -89,7 +89,7 @@ Parameters parametersOf(CameraParams& params)
                    .text = "Height of an orthographic picture; by default all is seen.",
                    .unit = "world",
                    .group = "Camera",
-                   .limits = {.least = 0, .isAbove = true}},
+                   .limits = {0, 1e18, true}},
                   params.viewHeight),
     };
 }

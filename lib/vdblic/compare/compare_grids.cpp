@@ -23,7 +23,7 @@ std::vector<std::string> creationMetadata()
 
 Parameters parametersOf(CompareParams& params)
 {
-    const Limits positive{.least = 0};
+    const Limits positive{.least = 0, .most = 1e300};
     const auto addIgnored = [&params](const Words& names) {
         params.ignoredMetadata.insert(params.ignoredMetadata.end(), names.begin(), names.end());
     };

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <system_error>
 #include <utility>
 
@@ -22,6 +23,8 @@ std::optional<double> numberIn(std::string_view word)
 {
     double number = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error == std::errc::result_out_of_range)
+        return std::strtod(std::string(word).c_str(), nullptr); // 0 or infinite
     if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
     return number;
 }
@@ -79,7 +82,7 @@ void Parameter::check(const Words& words) const
         if (type == WordType::kFlag || type == WordType::kText) continue;
         const std::optional<double> number = detail::numberIn(word);
         const Limits& limits = info.limits;
-        const bool isIn = number && std::isfinite(*number) && *number <= limits.most &&
+        const bool isIn = number && *number <= limits.most && // which no not-a-number is
                           (limits.isAbove ? *number > limits.least : *number >= limits.least);
         if (!isIn) refuse();
     }

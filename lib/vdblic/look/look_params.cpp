@@ -27,7 +27,7 @@ Parameters parametersOf(LookParams& params)
         parameter({.key = "halo",
                    .text = "Strength of the gaps that streaks cut into what is behind them; 0: none.",
                    .group = "Light",
-                   .limits = {.least = 0}},
+                   .limits = {0, 1e9}},
                   params.halo),
         parameter({.key = "shadows",
                    .text = "How dark it is where the volume lets no light through.",

@@ -12,7 +12,7 @@
 namespace vdblic {
 Parameters parametersOf(Shading& params)
 {
-    const Limits positive{.least = 0};
+    const Limits positive{.least = 0, .most = 1e9};
     const auto setLights = [&params](const Words& words) {
         params.lights.clear();
         for (std::size_t i = 0; i < words.size(); i += 3)

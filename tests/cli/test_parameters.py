@@ -1,0 +1,84 @@
+"""Each parameter is described once, and everything that names parameters follows the description."""
+
+import json
+import os
+import pathlib
+import re
+import sys
+import unittest
+
+from support import BIN, ToolTest
+
+SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
+TOOLS = "synth", "noise", "advect", "render", "info", "coherence", "diff", "view"
+# Arguments that are no member of a parameter struct.
+OWN = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--parameters", "--list",
+       "--json", "--port", "--host", "--open"}
+
+
+class Parameters(ToolTest):
+    def listed(self, tool):
+        done = self.run_tool(f"vdblic_{tool}", "--parameters")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_help_and_list_agree(self):
+        for tool in TOOLS:
+            with self.subTest(tool=tool):
+                listed = self.listed(tool)
+                help_text = self.run_tool(f"vdblic_{tool}", "--help").stdout
+                shown = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", help_text, re.MULTILINE))
+                options = {p["option"].split(",")[-1] for p in listed if p["option"].startswith("-")}
+                self.assertEqual(shown - OWN, options - OWN)
+                words = " ".join(help_text.split())
+                for parameter in listed:
+                    self.assertIn(parameter["text"].rstrip("."), words, parameter["key"])
+                self.assertEqual(len({p["key"] for p in listed}), len(listed))
+                experts = [p["option"] for p in listed if p.get("expert")]
+                for option in experts:
+                    self.assertGreater(help_text.index(f"  {option} "), help_text.index("\nExpert:"), option)
+
+    def test_a_description_stands_once(self):
+        """No sentence of the help stands anywhere else in the sources."""
+        code = [path.read_text() for folder in ("lib", "tools") for path in (SOURCE / folder).rglob("*")
+                if path.suffix in (".cpp", ".h", ".py") and "page" not in path.parts]
+        joined = "".join(re.sub(r'"\s*\n\s*"', "", text) for text in code)
+        for tool in "advect", "render":
+            for parameter in self.listed(tool):
+                text = json.dumps(parameter["text"], ensure_ascii=False)[1:-1]
+                self.assertEqual(joined.count(f'"{text}"'), 1 if parameter["key"] != "clamp_frames" else 2, text)
+
+    def test_python_has_them(self):
+        module = BIN.parent / "python"
+        if os.environ.get("VDBLIC_SANITIZED") == "1" or not list(module.glob("vdblic/_core*.so")):
+            self.skipTest("the module is not there")
+        sys.path.insert(0, str(module))
+        import vdblic  # pylint: disable=import-outside-toplevel
+
+        files = {"input", "output", "json", "resume", "restart", "keep_checkpoint", "checkpoint_every", "compression",
+                 "fps", "renumber"}
+        self.assertEqual(set(vdblic.flow.PARAMETERS), {p["key"] for p in self.listed("advect")} - files)
+        outputs = {"input", "frames", "clamp_frames", "renumber", "output", "skip_existing", "keep_going", "aov",
+                   "precision", "compression", "histogram", "transfer_out", "film", "fps"}
+        self.assertEqual(set(vdblic.pictures.OPTIONS), {p["key"] for p in self.listed("render")} - outputs)
+        for function, names in (vdblic.advect, vdblic.flow.PARAMETERS), (vdblic.Renderer, vdblic.pictures.OPTIONS):
+            for name in names:
+                self.assertRegex(function.__doc__, rf"\n    {name} ")
+
+    def test_defaults_are_taken(self):
+        """The default that the list tells is a value that the option takes."""
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 8, 8, 8, "--frames", "1-2")
+        options = []
+        for parameter in self.listed("advect"):
+            if "default" in parameter and parameter["option"].startswith("--"):
+                options += [parameter["option"], *parameter["default"].split()]
+        self.assertGreater(len(options), 20)
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "all.%04d.vdb", *options)
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "none.%04d.vdb")
+        for frame in 1, 2:
+            self.assertEqual((self.folder / f"all.{frame:04}.vdb").read_bytes(),
+                             (self.folder / f"none.{frame:04}.vdb").read_bytes())
+
+
+if __name__ == "__main__":
+    unittest.main()
