@@ -46,11 +46,11 @@ py::list described(const Parameters& parameters)
     py::list list;
     for (const Parameter& parameter : parameters) {
         py::dict entry;
-        entry["key"] = std::string(parameter.info.key);
-        entry["text"] = std::string(parameter.info.text);
+        entry["key"] = std::string(parameter.key);
+        entry["text"] = std::string(parameter.text);
         entry["kind"] = parameter.kind();
         entry["unit"] = std::string(parameter.info.unit);
-        entry["default"] = parameter.text();
+        entry["default"] = parameter.value();
         entry["expert"] = parameter.info.isExpert;
         list.append(entry);
     }

@@ -34,7 +34,7 @@ Image Picture::of(const VdbFile& volume, std::int64_t frame)
     if (!mScene) {
         const glm::ivec2 size = params.scaledSize();
         if (loaded->volume.empty()) return {size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
-        mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), true, {});
+        mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), true, {}, mAlone);
         if (!mParams.opacityBy.empty()) mParams.opacityBy = {mScene->opacityBy};
     }
     std::shared_ptr<const Solid> solid;

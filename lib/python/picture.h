@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/image/image.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/render_params.h"
@@ -26,6 +27,7 @@ class Picture {
   private:
     RenderParams mParams;
     std::optional<Scene> mScene;
+    OneProcess mAlone;
 };
 
 } // namespace vdblic::python

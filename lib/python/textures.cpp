@@ -45,7 +45,7 @@ Parameters advectParameters(AdvectParams& params)
         static constexpr std::array<std::string_view, 9> kOfFiles = {
             "output",           "json",        "resume", "restart", "keep_checkpoint",
             "checkpoint_every", "compression", "fps",    "renumber"};
-        return std::find(kOfFiles.begin(), kOfFiles.end(), parameter.info.key) != kOfFiles.end();
+        return std::find(kOfFiles.begin(), kOfFiles.end(), parameter.key) != kOfFiles.end();
     });
     return parameters;
 }

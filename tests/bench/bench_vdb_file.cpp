@@ -72,7 +72,7 @@ void writeLeaves(benchmark::State& state)
         if (state.range(0) == 1) {
             OwnWriter().write(stream, grids);
         } else {
-            vdblic::VdbAssembly(kBlosc).write(stream, grids, {});
+            vdblic::VdbAssembly(kBlosc).assemble(stream, grids, {});
         }
     }
     std::filesystem::remove(path);

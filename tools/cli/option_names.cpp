@@ -11,7 +11,7 @@ bool isParameter(std::string_view word)
 std::string optionOf(std::string_view key, const Parameters& parameters)
 {
     const Parameter* const known = find(parameters, key);
-    const std::string option = (known ? *known : Parameter{{.key = key}}).option();
+    const std::string option = (known ? *known : Parameter{key, {}}).option();
     return option.substr(option.rfind(',') + 1); // the long one
 }
 

@@ -15,7 +15,7 @@ namespace {
 /// The text of the help: what the parameter does, its unit, its choices and bounds.
 std::string helpOf(const Parameter& parameter)
 {
-    std::string help(parameter.info.text);
+    std::string help(parameter.text);
     const auto [least, most, isAbove] = parameter.info.limits;
     constexpr double kFew = 1e7, kTiny = 1e-7; // bounds beyond are there for the machine's sake
     const bool isBounded =
@@ -50,7 +50,7 @@ ParameterOptions::ParameterOptions(CLI::App& app, Parameters parameters) : mPara
 
 void ParameterOptions::add(CLI::App& app, const Parameter& parameter)
 {
-    const std::string key(parameter.info.key);
+    const std::string key(parameter.key);
     const auto keep = [this, key](const CLI::results_t& words) {
         mGiven[key] = words;
         return true;
@@ -76,7 +76,7 @@ void ParameterOptions::add(CLI::App& app, const Parameter& parameter)
                                                                     : "TEXT");
         }
         if (parameter.isPositional()) option->type_name("");
-        const std::string text = parameter.text();
+        const std::string text = parameter.value();
         if (!text.empty()) option->default_str(text);
     }
     option->required(parameter.info.isRequired);
@@ -92,14 +92,16 @@ std::string toJson(const Parameters& parameters)
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Parameter& parameter : parameters) {
         const ParameterInfo& info = parameter.info;
-        nlohmann::ordered_json entry = {
-            {"key", info.key}, {"option", parameter.option()}, {"type", typeOf(parameter)}, {"text", info.text}};
+        nlohmann::ordered_json entry = {{"key", parameter.key},
+                                        {"option", parameter.option()},
+                                        {"type", typeOf(parameter)},
+                                        {"text", parameter.text}};
         const auto add = [&](const char* name, std::string_view text) {
             if (!text.empty()) entry[name] = text;
         };
         add("words", info.words);
         add("unit", info.unit);
-        add("default", parameter.type == WordType::kFlag ? "" : parameter.text());
+        add("default", parameter.type == WordType::kFlag ? "" : parameter.value());
         if (!parameter.choices.empty()) entry["choices"] = parameter.choices;
         if (std::isfinite(info.limits.least)) entry[info.limits.isAbove ? "above" : "least"] = info.limits.least;
         if (std::isfinite(info.limits.most)) entry["most"] = info.limits.most;

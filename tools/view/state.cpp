@@ -81,7 +81,7 @@ std::map<std::string, Words> givenBy(const Start& start, const Json& state, cons
         if (!parameter) throw ParameterError(fmt::format("a state has no \"{:.60}\"", name));
         if (name == "solid" && value != "domain" && (start.solid.empty() || value != start.solid))
             throw ParameterError("\"solid\" must be domain or what the command line names");
-        given[std::string(parameter->info.key)] = wordsOf(name, value);
+        given[std::string(parameter->key)] = wordsOf(name, value);
     }
     return given;
 }
@@ -104,7 +104,7 @@ Start startOf(const std::map<std::string, Words>& given, const SequenceParams& i
     RenderParams params;
     Start start{input, {}, Json::object(), {}};
     for (const Parameter& parameter : pictureParametersOf(params)) {
-        const auto words = given.find(std::string(parameter.info.key));
+        const auto words = given.find(std::string(parameter.key));
         if (words == given.end()) continue;
         parameter.check(words->second);
         const std::string name = nameOf(parameter);

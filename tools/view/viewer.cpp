@@ -169,7 +169,8 @@ std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const RenderParams& params
     const FrameCache::Frame first = load(params, known.lookFrames.front());
     if (first->volume.empty()) return settledBasis(params);
     auto basis = std::make_shared<Basis>();
-    basis->look.add(*first);
+    OneProcess alone;
+    basis->look.add(*first, alone);
     basis->frames = {known.lookFrames.front()};
     basis->settled = known.lookFrames.size() == 1;
     keepBasis(key, basis);
@@ -184,12 +185,13 @@ void Viewer::settleLater(const View& view)
 std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const RenderParams& params)
 {
     auto basis = std::make_shared<Basis>();
+    OneProcess alone;
     const SceneSource known = source(params.stretch);
     for (const FrameFile& file : known.lookFrames) {
         try {
             const FrameCache::Frame frame = load(params, file);
             if (frame->volume.empty()) continue;
-            basis->look.add(*frame);
+            basis->look.add(*frame, alone);
             basis->frames.push_back(file);
         } catch (const InputError&) { // is reported at the frame's turn
             if (file.frame == known.lookFrames.front().frame) throw;
@@ -218,7 +220,8 @@ Viewer::Choice Viewer::choiceFor(const RenderParams& params, const Json& state,
         std::vector<FrameCache::Frame> frames;
         for (const FrameFile& file : basis->frames)
             frames.push_back(load(params, file));
-        choice.subject = sceneSubject(params, choice.look, frames, source.box, source.steady);
+        OneProcess alone;
+        choice.subject = sceneSubject(params, choice.look, frames, source.box, source.steady, alone);
     }
     const std::lock_guard lock(mMutex);
     keepFirst(mChoices, key, std::pair(basis, choice));

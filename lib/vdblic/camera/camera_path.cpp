@@ -107,27 +107,17 @@ Parameters parametersOf(CameraMotion& params)
         return params.keys.file.empty() ? Words{} : Words{params.keys.file.filename().string()};
     };
     return {
-        parameter({.key = "orbit",
-                   .text = "Turns of the camera around the target in the course of the sequence; the last frame ends "
-                           "one step before the first begins again.",
-                   .unit = "turns",
-                   .group = "Camera",
-                   .limits = {-kMostTurns, kMostTurns}},
-                  params.orbit),
-        parameter({.key = "orbit_frames",
-                   .text = "Frames that the turns take, instead of those on disk; needed for paths on standard input, "
-                           "where frame 1 is the first.",
-                   .group = "Camera",
-                   .limits = {.least = 1}},
-                  params.orbitFrames),
-        parameter(
-            {.key = "camera",
-             .text = "JSON file of key frames of the camera (docs/render-reference.md).",
-             .words = "FILE",
-             .group = "Camera",
-             .isFile = true,
-             .attribute = "cameraKeys"},
-            WordType::kText, 1, [&params](const Words& words) { params.keys = readCameraKeys(words[0]); }, wordsOf),
+        parameter("orbit",
+                  "Turns of the camera around the target in the course of the sequence; the last frame ends one step "
+                  "before the first begins again.",
+                  params.orbit, {.unit = "turns", .group = "Camera", .limits = {-kMostTurns, kMostTurns}}),
+        parameter("orbit_frames",
+                  "Frames that the turns take, instead of those on disk; needed for paths on standard input, where "
+                  "frame 1 is the first.",
+                  params.orbitFrames, {.group = "Camera", .limits = {.least = 1}}),
+        parameter("camera", "JSON file of key frames of the camera (docs/render-reference.md).", WordType::kText, 1,
+                  [&params](const Words& words) { params.keys = readCameraKeys(words[0]); }, wordsOf,
+                  {.words = "FILE", .group = "Camera", .isFile = true, .attribute = "cameraKeys"}),
     };
 }
 

@@ -29,12 +29,7 @@ Parameters parametersOf(ClipParams& params)
         words.insert(words.end(), more.begin(), more.end());
     };
     Parameter plane = parameter(
-        {.key = "clip_plane",
-         .text = "Plane through a point, cutting away what its normal points away from; may be repeated.",
-         .unit = "world",
-         .words = "X Y Z NX NY NZ",
-         .group = "Cuts",
-         .attribute = "clipPlanes"},
+        "clip_plane", "Plane through a point, cutting away what its normal points away from; may be repeated.",
         WordType::kNumber, 6,
         [&params, vectorAt](const Words& words) {
             params.planes.clear();
@@ -48,15 +43,11 @@ Parameters parametersOf(ClipParams& params)
                 append(words, normal);
             }
             return words;
-        });
+        },
+        {.unit = "world", .words = "X Y Z NX NY NZ", .group = "Cuts", .attribute = "clipPlanes"});
     plane.repeats = true;
     const Parameter box = parameter(
-        {.key = "clip_box",
-         .text = "Low and high corner of a box, cutting away what is outside.",
-         .unit = "world",
-         .words = "X Y Z X Y Z",
-         .group = "Cuts"},
-        WordType::kNumber, 6,
+        "clip_box", "Low and high corner of a box, cutting away what is outside.", WordType::kNumber, 6,
         [&params, vectorAt](const Words& words) {
             params.box = {vectorAt(words, 0), vectorAt(words, 3)};
         },
@@ -65,7 +56,8 @@ Parameters parametersOf(ClipParams& params)
             for (int corner = 0; params.box && corner < 2; ++corner)
                 append(words, (*params.box)[std::size_t(corner)]);
             return words;
-        });
+        },
+        {.unit = "world", .words = "X Y Z X Y Z", .group = "Cuts"});
     return {plane, box};
 }
 

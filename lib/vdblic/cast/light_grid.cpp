@@ -51,7 +51,7 @@ glm::dvec3 keyLight(const Look& look, const Camera& camera)
 }
 
 LightGrid::LightGrid(const TextureVolume& volume, const Look& look, const glm::dvec3& towardsLight, double strength,
-                     const Solid* solid, Exchange* exchange)
+                     const Solid* solid, Exchange& exchange)
 {
     openvdb::CoordBBox box;
     for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf)
@@ -74,7 +74,7 @@ LightGrid::LightGrid(const TextureVolume& volume, const Look& look, const glm::d
 }
 
 /// Sums are of integers, so their order does not matter.
-std::vector<float> LightGrid::meanExtinctions(const TextureVolume& volume, const Look& look, Exchange* exchange) const
+std::vector<float> LightGrid::meanExtinctions(const TextureVolume& volume, const Look& look, Exchange& exchange) const
 {
     constexpr float kUnit = 0x1p32f;
     std::vector<std::uint64_t> sums(index(mDim.offsetBy(-1)) + 1);
@@ -99,7 +99,7 @@ std::vector<float> LightGrid::meanExtinctions(const TextureVolume& volume, const
         for (std::size_t leaf = 0; leaf < volume.leafCount(); ++leaf)
             addLeaf(leaf);
     }
-    if (exchange) exchange->sum(sums);
+    exchange.sum(sums);
     const double perSum = 1 / (double(kUnit) * mCell * mCell * mCell);
     std::vector<float> means;
     means.reserve(sums.size());

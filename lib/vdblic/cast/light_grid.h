@@ -31,9 +31,9 @@ class LightGrid {
     /// @param towardsLight world space, any length but 0
     /// @param strength     of shadows: 0 none; 1: where no light arrives it is black
     /// @param solid        casts a shadow too; or null
-    /// @param exchange     of the ranks that share the volume: collective; or null
+    /// @param exchange     of the ranks that share the volume: collective
     LightGrid(const TextureVolume& volume, const Look& look, const glm::dvec3& towardsLight, double strength,
-              const Solid* solid, Exchange* exchange = nullptr);
+              const Solid* solid, Exchange& exchange);
 
     /// Factors on the light, 1 − strength · (1 − transmittance). @param position index space, by axis
     void at(const Float8* position, Float8& result) const;
@@ -46,7 +46,7 @@ class LightGrid {
                std::size_t(cell[2]);
     }
     [[nodiscard]] std::vector<float> meanExtinctions(const TextureVolume& volume, const Look& look,
-                                                     Exchange* exchange) const;
+                                                     Exchange& exchange) const;
     void addSolid(const TextureVolume& volume, const Solid& solid, std::vector<float>& extinctions) const;
     void sweep(const glm::dvec3& towardsLight, std::vector<float>& extinctions);
 

@@ -9,12 +9,8 @@ namespace vdblic {
 Parameters parametersOf(RayCastParams& params)
 {
     const Parameters own = {
-        parameter({.key = "step",
-                   .text = "Distance between samples. Opacity does not depend on it.",
-                   .unit = "voxels",
-                   .group = "Picture",
-                   .limits = {0.01, 100}},
-                  params.step),
+        parameter("step", "Distance between samples. Opacity does not depend on it.", params.step,
+                  {.unit = "voxels", .group = "Picture", .limits = {0.01, 100}}),
     };
     return joined({own, parametersOf(params.clip)});
 }

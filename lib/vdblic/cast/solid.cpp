@@ -147,18 +147,12 @@ Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, co
 Parameters parametersOf(SolidParams& params)
 {
     return {
-        parameter({.key = "solid",
-                   .text = "Opaque body: a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one file or "
-                           "a sequence; or domain, what the texture leaves out of its box.",
-                   .words = "FILE[:GRID] or domain",
-                   .group = "Solid"},
-                  params.source),
-        parameter({.key = "solid_color",
-                   .text = "Colour of the solid as displayed.",
-                   .words = "R G B",
-                   .group = "Solid",
-                   .limits = {0, 1}},
-                  params.color),
+        parameter("solid",
+                  "Opaque body: a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one file or a "
+                  "sequence; or domain, what the texture leaves out of its box.",
+                  params.source, {.words = "FILE[:GRID] or domain", .group = "Solid"}),
+        parameter("solid_color", "Colour of the solid as displayed.", params.color,
+                  {.words = "R G B", .group = "Solid", .limits = {0, 1}}),
     };
 }
 

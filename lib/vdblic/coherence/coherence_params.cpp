@@ -12,8 +12,7 @@ namespace vdblic {
 Parameters parametersOf(CoherenceParams& params)
 {
     constexpr double kMostSamples = 1e8;
-    return {parameter({.key = "samples", .text = "Points a frame is looked at.", .limits = {1, kMostSamples}},
-                      params.samples)};
+    return {parameter("samples", "Points a frame is looked at.", params.samples, {.limits = {1, kMostSamples}})};
 }
 
 void CoherenceParams::validate() const
@@ -28,39 +27,20 @@ void CoherenceParams::validate() const
 
 Parameters parametersOf(SequenceCoherenceParams& params)
 {
+    Parameters input =
+        parametersOf(params.flow.input, "VELOCITY",
+                     "Velocity sequence: one file, or a pattern: name.%04d.vdb, also ####, @@@@, $F4, <F4>.");
+    std::erase_if(input, [](const Parameter& parameter) { return parameter.key == "renumber"; });
     const Parameters own = {
-        parameter({.key = "input",
-                   .text = "Velocity sequence: one file, or a pattern: name.%04d.vdb, also ####, @@@@, $F4, <F4>.",
-                   .option = "VELOCITY",
-                   .isRequired = true,
-                   .isFile = true},
-                  params.flow.input.pattern),
-        parameter({.key = "texture",
-                   .text = "The textures made from it; frames are matched by number.",
-                   .option = "TEXTURE",
-                   .isRequired = true,
-                   .isFile = true},
-                  params.texture),
-        parameter({.key = "frames", .text = "Frames to measure: 1-100, 1-100x2 or 1,5,9-20; every frame by default."},
-                  params.flow.input.frames),
-        parameter(
-            {.key = "clamp_frames", .text = "Leave out frames of the selection that lie beyond the files on disk."},
-            params.flow.input.clampFrames),
-        parameter({.key = "texture_name",
-                   .text = "Name of the texture grid; by default that of vdblic_advect.",
-                   .option = "--texture",
-                   .words = "NAME"},
-                  params.textureName),
-        parameter({.key = "json", .text = "File to write every figure to.", .words = "FILE", .isFile = true},
-                  params.json),
-        parameter({.key = "plot",
-                   .text = "SVG file to plot the autocorrelations to.",
-                   .option = "-o,--output",
-                   .words = "FILE",
-                   .isFile = true},
-                  params.plot),
+        parameter("texture", "The textures made from it; frames are matched by number.", params.texture,
+                  {.option = "TEXTURE", .isRequired = true, .isFile = true}),
+        parameter("texture_name", "Name of the texture grid; by default that of vdblic_advect.", params.textureName,
+                  {.option = "--texture", .words = "NAME"}),
+        parameter("json", "File to write every figure to.", params.json, {.words = "FILE", .isFile = true}),
+        parameter("plot", "SVG file to plot the autocorrelations to.", params.plot,
+                  {.option = "-o,--output", .words = "FILE", .isFile = true}),
     };
-    return joined({own, parametersOf(params.coherence), parametersOf(params.flow)});
+    return joined({input, own, parametersOf(params.coherence), parametersOf(params.flow)});
 }
 
 void SequenceCoherenceParams::validate() const

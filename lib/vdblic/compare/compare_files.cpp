@@ -167,31 +167,17 @@ void checkNoInput(const std::filesystem::path& output, const std::vector<FrameDi
 Parameters parametersOf(CompareSequencesParams& params)
 {
     const Parameters inputs = {
-        parameter({.key = "a",
-                   .text = "One .vdb file, or a pattern: name.%04d.vdb, also ####, @@@@, $F4, <F4>.",
-                   .option = "A",
-                   .isRequired = true,
-                   .isFile = true},
-                  params.a),
-        parameter({.key = "b",
-                   .text = "The file or pattern to compare with; frames are matched by number.",
-                   .option = "B",
-                   .isRequired = true,
-                   .isFile = true},
-                  params.b),
-        parameter({.key = "frames", .text = "Frames to compare: 1-100, 1-100x2 or 1,5,9-20; every frame by default."},
-                  params.frames),
+        parameter("a", "One .vdb file, or a pattern: name.%04d.vdb, also ####, @@@@, $F4, <F4>.", params.a,
+                  {.option = "A", .isRequired = true, .isFile = true}),
+        parameter("b", "The file or pattern to compare with; frames are matched by number.", params.b,
+                  {.option = "B", .isRequired = true, .isFile = true}),
+        parameter("frames", "Frames to compare: 1-100, 1-100x2 or 1,5,9-20; every frame by default.", params.frames),
     };
     const Parameters outputs = {
-        parameter({.key = "output",
-                   .text = "File or pattern to write |A - B| grids to.",
-                   .option = "-o,--output",
-                   .isFile = true},
-                  params.output),
-        parameter({.key = "skip_existing", .text = "Leave outputs that are there as they are, and print their paths."},
-                  params.skipExisting),
-        parameter({.key = "json", .text = "File to write the whole report to.", .words = "FILE", .isFile = true},
-                  params.json),
+        parameter("output", "File or pattern to write |A - B| grids to.", params.output,
+                  {.option = "-o,--output", .isFile = true}),
+        skipExistingParameter(params.skipExisting),
+        parameter("json", "File to write the whole report to.", params.json, {.words = "FILE", .isFile = true}),
     };
     return joined({inputs, parametersOf(params.compare), outputs});
 }

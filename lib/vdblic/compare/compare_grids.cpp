@@ -28,40 +28,24 @@ Parameters parametersOf(CompareParams& params)
         params.ignoredMetadata.insert(params.ignoredMetadata.end(), names.begin(), names.end());
     };
     Parameter ignored = parameter(
-        {.key = "ignore_metadata",
-         .text =
-             "Names of metadata to ignore besides creation details and file statistics; a last * stands for any rest.",
-         .words = "NAME,NAME"},
-        WordType::kText, 1, addIgnored, [] { return Words{}; });
+        "ignore_metadata",
+        "Names of metadata to ignore besides creation details and file statistics; a last * stands for any rest.",
+        WordType::kText, 1, addIgnored, [] { return Words{}; }, {.words = "NAME,NAME"});
     ignored.most = WordsOf<std::vector<std::string>>::kMost;
     return {
-        parameter({.key = "fail",
-                   .text = "Errors up to this are within tolerance.",
-                   .unit = "unit of the values",
-                   .limits = positive},
-                  params.fail),
-        parameter({.key = "relative",
-                   .text = "As are errors up to this share of the larger of |a| and |b|.",
-                   .limits = positive},
-                  params.relative),
-        parameter({.key = "fail_percent",
-                   .text = "Share of a grid's voxels that may be over tolerance.",
-                   .unit = "%",
-                   .limits = {0, 100}},
-                  params.failPercent),
-        parameter({.key = "hard_fail",
-                   .text = "Yet one error over this fails.",
-                   .unit = "unit of the values",
-                   .limits = positive},
-                  params.hardFail),
-        parameter({.key = "warn",
-                   .text = "Errors over this are worth a warning.",
-                   .unit = "unit of the values",
-                   .limits = positive},
-                  params.warn),
-        parameter({.key = "inactive", .text = "Compare inactive voxels too, where they hold more than the background."},
+        parameter("fail", "Errors up to this are within tolerance.", params.fail,
+                  {.unit = "unit of the values", .limits = positive}),
+        parameter("relative", "As are errors up to this share of the larger of |a| and |b|.", params.relative,
+                  {.limits = positive}),
+        parameter("fail_percent", "Share of a grid's voxels that may be over tolerance.", params.failPercent,
+                  {.unit = "%", .limits = {0, 100}}),
+        parameter("hard_fail", "Yet one error over this fails.", params.hardFail,
+                  {.unit = "unit of the values", .limits = positive}),
+        parameter("warn", "Errors over this are worth a warning.", params.warn,
+                  {.unit = "unit of the values", .limits = positive}),
+        parameter("inactive", "Compare inactive voxels too, where they hold more than the background.",
                   params.inactive),
-        parameter({.key = "first", .text = "Stop at the first difference."}, params.firstOnly),
+        parameter("first", "Stop at the first difference.", params.firstOnly),
         ignored,
     };
 }

@@ -42,7 +42,7 @@ std::optional<std::int64_t> integerIn(std::string_view word)
 std::string Parameter::option() const
 {
     if (!info.option.empty()) return std::string(info.option);
-    std::string option = "--" + std::string(info.key);
+    std::string option = "--" + std::string(key);
     std::replace(option.begin(), option.end(), '_', '-');
     return option;
 }
@@ -52,25 +52,25 @@ std::string Parameter::kind() const
     if (!choices.empty()) return fmt::format("one of {}", fmt::join(choices, ", "));
     if (type == WordType::kFlag) return "true or false";
     const bool isInteger = type == WordType::kInteger;
-    std::string text = type == WordType::kText ? "text" : isInteger ? "a whole number" : "a number";
+    std::string what = type == WordType::kText ? "text" : isInteger ? "a whole number" : "a number";
     if (most > 1) {
         const std::string count = isList() ? (type == WordType::kText ? "" : fmt::format("{} to {} ", least, most))
                                            : fmt::format("{} ", least);
-        text = count + (type == WordType::kText ? "names" : isInteger ? "whole numbers" : "numbers");
+        what = count + (type == WordType::kText ? "names" : isInteger ? "whole numbers" : "numbers");
     }
     const Limits& limits = info.limits;
     const bool hasLeast = std::isfinite(limits.least), hasMost = std::isfinite(limits.most);
-    if (hasLeast && limits.isAbove) text += fmt::format(" above {}", limits.least);
-    if (hasLeast && !limits.isAbove) text += fmt::format(" from {}", limits.least);
-    if (hasMost) text += fmt::format(" {} {}", hasLeast && !limits.isAbove ? "to" : "up to", limits.most);
-    return text;
+    if (hasLeast && limits.isAbove) what += fmt::format(" above {}", limits.least);
+    if (hasLeast && !limits.isAbove) what += fmt::format(" from {}", limits.least);
+    if (hasMost) what += fmt::format(" {} {}", hasLeast && !limits.isAbove ? "to" : "up to", limits.most);
+    return what;
 }
 
 void Parameter::check(const Words& words) const
 {
     const auto refuse = [&] {
-        throw ParameterError(fmt::format("`{}` cannot be {:.100}; it is {}", info.key,
-                                         fmt::format("{}", fmt::join(words, " ")), kind()));
+        throw ParameterError(
+            fmt::format("`{}` cannot be {:.100}; it is {}", key, fmt::format("{}", fmt::join(words, " ")), kind()));
     };
     const bool fits =
         repeats ? !words.empty() && words.size() % least == 0 : words.size() >= least && words.size() <= most;
@@ -88,7 +88,7 @@ void Parameter::check(const Words& words) const
     }
 }
 
-std::string Parameter::text() const
+std::string Parameter::value() const
 {
     return fmt::format("{}", fmt::join(get(), separator(*this)));
 }
@@ -104,7 +104,7 @@ Parameters joined(std::initializer_list<Parameters> lists)
 const Parameter* find(const Parameters& parameters, std::string_view key)
 {
     const auto found =
-        std::find_if(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.info.key == key; });
+        std::find_if(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.key == key; });
     return found == parameters.end() ? nullptr : &*found;
 }
 
@@ -126,7 +126,7 @@ void set(const Parameters& parameters, const std::map<std::string, Words>& given
         }
     }
     for (const Parameter& parameter : parameters) {
-        const auto words = given.find(std::string(parameter.info.key));
+        const auto words = given.find(std::string(parameter.key));
         if (words != given.end()) parameter.set(words->second);
     }
 }

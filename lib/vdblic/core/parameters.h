@@ -28,12 +28,9 @@ struct Limits {
     bool isAbove = false; ///< whether `least` itself is refused
 };
 
-/// What people are told of a parameter.
+/// What people are told of a parameter besides its key and its text.
 struct ParameterInfo {
-    std::string_view key;  ///< its name in messages, in Python and in checkpoints: `life_span`
-    std::string_view text; ///< what it does, in a sentence or two
-    std::string_view
-        option{}; ///< what tools call it; empty: the key with dashes; without dashes: a positional argument
+    std::string_view option{}; ///< of tools; empty: the key with dashes; without dashes: a positional argument
     std::string_view unit{};
     std::string_view words{}; ///< what its words are: `X Y Z`
     std::string_view group{}; ///< of the help
@@ -49,7 +46,9 @@ struct ParameterInfo {
 /// A described parameter of a struct. From it come options, help, keywords, checkpoints, attributes and documents, so
 /// that each stands in one place.
 struct Parameter {
-    ParameterInfo info;
+    std::string_view key;  ///< its name in messages, in Python and in checkpoints: `life_span`
+    std::string_view text; ///< what it does, in a sentence or two
+    ParameterInfo info{};
     WordType type = WordType::kText;
     std::size_t least = 1, most = 1; ///< words of a value
     bool repeats = false;            ///< whether values of `least` words may follow each other
@@ -65,7 +64,7 @@ struct Parameter {
     /// @throws ParameterError if words are none, too many, no numbers or out of bounds
     void check(const Words& words) const;
     /// The value in one text, as messages and files have it; empty if it is not given.
-    [[nodiscard]] std::string text() const;
+    [[nodiscard]] std::string value() const;
 };
 
 /// The parameters of a struct, in the order in which they are set. They refer to it, and it must outlive them.
@@ -170,11 +169,12 @@ struct WordsOf<std::vector<std::string>> {
 
 /// Describe a member of a struct.
 template<typename T>
-[[nodiscard]] Parameter parameter(const ParameterInfo& info, T& target)
+[[nodiscard]] Parameter parameter(std::string_view key, std::string_view text, T& target,
+                                  const ParameterInfo& info = {})
 {
     using Conversion = WordsOf<T>;
     using Scalar = typename Conversion::Scalar;
-    Parameter result{info, detail::kTypeOf<Scalar>, Conversion::kLeast, Conversion::kMost};
+    Parameter result{key, text, info, detail::kTypeOf<Scalar>, Conversion::kLeast, Conversion::kMost};
     if constexpr (std::is_integral_v<Scalar> && sizeof(Scalar) < sizeof(std::int64_t)) {
         result.info.limits.least = std::max(info.limits.least, double(std::numeric_limits<Scalar>::min()));
         result.info.limits.most = std::min(info.limits.most, double(std::numeric_limits<Scalar>::max()));
@@ -187,10 +187,11 @@ template<typename T>
 
 /// Describe what is set in another way than by a member.
 /// @param count words of a value
-[[nodiscard]] inline Parameter parameter(const ParameterInfo& info, WordType type, std::size_t count,
-                                         std::function<void(const Words&)> set, std::function<Words()> get)
+[[nodiscard]] inline Parameter parameter(std::string_view key, std::string_view text, WordType type, std::size_t count,
+                                         std::function<void(const Words&)> set, std::function<Words()> get,
+                                         const ParameterInfo& info = {})
 {
-    return {info, type, count, count, false, {}, std::move(set), std::move(get)};
+    return {key, text, info, type, count, count, false, {}, std::move(set), std::move(get)};
 }
 
 } // namespace vdblic

@@ -76,9 +76,8 @@ Parameter refineParameter(std::string_view text, Refinement& refinement)
         if (x == y && y == z) return {fmt::format("{}", x)};
         return {fmt::format("{}", x), fmt::format("{}", y), fmt::format("{}", z)};
     };
-    Parameter result = parameter(
-        {.key = "refine", .text = text, .words = "N or NX NY NZ", .group = "Texture", .limits = {1, Refinement::kMost}},
-        WordType::kInteger, 1, read, write);
+    Parameter result = parameter("refine", text, WordType::kInteger, 1, read, write,
+                                 {.words = "N or NX NY NZ", .group = "Texture", .limits = {1, Refinement::kMost}});
     result.most = 3;
     return result;
 }

@@ -27,28 +27,16 @@ double timeOf(std::int64_t frame, double dt)
 Parameters parametersOf(SynthParams& params)
 {
     return {
-        parameter({.key = "flow", .text = "Name of the flow; --list shows them.", .option = "FLOW", .isRequired = true},
-                  params.flow),
-        parameter({.key = "output",
-                   .text = "The files to write, as a pattern such as velocity.%04d.vdb.",
-                   .option = "-o,--output",
-                   .isRequired = true,
-                   .isFile = true},
-                  params.output),
-        parameter({.key = "size", .text = "Voxels along x, y and z.", .words = "X Y Z", .isRequired = true},
-                  params.size),
-        parameter({.key = "frames",
-                   .text = "Frames to make: 1-100, 1-100x2 or 1,5,9-20; frame 1 is at time 0.",
-                   .isRequired = true},
-                  params.frames),
-        parameter(
-            {.key = "dt",
-             .text =
-                 "Seconds from one frame number to the next. With the default a flow moves by about 3 voxels a frame.",
-             .unit = "s"},
-            params.dt),
-        parameter({.key = "voxel_size", .text = "Voxel size in world units; velocities are in these per second."},
-                  params.voxelSize),
+        parameter("flow", "Name of the flow; --list shows them.", params.flow, {.option = "FLOW", .isRequired = true}),
+        parameter("output", "The files to write, as a pattern such as velocity.%04d.vdb.", params.output,
+                  {.option = "-o,--output", .isRequired = true, .isFile = true}),
+        parameter("size", "Voxels along x, y and z.", params.size, {.words = "X Y Z", .isRequired = true}),
+        parameter("frames", "Frames to make: 1-100, 1-100x2 or 1,5,9-20; frame 1 is at time 0.", params.frames,
+                  {.isRequired = true}),
+        parameter("dt",
+                  "Seconds from one frame number to the next. With the default a flow moves by about 3 voxels a frame.",
+                  params.dt, {.unit = "s"}),
+        parameter("voxel_size", "Voxel size in world units; velocities are in these per second.", params.voxelSize),
     };
 }
 

@@ -108,21 +108,12 @@ Parameters parametersOf(VelocityParams& params)
 {
     constexpr double kMost = 1e18; // velocities are single precision
     return {
-        parameter({.key = "velocity",
-                   .text = "Name of the velocity grid, or of three scalar grids.",
-                   .words = "NAME",
-                   .group = "Velocity"},
-                  params.grid),
-        parameter({.key = "velocity_unit",
-                   .text = "Unit of the stored velocities; world/s unless the file is known.",
-                   .words = "UNIT",
-                   .group = "Velocity"},
-                  params.unit),
-        parameter({.key = "velocity_scale",
-                   .text = "Factor on the velocities.",
-                   .group = "Velocity",
-                   .limits = {-kMost, kMost}},
-                  params.scale),
+        parameter("velocity", "Name of the velocity grid, or of three scalar grids.", params.grid,
+                  {.words = "NAME", .group = "Velocity"}),
+        parameter("velocity_unit", "Unit of the stored velocities; world/s unless the file is known.", params.unit,
+                  {.words = "UNIT", .group = "Velocity"}),
+        parameter("velocity_scale", "Factor on the velocities.", params.scale,
+                  {.group = "Velocity", .limits = {-kMost, kMost}}),
     };
 }
 

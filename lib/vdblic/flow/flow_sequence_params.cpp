@@ -6,22 +6,14 @@ Parameters parametersOf(FlowSequenceParams& params)
 {
     constexpr double kLeast = 1e-18, kMost = 1e18;
     Parameters all = parametersOf(params.velocity);
-    all.push_back(
-        parameter({.key = "frame_spacing",
-                   .text = "Seconds between the frames on disk; from the files' metadata by default, else 1/24.",
-                   .option = "--dt",
-                   .unit = "s",
-                   .group = "Velocity",
-                   .limits = {kLeast, kMost}},
-                  params.frameSpacing));
+    all.push_back(parameter(
+        "frame_spacing", "Seconds between the frames on disk; from the files' metadata by default, else 1/24.",
+        params.frameSpacing, {.option = "--dt", .unit = "s", .group = "Velocity", .limits = {kLeast, kMost}}));
     const auto setFps = [&params](const Words& words) { params.frameSpacing = 1 / detail::numberIn(words[0]).value(); };
-    all.push_back(parameter({.key = "fps",
-                             .text = "Frames per second, instead of the seconds between them.",
-                             .group = "Velocity",
-                             .limits = {1 / kMost, 1 / kLeast},
-                             .isContent = false,
-                             .excludes = "frame_spacing"},
-                            WordType::kNumber, 1, setFps, [] { return Words{}; }));
+    all.push_back(parameter(
+        "fps", "Frames per second, instead of the seconds between them.", WordType::kNumber, 1, setFps,
+        [] { return Words{}; },
+        {.group = "Velocity", .limits = {1 / kMost, 1 / kLeast}, .isContent = false, .excludes = "frame_spacing"}));
     return all;
 }
 

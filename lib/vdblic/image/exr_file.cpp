@@ -197,25 +197,17 @@ Parameters parametersOf(ExrParams& params)
         }
         return names;
     };
-    Parameter layers = parameter(
-        {.key = "aov",
-         .text = "Further channels of .exr: depth, normal, magnitude, texture, samples, or all.",
-         .words = "NAME,NAME",
-         .group = "Output",
-         .attribute = "-"},
-        WordType::kText, 1, [&params](const Words& words) { params.layers = parseImageLayers(words); }, layerNames);
+    Parameter layers =
+        parameter("aov", "Further channels of .exr: depth, normal, magnitude, texture, samples, or all.",
+                  WordType::kText, 1, [&params](const Words& words) { params.layers = parseImageLayers(words); },
+                  layerNames, {.words = "NAME,NAME", .group = "Output", .attribute = "-"});
     layers.most = WordsOf<std::vector<std::string>>::kMost;
     Parameter compression =
-        parameter({.key = "compression", .text = "Of .exr.", .words = "HOW", .group = "Output", .attribute = "-"},
-                  params.compression);
+        parameter("compression", "Of .exr.", params.compression, {.words = "HOW", .group = "Output", .attribute = "-"});
     compression.choices = exrCompressions();
     compression.get = [&params] { return Words{params.compression}; };
-    Parameter precision = parameter({.key = "precision",
-                                     .text = "Of colour and alpha in .exr.",
-                                     .words = "NUMBERS",
-                                     .group = "Output",
-                                     .attribute = "-"},
-                                    params.precision);
+    Parameter precision = parameter("precision", "Of colour and alpha in .exr.", params.precision,
+                                    {.words = "NUMBERS", .group = "Output", .attribute = "-"});
     precision.choices = {"half", "float"};
     precision.get = [&params] { return Words{params.precision}; };
     return {layers, precision, compression};

@@ -23,18 +23,12 @@ Parameters parametersOf(Background& params)
 {
     const auto setColor = [&params](const Words& words) { params = {WordsOf<glm::dvec3>::read(words), 1}; };
     return {
-        parameter({.key = "background",
-                   .text = "Background as displayed; the look's by default.",
-                   .words = "R G B",
-                   .group = "Picture",
-                   .limits = {0, 1},
-                   .attribute = "backgroundColor"},
-                  WordType::kNumber, 3, setColor, [&params] { return WordsOf<glm::dvec3>::write(params.color); }),
-        parameter({.key = "background_alpha",
-                   .text = "How opaque the background is in .exr; by default 1 if a background is given, else 0.",
-                   .group = "Picture",
-                   .limits = {0, 1}},
-                  params.alpha),
+        parameter("background", "Background as displayed; the look's by default.", WordType::kNumber, 3, setColor,
+                  [&params] { return WordsOf<glm::dvec3>::write(params.color); },
+                  {.words = "R G B", .group = "Picture", .limits = {0, 1}, .attribute = "backgroundColor"}),
+        parameter("background_alpha",
+                  "How opaque the background is in .exr; by default 1 if a background is given, else 0.", params.alpha,
+                  {.group = "Picture", .limits = {0, 1}}),
     };
 }
 

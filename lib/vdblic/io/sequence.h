@@ -74,6 +74,9 @@ struct SequenceParams {
 /// Those of an input sequence. @param name of the positional argument  @param text what the sequence is
 [[nodiscard]] Parameters parametersOf(SequenceParams& params, std::string_view name, std::string_view text);
 
+/// Of stages whose outputs are independent of each other.
+[[nodiscard]] Parameter skipExistingParameter(bool& target);
+
 /// The files a sequence selects; all of them exist.
 ///
 /// @throws InputError naming the missing frame, ParameterError on a frame list for a single file

@@ -103,8 +103,8 @@ StoredLeaves VdbAssembly::store(const openvdb::FloatGrid& grid,
     return storeLeaves(grid, leaves, flagsOf(grid), compression());
 }
 
-void VdbAssembly::write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
-                        LeafSource* source) const
+void VdbAssembly::assemble(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
+                           LeafSource* source) const
 {
     vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
     vdb_io::setStreamMetadataPtr(stream, settings, /*transfer=*/false);

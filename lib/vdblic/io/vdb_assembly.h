@@ -21,7 +21,7 @@ struct StoredLeaves {
     std::vector<std::int64_t> sizes;    ///< of each leaf's values, as OpenVDB lists them; empty if it does not
 };
 
-/// Gives VdbAssembly::write() the leaves of the first grids of a file, while the file is being written.
+/// Gives VdbAssembly::assemble() the leaves of the first grids of a file, while the file is being written.
 class LeafSource {
   public:
     virtual ~LeafSource() = default;
@@ -45,9 +45,8 @@ class VdbAssembly : public openvdb::io::Archive {
 
     /// @param stream seekable, and throws; OpenVDB does not check the state of its stream
     /// @param source of leaves; the nodes of those grids need no values
-    // NOLINTNEXTLINE(clang-diagnostic-overloaded-virtual): nobody calls the one that it hides
-    void write(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
-               LeafSource* source = nullptr) const;
+    void assemble(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
+                  LeafSource* source = nullptr) const;
 
     /// Some leaves of a grid, stored as write() would. @param grid gives class, precision and background
     [[nodiscard]] StoredLeaves store(const openvdb::FloatGrid& grid,

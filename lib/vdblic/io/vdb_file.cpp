@@ -175,10 +175,10 @@ bool verifyVdb(const std::filesystem::path& path)
     return GuardedFile(path).hasChecksums();
 }
 
-void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
+void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
               VdbCompression compression)
 {
-    writeStoredVdb(path, grids, std::move(metadata), compression, nullptr);
+    writeStoredVdb(path, grids, metadata, compression, nullptr);
 }
 
 StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
@@ -187,10 +187,11 @@ StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
     return VdbAssembly(compressionFlags(compression)).store(grid, leaves);
 }
 
-void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
+void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& given,
                     VdbCompression compression, LeafSource* source)
 {
     initializeOnce();
+    openvdb::MetaMap metadata = given;
     metadata.removeMeta("creator");
     metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
     metadata.removeMeta("checksum");
@@ -201,7 +202,7 @@ void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVe
         std::fstream stream;
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(output.temporary(), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
-        VdbAssembly(compressionFlags(compression)).write(stream, grids, metadata, source);
+        VdbAssembly(compressionFlags(compression)).assemble(stream, grids, metadata, source);
         stampChecksums(stream);
         stream.close();
     } catch (const std::bad_alloc&) {

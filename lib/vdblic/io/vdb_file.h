@@ -88,7 +88,7 @@ inline constexpr auto kNames<VdbCompression> = std::to_array<std::string_view>({
 
 /// Write grids and file metadata atomically, and add `creator` and `checksum`. Equal content gives equal files.
 /// @throws OutputError naming the file and the reason, such as a full disk; std::bad_alloc
-void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
+void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
               VdbCompression compression = VdbCompression::kBlosc);
 
 struct StoredLeaves;
@@ -99,8 +99,8 @@ class LeafSource;
                                        VdbCompression compression);
 /// writeVdb() of grids whose leaves are stored already. @param source of the leaves of the first grids, or null
 /// @throws what the source throws, if that is no std::exception
-void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, openvdb::MetaMap metadata,
-                    VdbCompression compression, LeafSource* source);
+void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
+                    const openvdb::MetaMap& metadata, VdbCompression compression, LeafSource* source);
 
 /// A number stored as double, float, int32 or int64 metadata, if there is one.
 [[nodiscard]] std::optional<double> numericMetadata(const openvdb::MetaMap& metadata, const std::string& name);

@@ -9,18 +9,10 @@ namespace vdblic {
 Parameters parametersOf(FeedbackParams& params)
 {
     return {
-        parameter({.key = "sharpen",
-                   .text = "Strength of the high-pass filter between steps.",
-                   .group = "Texture",
-                   .limits = {0, 100},
-                   .isExpert = true},
-                  params.sharpen),
-        parameter({.key = "noise_share",
-                   .text = "Share of the original noise in the input of a step.",
-                   .group = "Texture",
-                   .limits = {0, 1},
-                   .isExpert = true},
-                  params.noiseShare),
+        parameter("sharpen", "Strength of the high-pass filter between steps.", params.sharpen,
+                  {.group = "Texture", .limits = {0, 100}, .isExpert = true}),
+        parameter("noise_share", "Share of the original noise in the input of a step.", params.noiseShare,
+                  {.group = "Texture", .limits = {0, 1}, .isExpert = true}),
     };
 }
 

@@ -9,20 +9,10 @@ namespace vdblic {
 Parameters parametersOf(PathlineParams& params)
 {
     return {
-        parameter({.key = "sample_spacing",
-                   .text = "Distance of deposits on a pathline.",
-                   .unit = "voxels",
-                   .group = "Texture",
-                   .limits = {0.05, 10},
-                   .isExpert = true},
-                  params.sampleSpacing),
-        parameter({.key = "tolerance",
-                   .text = "Largest error of an integration step.",
-                   .unit = "voxels",
-                   .group = "Texture",
-                   .limits = {1e-4, 10},
-                   .isExpert = true},
-                  params.tolerance),
+        parameter("sample_spacing", "Distance of deposits on a pathline.", params.sampleSpacing,
+                  {.unit = "voxels", .group = "Texture", .limits = {0.05, 10}, .isExpert = true}),
+        parameter("tolerance", "Largest error of an integration step.", params.tolerance,
+                  {.unit = "voxels", .group = "Texture", .limits = {1e-4, 10}, .isExpert = true}),
     };
 }
 

@@ -9,30 +9,16 @@ namespace vdblic {
 Parameters parametersOf(TextureParams& params)
 {
     const Parameters own = {
-        parameter({.key = "method",
-                   .text = "auflic: accelerated UFLIC; auflic-2004: the same as published; uflic: a seed for every "
-                           "voxel and frame; lic: each frame on its own.",
-                   .words = "METHOD",
-                   .group = "Texture"},
-                  params.method),
-        parameter({.key = "life_span",
-                   .text = "Life span of a seed, with lic the length of the kernel.",
-                   .option = "--life",
-                   .unit = "frames",
-                   .group = "Texture",
-                   .limits = {1, 1000}},
-                  params.lifeSpan),
-        parameter({.key = "substeps",
-                   .text = "Textures for each interval between frames.",
-                   .group = "Texture",
-                   .limits = {1, 64}},
-                  params.substeps),
-        parameter({.key = "release_window",
-                   .text = "auflic, auflic-2004: part of a frame in which a pathline takes up seeds.",
-                   .group = "Texture",
-                   .limits = {0, 1, true},
-                   .isExpert = true},
-                  params.releaseWindow),
+        parameter("method",
+                  "auflic: accelerated UFLIC; auflic-2004: the same as published; uflic: a seed for every voxel and "
+                  "frame; lic: each frame on its own.",
+                  params.method, {.words = "METHOD", .group = "Texture"}),
+        parameter("life_span", "Life span of a seed, with lic the length of the kernel.", params.lifeSpan,
+                  {.option = "--life", .unit = "frames", .group = "Texture", .limits = {1, 1000}}),
+        parameter("substeps", "Textures for each interval between frames.", params.substeps,
+                  {.group = "Texture", .limits = {1, 64}}),
+        parameter("release_window", "auflic, auflic-2004: part of a frame in which a pathline takes up seeds.",
+                  params.releaseWindow, {.group = "Texture", .limits = {0, 1, true}, .isExpert = true}),
     };
     return joined({own, parametersOf(params.pathline), parametersOf(params.feedback)});
 }

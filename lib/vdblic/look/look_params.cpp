@@ -11,34 +11,18 @@ namespace vdblic {
 Parameters parametersOf(LookParams& params)
 {
     const Parameters texture = {
-        parameter({.key = "modulate",
-                   .text = "How strongly the texture shows in opacity.",
-                   .group = "Colour and opacity",
-                   .limits = {0, 1},
-                   .attribute = "textureStrength"},
-                  params.textureStrength),
-        parameter({.key = "limb_darkening",
-                   .text = "How strongly the texture shows in colour: dark rims of streaks.",
-                   .group = "Colour and opacity",
-                   .limits = {0, 1}},
-                  params.limbDarkening),
+        parameter("modulate", "How strongly the texture shows in opacity.", params.textureStrength,
+                  {.group = "Colour and opacity", .limits = {0, 1}, .attribute = "textureStrength"}),
+        parameter("limb_darkening", "How strongly the texture shows in colour: dark rims of streaks.",
+                  params.limbDarkening, {.group = "Colour and opacity", .limits = {0, 1}}),
     };
     const Parameters light = {
-        parameter({.key = "halo",
-                   .text = "Strength of the gaps that streaks cut into what is behind them; 0: none.",
-                   .group = "Light",
-                   .limits = {0, 1e9}},
-                  params.halo),
-        parameter({.key = "shadows",
-                   .text = "How dark it is where the volume lets no light through.",
-                   .group = "Light",
-                   .limits = {0, 1}},
-                  params.shadows),
-        parameter({.key = "depth_cue",
-                   .text = "How far the most distant samples fade into the background.",
-                   .group = "Light",
-                   .limits = {0, 1}},
-                  params.depthCue),
+        parameter("halo", "Strength of the gaps that streaks cut into what is behind them; 0: none.", params.halo,
+                  {.group = "Light", .limits = {0, 1e9}}),
+        parameter("shadows", "How dark it is where the volume lets no light through.", params.shadows,
+                  {.group = "Light", .limits = {0, 1}}),
+        parameter("depth_cue", "How far the most distant samples fade into the background.", params.depthCue,
+                  {.group = "Light", .limits = {0, 1}}),
     };
     return joined({parametersOf(params.transfer), texture, parametersOf(params.shading), light});
 }

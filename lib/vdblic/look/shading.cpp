@@ -26,32 +26,21 @@ Parameters parametersOf(Shading& params)
         }
         return words;
     };
-    Parameter light = parameter({.key = "light",
-                                 .text = "Direction towards a far-away light, in place of the look's; may be repeated.",
-                                 .unit = "world",
-                                 .words = "X Y Z",
-                                 .group = "Light",
-                                 .attribute = "-"},
-                                WordType::kNumber, 3, setLights, lights);
+    Parameter light = parameter("light", "Direction towards a far-away light, in place of the look's; may be repeated.",
+                                WordType::kNumber, 3, setLights, lights,
+                                {.unit = "world", .words = "X Y Z", .group = "Light", .attribute = "-"});
     light.repeats = true;
     return {
-        parameter({.key = "shading",
-                   .text = "phong: by the texture's gradient; lines: as thin lines, by the direction the texture "
-                           "changes least in; none.",
-                   .words = "HOW",
-                   .group = "Light"},
-                  params.model),
-        parameter({.key = "ambient", .text = "Ambient reflection.", .group = "Light", .limits = positive},
-                  params.ambient),
-        parameter({.key = "diffuse", .text = "Diffuse reflection.", .group = "Light", .limits = positive},
-                  params.diffuse),
-        parameter({.key = "specular", .text = "Specular reflection.", .group = "Light", .limits = positive},
-                  params.specular),
-        parameter({.key = "shininess", .text = "Exponent of highlights.", .group = "Light", .limits = positive},
-                  params.shininess),
-        parameter(
-            {.key = "head_light", .text = "Intensity of the light at the eye.", .group = "Light", .limits = positive},
-            params.headLight),
+        parameter("shading",
+                  "phong: by the texture's gradient; lines: as thin lines, by the direction the texture changes least "
+                  "in; none.",
+                  params.model, {.words = "HOW", .group = "Light"}),
+        parameter("ambient", "Ambient reflection.", params.ambient, {.group = "Light", .limits = positive}),
+        parameter("diffuse", "Diffuse reflection.", params.diffuse, {.group = "Light", .limits = positive}),
+        parameter("specular", "Specular reflection.", params.specular, {.group = "Light", .limits = positive}),
+        parameter("shininess", "Exponent of highlights.", params.shininess, {.group = "Light", .limits = positive}),
+        parameter("head_light", "Intensity of the light at the eye.", params.headLight,
+                  {.group = "Light", .limits = positive}),
         light,
     };
 }

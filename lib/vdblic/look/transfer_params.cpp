@@ -132,54 +132,36 @@ Parameters parametersOf(TransferParams& params)
         params.colorMap = words[0];
         params.colors.clear();
     };
-    Parameter map = parameter({.key = "colormap",
-                               .text = "Colours over the range.",
-                               .words = "NAME",
-                               .group = "Colour and opacity",
-                               .attribute = "colorMap"},
-                              WordType::kText, 1, setMap, [&params] { return Words{params.colorMap}; });
+    Parameter map = parameter("colormap", "Colours over the range.", WordType::kText, 1, setMap,
+                              [&params] { return Words{params.colorMap}; },
+                              {.words = "NAME", .group = "Colour and opacity", .attribute = "colorMap"});
     map.choices = colorMapNames();
     const auto wordsOf = [](std::string text) { return text.empty() ? Words{} : Words{std::move(text)}; };
     return {
         map,
         parameter(
-            {.key = "colors",
-             .text = "Colours of one's own over the range, e.g. 0:#102040,0.5:#e2581a,1:#fff6d5, as displayed.",
-             .words = "POSITION:#RRGGBB,...",
-             .group = "Colour and opacity",
-             .excludes = "colormap"},
+            "colors", "Colours of one's own over the range, e.g. 0:#102040,0.5:#e2581a,1:#fff6d5, as displayed.",
             WordType::kText, 1, [&params](const Words& words) { params.colors = parseColors(words[0]); },
-            [&params, wordsOf] { return wordsOf(colorsText(params.colors)); }),
+            [&params, wordsOf] { return wordsOf(colorsText(params.colors)); },
+            {.words = "POSITION:#RRGGBB,...", .group = "Colour and opacity", .excludes = "colormap"}),
         parameter(
-            {.key = "opacity",
-             .text = "Opacity of one voxel over the range, e.g. 0:0,0.4:0.05,1:0.8. By default it rises with the "
-                     "values, scaled so that one sees into the volume.",
-             .words = "POSITION:OPACITY,...",
-             .group = "Colour and opacity"},
+            "opacity",
+            "Opacity of one voxel over the range, e.g. 0:0,0.4:0.05,1:0.8. By default it rises with the values, scaled "
+            "so that one sees into the volume.",
             WordType::kText, 1, [&params](const Words& words) { params.opacity = parseOpacity(words[0]); },
-            [&params, wordsOf] { return wordsOf(opacityText(params.opacity)); }),
-        parameter({.key = "range",
-                   .text = "Values at positions 0 and 1 of the range; percentiles of the frames by default.",
-                   .words = "LO HI",
-                   .group = "Colour and opacity",
-                   .attribute = "colorRange"},
-                  params.range),
-        parameter({.key = "opacity_range",
-                   .text = "The same of the grid that opacity follows; that of the colours if one grid does both.",
-                   .words = "LO HI",
-                   .group = "Colour and opacity"},
-                  params.opacityRange),
-        parameter({.key = "color_scale",
-                   .text = "How the values of the range are spread over positions.",
-                   .words = "SCALE",
-                   .group = "Colour and opacity"},
-                  params.colorScale),
-        parameter({.key = "opacity_scale",
-                   .text = "The same of the grid that opacity follows; linear by default, but as the colours' if one "
-                           "grid with one range does both.",
-                   .words = "SCALE",
-                   .group = "Colour and opacity"},
-                  params.opacityScale),
+            [&params, wordsOf] { return wordsOf(opacityText(params.opacity)); },
+            {.words = "POSITION:OPACITY,...", .group = "Colour and opacity"}),
+        parameter("range", "Values at positions 0 and 1 of the range; percentiles of the frames by default.",
+                  params.range, {.words = "LO HI", .group = "Colour and opacity", .attribute = "colorRange"}),
+        parameter("opacity_range",
+                  "The same of the grid that opacity follows; that of the colours if one grid does both.",
+                  params.opacityRange, {.words = "LO HI", .group = "Colour and opacity"}),
+        parameter("color_scale", "How the values of the range are spread over positions.", params.colorScale,
+                  {.words = "SCALE", .group = "Colour and opacity"}),
+        parameter("opacity_scale",
+                  "The same of the grid that opacity follows; linear by default, but as the colours' if one grid with "
+                  "one range does both.",
+                  params.opacityScale, {.words = "SCALE", .group = "Colour and opacity"}),
     };
 }
 

@@ -42,25 +42,17 @@ openvdb::MaskTree::Ptr topologyOf(const openvdb::GridBase& grid, const std::stri
 Parameters parametersOf(NoiseParams& params)
 {
     return {
-        parameter({.key = "output",
-                   .text = "The .vdb file to write.",
-                   .option = "-o,--output",
-                   .isRequired = true,
-                   .isFile = true},
-                  params.output),
-        parameter({.key = "like",
-                   .text = "Grid whose active voxels and transform to take; by default the first in the file that has "
-                           "active voxels.",
-                   .words = "FILE[:GRID]",
-                   .isFile = true,
-                   .excludes = "size"},
-                  params.like),
-        parameter({.key = "size", .text = "Voxels along x, y and z of a box.", .words = "X Y Z"}, params.size),
+        parameter("output", "The .vdb file to write.", params.output,
+                  {.option = "-o,--output", .isRequired = true, .isFile = true}),
+        parameter(
+            "like",
+            "Grid whose active voxels and transform to take; by default the first in the file that has active voxels.",
+            params.like, {.words = "FILE[:GRID]", .isFile = true, .excludes = "size"}),
+        parameter("size", "Voxels along x, y and z of a box.", params.size, {.words = "X Y Z"}),
         refineParameter("Voxels of the noise along each axis in a voxel of the grid that it is like.",
                         params.refinement),
-        parameter({.key = "seed", .text = "Another seed gives other noise."}, params.seed),
-        parameter({.key = "skip_existing", .text = "Leave an output that is there as it is, and print its path."},
-                  params.skipExisting),
+        parameter("seed", "Another seed gives other noise.", params.seed),
+        skipExistingParameter(params.skipExisting),
     };
 }
 

@@ -15,14 +15,13 @@ namespace vdblic {
 
 FramePicture::FramePicture(const RenderParams& params, const Scene& scene, const LoadedTexture& frame,
                            std::shared_ptr<const Solid> solid, const PictureShare* share)
-    : mParams(params), mScene(scene), mFrame(frame), mSolid(std::move(solid)), mShare(share), mRays(params.rays),
-      mCamera(scene.cameras.at(frame.file.frame))
+    : mParams(params), mScene(scene), mFrame(frame), mSolid(std::move(solid)), mShare(share),
+      mExchange(share ? share->exchange : mAlone), mRays(params.rays), mCamera(scene.cameras.at(frame.file.frame))
 {
     mRays.clip = params.rays.clip.stretched(params.stretch);
     const Look& look = scene.look;
     if (look.shadows > 0)
-        mLight.emplace(frame.volume, look, keyLight(look, mCamera), double(look.shadows), mSolid.get(),
-                       share ? &share->exchange : nullptr);
+        mLight.emplace(frame.volume, look, keyLight(look, mCamera), double(look.shadows), mSolid.get(), mExchange);
     const Scenery scenery{.solid = mSolid.get(),
                           .solidColor = glm::vec3(linearFromDisplay(params.solid.color)),
                           .light = mLight ? &*mLight : nullptr};
@@ -33,8 +32,7 @@ Image FramePicture::image() const
 {
     Image image = mSum->mean();
     if (mShare) mShare->assemble(image);
-    const bool isWhole = !mShare || mShare->exchange.isFirst();
-    if (mParams.annotations.any() && isWhole) {
+    if (mParams.annotations.any() && mExchange.isFirst()) {
         const AnnotationContent content{mScene.box,       mParams.stretch,   mParams.colorBy,
                                         mScene.opacityBy, mFrame.file.frame, mFrame.time};
         annotate(image, mParams.annotations, content, mScene.look, mCamera, mParams.background.color);
@@ -47,12 +45,12 @@ ImageHeader FramePicture::header() const
     return imageHeader(mParams, mScene.look, mCamera, mFrame.file);
 }
 
-std::string FramePicture::whyNothingIsSeen(const Image& image) const
+std::string FramePicture::whyNothingIsSeen(const Image& image)
 {
     const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
     const bool anySeen = std::any_of(image.pixels.begin(), image.pixels.end(), isSeen);
-    if (mShare ? mShare->exchange.any(anySeen) : anySeen) return {};
-    return vdblic::whyNothingIsSeen(mFrame.volume, mScene.look, mCamera, mRays, mShare ? &mShare->exchange : nullptr);
+    if (mExchange.any(anySeen)) return {};
+    return vdblic::whyNothingIsSeen(mFrame.volume, mScene.look, mCamera, mRays, mExchange);
 }
 
 } // namespace vdblic

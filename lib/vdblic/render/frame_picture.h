@@ -4,6 +4,7 @@
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/solid.h"
 #include "vdblic/cast/supersampling.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/render/picture_share.h"
 #include "vdblic/render/render_params.h"
@@ -36,7 +37,7 @@ class FramePicture {
     [[nodiscard]] Image image() const;
     [[nodiscard]] ImageHeader header() const;
     /// Why an image of this is empty; nothing if it is not. Collective.
-    [[nodiscard]] std::string whyNothingIsSeen(const Image& image) const;
+    [[nodiscard]] std::string whyNothingIsSeen(const Image& image);
     [[nodiscard]] const Camera& camera() const { return mCamera; }
 
   private:
@@ -45,6 +46,8 @@ class FramePicture {
     const LoadedTexture& mFrame;
     std::shared_ptr<const Solid> mSolid;
     const PictureShare* mShare;
+    OneProcess mAlone;
+    Exchange& mExchange; // of the share, else this process alone
     RayCastParams mRays; // with the cuts in the volume's space
     Camera mCamera;
     std::optional<LightGrid> mLight;

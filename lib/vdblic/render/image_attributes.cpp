@@ -25,7 +25,7 @@ std::string attributeOf(const Parameter& parameter)
     if (parameter.info.attribute == "-") return {};
     if (!parameter.info.attribute.empty()) return std::string(parameter.info.attribute);
     std::string name;
-    for (const char letter : parameter.info.key) {
+    for (const char letter : parameter.key) {
         const bool starts = !name.empty() && name.back() == '_';
         if (starts) name.pop_back();
         name += starts ? char(std::toupper(static_cast<unsigned char>(letter))) : letter;

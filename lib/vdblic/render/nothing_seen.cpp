@@ -49,7 +49,7 @@ bool isCutAway(const Corners& box, const std::vector<ClipPlane>& planes)
 } // namespace
 
 std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, const Camera& camera,
-                             const RayCastParams& rays, Exchange* exchange)
+                             const RayCastParams& rays, Exchange& exchange)
 {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     double ends[] = {-kInfinity, -kInfinity, 0}; // the low end's negative, the high end, and whether there are any
@@ -59,7 +59,7 @@ std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, cons
         ends[1] = std::max(ends[1], double(volume.leafRange(leaf).highDriver));
         ends[2] = 1;
     }
-    if (exchange) exchange->max(ends);
+    exchange.max(ends);
     const double low = -ends[0], high = ends[1];
     if (ends[2] == 0) return "no active voxel is left to show; check the grid, `roi` and `roi_box`";
     const Corners box = volume.corners();

@@ -193,8 +193,10 @@ class SequenceRenderer {
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
-                if (!task.loaded->volume.empty())
-                    setScene(chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), true, {}));
+                if (!task.loaded->volume.empty()) {
+                    OneProcess alone;
+                    setScene(chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), true, {}, alone));
+                }
             }
             if (mScene) task.scene = &*mScene;
         } catch (const InputError&) {

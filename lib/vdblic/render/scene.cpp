@@ -49,9 +49,7 @@ openvdb::FloatGrid::Ptr findScalar(const VdbFile& file, const std::vector<std::s
 
 std::optional<double> timeOf(const VdbFile& file)
 {
-    if (const auto single = file.metadata.getMetadata<openvdb::FloatMetadata>("time")) return double(single->value());
-    if (const auto whole = file.metadata.getMetadata<openvdb::DoubleMetadata>("time")) return whole->value();
-    return std::nullopt;
+    return numericMetadata(file.metadata, "time");
 }
 
 openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
@@ -151,10 +149,10 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
     }
 }
 
-void LookBasis::add(const LoadedTexture& frame, Exchange* exchange)
+void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
 {
     VolumeSamples more = frame.volume.samples();
-    if (exchange) more = {exchange->join(more.texture), exchange->join(more.driver), exchange->join(more.color)};
+    more = {exchange.join(more.texture), exchange.join(more.driver), exchange.join(more.color)};
     samples.append(more);
     voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
     volumeBytes = std::max(volumeBytes, frame.bytes());
@@ -176,7 +174,7 @@ Look LookBasis::choose(const RenderParams& params) const
 
 std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
                                      std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                     bool steady, Exchange* exchange)
+                                     bool steady, Exchange& exchange)
 {
     std::vector<glm::dvec3> subject;
     if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject;
@@ -195,7 +193,7 @@ std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& loo
 }
 
 Scene chooseScene(const RenderParams& params, std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                  const Corners& box, bool steady, const FrameSpan& span, Exchange* exchange)
+                  const Corners& box, bool steady, const FrameSpan& span, Exchange& exchange)
 {
     LookBasis basis;
     for (const auto& frame : frames)
@@ -267,8 +265,7 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params, Exchang
     }
     std::erase_if(frames, [](const auto& frame) { return frame->volume.empty(); });
     if (frames.empty()) return std::nullopt;
-    Exchange* const ranks = exchange.isAlone() ? nullptr : &exchange;
-    SequenceScene result{chooseScene(params, frames, source->box, source->steady, source->span, ranks), nullptr};
+    SequenceScene result{chooseScene(params, frames, source->box, source->steady, source->span, exchange), nullptr};
     if (source->frameCount == 1 && exchange.isAlone()) result.onlyFrame = frames.front();
     return result;
 }

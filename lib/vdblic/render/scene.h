@@ -59,17 +59,17 @@ struct LookBasis {
     std::filesystem::path first;        ///< of the files
 
     /// @param frame    not empty
-    /// @param exchange of the ranks that share it: collective; or null
-    void add(const LoadedTexture& frame, Exchange* exchange = nullptr);
+    /// @param exchange of the ranks that share it: collective
+    void add(const LoadedTexture& frame, Exchange& exchange);
     /// @throws ParameterError, InputError naming the first file
     [[nodiscard]] Look choose(const RenderParams& params) const;
 };
 
 /// What fills the picture: all that is visible of the frames, or the box around it if that is in the picture; nothing
-/// if the camera leaves nothing to choose. @param exchange of the ranks that share the frames: collective; or null
+/// if the camera leaves nothing to choose. @param exchange of the ranks that share the frames: collective
 [[nodiscard]] std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
                                                    std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                                                   const Corners& box, bool steady, Exchange* exchange = nullptr);
+                                                   const Corners& box, bool steady, Exchange& exchange);
 
 /// What stays the same for the whole animation.
 struct Scene {
@@ -84,10 +84,10 @@ struct Scene {
 /// @param box    around all frames, as far as is known
 /// @param steady whether every frame has these bounds: then what is visible of the frames fills the picture, else the
 /// box
-/// @param exchange of the ranks that share the frames: collective; or null
+/// @param exchange of the ranks that share the frames: collective
 [[nodiscard]] Scene chooseScene(const RenderParams& params,
                                 std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                bool steady, const FrameSpan& span, Exchange* exchange = nullptr);
+                                bool steady, const FrameSpan& span, Exchange& exchange);
 
 /// What the scene of a sequence is chosen from.
 struct SceneSource {

@@ -17,10 +17,10 @@ ParameterTexts parameterTexts(const AdvectParams& params)
     ParameterTexts texts;
     for (const Parameter& parameter : parametersOf(chosen)) {
         if (!parameter.info.isContent) continue;
-        std::string text = parameter.text();
-        if (parameter.info.key == "noise" && !text.empty())
+        std::string text = parameter.value();
+        if (parameter.key == "noise" && !text.empty())
             text += fmt::format(" ({})", fileStamp(parseGridReference(text).path));
-        texts.emplace_back(parameter.info.key, text);
+        texts.emplace_back(parameter.key, text);
     }
     // What no tool sets.
     const FeedbackParams& feedback = params.texture.feedback;

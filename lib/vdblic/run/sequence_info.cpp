@@ -205,10 +205,9 @@ void estimateRun(const SequenceInfo& info, std::size_t frames, VelocityInfo& vel
 Parameters parametersOf(SequenceInfoParams& params)
 {
     const Parameters own = {
-        parameter({.key = "frames", .text = "Frames to look at: 1-100, 1-100x2 or 1,5,9-20; every one by default."},
+        parameter("frames", "Frames to look at: 1-100, 1-100x2 or 1,5,9-20; every one by default.",
                   params.flow.input.frames),
-        parameter({.key = "values",
-                   .text = "Read the voxels too: their range, those that are not finite, displacements, checksums."},
+        parameter("values", "Read the voxels too: their range, those that are not finite, displacements, checksums.",
                   params.values),
     };
     return joined({own, parametersOf(params.flow)});

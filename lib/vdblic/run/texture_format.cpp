@@ -10,18 +10,11 @@ namespace vdblic {
 Parameters parametersOf(TextureFormat& params)
 {
     return {
-        parameter({.key = "scalars",
-                   .text = "Voxels of magnitude and the other float grids.",
-                   .words = "VOXELS",
-                   .group = "Output"},
-                  params.scalars),
-        parameter({.key = "precision",
-                   .text = "Numbers of texture and scalars in the files.",
-                   .words = "NUMBERS",
-                   .group = "Output"},
-                  params.precision),
-        parameter({.key = "compression", .text = "Of the files.", .words = "HOW", .group = "Output"},
-                  params.compression),
+        parameter("scalars", "Voxels of magnitude and the other float grids.", params.scalars,
+                  {.words = "VOXELS", .group = "Output"}),
+        parameter("precision", "Numbers of texture and scalars in the files.", params.precision,
+                  {.words = "NUMBERS", .group = "Output"}),
+        parameter("compression", "Of the files.", params.compression, {.words = "HOW", .group = "Output"}),
     };
 }
 

@@ -76,7 +76,7 @@ std::vector<glm::dvec3> outermostOf(const std::vector<glm::dvec3>& points, const
 } // namespace
 
 std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& look, const ClipParams& clip,
-                                      Exchange* exchange)
+                                      Exchange& exchange)
 {
     std::vector<double> extinctions(volume.leafCount());
     for (std::size_t leaf = 0; leaf < extinctions.size(); ++leaf) {
@@ -85,7 +85,7 @@ std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& l
         extinctions[leaf] = look.transfer.mostExtinction(range.lowDriver, range.highDriver);
     }
     double most = extinctions.empty() ? 0 : *std::max_element(extinctions.begin(), extinctions.end());
-    if (exchange) exchange->max({&most, 1});
+    exchange.max({&most, 1});
     const double least = std::min(kLeastExtinction, kLeastExtinctionShare * most);
     const std::vector<ClipPlane> planes = clip.allPlanes();
 
@@ -107,7 +107,7 @@ std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& l
         }
     }
     points = outermostOf(points, volume);
-    return exchange ? outermostOf(exchange->join(points), volume) : points;
+    return exchange.isAlone() ? points : outermostOf(exchange.join(points), volume);
 }
 
 } // namespace vdblic

@@ -13,9 +13,9 @@ struct Look;
 
 /// Points around what a look shows of a volume, in world space: corners of leaves, a hundred of the outermost.
 /// Leaves that are almost transparent, hidden or cut away do not count.
-/// @param exchange of the ranks that share the volume: collective; or null
+/// @param exchange of the ranks that share the volume: collective
 /// @return nothing if all of the volume is invisible
 [[nodiscard]] std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& look,
-                                                    const ClipParams& clip, Exchange* exchange = nullptr);
+                                                    const ClipParams& clip, Exchange& exchange);
 
 } // namespace vdblic

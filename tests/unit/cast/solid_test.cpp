@@ -5,6 +5,7 @@
 #include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/supersampling.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/volume/visible_leaves.h"
 
@@ -195,13 +196,14 @@ TEST_F(Solids, TheDomainLeavesOutABox)
 
 TEST(Shadows, TransmittanceOfASlabIsAnalytic)
 {
+    OneProcess alone;
     const auto texture = boxGrid("density", boxOf(64, 48, 40), [](const Coord&) { return 1.0f; });
     const TextureVolume volume(*texture, *texture);
     const Look look = plainLook(0.02);
     const double extinction = -std::log1p(-0.02);
     for (const glm::dvec3& light : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -3), glm::dvec3(0.2, 0.9, 0.1)}) {
-        const LightGrid grid(volume, look, light, 1, nullptr);
-        const LightGrid half(volume, look, light, 0.5, nullptr);
+        const LightGrid grid(volume, look, light, 1, nullptr, alone);
+        const LightGrid half(volume, look, light, 0.5, nullptr, alone);
         const glm::dvec3 unit = glm::normalize(light);
         for (const glm::dvec3& at : {glm::dvec3(20, 20, 20), glm::dvec3(31.3, 12.2, 9), glm::dvec3(50, 40, 30)}) {
             double way = 1e9; // to the face where the light enters
@@ -218,6 +220,7 @@ TEST(Shadows, TransmittanceOfASlabIsAnalytic)
 
 TEST(Shadows, DarkenSamplesByTheirStrength)
 {
+    OneProcess alone;
     // Lit from behind: the front of a thick medium is in shadow.
     const auto texture = boxGrid("density", boxOf(64, 24, 24), [](const Coord&) { return 1.0f; });
     const TextureVolume volume(*texture, *texture);
@@ -226,12 +229,12 @@ TEST(Shadows, DarkenSamplesByTheirStrength)
     const Image lit = castRays(volume, look, camera, {});
     const VisibleLeaves visible(volume, look);
     for (const double strength : {0.4, 1.0}) {
-        const LightGrid grid(volume, look, {1, 0, 0}, strength, nullptr);
+        const LightGrid grid(volume, look, {1, 0, 0}, strength, nullptr, alone);
         const Image image = castRays(volume, look, camera, {}, visible, 0, {.light = &grid});
         EXPECT_NEAR(image.at(4, 4).r, lit.at(4, 4).r * (1 - strength), 1e-3);
         EXPECT_EQ(image.at(4, 4).a, lit.at(4, 4).a);
     }
-    const LightGrid front(volume, look, {-1, 0, 0}, 1, nullptr);
+    const LightGrid front(volume, look, {-1, 0, 0}, 1, nullptr, alone);
     // ∫ T · T over a thick medium is half of ∫ T.
     EXPECT_NEAR(castRays(volume, look, camera, {.step = 0.1}, visible, 0, {.light = &front}).at(4, 4).r, 0.5, 0.06);
 }

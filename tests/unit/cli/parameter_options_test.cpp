@@ -17,11 +17,11 @@ struct Kettle {
 Parameters parametersOf(Kettle& kettle)
 {
     return {
-        parameter({.key = "water_level", .text = "How full it is.", .option = "--water", .unit = "l", .limits = {1, 9}},
-                  kettle.litres),
-        parameter({.key = "herbs", .text = "What goes in.", .words = "NAME,NAME"}, kettle.herbs),
-        parameter({.key = "box", .text = "Where it stands."}, kettle.box),
-        parameter({.key = "whistles", .text = "Whether one hears it.", .isExpert = true}, kettle.whistles),
+        parameter("water_level", "How full it is.", kettle.litres,
+                  {.option = "--water", .unit = "l", .limits = {1, 9}}),
+        parameter("herbs", "What goes in.", kettle.herbs, {.words = "NAME,NAME"}),
+        parameter("box", "Where it stands.", kettle.box),
+        parameter("whistles", "Whether one hears it.", kettle.whistles, {.isExpert = true}),
     };
 }
 

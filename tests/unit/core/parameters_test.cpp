@@ -26,15 +26,15 @@ struct Voyage {
 Parameters parametersOf(Voyage& voyage)
 {
     return {
-        parameter({.key = "days", .text = "Days.", .limits = {1, 30}}, voyage.days),
-        parameter({.key = "speed", .text = "Speed.", .option = "--knots", .limits = {0, 40, true}}, voyage.speed),
-        parameter({.key = "least", .text = "Least."}, voyage.least),
-        parameter({.key = "fast", .text = "Fast."}, voyage.isFast),
-        parameter({.key = "ship", .text = "Ship."}, voyage.ship),
-        parameter({.key = "weather", .text = "Weather."}, voyage.weather),
-        parameter({.key = "load", .text = "Load.", .excludes = "days"}, voyage.load),
-        parameter({.key = "from_where", .text = "From."}, voyage.from),
-        parameter({.key = "crew", .text = "Crew."}, voyage.crew),
+        parameter("days", "Days.", voyage.days, {.limits = {1, 30}}),
+        parameter("speed", "Speed.", voyage.speed, {.option = "--knots", .limits = {0, 40, true}}),
+        parameter("least", "Least.", voyage.least),
+        parameter("fast", "Fast.", voyage.isFast),
+        parameter("ship", "Ship.", voyage.ship),
+        parameter("weather", "Weather.", voyage.weather),
+        parameter("load", "Load.", voyage.load, {.excludes = "days"}),
+        parameter("from_where", "From.", voyage.from),
+        parameter("crew", "Crew.", voyage.crew),
     };
 }
 
@@ -74,16 +74,15 @@ TEST(Parameters, TextsReadBackToTheBit)
     const Parameters parameters = parametersOf(voyage);
     std::map<std::string, Words> texts;
     for (const Parameter& parameter : parameters) {
-        if (!parameter.get().empty() && parameter.info.key != "days")
-            texts[std::string(parameter.info.key)] = parameter.get();
+        if (!parameter.get().empty() && parameter.key != "days") texts[std::string(parameter.key)] = parameter.get();
     }
     Voyage copy;
     set(parametersOf(copy), texts);
     EXPECT_EQ(copy.speed, voyage.speed);
     EXPECT_EQ(copy.least, voyage.least);
     EXPECT_EQ(copy.load, voyage.load);
-    EXPECT_EQ(find(parameters, "from_where")->text(), "1 2 3");
-    EXPECT_EQ(find(parameters, "ship")->text(), "");
+    EXPECT_EQ(find(parameters, "from_where")->value(), "1 2 3");
+    EXPECT_EQ(find(parameters, "ship")->value(), "");
     EXPECT_EQ(find(parameters, "nothing"), nullptr);
 }
 

@@ -41,7 +41,7 @@ void expectTheBytesOfOpenVdb(const openvdb::GridCPtrVec& grids)
          {openvdb::io::COMPRESS_BLOSC, openvdb::io::COMPRESS_ZIP, openvdb::io::COMPRESS_NONE}) {
         const std::uint32_t flags = compression | openvdb::io::COMPRESS_ACTIVE_MASK;
         std::stringstream own, wanted;
-        VdbAssembly(flags).write(own, grids, metadata);
+        VdbAssembly(flags).assemble(own, grids, metadata);
         OwnArchive(flags).writeTo(wanted, grids, metadata);
         const std::string a = withoutIdentity(own.str()), b = withoutIdentity(wanted.str());
         ASSERT_EQ(a.size(), b.size()) << compression;

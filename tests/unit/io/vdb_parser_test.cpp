@@ -111,7 +111,7 @@ TEST(VdbParser, ReadsTheLeavesThatAFilterKeeps)
     };
     for (const std::uint32_t compression : {io::COMPRESS_BLOSC, io::COMPRESS_ZIP, io::COMPRESS_NONE}) {
         std::stringstream listed; // with the sizes of leaves
-        VdbAssembly(compression | io::COMPRESS_ACTIVE_MASK).write(listed, grids, {});
+        VdbAssembly(compression | io::COMPRESS_ACTIVE_MASK).assemble(listed, grids, {});
         for (const std::string& bytes : {written(grids, compression | io::COMPRESS_ACTIVE_MASK), listed.str()}) {
             const VdbFile whole = parsed(bytes), part = parsed(bytes, isKept);
             expectLeavesInBox<openvdb::Vec3SGrid>(part, whole, "vectors", box);
@@ -148,7 +148,7 @@ TEST(VdbParser, PassesOverWhatIsNotNeeded)
         accessor.setValue(*voxel, openvdb::Vec3f(number, 1 / number, number * number));
     }
     std::stringstream stream;
-    VdbAssembly(io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK).write(stream, {noise}, {});
+    VdbAssembly(io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK).assemble(stream, {noise}, {});
     const std::string bytes = stream.str();
     CountingBuffer buffer(bytes);
     std::istream counted(&buffer);
@@ -186,7 +186,7 @@ TEST(VdbParser, IsNotLedAstrayByAListOfSizes)
     const auto parsedWith = [&](const StoredLeaves& list) {
         std::stringstream stream;
         LyingSource source(list);
-        assembly.write(stream, {grid}, {}, &source);
+        assembly.assemble(stream, {grid}, {}, &source);
         return parsed(stream.str(), isKept);
     };
     const VdbFile whole = parsed(written({grid}, io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK));

@@ -1,6 +1,7 @@
 #include "vdblic/volume/visible_extent.h"
 
 #include "cast/test_scene.h"
+#include "vdblic/core/exchange.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,8 @@
 
 namespace vdblic {
 namespace {
+
+OneProcess alone;
 
 using openvdb::Coord;
 
@@ -25,16 +28,16 @@ TEST(VisibleExtent, IsThatOfWhatIsOpaque)
                                 [](const Coord& c) { return c.x() >= 16 && c.x() < 40 && c.z() >= 24 ? 1.0f : 0.0f; });
     const TextureVolume volume(*texture, *driver);
     glm::dvec3 low(1e9), high(-1e9);
-    for (const glm::dvec3& point : visibleExtent(volume, halfLook(), {})) {
+    for (const glm::dvec3& point : visibleExtent(volume, halfLook(), {}, alone)) {
         low = glm::min(low, point);
         high = glm::max(high, point);
     }
     // Leaves that hold the opaque voxels, or interpolate towards them.
     EXPECT_LT(glm::distance(low, {7.5, -0.5, 15.5}), 1e-9);
     EXPECT_LT(glm::distance(high, {47.5, 63.5, 63.5}), 1e-9);
-    const auto cut = visibleExtent(volume, halfLook(), {.planes = {{{0, 32, 0}, {0, 1, 0}}}});
+    const auto cut = visibleExtent(volume, halfLook(), {.planes = {{{0, 32, 0}, {0, 1, 0}}}}, alone);
     EXPECT_TRUE(std::all_of(cut.begin(), cut.end(), [](const glm::dvec3& point) { return point.y >= 31; }));
-    EXPECT_TRUE(visibleExtent(volume, halfLook(), {.planes = {{{99, 0, 0}, {1, 0, 0}}}}).empty());
+    EXPECT_TRUE(visibleExtent(volume, halfLook(), {.planes = {{{99, 0, 0}, {1, 0, 0}}}}, alone).empty());
 }
 
 TEST(VisibleExtent, FillsThePicture)
@@ -44,7 +47,7 @@ TEST(VisibleExtent, FillsThePicture)
     const auto driver =
         boxGrid("magnitude", boxOf(160, 96, 16), [](const Coord& c) { return c.x() < 64 && c.y() > 40 ? 1.0f : 0.0f; });
     const TextureVolume volume(*texture, *driver);
-    const auto points = visibleExtent(volume, halfLook(), {});
+    const auto points = visibleExtent(volume, halfLook(), {}, alone);
     for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
         const Camera camera({.projection = projection}, volume.corners(), {320, 200}, points);
         glm::dvec2 low(1), high(0);
