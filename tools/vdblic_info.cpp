@@ -1,8 +1,11 @@
 #include "cli/option_names.h"
 #include "cli/tool.h"
+#include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/sequence_info.h"
+
+#include <fmt/format.h>
 
 #include <string>
 #include <vector>
@@ -40,5 +43,10 @@ int main(int argc, char** argv)
             sequences.push_back(std::move(info));
         }
         if (!json.empty() && writeReport(json, toJson(sequences))) reporter.finished(json);
+        for (const SequenceInfo& info : sequences) {
+            if (!info.damaged.empty())
+                throw InputError(fmt::format("{}: {} of {} files cannot be read; the report says why", info.pattern,
+                                             info.damaged.size(), info.frames.size()));
+        }
     });
 }

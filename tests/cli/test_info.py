@@ -1,6 +1,7 @@
 """vdblic_info: what a sequence holds, and what it advises."""
 
 import json
+import re
 import time
 import unittest
 
@@ -23,10 +24,10 @@ class Info(ToolTest):
     def constant(self, speed, size=(16, 16, 16)):
         return numpy.full((*size, 3), (speed, 0.0, 0.0))
 
-    def info(self, *arguments):
+    def info(self, *arguments, status=0):
         """The report of one sequence as JSON, and as text."""
         done = self.run_tool("vdblic_info", *arguments, "--json", "info.json")
-        self.assertEqual((done.returncode, done.stdout), (0, "info.json\n"), done.stderr)
+        self.assertEqual((done.returncode, done.stdout), (status, "info.json\n"), done.stderr)
         sequence, = json.loads((self.folder / "info.json").read_text())["sequences"]
         return sequence, done.stderr
 
@@ -48,7 +49,7 @@ class Info(ToolTest):
         self.assertAlmostEqual(velocity["largest_displacement"], 6 * 0.25 / 0.5, places=5)
         self.assertAlmostEqual(velocity["mean_displacement"], 17 / 5 * 0.25 / 0.5, places=5)
         self.assertIn("v.%04d.vdb: 5 frames, 1-3,5-6; ", text)
-        self.assertIn("frames 4 are missing; --frames 1-3,5-6 selects the others", info["advice"])
+        self.assertIn("frame 4 is missing; --frames 1-3,5-6 selects the others", info["advice"])
         self.assertIn("4096 voxels are few for streaks: --refine 4", " ".join(info["advice"]))
 
     def test_headers_alone(self):
@@ -64,11 +65,9 @@ class Info(ToolTest):
     def test_advice(self):
         self.write(1, self.constant(200, (70, 70, 4)), dt=0.1)
         advice = " ".join(self.info("v.0001.vdb", "--values")[0]["advice"])
-        self.assertIn("the flow moves up to 40 voxels a step: check --velocity-unit", advice)
-        self.assertIn("or give --substeps 3 for steps of at most 16 voxels", advice)
+        self.assertIn("the faster half of the flow moves 40 voxels a step, too far for streaks: check --velocity-unit or "
+                      "give --dt 0.01 for 4 voxels a step", advice)
         self.assertIn("the domain is flat, 35 x 35 x 2: vdblic_render shows it better with --stretch 1 1 4", advice)
-        self.write(1, self.constant(0.001), dt=0.1)
-        self.assertIn("textures need motion", " ".join(self.info("v.0001.vdb", "--values")[0]["advice"]))
         self.write(1, self.constant(8, (64, 64, 64)), dt=0.1)
         self.assertEqual(self.info("v.0001.vdb", "--values")[0]["advice"], [])
         broken = self.constant(8, (64, 64, 64))
@@ -80,6 +79,79 @@ class Info(ToolTest):
         self.assertIn("1 values of grid 'velocity' are not finite: mend them, or give --nonfinite zero", info["advice"])
         self.assertIn("the transform of grid 'velocity' changes between frames", " ".join(info["advice"]))
 
+    def test_advice_holds(self):
+        """Twenty flows: what the advice of one tool names, the others take, and what it promises is so."""
+        self.outputs("vdblic_synth", "abc", "-o", "abc.%04d.vdb", "--size", 14, 14, 14, "--frames", "1-8")
+        self.outputs("vdblic_synth", "ring", "-o", "ring.%04d.vdb", "--size", 14, 14, 20, "--frames", "1-40")
+        self.outputs("vdblic_synth", "gyre", "-o", "wide.%04d.vdb", "--size", 40, 20, 2, "--frames", "1-3")
+        self.outputs("vdblic_synth", "gyre", "-o", "layer.%04d.vdb", "--size", 24, 16, 1, "--frames", "1-3")
+        self.write(1, self.constant(0))
+        jet = self.constant(0)
+        jet[:2, :2] = 48, 0, 0  # in still air: a few voxels move by 4
+        self.write(2, jet)
+        jet[0, 0, 0] = 1e5, 0, 0  # one voxel far too fast
+        self.write(3, jet)
+        kinds = set()
+        for pattern, *options in (
+                ("abc.%04d.vdb",), ("abc.%04d.vdb", "--dt", 0.003), ("abc.%04d.vdb", "--dt", 1e-4),
+                ("abc.%04d.vdb", "--dt", 0.8), ("abc.%04d.vdb", "--dt", 0.3), ("abc.%04d.vdb", "--dt", 1e3),
+                ("abc.%04d.vdb", "--velocity-unit", "voxel/s"), ("abc.%04d.vdb", "--velocity-unit", "voxel/frame"),
+                ("abc.0003.vdb",), ("abc.0003.vdb", "--dt", 1e-6), ("abc.0003.vdb", "--dt", 3600),
+                ("ring.%04d.vdb",), ("ring.%04d.vdb", "--dt", 0.002), ("ring.%04d.vdb", "--dt", 1e-5),
+                ("wide.%04d.vdb",), ("layer.%04d.vdb",), ("layer.0001.vdb", "--dt", 1e-3),
+                ("v.0001.vdb",), ("v.0002.vdb",), ("v.0003.vdb",)):
+            with self.subTest(pattern=pattern, options=options):
+                kinds |= self.check_advice(pattern, *options)
+        self.assertEqual(kinds, {"--dt", "--frames", "--life", "--refine", "--stretch"})
+
+    def check_advice(self, pattern, *options):
+        """Take the advice about a sequence, and check what it promises. Returns the options that it names."""
+        info, _ = self.info(pattern, "--values", *options)
+        moves = info["velocity"]["faster_half_displacement"]
+        advice = " ".join(info["advice"])
+        self.assertNotIn("--substeps", advice)
+        found = {name: re.findall(r"[^ ;]+", values) for name, values in
+                 re.findall(r"(--dt|--frames|--life|--refine|--stretch)((?: [0-9][^ ;]*)+)", advice)}
+        self.assertEqual("too little" in advice, 0 < moves < 0.25)
+        self.assertEqual("too far" in advice, moves > 16)
+        self.assertEqual("at rest" in advice, moves == 0)
+        streak = re.search(r"streaks (?:of|to) ([^ ]+) voxels", advice)
+
+        taken = [str(option) for option in options]
+        for name in "--dt", "--frames":
+            if name in found:
+                taken = [*taken, name, *found[name]] if name not in taken else \
+                    [found[name][0] if before == name else option for before, option in zip(["", *taken], taken)]
+        after = self.info(pattern, "--values", *taken)[0]
+        step = after["velocity"]["faster_half_displacement"]
+        if "--dt" in found:
+            self.assertIn("for 4 voxels a step", advice)
+            self.assertAlmostEqual(step, 4, delta=0.25)
+        if "--frames" in found:
+            self.assertGreater(step, 0.7)
+            self.assertGreaterEqual(len(after["frames"]), 4)
+        if "--life" in found:
+            self.assertAlmostEqual(int(found["--life"][0]) * moves / float(streak[1]), 1, delta=0.06)
+            self.assertTrue(1 < float(streak[1]) < 129)
+        for name in "--life", "--refine":
+            if name in found:
+                taken += [name, *found[name]]
+        taken = [option for option in taken if option not in ("--frames", *found.get("--frames", []))]
+        if "%" in pattern:
+            taken += ["--frames", ",".join(map(str, after["frames"][:2]))]
+        done = self.run_tool("vdblic_advect", pattern, "-o", "lic.%04d.vdb", *taken)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual("too far" in done.stderr, step > 16, done.stderr)
+        texture = vdb.read(str(self.folder / done.stdout.split()[0]), "density")
+        if "--refine" in found:
+            millions = float(re.search("gives ([^ ]+) million", advice)[1])
+            self.assertAlmostEqual(texture.activeVoxelCount() / 1e6 / millions, 1, delta=0.01)
+        self.outputs("vdblic_render", "lic.%04d.vdb", "-o", "i.%04d.png", "--size", 32, 32,
+                     *(["--stretch", *found["--stretch"]] if "--stretch" in found else []))
+        for file in self.folder.glob("lic.*"):
+            file.unlink()
+        return set(found)
+
     def test_damaged_files_are_named(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 16, 16, 16, "--frames", "1-4")
         self.assertEqual(self.info("v.%04d.vdb")[0]["with_checksums"], 4)
@@ -87,18 +159,23 @@ class Info(ToolTest):
         data[-20] ^= 4
         (self.folder / "v.0002.vdb").write_bytes(data)
         (self.folder / "v.0003.vdb").write_bytes(self.contents("v.0003.vdb")[:2000])
-        info, text = self.info("v.%04d.vdb")
+        info, text = self.info("v.%04d.vdb", status=3)
         self.assertEqual(len(info["damaged"]), 1)
+        self.assertIn("1 file cannot be read: write it again", info["advice"])
+        self.assertIn("v.%04d.vdb: 1 of 4 files cannot be read", text)
         self.assertRegex(info["damaged"][0], "v.0003.vdb: .*it is truncated")
-        info, text = self.info("v.%04d.vdb", "--values")
+        info, text = self.info("v.%04d.vdb", "--values", status=3)
         self.assertEqual(len(info["damaged"]), 2)
         self.assertIn("damaged: v.0002.vdb: cannot be read as a .vdb file: grid 'velocity' is damaged", text)
 
     def test_several_sequences_and_textures(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 16, 16, 16, "--frames", "1-2")
         self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb")
-        done = self.run_tool("vdblic_info", "v.%04d.vdb", "lic.%04d.vdb", "--json", "/dev/stdout")
-        velocity, texture = json.loads(done.stdout)["sequences"]
+        files = self.files()
+        for output in "-", "/dev/stdout":
+            done = self.run_tool("vdblic_info", "v.%04d.vdb", "lic.%04d.vdb", "--json", output)
+            velocity, texture = json.loads(done.stdout)["sequences"]
+        self.assertEqual(self.files(), files)
         self.assertIn("velocity", velocity)
         self.assertNotIn("velocity", texture)
         self.assertEqual([grid["name"] for grid in texture["grids"]], ["density", "magnitude"])

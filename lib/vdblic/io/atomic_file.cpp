@@ -40,6 +40,12 @@ bool isStream(const std::filesystem::path& path)
     return false;
 }
 
+/// Where a report goes: `-` is standard output.
+std::filesystem::path reportPath(const std::filesystem::path& report)
+{
+    return report == "-" ? "/dev/stdout" : report;
+}
+
 /// The file that an output replaces or makes: the one at the end of its symbolic links, which need not exist.
 /// @throws ParameterError if something other than a regular file is there
 std::filesystem::path fileBehind(const std::filesystem::path& output)
@@ -218,8 +224,9 @@ void checkOutput(const std::filesystem::path& output)
     const AtomicFile writable(output);
 }
 
-void checkReport(const std::filesystem::path& report)
+void checkReport(const std::filesystem::path& named)
 {
+    const std::filesystem::path report = reportPath(named);
     if (!isStream(report)) return checkOutput(report);
     if (::access(report.c_str(), W_OK) != 0) fail(report, "cannot be written");
 }
@@ -235,8 +242,9 @@ void writeTextFile(const std::filesystem::path& path, std::string_view text)
     output.commit();
 }
 
-bool writeReport(const std::filesystem::path& path, std::string_view text)
+bool writeReport(const std::filesystem::path& named, std::string_view text)
 {
+    const std::filesystem::path path = reportPath(named);
     const bool isFile = !isStream(path);
     if (isFile) {
         writeTextFile(path, text);

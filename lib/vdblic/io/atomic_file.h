@@ -51,13 +51,13 @@ void checkDistinct(const std::filesystem::path& output, const std::filesystem::p
 void checkReplaceable(const std::filesystem::path& output);
 /// Check that an AtomicFile can be written, before the work that fills it. @throws ParameterError, OutputError
 void checkOutput(const std::filesystem::path& output);
-/// Check that writeReport() can write, before the work that fills the report. @throws ParameterError, OutputError
-void checkReport(const std::filesystem::path& report);
+/// Check that writeReport() can write there, before the work that fills the report. @throws ParameterError, OutputError
+void checkReport(const std::filesystem::path& named);
 
 /// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason
 void writeTextFile(const std::filesystem::path& path, std::string_view text);
-/// Write a report: as a text file, or through a pipe or a device, which keeps its name. @return whether it is a file
-/// @throws OutputError naming the file and the system's reason
-bool writeReport(const std::filesystem::path& path, std::string_view text);
+/// Write a report: as a text file, or through a pipe or a device, which keeps its name; `-` is standard output.
+/// @return whether it is a file  @throws OutputError naming the file and the system's reason
+bool writeReport(const std::filesystem::path& named, std::string_view text);
 
 } // namespace vdblic

@@ -154,9 +154,8 @@ class SequenceRenderer {
         // An exception that left the pipeline would cancel OpenVDB's work on other frames, and OpenVDB crashes on
         // half-built trees. So it is thrown once the pipeline is empty.
         const auto tell = [&](const RenderedFrame& frame) {
-            if (mError) return;
             try {
-                report(frame);
+                mError ? tellPicture(frame) : report(frame);
             } catch (...) {
                 mError = std::current_exception();
                 mStopped = true;
@@ -240,6 +239,12 @@ class SequenceRenderer {
         result.made = std::move(made);
     }
 
+    /// A picture that is on disk is told of, whatever happened to the frames before it.
+    void tellPicture(const RenderedFrame& frame)
+    {
+        if (mOutput && !frame.error) mReporter.finished(mOutput->path(frame.file.frame));
+    }
+
     void report(const RenderedFrame& frame)
     {
         if (frame.error) return leaveOut(frame);
@@ -263,7 +268,7 @@ class SequenceRenderer {
         mRendered += frame.skipped ? 0 : 1;
         mEmptyImages += frame.made.nothingSeen.empty() ? 0 : 1;
         mNothingSeen = frame.made.nothingSeen;
-        if (mOutput) mReporter.finished(mOutput->path(frame.file.frame));
+        tellPicture(frame);
         mReporter.progress(++mDone, mTotal);
     }
 

@@ -1,5 +1,6 @@
 #include "vdblic/run/sequence_advice.h"
 
+#include "vdblic/lic/texture_params.h"
 #include "vdblic/run/texture_run.h"
 
 #include <fmt/format.h>
@@ -9,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -21,38 +24,74 @@ const GridInfo* gridOf(const SequenceInfo& info, const std::string& name)
     return found == info.grids.end() ? nullptr : &*found;
 }
 
-void adviseOnMotion(const MotionInfo& motion, std::vector<std::string>& advice)
+/// The axis along which a box has a single layer of voxels; −1: none, or several.
+int layerAxis(const openvdb::CoordBBox& box)
 {
-    constexpr double kHardly = 0.05; // voxels a step
-    const std::string others =
-        motion.otherUnits.empty() ? "" : fmt::format(" ({})", fmt::join(motion.otherUnits, ", "));
-    if (motion.largest > kLargeDisplacement) {
-        advice.push_back(fmt::format("the flow moves up to {:.3g} voxels a step: check `velocity_unit`{}, or give "
-                                     "`substeps` {} for steps of at most {} voxels",
-                                     motion.largest, others, std::ceil(motion.largest / kLargeDisplacement),
-                                     kLargeDisplacement));
-    } else if (motion.largest < kHardly) {
-        advice.push_back(fmt::format("the flow moves at most {:.3g} voxels a step, and textures need motion: check "
-                                     "`velocity_unit`{} and the frame spacing",
-                                     motion.largest, others));
+    int layer = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (box.dim()[axis] > 1) continue;
+        if (layer >= 0) return -1;
+        layer = axis;
     }
+    return layer;
+}
+
+constexpr double kLeast = 0.25; // voxels a step: streaks of a voxel
+constexpr double kGood = 4;
+constexpr int kLifeSpan = TextureParams{}.lifeSpan;
+
+std::string slowAdvice(double moves, const std::vector<std::int64_t>& frames)
+{
+    // Several steps in one.
+    constexpr std::size_t kFewest = 4; // frames that are left
+    const auto every = std::size_t(std::min(std::ceil(1 / moves), 1e6));
+    if (frames.size() > (kFewest - 1) * every) {
+        const auto spacing = std::size_t(frames[1] - frames[0]) * every;
+        return fmt::format("or give `frames` {}-{}x{} for {:.2g} voxels a step", frames.front(), frames.back(), spacing,
+                           moves * double(every));
+    }
+    constexpr double kLongest = 100; // life span: as many steps lead in
+    const double life = std::ceil(kGood / moves);
+    if (life > kLongest) return "and the frame spacing";
+    return fmt::format("or give `life_span` {} for streaks of {:.2g} voxels", life, life * moves);
+}
+
+std::string fastAdvice(double moves)
+{
+    constexpr double kLongest = 128; // voxels, of a streak
+    if (moves > kLongest) return "and the frame spacing";
+    const std::string text =
+        fmt::format("or take frames {} times closer in time", std::ceil(moves / kLargeDisplacement));
+    const double life = std::clamp(std::floor(kLongest / 2 / moves), 1.0, kLifeSpan - 1.0);
+    return text + fmt::format("; `life_span` {} shortens streaks to {:.2g} voxels", life, life * moves);
 }
 
 /// Streaks are a few voxels thick: a coarse grid shows few of them.
-void adviseOnVoxels(const VelocityInfo& velocity, std::vector<std::string>& advice)
+void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vector<std::string>& advice)
 {
-    constexpr double kFew = 250e3, kGood = 1e6;
-    constexpr double kMost = 4;
+    constexpr double kFew = 250e3, kGoodVolume = 1e6, kGoodLayer = 250e3;
     if (velocity.voxels == 0 || double(velocity.voxels) > kFew) return;
-    const double factor = std::clamp(std::round(std::cbrt(kGood / double(velocity.voxels))), 2.0, kMost);
-    advice.push_back(fmt::format("{} voxels are few for streaks: `refine` {} gives {:.3g} million texture voxels",
-                                 velocity.voxels, factor, double(velocity.voxels) * std::pow(factor, 3) / 1e6));
+    const double voxels = double(velocity.voxels);
+    const int layer = grid && !grid->box.empty() ? layerAxis(grid->box) : -1;
+    if (layer < 0) {
+        const double factor = std::clamp(std::round(std::cbrt(kGoodVolume / voxels)), 2.0, 4.0);
+        advice.push_back(fmt::format("{} voxels are few for streaks: `refine` {} gives {:.3g} million texture voxels",
+                                     velocity.voxels, factor, voxels * std::pow(factor, 3) / 1e6));
+        return;
+    }
+    const double factor = std::min(std::round(std::sqrt(kGoodLayer / voxels)), 16.0);
+    if (factor < 2) return;
+    std::array<double, 3> factors{factor, factor, factor};
+    factors[std::size_t(layer)] = 1;
+    advice.push_back(fmt::format("{} voxels are few for streaks: `refine` {} {} {} gives {:.3g} million texture voxels",
+                                 velocity.voxels, factors[0], factors[1], factors[2], voxels * factor * factor / 1e6));
 }
 
 void adviseOnShape(const GridInfo& grid, std::vector<std::string>& advice)
 {
-    constexpr double kFlat = 8, kGood = 4; // longest side over the shortest
+    constexpr double kFlat = 8, kGoodShape = 4; // longest side over the shortest
     if (grid.box.empty() || !grid.transform || !grid.transform->isLinear()) return;
+    if (layerAxis(grid.box) >= 0) return; // a layer is flat at any height
     const openvdb::BBoxd box =
         grid.transform->indexToWorld(openvdb::BBoxd(grid.box.min().asVec3d(), grid.box.max().asVec3d() + 1.0));
     const openvdb::Vec3d size = box.extents();
@@ -61,7 +100,7 @@ void adviseOnShape(const GridInfo& grid, std::vector<std::string>& advice)
     std::array<double, 3> factors{1, 1, 1};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (size[int(axis)] < longest / kFlat)
-            factors[axis] = std::max(1.0, std::round(longest / kGood / size[int(axis)]));
+            factors[axis] = std::max(1.0, std::round(longest / kGoodShape / size[int(axis)]));
     }
     advice.push_back(fmt::format("the domain is flat, {:.4g} x {:.4g} x {:.4g}: vdblic_render shows it better with "
                                  "--stretch {} {} {}",
@@ -69,6 +108,26 @@ void adviseOnShape(const GridInfo& grid, std::vector<std::string>& advice)
 }
 
 } // namespace
+
+bool makesStreaks(double moves)
+{
+    return moves >= kLeast && moves <= kLargeDisplacement;
+}
+
+std::optional<std::string> motionAdvice(double moves, const std::vector<std::int64_t>& frames, bool isFrozen,
+                                        double interval, const std::vector<std::string>& others)
+{
+    if (makesStreaks(moves)) return std::nullopt;
+    if (!(moves > 0))
+        return "the flow is at rest, and a texture without motion is noise: check the grid and the frames";
+    const std::string text = fmt::format(
+        "the faster half of the flow moves {:.2g} voxels a step, {} for streaks: check `velocity_unit`{} ", moves,
+        moves < kLeast ? "too little" : "too far", others.empty() ? "" : fmt::format(" ({})", fmt::join(others, ", ")));
+    // A flow that stays as it is may be followed for any time.
+    if (isFrozen)
+        return text + fmt::format("or give --dt {:.2g} for {} voxels a step", interval * kGood / moves, kGood);
+    return text + (moves < kLeast ? slowAdvice(moves, frames) : fastAdvice(moves));
+}
 
 std::string frameListText(const std::vector<std::int64_t>& frames)
 {
@@ -86,11 +145,16 @@ std::vector<std::string> adviceFor(const SequenceInfo& info)
 {
     std::vector<std::string> advice;
     if (!info.missing.empty()) {
-        advice.push_back(fmt::format("frames {} are missing; `frames` {} selects the others",
-                                     frameListText(info.missing), frameListText(info.frames)));
+        advice.push_back(fmt::format("{} missing; `frames` {} selects the others",
+                                     info.missing.size() == 1
+                                         ? fmt::format("frame {} is", info.missing.front())
+                                         : fmt::format("frames {} are", frameListText(info.missing)),
+                                     frameListText(info.frames)));
     }
     if (!info.damaged.empty())
-        advice.push_back(fmt::format("{} of the files cannot be read: write them again", info.damaged.size()));
+        advice.push_back(info.damaged.size() == 1
+                             ? "1 file cannot be read: write it again"
+                             : fmt::format("{} files cannot be read: write them again", info.damaged.size()));
     for (const GridInfo& grid : info.grids) {
         if (grid.transformChanges) {
             advice.push_back(
@@ -104,9 +168,14 @@ std::vector<std::string> adviceFor(const SequenceInfo& info)
         }
     }
     if (!info.velocity) return advice;
-    if (info.velocity->motion) adviseOnMotion(*info.velocity->motion, advice);
-    adviseOnVoxels(*info.velocity, advice);
-    if (const GridInfo* grid = gridOf(info, info.velocity->grid)) adviseOnShape(*grid, advice);
+    if (const auto& motion = info.velocity->motion) {
+        const auto text =
+            motionAdvice(motion->fasterHalf, info.frames, info.isFrozen, info.velocity->interval, motion->otherUnits);
+        if (text) advice.push_back(*text);
+    }
+    const GridInfo* grid = gridOf(info, info.velocity->grid);
+    adviseOnVoxels(*info.velocity, grid, advice);
+    if (grid) adviseOnShape(*grid, advice);
     return advice;
 }
 

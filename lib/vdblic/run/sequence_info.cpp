@@ -7,9 +7,9 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/io/velocity_grids.h"
+#include "vdblic/run/displacements.h"
 #include "vdblic/run/memory_estimate.h"
 #include "vdblic/run/sequence_advice.h"
-#include "vdblic/run/texture_run.h"
 
 #include <fmt/format.h>
 
@@ -37,6 +37,7 @@ std::vector<FrameFile> findFiles(const SequenceParams& input, SequenceInfo& info
     if (!pattern.hasField()) {
         files = selectFrames(input);
         info.frames = {files.front().frame};
+        info.isFrozen = true;
         return files;
     }
     const std::vector<std::int64_t> found = pattern.framesOnDisk();
@@ -58,6 +59,7 @@ std::vector<FrameFile> findFiles(const SequenceParams& input, SequenceInfo& info
     }
     if (info.frames.empty())
         throw InputError(fmt::format("{}: no frame of {} is on disk", input.pattern, input.frames));
+    info.isFrozen = found.size() == 1;
     for (const std::int64_t frame : info.frames)
         files.push_back({frame, pattern.path(frame)});
     return files;
@@ -159,7 +161,8 @@ double meanLength(const openvdb::Vec3SGrid& grid, const openvdb::Mat3s& matrix)
 }
 
 /// The displacements of a frame, added to those before. @param frames already added
-void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::size_t frames, VelocityInfo& velocity)
+void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::size_t frames, Displacements& all,
+               VelocityInfo& velocity)
 {
     VelocityParams reading = params.flow.velocity;
     reading.nonFinite = NonFinite::kZero;
@@ -169,18 +172,21 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     MotionInfo& motion = *velocity.motion;
     const double mean = meanLength(*frame.values, openvdb::Mat3s(frame.toVoxelsPerStep(velocity.interval)));
     motion.mean += (mean - motion.mean) / double(frames + 1);
+    all.add(frame, velocity.interval);
+    motion.fasterHalf = all.ofFasterHalf();
     const double largest = frame.largestDisplacement(velocity.interval);
     if (largest < motion.largest && frames > 0) return;
     motion.largest = largest;
     motion.frame = file.frame;
     motion.otherUnits.clear();
-    constexpr double kLeast = 0.1; // voxels a step
     for (const VelocityUnit unit : {VelocityUnit::kWorldPerSecond, VelocityUnit::kWorldPerFrame,
                                     VelocityUnit::kVoxelPerSecond, VelocityUnit::kVoxelPerFrame}) {
         frame.unit = unit;
-        const double other = frame.largestDisplacement(velocity.interval);
-        if (unit == velocity.unit || other < kLeast || other > kLargeDisplacement) continue;
-        motion.otherUnits.push_back(fmt::format("{}: {:.3g}", nameOf(unit), other));
+        Displacements other;
+        other.add(frame, velocity.interval);
+        const double moves = other.ofFasterHalf();
+        if (unit != velocity.unit && makesStreaks(moves))
+            motion.otherUnits.push_back(fmt::format("{}: {:.2g}", nameOf(unit), moves));
     }
 }
 
@@ -251,11 +257,12 @@ SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& r
         setInterval(params, readable, times, *info.velocity);
         estimateRun(info, files.size(), *info.velocity);
     }
+    Displacements displacements;
     for (std::size_t i = 0; params.values && i < readable.size(); ++i) {
         reporter.checkStop();
         try {
             addValues(readVdb(readable[i].path), info);
-            if (info.velocity) addMotion(readable[i], params, i, *info.velocity);
+            if (info.velocity) addMotion(readable[i], params, i, displacements, *info.velocity);
         } catch (const InputError& error) {
             info.damaged.emplace_back(error.what());
         }

@@ -45,8 +45,9 @@ struct GridInfo {
 /// Displacements in a step [voxels], over all frames.
 struct MotionInfo {
     double largest = 0, mean = 0;
+    double fasterHalf = 0;                 ///< see Displacements
     std::int64_t frame = 0;                ///< of the largest
-    std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": those that would move the flow by 0.1 to 16 voxels
+    std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": those that would move its faster half by some voxels
 };
 
 /// How vdblic_advect would understand and compute the sequence's velocity.
@@ -65,6 +66,7 @@ struct VelocityInfo {
 struct SequenceInfo {
     std::string pattern, creator;
     std::vector<std::int64_t> frames, missing; ///< on disk; in the gaps between them, or of those asked for
+    bool isFrozen = false;                     ///< one frame without neighbours: the flow stays as it is
     std::uint64_t bytes = 0;
     std::size_t withChecksums = 0;
     std::vector<std::string> damaged; ///< why files cannot be read

@@ -44,8 +44,10 @@ void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
     lines.push_back(fmt::format("  velocity: grid {}; unit {} x {}; {:.6g} s between frames ({})", velocity.grid,
                                 nameOf(velocity.unit), velocity.scale, velocity.interval, velocity.intervalSource));
     if (velocity.motion) {
-        lines.push_back(fmt::format("    moves at most {:.3g} voxels a step, in frame {}, and {:.3g} on average",
-                                    velocity.motion->largest, velocity.motion->frame, velocity.motion->mean));
+        lines.push_back(fmt::format(
+            "    moves at most {:.3g} voxels a step, in frame {}, {:.3g} on average, and {:.2g} "
+            "in its faster half",
+            velocity.motion->largest, velocity.motion->frame, velocity.motion->mean, velocity.motion->fasterHalf));
     }
     lines.push_back(fmt::format("    vdblic_advect takes about {} of memory and {:.2g} s of processor time",
                                 memoryText(velocity.memory), velocity.seconds));
@@ -84,6 +86,7 @@ nlohmann::json ofVelocity(const VelocityInfo& velocity)
         result["largest_displacement"] = velocity.motion->largest;
         result["largest_displacement_frame"] = velocity.motion->frame;
         result["mean_displacement"] = velocity.motion->mean;
+        result["faster_half_displacement"] = velocity.motion->fasterHalf;
     }
     return result;
 }

@@ -6,6 +6,7 @@
 #include "vdblic/flow/frame_halo.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/run/advect_params.h"
+#include "vdblic/run/displacements.h"
 
 #include <fmt/format.h>
 
@@ -35,6 +36,14 @@ double SharedRun::largestDisplacement(const LoadedFrame& frame, double interval)
     double largest = frame.velocity.largestDisplacement(interval);
     mExchange.max({&largest, 1});
     return largest;
+}
+
+double SharedRun::fasterDisplacement(const LoadedFrame& frame, double interval) const
+{
+    Displacements displacements;
+    displacements.add(frame.velocity, interval);
+    displacements.join(mExchange);
+    return displacements.ofFasterHalf();
 }
 
 std::optional<std::string> SharedRun::balance(LoadedFrame& frame, FlowTexture& texture)

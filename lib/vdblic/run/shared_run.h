@@ -31,6 +31,8 @@ class SharedRun {
 
     /// The largest displacement in a step, at any rank [voxels]. @param interval seconds of the step
     [[nodiscard]] double largestDisplacement(const LoadedFrame& frame, double interval) const;
+    /// Of the faster half of the whole frame's flow (Displacements); collective.
+    [[nodiscard]] double fasterDisplacement(const LoadedFrame& frame, double interval) const;
 
     /// Cut a frame's domain anew, and hand over its parts and the texture's state, if the ranks' shares of it have
     /// become so unequal that this pays. @return whether that was done, as a text

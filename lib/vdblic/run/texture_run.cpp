@@ -6,6 +6,7 @@
 #include "vdblic/noise/noise_field.h"
 #include "vdblic/noise/noise_file.h"
 #include "vdblic/run/memory_estimate.h"
+#include "vdblic/run/sequence_advice.h"
 
 #include <fmt/format.h>
 
@@ -43,6 +44,7 @@ void TextureRun::begin()
     for (int i = 0; i < mParams.framesBefore; ++i)
         mTime += mInterval.seconds;
     mTime = mCurrent->velocity.time.value_or(mTime);
+    mIsFrozen = isOnlyFrame() && !mAfter && mParams.framesBefore == 0;
     start();
 }
 
@@ -203,11 +205,11 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
                                    number, frame.velocity.file.path.string(), frame.velocity.gridName, largest));
     }
     if (isSteady(mParams.texture.method) || largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
+    const double faster = mShared.fasterDisplacement(frame, seconds);
+    if (faster <= kLargeDisplacement) return;
     mWarnedOfDisplacement = true;
-    mReporter.warn(
-        fmt::format("frame {}: the flow moves up to {:.1f} voxels a step; over more than {} it is hardly "
-                    "linear in time between frames: check unit and frame spacing, or use frames closer in time",
-                    number, largest, kLargeDisplacement));
+    const auto advice = motionAdvice(faster, {number}, mIsFrozen, seconds);
+    mReporter.warn(fmt::format("frame {}: {}", number, *advice));
 }
 
 } // namespace vdblic

@@ -99,6 +99,7 @@ class TextureRun {
     int mSubstep = 0;                  // to come after the current frame
     double mTime = 0;                  // of the current frame
     bool mIsDone = false;
+    bool mIsFrozen = false; // the run has one frame
     bool mWarnedOfDisplacement = false, mWarnedOfRest = false;
 };
 

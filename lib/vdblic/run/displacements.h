@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace vdblic {
+
+class Exchange;
+struct VelocityFrame;
+
+/// How far voxels move in a step [voxels], over frames. Counts add up to the same for any number of threads.
+class Displacements {
+  public:
+    /// Count a frame's active voxels, in parallel. @param interval seconds of the step
+    void add(const VelocityFrame& frame, double interval);
+    /// Add up those of all ranks; collective.
+    void join(Exchange& exchange);
+
+    /// The displacement of the faster half of the flow: half of all motion is of voxels that move at least so far, to a
+    /// hundredth. Still voxels around a flow and single fast ones do not change it much. 0 if nothing moves.
+    [[nodiscard]] double ofFasterHalf() const;
+
+  private:
+    // Squares are counted by the sign-free upper bits of a float: 32 steps between two powers of two.
+    static constexpr int kDroppedBits = 18;
+    static constexpr std::size_t kSteps = 0x7f800000u >> kDroppedBits; // below infinity
+    using Counts = std::array<std::uint64_t, kSteps>;
+
+    Counts mCounts{};
+};
+
+} // namespace vdblic
