@@ -124,8 +124,8 @@ def survey(volume, texture):
     return filled, corners
 
 
-def warn_if_apart(volume, texture):
-    """Tell where streaks and colours do not lie in the same place.
+def warn_if_apart(volume, texture, corners):
+    """Tell where streaks and colours are apart by more than a hundredth of the volume.
 
     Blender draws a grid's values half a voxel of that grid off their positions, so grids of different voxels lie apart.
     """
@@ -134,7 +134,7 @@ def warn_if_apart(volume, texture):
     half = Vector((0.5, 0.5, 0.5, 0))
     shifts = [data.grids[grid].matrix_object @ half for grid in (texture, "magnitude")]
     apart = (shifts[1] - shifts[0]).length
-    if apart > 1e-3 * shifts[1].length:
+    if apart > 0.01 * max((a - b).length for a in corners for b in corners):
         print(f"{data.filepath}: warning: magnitude has other voxels than {texture}, and Blender draws it {apart:.3g} "
               "beside it; compute the textures with vdblic_advect --scalars texture")
 
@@ -309,7 +309,7 @@ def main():
     if new_scene:
         set_up_new_scene(volume)
     filled, corners = survey(volume, options.texture)
-    warn_if_apart(volume, options.texture)
+    warn_if_apart(volume, options.texture, corners)
     speed, shares = measure_speeds(volume, filled[len(filled) // 2], options.speed)
 
     opacity = opacities(shares)

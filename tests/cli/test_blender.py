@@ -191,6 +191,9 @@ class Blender(ToolTest):
         for scalars, file in files.items():
             warning = "beside it; compute the textures with vdblic_advect --scalars texture"
             self.assertEqual(warning in self.sample(file, frame=1)[1], scalars == "velocity")
+        self.outputs("vdblic_synth", "abc", "-o", "w.vdb", "--size", 40, 40, 40, "--frames", 1)
+        fine, = self.outputs("vdblic_advect", "w.vdb", "-o", "fine.vdb", "--refine", 2)
+        self.assertNotIn("warning", self.sample(fine, frame=1)[1])  # apart by a hundred-and-sixtieth
 
     def test_only_empty_frames_are_blank(self):
         files = self.velocities("gap", UNIFORM, range(7, 11), empty=(7, 9))
