@@ -185,7 +185,7 @@ class CfFile(NetcdfFile):
             x, y, stretch, self.middle = local_plane(*coordinates, self.middle)
             if stretch > 1.05:
                 self._notes.append(
-                    f"on the plane, lengths from west to east are up to {100 * (stretch - 1):.0f} % too long"
+                    f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}"
                 )
             return x, y
         return [values * LENGTH.get(unit.lower(), 1) for values, unit in zip(coordinates, units)]
