@@ -20,9 +20,11 @@ constexpr double kMostRatio = 1e4; // of the ends of a logarithmic range, where 
 
 // The automatic opacity has a point every tenth of the range.
 constexpr int kPoints = 11;
-constexpr double kSlow = 0.1;    // positions up to this are transparent
-constexpr double kRarity = 1.2;  // 0: frequency does not count; 1: opacity is inverse to frequency
-constexpr double kRarest = 0.15; // least frequency that counts, in equal shares
+constexpr double kSlow = 0.1;      // positions up to this are transparent
+constexpr double kRarity = 1.2;    // 0: frequency does not count; 1: opacity is inverse to frequency
+constexpr double kRarest = 0.15;   // least frequency that counts, in equal shares
+constexpr double kFaintest = 0.25; // optical depth of moving voxels of one value alone, of that of the whole
+constexpr double kStill = 0.1;     // values up to this part of the largest are still
 
 float percentile(std::vector<float>& values, double share)
 {
@@ -69,8 +71,9 @@ TextureModulation stretch(std::vector<float> textures, const LookParams& params)
 
 /// Opacity rises with the driver and with the rarity of its value: common values would hide the others. The order of
 /// the samples does not matter: sums are of integers.
+/// @param isFaint whether values that are not near 0 are to be seen, however slow and common they are
 std::vector<OpacityPoint> chooseOpacity(const VolumeSamples& samples, double voxelDepth, const ScalarAxis& axis,
-                                        const TextureModulation& texture)
+                                        const TextureModulation& texture, bool isFaint)
 {
     // Amount of texture near each point.
     constexpr double kUnit = 0x1p32;
@@ -92,8 +95,12 @@ std::vector<OpacityPoint> chooseOpacity(const VolumeSamples& samples, double vox
         depth += points[i].opacity * double(amounts[i]) / (kUnit * double(samples.texture.size()));
     }
     const double scale = depth > 0 ? voxelDepth / depth : 1;
-    for (OpacityPoint& point : points)
-        point.opacity = std::min(-std::expm1(-point.opacity * scale), kMostChosenOpacity);
+    const double full = double(total) / (kUnit * double(samples.texture.size())); // mean density of the texture
+    for (OpacityPoint& point : points) {
+        const double moving = std::clamp(axis.value(point.position) / (kStill * axis.range[1]), 0.0, 1.0);
+        const double least = isFaint && full > 0 ? kFaintest * moving * voxelDepth / full : 0;
+        point.opacity = std::min(-std::expm1(-std::max(point.opacity * scale, least)), kMostChosenOpacity);
+    }
     return points;
 }
 
@@ -121,7 +128,7 @@ Look chooseLook(const LookParams& params, const VolumeSamples& samples, double t
     const TextureModulation texture = stretch(samples.texture, params);
     if (transfer.opacity.empty()) {
         transfer.opacity = chooseOpacity(samples, params.opticalDepth / thickness,
-                                         {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture);
+                                         {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture, one);
     }
     return {.transfer = TransferFunction(transfer),
             .texture = texture,

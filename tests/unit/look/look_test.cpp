@@ -119,6 +119,30 @@ TEST(Look, TheOrderOfSamplesDoesNotMatter)
     EXPECT_EQ(opacityText(look.transfer.opacity()), opacityText(other.transfer.opacity()));
 }
 
+TEST(Look, SlowFlowIsSeenAndStillAirIsNot)
+{
+    // Half of the voxels move at a fifth of the highest speed, a few are fast, the others hardly move.
+    VolumeSamples samples;
+    for (int i = 0; i < 10000; ++i) {
+        samples.texture.push_back(scattered({i, 0, 0}));
+        samples.driver.push_back(i % 20 == 0 ? 10.0f : i % 2 == 0 ? 2.0f : 0.001f);
+    }
+    const double thickness = 50;
+    const Look look = chooseLook({}, samples, thickness);
+    double density = 0;
+    for (const float texture : samples.texture)
+        density += double(look.texture.density(look.texture.stretched(broadcast8(texture)))[0]) / 10000;
+    const auto depth = [&](double value) {
+        return -std::log1p(-look.transfer.opacityAt(look.transfer.opacityAxis().position(value))) * density * thickness;
+    };
+    EXPECT_GT(depth(2), 0.7);
+    EXPECT_LT(depth(0.001), 0.01);
+    // What opacity alone follows, such as q, hides what is near 0.
+    samples.color = samples.driver;
+    const Look vortex = chooseLook({}, samples, thickness);
+    EXPECT_LT(vortex.transfer.opacityAt(vortex.transfer.opacityAxis().position(1)), look.transfer.opacityAt(0.1));
+}
+
 TEST(Look, WhatIsGivenIsKept)
 {
     const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
