@@ -26,6 +26,7 @@ libtbb-dev              header  tbb/parallel_for.h
 libopenexr-dev          header  OpenEXR/ImfOutputFile.h
 libpng-dev              header  png.h
 libcairo2-dev           header  cairo/cairo.h
+libfontconfig-dev       header  fontconfig/fontconfig.h
 libassimp-dev           header  assimp/Importer.hpp
 fonts-dejavu-core       file    /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 libboost-math-dev       header  boost/math/distributions/students_t.hpp

@@ -266,6 +266,18 @@ class Conventions(ToolTest):
         self.assertEqual(metadata["source_creator"], "Houdini/SOP_OpenVDB")
         self.assertTrue(metadata["creator"].startswith("VDBLIC"))
 
+    def test_dates_and_lengths_reach_the_textures(self):
+        for place in "file", "grid":
+            grid, metadata = vector_grid(swirl()), {"start": "2005-08-28T12:00:00", "length_unit": "m"}
+            for key, value in (metadata if place == "grid" else {}).items():
+                grid[key] = value
+            self.write("v.0001.vdb", grid, **(metadata if place == "file" else {}))
+            texture = self.advect("v")[0][0]
+            found = vdb.readMetadata(str(texture))
+            self.assertEqual((found["start"], found["length_unit"]), ("2005-08-28T12:00:00", "m"))
+            found = vdb.readMetadata(str(self.advect("v", "--dt", 1)[0][0]))  # the times are no longer the files'
+            self.assertNotIn("start", found)
+
     def test_skip_existing(self):
         self.write_swirls("v", lambda array: [vector_grid(array)])
         self.advect("v", "--velocity-unit", "voxel/s")

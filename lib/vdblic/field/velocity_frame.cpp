@@ -96,6 +96,15 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
     frame.remarks.push_back(found + "; set to zero");
 }
 
+/// A text of a grid's metadata, or else of the file's; empty if neither has it.
+std::string textMetadata(const openvdb::GridBase& grid, const openvdb::MetaMap& file, const char* key)
+{
+    for (const openvdb::MetaMap* metadata : {static_cast<const openvdb::MetaMap*>(&grid), &file}) {
+        if (const auto text = metadata->getMetadata<openvdb::StringMetadata>(key)) return text->value();
+    }
+    return {};
+}
+
 void carry(const VdbFile& file, const std::vector<std::string>& names, VelocityFrame& frame)
 {
     for (const std::string& name : names)
@@ -213,6 +222,8 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, 
         frame.remarks.push_back(fmt::format(
             "a Mantaflow cache: velocities taken as voxel/s x {} (at Blender's time scale 1)", kMantaflowScale));
     }
+    frame.start = textMetadata(*grids.values.front(), contents.metadata, "start");
+    frame.lengthUnit = textMetadata(*grids.values.front(), contents.metadata, "length_unit");
     if (const auto creator = contents.metadata.getMetadata<openvdb::StringMetadata>("creator")) {
         frame.sourceCreator = creator->value();
     }

@@ -60,6 +60,8 @@ struct VelocityFrame : VelocityConvention, FrameTimes {
     std::string gridName;           ///< "velocity", or "vel.x, vel.y, vel.z"
     openvdb::Vec3SGrid::Ptr values; ///< on voxel centres, in the stored unit
     std::string sourceCreator;      ///< file metadata `creator`
+    std::string start;              ///< date of time 0, of the grid's or the file's metadata
+    std::string lengthUnit;         ///< of world space, the same
     openvdb::GridPtrVec carried;
     std::vector<std::string> remarks; ///< choices made on the user's behalf
 

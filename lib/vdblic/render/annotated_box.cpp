@@ -1,6 +1,7 @@
 #include "vdblic/render/annotated_box.h"
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -96,23 +97,6 @@ int worldAxis(const glm::dvec3& along)
 
 } // namespace
 
-std::vector<double> roundNumbers(double low, double high, int wanted, double& step)
-{
-    const double rough = (high - low) / wanted, power = std::pow(10, std::floor(std::log10(rough)));
-    step = power * (rough / power > 7 ? 10 : rough / power > 3 ? 5 : rough / power > 1.4 ? 2 : 1);
-    std::vector<double> numbers;
-    for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i)
-        numbers.push_back(i * step);
-    return numbers;
-}
-
-std::string tickText(double value, double step)
-{
-    const double shown = std::abs(value) < step * 1e-6 ? 0 : value;
-    if (std::max(std::abs(value), step) >= 1e5 || step < 1e-4) return fmt::format("{:.3g}", shown);
-    return fmt::format("{:.{}f}", shown, std::max(0, -int(std::floor(std::log10(step) + 1e-9))));
-}
-
 std::vector<Tick> ticks(const ScalarAxis& axis, int wanted)
 {
     const auto [low, high] = axis.range;
@@ -146,40 +130,91 @@ void drawBox(const CairoCanvas& canvas, const Corners& box, const Camera& camera
     }
 }
 
-void drawAxes(const CairoCanvas& canvas, const Corners& box, const glm::dvec3& stretch, const Camera& camera,
-              double textSize)
+namespace {
+
+/// The edge that an axis is drawn along, in the picture [pixels].
+struct AxisEdge {
+    glm::dvec3 from, along; // in the picture's world
+    glm::dvec2 begin, end, outward;
+    double low, high; // coordinates at its ends, or distances if the box is turned
+    int world;        // axis; −1: the box is turned
+};
+
+std::optional<AxisEdge> axisEdge(const std::vector<BoxEdge>& edges, int axis, const Corners& box,
+                                 const glm::dvec3& stretch, const Camera& camera, const glm::dvec2& middle)
 {
-    constexpr int kTicks = 5;
+    const std::optional<BoxEdge> edge = edgeForTicks(edges, axis, box, camera);
+    if (!edge) return std::nullopt;
+    const glm::dvec3 from = box[edge->from], along = box[edge->to] - from;
+    const glm::dvec2 begin = *seen(from, camera), end = *seen(from + along, camera);
+    glm::dvec2 outward(begin.y - end.y, end.x - begin.x);
+    if (!(glm::length(outward) > 0)) return std::nullopt;
+    outward = glm::normalize(outward);
+    if (glm::dot((begin + end) / 2.0 - middle, outward) < 0) outward = -outward;
+    const int world = worldAxis(along);
+    const double low = world < 0 ? 0 : from[world] / stretch[world];
+    const double high = world < 0 ? glm::length(along / stretch) : (from[world] + along[world]) / stretch[world];
+    return AxisEdge{from, along, begin, end, outward, low, high, world};
+}
+
+/// The middle of a text beside a point, at a distance from it to the text's border.
+glm::dvec2 besidePoint(const glm::dvec2& point, const glm::dvec2& outward, double distance, const glm::dvec2& extent)
+{
+    return point + outward * (distance + (std::abs(outward.x) * extent.x + std::abs(outward.y) * extent.y) / 2);
+}
+
+} // namespace
+
+void drawAxes(const CairoCanvas& canvas, Labels& labels, const Corners& box, const glm::dvec3& stretch,
+              const std::string& lengthUnit, const Camera& camera, double textSize)
+{
+    constexpr int kMostTicks = 5;
+    const double gap = 0.6 * textSize;
     const auto middle = seen(middleOf(box), camera);
     if (!middle) return;
     const std::vector<BoxEdge> edges = edgesOf(box, camera);
     for (int axis = 0; axis < 3; ++axis) {
-        const std::optional<BoxEdge> edge = edgeForTicks(edges, axis, box, camera);
-        if (!edge) continue;
-        const glm::dvec3 from = box[edge->from], along = box[edge->to] - from;
-        const int world = worldAxis(along);
-        // Ticks stand on the edge, away from the box.
-        const glm::dvec2 begin = *seen(from, camera), end = *seen(from + along, camera);
-        glm::dvec2 outward(begin.y - end.y, end.x - begin.x);
-        if (!(glm::length(outward) > 0)) continue;
-        outward = glm::normalize(outward);
-        if (glm::dot((begin + end) / 2.0 - *middle, outward) < 0) outward = -outward;
-        const auto label = [&](const glm::dvec3& point, double distance, const std::string& text) {
-            const auto at = seen(point, camera);
-            if (!at) return;
-            const glm::dvec2 place = *at + outward * distance * textSize + glm::dvec2(0, 0.35 * textSize);
-            canvas.drawText(place, 0.5 - 0.5 * outward.x, text);
-        };
-        // Positions along the edge are the world's coordinates, or distances if the box is turned.
-        const double low = world < 0 ? 0 : from[world] / stretch[world];
-        const double high = world < 0 ? glm::length(along / stretch) : (from[world] + along[world]) / stretch[world];
-        double step = 0;
-        for (const double value : roundNumbers(std::min(low, high), std::max(low, high), kTicks, step)) {
-            const glm::dvec3 point = from + along * ((value - low) / (high - low));
-            if (const auto at = seen(point, camera)) canvas.drawLine(*at, *at + outward * 0.4 * textSize);
-            label(point, 0.8, tickText(value, step));
+        const std::optional<AxisEdge> edge = axisEdge(edges, axis, box, stretch, camera, *middle);
+        // Beside a very short edge, a layer of voxels, numbers say nothing.
+        if (!edge || glm::length(edge->end - edge->begin) < 2 * textSize) continue;
+        const auto [lowest, highest] = std::minmax(edge->low, edge->high);
+        const AxisUnit unit = axisUnit(std::max(std::abs(lowest), std::abs(highest)), lengthUnit);
+        double widest = 0; // of the numbers, across the edge
+        for (int wanted = kMostTicks; wanted > 0; --wanted) {
+            double step = 0;
+            std::vector<Label> numbers;
+            std::vector<glm::dvec2> points;
+            for (const double value : roundNumbers(lowest / unit.factor, highest / unit.factor, wanted, step)) {
+                const double share = (value * unit.factor - edge->low) / (edge->high - edge->low);
+                const auto point = seen(edge->from + edge->along * share, camera);
+                if (!point) continue;
+                const std::string text = tickText(value, step);
+                const glm::dvec2 extent = labels.extent(text);
+                points.push_back(*point);
+                numbers.push_back({text, besidePoint(*point, edge->outward, gap, extent)});
+                widest = std::max(widest, glm::dot(glm::abs(edge->outward), extent));
+            }
+            if (!labels.write(numbers)) continue;
+            for (const glm::dvec2& point : points)
+                canvas.drawLine(point, point + edge->outward * 0.4 * textSize);
+            break;
         }
-        if (world >= 0) label(from + along * 0.5, 2.4 + 2 * std::abs(outward.x), std::string(1, "xyz"[world]));
+        if (edge->world < 0) continue;
+        const std::string title = scalarTitle(std::string(1, "xyz"[edge->world]), unit.text);
+        const glm::dvec2 extent = labels.extent(title), along = glm::normalize(edge->end - edge->begin);
+        const auto beside = [&](double share) {
+            return Label{title,
+                         besidePoint(glm::mix(edge->begin, edge->end, share), edge->outward, 2 * gap + widest, extent)};
+        };
+        // Where there is no room beside the numbers there may be some at an end of the edge.
+        const auto beyond = [&](const glm::dvec2& end, const glm::dvec2& direction) {
+            return Label{title, besidePoint(end + edge->outward * gap, direction, gap, extent)};
+        };
+        for (const Label& label :
+             {beside(0.5), beside(0.75), beside(0.25), beyond(edge->end, along), beyond(edge->begin, -along)}) {
+            std::vector<Label> one{label};
+            if (labels.write(one)) break;
+        }
     }
 }
 

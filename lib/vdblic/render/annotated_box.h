@@ -2,6 +2,8 @@
 
 #include "vdblic/image/cairo_drawing.h"
 #include "vdblic/look/scalar_axis.h"
+#include "vdblic/render/annotation_labels.h"
+#include "vdblic/render/annotation_texts.h"
 #include "vdblic/render/annotations.h"
 
 #include <string>
@@ -12,15 +14,11 @@ namespace vdblic {
 /// Draw the outline of a box. @param far the edges at its back, else those at its front
 void drawBox(const CairoCanvas& canvas, const Corners& box, const Camera& camera, bool far);
 
-/// Draw ticks with numbers in world units along an edge of the box for each axis, outside its picture.
-/// @param textSize [pixels]
-void drawAxes(const CairoCanvas& canvas, const Corners& box, const glm::dvec3& stretch, const Camera& camera,
-              double textSize);
-
-/// Round numbers between two bounds, about `wanted` of them. @param step receives their distance
-[[nodiscard]] std::vector<double> roundNumbers(double low, double high, int wanted, double& step);
-/// A number with as many decimals as its step needs.
-[[nodiscard]] std::string tickText(double value, double step);
+/// Draw ticks with numbers in world units along an edge of the box for each axis, outside its picture: as many as there
+/// is room for.
+/// @param lengthUnit of the world; empty: unknown  @param textSize [pixels]
+void drawAxes(const CairoCanvas& canvas, Labels& labels, const Corners& box, const glm::dvec3& stretch,
+              const std::string& lengthUnit, const Camera& camera, double textSize);
 
 /// A mark on a scale.
 struct Tick {

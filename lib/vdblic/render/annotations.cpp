@@ -1,12 +1,16 @@
 #include "vdblic/render/annotations.h"
 
+#include "vdblic/camera/framing.h"
 #include "vdblic/image/cairo_drawing.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/look/look.h"
 #include "vdblic/render/annotated_box.h"
+#include "vdblic/render/annotation_font.h"
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 
 #include <algorithm>
 #include <array>
@@ -14,23 +18,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <map>
+#include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
 namespace {
 
-constexpr const char* kAnnotationFont = "DejaVu Sans";
-constexpr glm::dvec3 kLightInk(0.88), kDarkInk(0.12);
+// In sizes of the text, of which there are kLines in a picture's height.
+constexpr double kLines = 42, kMargin = 1.2, kBarTop = 3.5;
+constexpr double kBarRoom = 6.5; // a bar with its numbers and margin
 
-/// The name of a scalar with its unit.
-std::string scalarTitle(const std::string& name, const std::string& unit)
-{
-    static const std::map<std::string, std::string> kUnits = {{"vorticity", "1/s"}, {"q", "1/s²"}};
-    const auto known = kUnits.find(name);
-    const std::string& shown = unit.empty() && known != kUnits.end() ? known->second : unit;
-    return shown.empty() ? name : fmt::format("{} [{}]", name, shown);
-}
+constexpr glm::dvec3 kLightInk(0.88), kDarkInk(0.12);
 
 /// An upright scale with numbers at its left and its title above.
 /// @param corner top right  @param paint sets the colour at a share of the range
@@ -51,7 +51,8 @@ void drawScale(const CairoCanvas& canvas, const glm::dvec2& corner, double heigh
     canvas.setColor(ink);
     cairo_rectangle(canvas.context(), left, corner.y, width, height);
     cairo_stroke(canvas.context());
-    for (const auto& [value, text] : ticks(axis, 5)) {
+    const int wanted = int(std::clamp(height / (1.5 * textSize), 1.0, 5.0));
+    for (const auto& [value, text] : ticks(axis, wanted)) {
         const double y = corner.y + height * (1 - axis.position(value));
         canvas.drawLine({left - 0.3 * textSize, y}, {left, y});
         canvas.drawText({left - 0.5 * textSize, y + 0.35 * textSize}, 1, text);
@@ -59,25 +60,41 @@ void drawScale(const CairoCanvas& canvas, const glm::dvec2& corner, double heigh
     canvas.drawText({corner.x, corner.y - 0.8 * textSize}, 1, title);
 }
 
-void drawColorBars(const CairoCanvas& canvas, const AnnotationContent& content, const TransferFunction& transfer,
-                   const glm::dvec2& size, double textSize, const glm::dvec3& ink)
+const std::string& either(const std::string& given, const std::string& known)
+{
+    return given.empty() ? known : given;
+}
+
+/// The font of a text that is to be drawn.
+void selectFont(const CairoCanvas& canvas, const std::string& text, double textSize)
+{
+    const std::string family = annotationFont(text).family;
+    cairo_select_font_face(canvas.context(), family.c_str(), CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(canvas.context(), textSize);
+}
+
+/// @return the lower end of what is drawn
+double drawColorBars(const CairoCanvas& canvas, const AnnotationContent& content, const TransferFunction& transfer,
+                     const glm::dvec2& size, double textSize, const glm::dvec3& ink)
 {
     const bool one = content.colorBy == content.opacityBy && transfer.range() == transfer.opacityRange() &&
                      transfer.colorAxis().scale == transfer.opacityAxis().scale;
-    const double height = size.y * (one ? 0.4 : 0.3), right = size.x - 1.2 * textSize;
-    const double top = 3.5 * textSize;
+    const double height = size.y * (one ? 0.4 : 0.3), right = size.x - kMargin * textSize;
+    const double top = kBarTop * textSize;
     drawScale(canvas, {right, top}, height, textSize, transfer.colorAxis(),
-              scalarTitle(content.colorBy, transfer.params().unit), ink,
+              scalarTitle(content.colorBy, either(transfer.params().unit, content.colorUnit)), ink,
               [&](double share) { canvas.setColor(transfer.displayColor(share)); });
-    if (one) return;
+    if (one) return top + height;
     // Opacity as ink on the picture: full where a voxel is most opaque.
     double most = 1e-9;
     for (int i = 0; i <= 64; ++i)
         most = std::max(most, transfer.opacityAt(i / 64.0));
     drawScale(canvas, {right, top + height + 3 * textSize}, height, textSize, transfer.opacityAxis(),
-              scalarTitle(content.opacityBy, transfer.params().opacityUnit), ink,
+              scalarTitle(content.opacityBy, either(transfer.params().opacityUnit, content.opacityUnit)), ink,
               [&](double share) { canvas.setColor(ink, transfer.opacityAt(share) / most); });
-    canvas.drawText({right, top + 2 * height + 4.4 * textSize}, 1, "opacity");
+    const double bottom = top + 2 * height + 4.4 * textSize;
+    canvas.drawText({right, bottom}, 1, "opacity");
+    return bottom;
 }
 
 /// What Cairo drew, in linear light, premultiplied.
@@ -100,19 +117,44 @@ std::vector<glm::vec4> pixelsOf(const CairoCanvas& canvas, const glm::ivec2& siz
 
 } // namespace
 
+std::vector<glm::dvec3> withRoom(std::vector<glm::dvec3> subject, const AnnotationParams& params, const Camera& view)
+{
+    if (subject.empty()) return subject;
+    const glm::dmat3 axes = viewAxes(glm::normalize(view.target() - view.eye()), view.up());
+    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (const glm::dvec3& point : subject) {
+        low = glm::min(low, point * axes);
+        high = glm::max(high, point * axes);
+    }
+    if (params.axes) {
+        // Numbers beside the axes.
+        constexpr double kRoom = 1.22;
+        const glm::dvec3 middle = axes * ((low + high) / 2.0);
+        for (glm::dvec3& point : subject)
+            point = glm::mix(middle, point, kRoom);
+    }
+    if (params.colorBar) {
+        // The picture's share at the right is that of a bar; what fills the rest is as wide as the subject.
+        const double share = kBarRoom / kLines * view.size().y / view.size().x;
+        const glm::dvec3 aside = axes[0] * ((high.x - low.x) * share / (1 - std::min(share, 0.5)));
+        for (std::size_t i = 0, count = subject.size(); i < count; ++i)
+            subject.push_back(subject[i] + aside);
+    }
+    return subject;
+}
+
 void annotate(Image& image, const AnnotationParams& params, const AnnotationContent& content, const Look& look,
               const Camera& camera, const glm::dvec3& background)
 {
     const glm::dvec2 size(image.size);
-    const double textSize = std::max(size.y / 42, 7.0), lineWidth = std::max(size.y / 700, 0.7);
+    const double textSize = std::max(size.y / kLines, 7.0), lineWidth = std::max(size.y / 700, 0.7);
     const bool dark = glm::dot(linearFromDisplay(background), glm::dvec3(0.2126, 0.7152, 0.0722)) < 0.2;
     const glm::dvec3 ink = dark ? kLightInk : kDarkInk;
     const auto canvasOf = [&] {
         CairoCanvas canvas(CAIRO_FORMAT_ARGB32, image.size);
         canvas.setColor(ink);
         cairo_set_line_width(canvas.context(), lineWidth);
-        cairo_select_font_face(canvas.context(), kAnnotationFont, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-        cairo_set_font_size(canvas.context(), textSize);
+        selectFont(canvas, "", textSize);
         return canvas;
     };
     const CairoCanvas back = canvasOf(), front = canvasOf();
@@ -120,17 +162,25 @@ void annotate(Image& image, const AnnotationParams& params, const AnnotationCont
         drawBox(back, content.box, camera, true);
         drawBox(front, content.box, camera, false);
     }
-    if (params.axes) drawAxes(front, content.box, content.stretch, camera, textSize);
-    if (params.colorBar) drawColorBars(front, content, look.transfer, size, textSize, ink);
-    const double margin = 1.2 * textSize;
+    Labels labels(front, size, textSize);
+    const double margin = kMargin * textSize;
+    if (params.colorBar) {
+        const double bottom = drawColorBars(front, content, look.transfer, size, textSize, ink);
+        labels.keepFree({{size.x - kBarRoom * textSize, 0}, {size.x, bottom + textSize}});
+    }
     if (params.time) {
-        const std::string time = content.time ? fmt::format(", {:.4g} s", *content.time) : "";
-        front.drawText({margin, size.y - margin}, 0, fmt::format("frame {}{}", content.frame, time));
+        const std::string clock = clockText(content.clock);
+        const std::string text = fmt::format("frame {}{}{}", content.frame, clock.empty() ? "" : ", ", clock);
+        front.drawText({margin, size.y - margin}, 0, text);
+        labels.keepFree({{0, size.y - margin - textSize}, {margin + labels.extent(text).x, size.y}});
     }
     if (!params.title.empty()) {
-        cairo_set_font_size(front.context(), 1.5 * textSize);
+        selectFont(front, params.title, 1.5 * textSize);
         front.drawText({margin, margin + textSize}, 0, params.title);
+        labels.keepFree({{0, 0}, {margin + labels.extent(params.title).x, margin + 1.5 * textSize}});
+        selectFont(front, "", textSize);
     }
+    if (params.axes) drawAxes(front, labels, content.box, content.stretch, content.lengthUnit, camera, textSize);
     // The volume hides what lies behind it.
     image.annotations = pixelsOf(front, image.size);
     const std::vector<glm::vec4> behind = pixelsOf(back, image.size);

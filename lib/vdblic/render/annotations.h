@@ -3,12 +3,13 @@
 #include "vdblic/camera/camera.h"
 #include "vdblic/image/image.h"
 #include "vdblic/render/annotation_params.h"
+#include "vdblic/render/annotation_texts.h"
 
 #include <glm/vec3.hpp>
 
 #include <cstdint>
-#include <optional>
 #include <string>
+#include <vector>
 
 namespace vdblic {
 
@@ -21,8 +22,15 @@ struct AnnotationContent {
     std::string colorBy; ///< names of the grids
     std::string opacityBy;
     std::int64_t frame;
-    std::optional<double> time; ///< [s]
+    FrameClock clock{};
+    std::string colorUnit{}, opacityUnit{}; ///< of the grids; empty: unknown
+    std::string lengthUnit{};               ///< of the world, the same
 };
+
+/// The points of a picture's subject, and some room beside them for axes and colour bars.
+/// @param view of the box; a camera that a user placed has no room to give
+[[nodiscard]] std::vector<glm::dvec3> withRoom(std::vector<glm::dvec3> subject, const AnnotationParams& params,
+                                               const Camera& view);
 
 /// Draw annotations as a layer of their own, Image::annotations, and leave the other layers as they are. The size of
 /// text and lines follows the picture's height.

@@ -33,8 +33,9 @@ Image FramePicture::image() const
     Image image = mSum->mean();
     if (mShare) mShare->assemble(image);
     if (mParams.annotations.any() && mExchange.isFirst()) {
-        const AnnotationContent content{mScene.box,       mParams.stretch,   mParams.colorBy,
-                                        mScene.opacityBy, mFrame.file.frame, mFrame.time};
+        const AnnotationContent content{mScene.box,       mParams.stretch,    mParams.colorBy,
+                                        mScene.opacityBy, mFrame.file.frame,  mFrame.clock,
+                                        mFrame.colorUnit, mFrame.opacityUnit, mFrame.lengthUnit};
         annotate(image, mParams.annotations, content, mScene.look, mCamera, mParams.background.color);
     }
     return image;

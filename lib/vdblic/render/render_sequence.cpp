@@ -11,6 +11,7 @@
 #include "vdblic/io/texture_name.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/look/transfer_file.h"
+#include "vdblic/render/annotation_font.h"
 #include "vdblic/render/frame_renderer.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/render_outputs.h"
@@ -84,6 +85,7 @@ class SequenceRenderer {
             if (mScene) tellTransfer();
             if (!mOutput && !mFilm && mParams.histogram.empty()) return checkScene();
         }
+        warnOfTitle();
         mReporter.progress(0, mTotal);
         if (mExchange.isAlone()) {
             // How many frames fit in memory is known once one has been read.
@@ -131,6 +133,16 @@ class SequenceRenderer {
         if (mParams.transferOut.empty()) return;
         if (writeTransferFile(mParams.transferOut, mScene->look.transfer.params()))
             mReporter.finished(mParams.transferOut);
+    }
+
+    void warnOfTitle()
+    {
+        const std::string& title = mParams.annotations.title;
+        const std::string missing = title.empty() ? "" : annotationFont(title).missing;
+        if (missing.empty()) return;
+        mReporter.warn(fmt::format("title '{}': no installed font has '{}', which is drawn as boxes; install one, such "
+                                   "as the package fonts-noto-cjk for Chinese, Japanese and Korean",
+                                   title, missing));
     }
 
     void warnOfNothing()

@@ -7,6 +7,7 @@
 #include "vdblic/field/resample.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/render/annotations.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/sequence_bounds.h"
 #include "vdblic/volume/leaf_share.h"
@@ -47,9 +48,24 @@ openvdb::FloatGrid::Ptr findScalar(const VdbFile& file, const std::vector<std::s
     return nullptr;
 }
 
-std::optional<double> timeOf(const VdbFile& file)
+/// A text of a file's or a grid's metadata; empty if it has none.
+std::string textOf(const openvdb::MetaMap& metadata, const char* key)
 {
-    return numericMetadata(file.metadata, "time");
+    const auto text = metadata.getMetadata<openvdb::StringMetadata>(key);
+    return text ? text->value() : "";
+}
+
+FrameClock clockOf(const openvdb::MetaMap& metadata)
+{
+    return {numericMetadata(metadata, "time"), numericMetadata(metadata, "dt"), textOf(metadata, "start")};
+}
+
+/// The unit of a scalar: its metadata `unit`, or that of speeds in the file's unit of length.
+std::string unitOf(const openvdb::FloatGrid& scalar, const std::string& lengthUnit)
+{
+    const std::string unit = textOf(scalar, "unit");
+    if (!unit.empty() || scalar.getName() != RenderParams{}.colorBy || lengthUnit.empty()) return unit;
+    return lengthUnit + "/s";
 }
 
 openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
@@ -123,6 +139,7 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
         const auto color = storedColor ? onTexture(storedColor, *texture) : texture;
         const auto opacity = storedOpacity && storedOpacity != storedColor ? onTexture(storedOpacity, *texture) : color;
         const bool hasLines = params.look.shading.model == ShadingModel::kLine;
+        const std::string lengthUnit = textOf(file.metadata, "length_unit");
         // The lines at a leaf's rim are those of its neighbours.
         const RecordUse use{.gradients = needsGradients(params),
                             .look = hasLines ? nullptr : look,
@@ -135,7 +152,10 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
                              bool(storedColor),
                              storedOpacity ? storedOpacity->getName() : params.colorBy,
                              TextureVolume(*texture, *opacity, params.stretch, use),
-                             timeOf(file)};
+                             clockOf(file.metadata),
+                             unitOf(*color, lengthUnit),
+                             unitOf(*opacity, lengthUnit),
+                             lengthUnit};
         if (opacity != color || !params.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
         if (!params.region.empty() || params.regionBox) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
@@ -179,17 +199,17 @@ std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& loo
     std::vector<glm::dvec3> subject;
     if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject;
     if (params.annotations.box || params.annotations.axes || !params.solid.source.empty() || !steady) {
-        // Numbers beside the axes need some room.
-        const double room = params.annotations.axes ? 1.16 : 1;
-        for (const glm::dvec3& corner : box)
-            subject.push_back(glm::mix(middleOf(box), corner, room));
-        return subject;
+        subject.assign(box.begin(), box.end());
+    } else {
+        for (const auto& frame : frames) {
+            const auto more = visibleExtent(frame->volume, look, params.rays.clip.stretched(params.stretch), exchange);
+            subject.insert(subject.end(), more.begin(), more.end());
+        }
     }
-    for (const auto& frame : frames) {
-        const auto more = visibleExtent(frame->volume, look, params.rays.clip.stretched(params.stretch), exchange);
-        subject.insert(subject.end(), more.begin(), more.end());
-    }
-    return subject;
+    const AnnotationParams& annotations = params.annotations;
+    if (!annotations.axes && !annotations.colorBar) return subject;
+    const Camera view(params.camera, box, params.scaledSize(), subject);
+    return withRoom(std::move(subject), annotations, view);
 }
 
 Scene chooseScene(const RenderParams& params, std::span<const std::shared_ptr<const LoadedTexture>> frames,

@@ -3,6 +3,7 @@
 #include "vdblic/camera/camera_path.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/look/look.h"
+#include "vdblic/render/annotation_texts.h"
 #include "vdblic/volume/texture_volume.h"
 
 #include <glm/vec3.hpp>
@@ -30,7 +31,8 @@ struct LoadedTexture {
     bool hasColor;                                   ///< if not, the texture colours
     std::string opacityBy;                           ///< name of the grid that opacity follows
     TextureVolume volume;
-    std::optional<double> time; ///< of the file's metadata [s]
+    FrameClock clock;                                 ///< of the file's metadata
+    std::string colorUnit, opacityUnit, lengthUnit{}; ///< of the scalars and of the world, as far as the file tells
 
     [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };

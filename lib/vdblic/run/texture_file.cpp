@@ -131,6 +131,11 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
     file.metadata = parameterMetadata(params);
     if (!velocity.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
+    // With a frame spacing of its own a run leaves the calendar of the files.
+    if (!velocity.start.empty() && !params.flow.frameSpacing)
+        file.metadata.insertMeta("start", openvdb::StringMetadata(velocity.start));
+    if (!velocity.lengthUnit.empty())
+        file.metadata.insertMeta("length_unit", openvdb::StringMetadata(velocity.lengthUnit));
     file.metadata.insertMeta("frame", openvdb::Int64Metadata(number));
     file.metadata.insertMeta("source_frame", openvdb::DoubleMetadata(frame.sourceFrame));
     file.metadata.insertMeta("time", openvdb::DoubleMetadata(made.time));

