@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
@@ -24,7 +25,7 @@ constexpr double kSlow = 0.1;      // positions up to this are transparent
 constexpr double kRarity = 1.2;    // 0: frequency does not count; 1: opacity is inverse to frequency
 constexpr double kRarest = 0.15;   // least frequency that counts, in equal shares
 constexpr double kFaintest = 0.25; // optical depth of moving voxels of one value alone, of that of the whole
-constexpr double kStill = 0.1;     // values up to this part of the largest are still
+constexpr double kStill = 0.1;     // part of the values, from the still ones on, over which it rises to that
 
 float percentile(std::vector<float>& values, double share)
 {
@@ -71,9 +72,10 @@ TextureModulation stretch(std::vector<float> textures, const LookParams& params)
 
 /// Opacity rises with the driver and with the rarity of its value: common values would hide the others. The order of
 /// the samples does not matter: sums are of integers.
-/// @param isFaint whether values that are not near 0 are to be seen, however slow and common they are
+/// @param still up to this value there is nothing to see; values well above it are to be seen, however common they are.
+/// Nothing: they need not be
 std::vector<OpacityPoint> chooseOpacity(const VolumeSamples& samples, double voxelDepth, const ScalarAxis& axis,
-                                        const TextureModulation& texture, bool isFaint)
+                                        const TextureModulation& texture, std::optional<double> still)
 {
     // Amount of texture near each point.
     constexpr double kUnit = 0x1p32;
@@ -97,8 +99,11 @@ std::vector<OpacityPoint> chooseOpacity(const VolumeSamples& samples, double vox
     const double scale = depth > 0 ? voxelDepth / depth : 1;
     const double full = double(total) / (kUnit * double(samples.texture.size())); // mean density of the texture
     for (OpacityPoint& point : points) {
-        const double moving = std::clamp(axis.value(point.position) / (kStill * axis.range[1]), 0.0, 1.0);
-        const double least = isFaint && full > 0 ? kFaintest * moving * voxelDepth / full : 0;
+        double least = 0;
+        if (still && full > 0) {
+            const double above = (axis.value(point.position) - *still) / (axis.range[1] - *still);
+            least = kFaintest * std::clamp(above / kStill, 0.0, 1.0) * voxelDepth / full;
+        }
         point.opacity = std::min(-std::expm1(-std::max(point.opacity * scale, least)), kMostChosenOpacity);
     }
     return points;
@@ -123,12 +128,16 @@ Look chooseLook(const LookParams& params, const VolumeSamples& samples, double t
     TransferParams transfer = params.transfer;
     const bool one = samples.color.empty();
     const ValueScale opacityScale = transfer.opacityScale.value_or(one ? transfer.colorScale : ValueScale::kLinear);
+    // Values below a given range are hidden.
+    std::optional<double> still;
+    if (one) still = transfer.range ? (*transfer.range)[0] : 0;
     if (!transfer.range) transfer.range = rangeOf(one ? samples.driver : samples.color, transfer.colorScale);
     if (!one && !transfer.opacityRange) transfer.opacityRange = opacityRangeOf(samples.driver, opacityScale);
     const TextureModulation texture = stretch(samples.texture, params);
     if (transfer.opacity.empty()) {
-        transfer.opacity = chooseOpacity(samples, params.opticalDepth / thickness,
-                                         {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture, one);
+        transfer.opacity =
+            chooseOpacity(samples, params.opticalDepth / thickness,
+                          {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture, still);
     }
     return {.transfer = TransferFunction(transfer),
             .texture = texture,
