@@ -1,9 +1,13 @@
 """A velocity field of NumPy becomes a picture: the wake of two counter-rotating vortices that drift."""
 
-import sys
+import argparse
 
 import numpy
 import vdblic
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("picture", nargs="?", default="vortices.ppm", help="the picture to write (default: %(default)s)")
+output = parser.parse_args().picture
 
 x, y, z = numpy.meshgrid(*(numpy.linspace(-1, 1, n) for n in (96, 64, 48)), indexing="ij")
 velocity = numpy.zeros((*x.shape, 3), numpy.float32)
@@ -15,5 +19,5 @@ for texture in vdblic.advect([velocity] * 5, voxel_size=2 / 64, frame_spacing=1 
     pass  # the flow stands still: the last texture has the longest streaks
 vdblic.write("vortices.vdb", texture)
 picture = vdblic.displayed(vdblic.Renderer(size=(640, 400))(texture))
-with open(sys.argv[1] if len(sys.argv) > 1 else "vortices.ppm", "wb") as file:
+with open(output, "wb") as file:
     file.write(b"P6 640 400 255\n" + picture.tobytes())

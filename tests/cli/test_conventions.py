@@ -275,8 +275,17 @@ class Conventions(ToolTest):
             texture = self.advect("v")[0][0]
             found = vdb.readMetadata(str(texture))
             self.assertEqual((found["start"], found["length_unit"]), ("2005-08-28T12:00:00", "m"))
+            pictures = [self.rendered("v-lic.0001.vdb", annotation) for annotation in ("time", "colorbar", "axes")]
             found = vdb.readMetadata(str(self.advect("v", "--dt", 1)[0][0]))  # the times are no longer the files'
             self.assertNotIn("start", found)
+            self.write("v.0001.vdb", vector_grid(swirl()))
+            self.advect("v")
+            for picture, annotation in zip(pictures, ("time", "colorbar", "axes")):
+                self.assertNotEqual(self.rendered("v-lic.0001.vdb", annotation), picture, annotation)
+
+    def rendered(self, name, annotation):
+        path, = self.outputs("vdblic_render", name, "-o", "i.png", "--size", 200, 200, "--annotate", annotation)
+        return path.read_bytes()
 
     def test_skip_existing(self):
         self.write_swirls("v", lambda array: [vector_grid(array)])

@@ -239,6 +239,9 @@ class Packaged(ToolTest):
         return done.stdout
 
     def test_samples(self):
+        for name in "field_to_picture.py", "import_to_film.py":
+            self.assertIn("usage: " + name, self.run_python(SOURCE / "samples/python" / name, "--help"))
+        self.assertEqual(self.files(), [])
         self.run_python(SOURCE / "samples/python/field_to_picture.py", "picture.ppm")
         picture = numpy.frombuffer(self.contents("picture.ppm")[15:], numpy.uint8).reshape(400, 640, 3)
         self.assertGreater(picture.std(), 10)

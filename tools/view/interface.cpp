@@ -192,7 +192,7 @@ Json Interface::scene(const Json& state, std::int64_t frame)
     for (const glm::dvec3& corner : view.scene.box)
         corners.push_back(listOf(corner));
     return {{"settled", view.settled},
-            {"time", view.frame->time ? Json(*view.frame->time) : Json()},
+            {"time", view.frame->clock.time ? Json(*view.frame->clock.time) : Json()},
             {"camera",
              {{"projection", nameOf(camera.projection())},
               {"eye", listOf(camera.eye())},

@@ -111,7 +111,9 @@ AxisUnit axisUnit(double largest, const std::string& unit)
         if (largest >= kLong) return {1e3, "km"};
         return largest >= 1e-5 ? AxisUnit{1e-3, "mm"} : AxisUnit{1e-6, "µm"};
     }
-    const int thousands = int(std::floor(std::log10(largest) / 3 + 1e-9));
+    const double digits = std::log10(largest);
+    const int thousands = largest >= kLong ? std::max(1, int(std::ceil((digits - std::log10(kLong)) / 3 - 1e-9)))
+                                           : int(std::floor(digits / 3 + 1e-9));
     std::string power = "10";
     for (const char digit : std::to_string(3 * thousands)) {
         constexpr std::array<const char*, 10> kRaised = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};

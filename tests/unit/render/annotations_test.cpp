@@ -73,6 +73,8 @@ TEST(Annotations, TitlesTellUnits)
     };
     EXPECT_EQ(axis(480e3, "m"), std::pair(1e3, std::string("km")));
     EXPECT_EQ(axis(480e3, ""), std::pair(1e3, std::string("10³")));
+    EXPECT_EQ(axis(6e6, ""), std::pair(1e3, std::string("10³")));
+    EXPECT_EQ(axis(6e7, "ft"), std::pair(1e6, std::string("10⁶ ft")));
     EXPECT_EQ(axis(5500, "m"), std::pair(1.0, std::string("m")));
     EXPECT_EQ(axis(0.004, "m"), std::pair(1e-3, std::string("mm")));
     EXPECT_EQ(axis(0.004, ""), std::pair(1e-3, std::string("10⁻³")));
