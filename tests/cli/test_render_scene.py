@@ -1,6 +1,7 @@
 """vdblic_render on the command line: solids, shadows, annotations and films."""
 
 import os
+import resource
 import signal
 import subprocess
 import unittest
@@ -130,6 +131,15 @@ class RenderScene(RenderTest):
             self.refuses(2, *good, *bad)
         self.refuses(4, *good, "--film", "missing/f.mp4")
         self.assertIn("ffmpeg", self.refuses(4, *good, "--film", "f.mp4", env={**os.environ, "PATH": "/nonexistent"}))
+        # A disk that becomes full: ffmpeg says so, but ends as if all were well.
+        self.renders(*good, "--film", "whole.mp4")
+        size = len(self.contents("whole.mp4"))
+        for most in 1000, size // 2, size - 100:
+            def fill():
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+            message = self.refuses(4, *good, "--film", "f.mp4", preexec_fn=fill, restore_signals=False)
+            self.assertIn("f.mp4", message)
         # A frame that cannot be read: the film would lack it.
         (self.folder / "lic.0003.vdb").write_bytes(b"broken")
         self.refuses(3, *good, "--film", "f.mp4")

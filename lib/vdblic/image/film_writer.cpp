@@ -4,11 +4,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
+#include <cstdint>
 #include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <spawn.h>
 #include <string>
 #include <sys/wait.h>
@@ -29,10 +34,66 @@ std::array<int, 2> makePipe()
     return ends;
 }
 
+std::uint64_t bigEndian(const unsigned char* bytes, std::size_t count)
+{
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        number = number << 8 | bytes[i];
+    return number;
+}
+
+/// Visit the boxes of an .mp4 file (ISO/IEC 14496-12) between two places.
+/// @param visit called with a box's type and the begin and end of its content
+/// @return whether they fill all that is between
+template<typename Visit>
+bool visitBoxes(std::ifstream& file, std::uint64_t begin, std::uint64_t end, const Visit& visit)
+{
+    while (begin < end) {
+        std::array<unsigned char, 16> head{};
+        const std::uint64_t least = 8, most = std::min<std::uint64_t>(end - begin, head.size());
+        file.seekg(std::streamoff(begin));
+        if (most < least || !file.read(reinterpret_cast<char*>(head.data()), std::streamsize(most))) return false;
+        std::uint64_t size = bigEndian(head.data(), 4), headSize = least;
+        if (size == 1 && most == head.size()) { // follows in 64 bits
+            size = bigEndian(head.data() + 8, 8);
+            headSize = head.size();
+        }
+        if (size < headSize || size > end - begin) return false;
+        visit(std::string(reinterpret_cast<const char*>(head.data()) + 4, 4), begin + headSize, begin + size);
+        begin += size;
+    }
+    return true;
+}
+
+/// The number of frames of an .mp4 film; 0 if it is incomplete.
+std::uint64_t framesIn(const std::filesystem::path& path)
+{
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    const std::streamoff size = file.tellg();
+    if (size <= 0) return 0;
+    std::uint64_t frames = 0;
+    bool hasData = false;
+    const std::function<void(const std::string&, std::uint64_t, std::uint64_t)> visit =
+        [&](const std::string& type, std::uint64_t begin, std::uint64_t end) {
+            hasData = hasData || type == "mdat";
+            if (type == "moov" || type == "trak" || type == "mdia" || type == "minf" || type == "stbl") {
+                (void)visitBoxes(file, begin, end, visit);
+            } else if (type == "stsz" && end - begin >= 12) {
+                std::array<unsigned char, 12> table{}; // version, size of all frames, number of frames
+                file.seekg(std::streamoff(begin));
+                file.read(reinterpret_cast<char*>(table.data()), std::streamsize(table.size()));
+                frames = bigEndian(table.data() + 8, 4);
+            }
+        };
+    const bool isWhole = visitBoxes(file, 0, std::uint64_t(size), visit);
+    return isWhole && hasData ? frames : 0;
+}
+
 } // namespace
 
 FilmWriter::FilmWriter(const std::filesystem::path& path, const glm::ivec2& size, double framesPerSecond)
-    : mPath(path), mFile(path, AtomicFile::Temporary::kNamed)
+    : mPath(path), mFile(path, AtomicFile::Temporary::kNamed),
+      mFrameBytes(3 * std::size_t(size.x) * std::size_t(size.y))
 {
     // A fixed number of threads, so that the film does not depend on the machine.
     std::vector<std::string> words = {"ffmpeg",
@@ -105,6 +166,7 @@ FilmWriter::~FilmWriter()
 
 void FilmWriter::add(std::string_view bytes)
 {
+    mBytes += bytes.size();
     while (!bytes.empty()) {
         const ssize_t written = ::write(mInput, bytes.data(), bytes.size());
         if (written < 0 && errno == EINTR) continue;
@@ -120,7 +182,7 @@ void FilmWriter::finish()
     while (::waitpid(mProcess, &status, 0) < 0 && errno == EINTR) {
     }
     mProcess = -1;
-    if (status != 0) fail();
+    if (status != 0 || framesIn(mFile.temporary()) != mBytes / mFrameBytes) fail();
     close();
     mFile.commit();
 }
@@ -137,7 +199,8 @@ void FilmWriter::fail()
     while (!text.empty() && text.back() == '\n')
         text.pop_back();
     throw OutputError(fmt::format("{}: ffmpeg cannot write the film: {}", mPath.string(),
-                                  text.empty() ? "it ended without a message" : text.substr(text.rfind('\n') + 1)));
+                                  text.empty() ? "what it wrote is incomplete; the disk may be full"
+                                               : text.substr(text.rfind('\n') + 1)));
 }
 
 /// Close what is open, and wait for ffmpeg.

@@ -4,6 +4,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 #include <sys/types.h>
@@ -22,7 +23,7 @@ class FilmWriter {
 
     /// @param bytes as displayBytes() returns them. @throws OutputError with ffmpeg's reason
     void add(std::string_view bytes);
-    /// @throws OutputError with ffmpeg's reason
+    /// @throws OutputError with ffmpeg's reason, also if it ended well and the film is incomplete, as on a full disk
     void finish();
 
   private:
@@ -32,7 +33,8 @@ class FilmWriter {
     std::filesystem::path mPath;
     AtomicFile mFile;
     pid_t mProcess = -1;
-    int mInput = -1, mMessages = -1; // pipes to ffmpeg and from its standard error
+    std::size_t mFrameBytes, mBytes = 0; // of a frame, and all that were added
+    int mInput = -1, mMessages = -1;     // pipes to ffmpeg and from its standard error
 };
 
 } // namespace vdblic
