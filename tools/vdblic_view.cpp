@@ -1,11 +1,13 @@
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "view/interface.h"
 #include "view/web_server.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <string>
@@ -21,6 +23,15 @@ void serve(vdblic::view::WebServer& server, const vdblic::Reporter& reporter)
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
     server.stop();
     serving.join();
+}
+
+/// Bytes for frames that were read. Several viewers may run beside other work, so without a limit of their own they
+/// take little.
+double cacheBytes(const CLI::App& app)
+{
+    constexpr double kUsual = 2e9;
+    const double free = vdblic::availableMemory();
+    return app.count("--max-memory") > 0 ? free / 2 : std::min(kUsual, free / 4);
 }
 
 bool isLoopback(const std::string& host)
@@ -54,7 +65,9 @@ int main(int argc, char** argv)
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         if (input.pattern == "-")
             throw vdblic::ParameterError("a viewer goes back and forth in a sequence; name a file or a pattern, not -");
-        vdblic::view::Viewer viewer(vdblic::view::startOf(tool.given(), input), vdblic::availableMemory() / 2);
+        const double cache = cacheBytes(app);
+        reporter.detail(fmt::format("frames that were read are kept up to {}", vdblic::memoryText(cache)));
+        vdblic::view::Viewer viewer(vdblic::view::startOf(tool.given(), input), cache);
         vdblic::view::Interface interface(viewer);
         const std::string token = vdblic::view::randomToken();
         vdblic::view::WebServer server(
@@ -66,7 +79,8 @@ int main(int argc, char** argv)
         }
         const std::string address = fmt::format(
             "http://{}:{}/{}/", host.find(':') == std::string::npos ? host : "[" + host + "]", server.port(), token);
-        reporter.say(fmt::format("the page is at {}; Ctrl-C ends", address));
+        reporter.finished(address);
+        reporter.say("the page is at the address on standard output; Ctrl-C ends");
         if (open && std::system(fmt::format("xdg-open '{}' >/dev/null 2>&1 &", address).c_str()) != 0)
             reporter.warn("xdg-open is not there; open the address by hand");
         serve(server, reporter);

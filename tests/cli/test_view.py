@@ -3,6 +3,7 @@
 import http.client
 import json
 import os
+import re
 import shlex
 import signal
 import socket
@@ -29,7 +30,7 @@ class Pictures(ViewerTest):
         for number, state in enumerate(states):
             with self.subTest(state=state):
                 state = {"size": [64, 40], "samples": 2, **state}
-                kept = self.ask("keep", {"kind": "picture", "state": state, "frame": 2})["files"][0]
+                kept = self.keep("picture", state, 2)
                 shown = self.contents(kept)
                 self.assertEqual(shown, self.picture(state, 2))
                 files = self.ask("keep", {"kind": "files", "state": state, "frame": 2})
@@ -93,17 +94,82 @@ class Pictures(ViewerTest):
         self.assertEqual(self.ask("status")["frames"], [1, 2, 3, 4])
         self.assertEqual(self.picture({}, 4), self.picture({}, 3))
 
+    def test_frames_that_go(self):
+        self.start("lic.%04d.vdb")
+        first, last = self.picture({}, 1), self.picture({}, 3)
+        (self.folder / "lic.0002.vdb").unlink()
+        self.assertEqual(self.ask("status")["frames"], [1, 3])
+        self.assertEqual(self.picture({}, 3), last)
+        self.assertEqual(self.request("picture", {"client": "a", "state": {}, "frame": 2})[0], 400)
+        (self.folder / "lic.0004.vdb").write_bytes(self.contents("lic.0003.vdb"))
+        self.assertEqual(self.ask("status")["frames"], [1, 3, 4])
+        self.assertEqual(self.picture({}, 4), last)
+        for path in self.folder.glob("lic.*.vdb"):
+            path.unlink()
+        self.assertEqual(self.ask("status")["frames"], [1, 3, 4])  # until there are others
+        self.assertEqual(self.request("picture", {"client": "a", "state": {}, "frame": 4})[0], 422)
+        (self.folder / "lic.0001.vdb").write_bytes((self.data / "lic.0001.vdb").read_bytes())
+        self.assertEqual(self.ask("status")["frames"], [1])
+        self.assertEqual(self.picture({}, 1), first)
+
+    def test_a_frame_that_is_replaced(self):
+        self.start("lic.%04d.vdb", "--range", 0, 3, "--opacity", "0:0,1:1")  # no choice follows it later
+        first, third = self.picture({}, 1), self.picture({}, 3)
+        self.assertNotEqual(first, third)
+        version = self.ask("status")["version"]
+        self.assertEqual(self.ask("status")["version"], version)
+        (self.folder / "new").write_bytes(self.contents("lic.0001.vdb"))
+        os.replace(self.folder / "new", self.folder / "lic.0003.vdb")
+        status = self.ask("status")
+        self.assertGreater(status["version"], version)
+        self.assertEqual(status["frames"], [1, 2, 3])
+        self.assertEqual(self.picture({}, 3), first)
+
     def test_a_film_and_its_end(self):
         self.start("lic.%04d.vdb")
         state = {"size": [64, 40]}
-        film = self.ask("keep", {"kind": "film", "state": state, "fps": 12})
-        self.wait_until(lambda: self.ask("status")["film"]["finished"], "no film")
-        self.assertEqual(self.ask("status")["film"]["error"], "")
-        self.assertEqual(self.contents(film["file"])[4:8], b"ftyp")
+        film = self.keep("film", state, fps=12)
+        self.assertEqual(self.contents(film)[4:8], b"ftyp")
         self.ask("keep", {"kind": "film", "state": {**state, "samples": 4000}})
         self.assertEqual(self.request("keep", {"kind": "film", "state": state})[0], 400)  # one at a time
         self.assertEqual(self.stop(), -signal.SIGTERM)
-        self.assertEqual([name for name in self.files() if name.startswith("view-")], [film["file"]])
+        self.assertEqual([name for name in self.files() if name.startswith("view-")], [film])
+
+    def test_pictures_are_kept_in_the_background(self):
+        self.start("lic.%04d.vdb")
+        slow = {"kind": "picture", "state": {"size": [1500, 1500], "samples": 4000}, "frame": 1}
+        jobs = [self.ask("keep", slow) for _ in range(3)]  # each would take minutes
+        self.assertEqual([job["file"] for job in jobs], ["view-001.png", "view-002.png", "view-003.png"])
+        self.assertEqual(self.request("keep", slow)[0], 400)  # three at a time
+        self.wait_until(lambda: self.job(jobs[0]["job"])["done"] > 0, "no progress")
+        self.picture({})  # others are not kept waiting
+        self.ask("stop", {"job": jobs[0]["job"]})
+        self.wait_until(lambda: self.job(jobs[0]["job"])["finished"], "no end")
+        self.assertEqual(self.job(jobs[0]["job"])["error"], "stopped")
+        self.assertFalse(self.job(jobs[1]["job"])["finished"])
+        self.assertEqual(self.request("stop", {"job": 99})[0], 400)
+        self.assertEqual(self.keep("picture", {"size": [8, 8]}), "view-001.png")
+        for _ in range(12):  # no list that grows and grows
+            self.keep("picture", {"size": [8, 8]})
+        self.assertLessEqual(len(self.ask("status")["jobs"]), 8)
+        self.assertEqual(self.stop(), -signal.SIGTERM)
+
+    def test_a_job_that_fails_says_why(self):
+        self.start("lic.%04d.vdb")
+        (self.folder / "lic.0002.vdb").write_bytes(b"broken")
+        job = self.ask("keep", {"kind": "picture", "state": {"size": [8, 8]}, "frame": 2})
+        self.wait_until(lambda: self.job(job["job"])["finished"], "no end")
+        self.assertIn("lic.0002.vdb", self.job(job["job"])["error"])
+        for impossible in {"size": [9000, 8]}, {"look": "none"}:
+            self.assertEqual(self.request("keep", {"kind": "picture", "state": impossible, "frame": 1})[0], 400)
+
+    def test_the_address_stands_alone(self):
+        self.start("lic.%04d.vdb")
+        self.ask("sequence")
+        said = self.said()
+        self.assertEqual(self.viewer.stdout.read(), "")
+        self.assertNotIn(self.token, said)
+        self.assertIn("Ctrl-C", said)
 
     def test_frames_beyond_the_memory_are_read_again(self):
         self.start("lic.%04d.vdb", "--max-memory", "128M")
@@ -112,6 +178,20 @@ class Pictures(ViewerTest):
         status, _, text = self.request("picture", {"client": "a", "state": {"size": [8000, 8000]}, "frame": 1})
         self.assertEqual(status, 422, text)
         self.assertIn(b"memory", text)
+
+    def test_the_memory_of_frames(self):
+        def most(*arguments):
+            self.start("lic.%04d.vdb", "-v", *arguments)
+            said = self.said()
+            self.stop()
+            number, unit = re.search(r"kept up to (\S+) (\S)iB", said).groups()
+            return float(number) * 1024 ** " KMG".index(unit)
+        with open("/proc/meminfo", encoding="utf-8") as text:
+            free = 1024 * int(re.search(r"MemAvailable:\s+(\d+)", text.read())[1])
+        self.assertLess(most(), 1.05 * min(2e9, free / 3))
+        self.assertGreater(most(), 0.95 * min(2e9, free / 6))
+        self.assertLessEqual(most("--max-memory", "256M"), 128 << 20)
+        self.assertGreater(most("--max-memory", "256M"), 64 << 20)
 
     def test_messages_before_any_serving(self):
         self.assertIn("-", self.fails(2, "vdblic_view", "-"))
@@ -125,7 +205,7 @@ class Pictures(ViewerTest):
 
     def test_other_hosts_are_warned_of(self):
         self.start("lic.%04d.vdb", "--host", "0.0.0.0")
-        self.assertIn("warning", self.said)
+        self.assertIn("warning", self.said())
 
 
 class Attacks(ViewerTest):
@@ -208,6 +288,7 @@ class Attacks(ViewerTest):
                      of_state(b'{"opacity": "' + b"0:0," * 50000 + b'"}'),
                      of_state(b'{"clip-plane": [' + b"[1,2,3,4,5,6]," * 9999 + b"[1,2,3,4,5,6]]}"),
                      b'{"state": {}, "frame": "one"}', b'{"state": {}, "frame": 9}',
+                     b'{"next": [' + b"1," * 99999 + b'1], "state": {}, "frame": 1}',
                      b'{"client": "' + b"x" * 100000 + b'", "state": {}, "frame": 1}'):
             with self.subTest(body=body[:60]):
                 status, _, text = self.request("picture", body)
@@ -215,6 +296,24 @@ class Attacks(ViewerTest):
                 self.assertLess(len(text), 20000)
                 self.assertTrue(json.loads(text)["error"])
         self.assertIn(self.large(b"x" * (3 << 20)), (400, 413))
+
+    def test_requests_of_two_lengths(self):
+        """No request hides another one behind it."""
+        hidden = f"GET /{self.token}/sequence HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        post = f"POST /{self.token}/scene HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        get = f"GET /{self.token}/status HTTP/1.1\r\nHost: localhost\r\n"
+        length = f"Content-Length: {len(hidden)}\r\n"
+        for head in (get + length, get + "Transfer-Encoding: chunked\r\n", post + length + "Content-Length: 2\r\n",
+                     post + length + length, post + length + "Transfer-Encoding: chunked\r\n", post,
+                     post + "Content-Length: -2\r\n", post + f"Content-Length: {len(hidden)}, 2\r\n",
+                     post.replace("json", "xml") + length, post.replace(self.token, "0" * 32) + length):
+            with self.subTest(head=head), socket.create_connection(("127.0.0.1", self.port), 20) as connection:
+                connection.sendall((head + "\r\n" + hidden).encode())
+                answer = b""
+                while part := connection.recv(4096):
+                    answer += part
+                self.assertIn(answer[:13], (b"HTTP/1.1 400 ", b"HTTP/1.1 403 ", b"HTTP/1.1 415 "))
+                self.assertEqual(answer.count(b"HTTP/1.1"), 1)
 
     def large(self, body):
         """The status of a request that the server may end before it has been sent."""

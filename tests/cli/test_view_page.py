@@ -20,6 +20,7 @@ from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
@@ -310,6 +311,141 @@ class Page(ViewerTest):
         self.wait_for_refined()
         self.assert_undoable("clip-plane")
         self.assert_kept()
+
+    def test_what_is_dragged_stays_under_the_hand(self):
+        self.open()
+        x_of = lambda selector: self.browser.execute_script("""
+            const box = document.querySelector(arguments[0]).getBoundingClientRect();
+            return box.left + box.width / 2""", selector)
+        for selector, by in (".curve .grip[data-end='1']", -90), (".curve .point[data-index='3']", 15):
+            with self.subTest(selector=selector):
+                begin = x_of(selector)
+                hand = ActionChains(self.browser, duration=20).click_and_hold(self.find(selector)[0])
+                for step in range(5):
+                    hand.move_by_offset(by // 5, 0).pause(0.5)  # time for the server's answers
+                hand.perform()
+                self.assertAlmostEqual(x_of(selector), begin + by, delta=3)
+                ActionChains(self.browser).release().perform()
+                self.wait_for_refined()
+        # The automatic camera has become that of the state: it does not follow what is seen.
+        eye = self.options()["eye"]
+        self.open_cuts()
+        self.element("cut-box").click()
+        side = self.handle("Upper x side of the box")
+        self.drag(lambda: self.find(side)[0], -80, 0)
+        self.wait_for_refined()
+        self.assertEqual(self.options()["eye"], eye)
+        self.element("frame-all").click()
+        self.wait_until(lambda: "eye" not in self.options(), "not automatic")
+        self.press("#overlay .handle", 0, Keys.ARROW_RIGHT)  # a cut alone
+        self.wait_until(lambda: "eye" in self.options(), "automatic")
+
+    def test_undo_everywhere(self):
+        self.open()
+        undo = lambda: ActionChains(self.browser).key_down(Keys.CONTROL).send_keys("z").key_up(Keys.CONTROL).perform()
+        gone = lambda name: self.wait_until(lambda: name not in self.options(), f"{name} is not undone")
+        # In a menu.
+        Select(self.element("option-colormap")).select_by_visible_text("viridis")
+        self.wait_until(lambda: self.options().get("colormap") == "viridis", "no map")
+        self.browser.execute_script("document.getElementById('option-colormap').focus()")
+        undo()
+        gone("colormap")
+        # In a field: what is typed is the field's, what was taken is undone.
+        field = self.find("input[aria-label='Colour: upper end of the range']")[0]
+        before = field.get_attribute("value")
+        field.send_keys(Keys.CONTROL + "a" + Keys.NULL + "2.5")
+        undo()
+        self.assertNotIn("range", self.options())
+        field.send_keys(Keys.CONTROL + "a" + Keys.NULL + "2.5" + Keys.ENTER)
+        self.wait_until(lambda: self.options().get("range", [0, 0])[1] == 2.5, "no range")
+        undo()
+        gone("range")
+        self.wait_until(lambda: field.get_attribute("value") == before, "the field is not undone")
+        # A movement of the wheel is one step.
+        def turn_wheel():
+            hand = ActionChains(self.browser, duration=20)
+            for _ in range(6):
+                hand.scroll_from_origin(ScrollOrigin.from_element(self.element("picture")), 0, 20)
+            hand.perform()
+        turn_wheel()
+        self.wait_until(lambda: "eye" in self.options(), "not zoomed")
+        zoomed = self.options()["eye"]
+        turn_wheel()
+        self.wait_until(lambda: self.options()["eye"] != zoomed, "not zoomed")
+        self.element("picture").click()
+        undo()
+        self.wait_until(lambda: self.options().get("eye") == zoomed, "not undone")
+        undo()
+        gone("eye")
+        # The right button removes a point, and opens no menu.
+        self.browser.execute_script("""
+            window.menus = 0;
+            addEventListener("contextmenu", (event) => { menus += !event.defaultPrevented; });""")
+        points = len(self.find(".curve .point"))
+        ActionChains(self.browser).context_click(self.find(".curve .point")[2]).perform()
+        self.wait_until(lambda: len(self.find(".curve .point")) == points - 1, "not removed")
+        self.assertEqual(self.browser.execute_script("return menus"), 0)
+
+    def test_key_frames_are_kept_as_shown(self):
+        self.open()
+        self.browser.execute_script("document.getElementById('add-key').closest('details').open = true")
+        self.element("add-key").click()
+        self.wait_until(lambda: "keys" in self.options(), "no key")
+        self.drag(lambda: self.element("picture"), 120, 20)
+        self.wait_for_refined()
+        state = self.options()
+        state["size"] = self.browser.execute_script(
+            "const {width, height} = document.getElementById('picture'); return [width, height]")
+        self.element("keep-png").click()
+        self.wait_until(lambda: "Saved" in self.element("kept").text, "no picture was kept")
+        shown, of_keys = ({**state, "keys": keys} for keys in (None, state["keys"]))
+        del shown["keys"]
+        self.assertEqual(self.contents("view-001.png"), self.picture(shown))
+        # Following the keys is in the address.
+        self.browser.execute_script("document.getElementById('follow-keys').click()")
+        self.wait_for_refined()
+        self.browser.refresh()
+        self.wait_for_refined()
+        self.assertTrue(self.element("follow-keys").is_selected())
+        self.element("keep-png").click()
+        self.wait_until(lambda: "view-002" in self.element("kept").text, "no picture was kept")
+        self.assertEqual(self.contents("view-002.png"), self.picture(of_keys))
+        self.assertNotEqual(self.contents("view-001.png"), self.contents("view-002.png"))
+        # The hand takes the camera over where it is.
+        self.element("picture").click()
+        self.wait_for_refined()
+        self.assertFalse(self.element("follow-keys").is_selected())
+        self.assertEqual(self.options()["eye"], state["keys"][0]["eye"])
+
+    def test_a_long_job_tells_how_far_it_is(self):
+        self.open("--samples", 4)
+        for name in "keep-width", "keep-height":
+            self.element(name).send_keys("3000")
+        self.element("keep-png").click()
+        self.wait_until(lambda: "of 4 samples" in self.element("jobs").text, "no progress")
+        self.element("on").click()  # the picture goes on
+        self.wait_until(lambda: self.element("picture").get_attribute("data-frame") == "2", "no step")
+        self.find("[aria-label='Stop view-001.png']")[0].click()
+        self.wait_until(lambda: "view-001.png: stopped" in self.element("kept").text, "not stopped")
+        self.assertEqual(self.element("jobs").text, "")
+        self.assertNotIn("view-001.png", self.files())
+
+    def test_frames_come_and_go(self):
+        self.open()
+        number = lambda: self.element("frame-number").text
+        self.element("back").click()
+        self.wait_until(lambda: number() == "frame 3 of 3", "no step back")
+        self.wait_for_refined()
+        self.element("newest").click()
+        (self.folder / "lic.0003.vdb").unlink()
+        self.wait_until(lambda: number() == "frame 2 of 2", "the frame is not gone")
+        (self.folder / "lic.0005.vdb").write_bytes(self.contents("lic.0001.vdb"))
+        self.wait_until(lambda: number() == "frame 5 of 5", "no growth")
+        self.wait_for_refined()
+        shown = self.pixels()
+        (self.folder / "new").write_bytes(self.contents("lic.0002.vdb"))
+        (self.folder / "new").rename(self.folder / "lic.0005.vdb")
+        self.wait_until(lambda: self.pixels() != shown, "the picture is stale")
 
     def test_time_goes_on(self):
         self.open()

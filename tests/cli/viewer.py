@@ -39,14 +39,16 @@ class ViewerTest(ToolTest):
         self.viewer = subprocess.Popen([str(BIN / "vdblic_view"), *map(str, arguments)], stderr=subprocess.PIPE,
                                        stdout=subprocess.PIPE, text=True, cwd=self.folder)
         self.addCleanup(self.stop)
-        self.said = ""
-        for line in self.viewer.stderr:
-            self.said += line
-            found = re.search(r"http://\S+?:(\d+)/(\w+)/", line)
-            if found:
-                self.address, self.port, self.token = found[0], int(found[1]), found[2]
-                return
-        self.fail(f"vdblic_view ended: {self.said}")
+        self.address = self.viewer.stdout.readline().rstrip("\n")
+        found = re.fullmatch(r"http://\S+?:(\d+)/(\w+)/", self.address)
+        if not found:
+            self.fail(f"vdblic_view says '{self.address}' and {self.viewer.stderr.read()}")
+        self.port, self.token = int(found[1]), found[2]
+
+    def said(self):
+        """The messages of a viewer, which is stopped."""
+        self.viewer.send_signal(signal.SIGTERM)
+        return self.viewer.stderr.read()
 
     def stop(self):
         """End the viewer as a shell does; returns its exit status."""
@@ -87,6 +89,19 @@ class ViewerTest(ToolTest):
         status, _, text = self.request(path, body)
         self.assertEqual(status, 200, text)
         return json.loads(text)
+
+    def job(self, number):
+        """What the viewer tells of a job."""
+        return next(job for job in self.ask("status")["jobs"] if job["job"] == number)
+
+    def keep(self, kind, state, frame=1, **more):
+        """Keep a picture or a film, and wait for it. @return its file"""
+        job = self.ask("keep", {"kind": kind, "state": state, "frame": frame, **more})
+        self.wait_until(lambda: self.job(job["job"])["finished"], f"no {kind}")
+        job = self.job(job["job"])
+        self.assertEqual(job["error"], "")
+        self.assertEqual(job["done"], job["total"])
+        return job["file"]
 
     def picture(self, state, frame=1, **more):
         """The bytes of a picture whose automatic choices are settled."""

@@ -33,6 +33,8 @@ std::string inOptions(std::string_view message)
 
 using Json = nlohmann::json;
 
+constexpr std::size_t kMostNext = 8; // frames to be read ahead
+
 WebAnswer jsonAnswer(const Json& json, int status = 200)
 {
     return {status, "application/json",
@@ -143,7 +145,7 @@ WebAnswer Interface::answerAsked(const WebRequest& request)
     const auto frame = member(asked, "frame", std::int64_t(0));
     if (request.path == "picture") return picture(asked, request);
     if (request.path == "scene") return jsonAnswer(scene(stateIn(asked), frame));
-    if (request.path == "keep") return jsonAnswer(keep(asked, request));
+    if (request.path == "keep") return jsonAnswer(keep(asked));
     if (request.path == "histograms") {
         const TextureHistograms found = mViewer.histograms(stateIn(asked));
         return jsonAnswer(
@@ -152,7 +154,7 @@ WebAnswer Interface::answerAsked(const WebRequest& request)
     if (request.path == "command")
         return jsonAnswer({{"command", commandOf(mViewer.start(), stateIn(asked), {"-o", "image.%04d.png"})}});
     if (request.path == "stop") {
-        mKeeper.stopFilm();
+        mKeeper.stop(member(asked, "job", std::int64_t(0)));
         return jsonAnswer(Json::object());
     }
     return errorAnswer(404, "there is no such page");
@@ -174,7 +176,10 @@ Json Interface::sequence()
 
 Json Interface::status()
 {
-    return {{"frames", mViewer.frames()}, {"version", mViewer.version()}, {"film", mKeeper.film()}};
+    Json jobs = mKeeper.jobs();
+    for (Json& job : jobs)
+        job["error"] = inOptions(job["error"].get_ref<const std::string&>());
+    return {{"frames", mViewer.frames()}, {"version", mViewer.version()}, {"jobs", jobs}};
 }
 
 Json Interface::scene(const Json& state, std::int64_t frame)
@@ -214,19 +219,15 @@ Json Interface::scene(const Json& state, std::int64_t frame)
             {"values", valuesOf(view.params)}};
 }
 
-Json Interface::keep(const Json& asked, const WebRequest& request)
+Json Interface::keep(const Json& asked)
 {
     const auto kind = member(asked, "kind", std::string());
     const auto frame = member(asked, "frame", std::int64_t(0));
     if (kind == "files") return mKeeper.keepFiles(stateIn(asked), frame);
     if (kind == "film") return mKeeper.beginFilm(stateIn(asked), member(asked, "fps", 24.0));
     if (kind != "picture") throw ParameterError("\"kind\" must be files, picture or film");
-    return mKeeper.keepPicture({.client = member(asked, "client", std::string()),
-                                .turn = std::nullopt,
-                                .state = stateIn(asked),
-                                .frame = frame,
-                                .settle = true},
-                               member(asked, "format", std::string("png")), request.isGone);
+    return mKeeper.beginPicture({.client = {}, .turn = std::nullopt, .state = stateIn(asked), .frame = frame},
+                                member(asked, "format", std::string("png")));
 }
 
 WebAnswer Interface::picture(const Json& asked, const WebRequest& request)
@@ -237,7 +238,9 @@ WebAnswer Interface::picture(const Json& asked, const WebRequest& request)
                           .frame = member(asked, "frame", std::int64_t(0)),
                           .settle = member(asked, "settle", false)};
     if (asked.contains("turn")) wanted.turn = member(asked, "turn", std::int64_t(0));
+    const auto next = member(asked, "next", std::vector<std::int64_t>());
     if (wanted.client.size() > 64) throw ParameterError("\"client\" is too long");
+    if (next.size() > kMostNext) throw ParameterError(fmt::format("\"next\" may have {} frames", kMostNext));
     const int quality = std::clamp(member(asked, "quality", 90), 1, 100);
     const bool lossless = member(asked, "format", std::string("jpeg")) == "png";
     std::optional<ShownPicture> made;
@@ -247,8 +250,8 @@ WebAnswer Interface::picture(const Json& asked, const WebRequest& request)
         return {204, "", ""}; // no error: browsers report those
     }
     const ShownPicture& shown = *made;
-    for (const auto next : member(asked, "next", std::vector<std::int64_t>()))
-        mViewer.prefetch(wanted.state, next);
+    for (const std::int64_t ahead : next)
+        mViewer.prefetch(wanted.state, ahead);
     WebAnswer answer{200, lossless ? "image/png" : "image/jpeg",
                      lossless ? encodePng(shown.image, shown.background)
                               : encodeJpeg(displayBytes(shown.image, shown.background), shown.image.size, quality)};

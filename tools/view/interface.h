@@ -22,7 +22,7 @@ class Interface {
     [[nodiscard]] nlohmann::json sequence();
     [[nodiscard]] nlohmann::json status();
     [[nodiscard]] nlohmann::json scene(const nlohmann::json& state, std::int64_t frame);
-    [[nodiscard]] nlohmann::json keep(const nlohmann::json& asked, const WebRequest& request);
+    [[nodiscard]] nlohmann::json keep(const nlohmann::json& asked);
     [[nodiscard]] WebAnswer picture(const nlohmann::json& asked, const WebRequest& request);
 
     Viewer& mViewer;

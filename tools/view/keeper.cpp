@@ -1,7 +1,6 @@
 #include "view/keeper.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/core/reporter.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/look/transfer_file.h"
@@ -12,6 +11,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <iterator>
+#include <new>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -48,6 +49,8 @@ std::string errorOf(const Work& work)
         return {};
     } catch (const Stopped&) {
         return "stopped";
+    } catch (const std::bad_alloc&) {
+        return "this takes more memory than may be used";
     } catch (const std::exception& error) {
         return error.what();
     }
@@ -55,27 +58,25 @@ std::string errorOf(const Work& work)
 
 } // namespace
 
-/// Tells the progress of a film to its keeper.
-class Keeper::FilmReporter : public Reporter {
+/// Tells the progress of a job to its keeper.
+class Keeper::JobReporter : public Reporter {
   public:
-    explicit FilmReporter(Keeper& keeper) : mKeeper(keeper) {}
+    JobReporter(Keeper& keeper, Json& told, std::stop_token stop) : mKeeper(keeper), mTold(told), mStop(std::move(stop))
+    {
+    }
     void progress(std::size_t done, std::size_t total) override
     {
         const std::lock_guard lock(mKeeper.mMutex);
-        mKeeper.mFilm["done"] = done;
-        mKeeper.mFilm["total"] = total;
+        mTold["done"] = done;
+        mTold["total"] = total;
     }
-    [[nodiscard]] bool stopRequested() const override { return mKeeper.mStopFilm; }
+    [[nodiscard]] bool stopRequested() const override { return mStop.stop_requested(); }
 
   private:
     Keeper& mKeeper;
+    Json& mTold;
+    std::stop_token mStop;
 };
-
-Keeper::~Keeper()
-{
-    mStopFilm = true;
-    if (mFilmThread.joinable()) mFilmThread.join();
-}
 
 std::string Keeper::freeName() const
 {
@@ -83,8 +84,11 @@ std::string Keeper::freeName() const
         const std::string name = fmt::format("view-{:03}", number);
         const auto isTaken = [&](const char* ending) { return std::filesystem::exists(name + ending); };
         const char* const endings[] = {".transfer.json", ".camera.json", ".png", ".exr", ".mp4"};
+        const auto isWritten = [&](const Job& job) {
+            return !job.isFinished() && job.told["file"].get_ref<const std::string&>().starts_with(name + '.');
+        };
         if (std::none_of(std::begin(endings), std::end(endings), isTaken) &&
-            (mFilm.is_null() || mFilm["file"] != name + ".mp4"))
+            std::none_of(mJobs.begin(), mJobs.end(), isWritten))
             return name;
     }
 }
@@ -108,14 +112,45 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
             {"command", commandOf(start, rest, {"--transfer", transfer, "--camera", camera, "-o", "image.%04d.png"})}};
 }
 
-Json Keeper::keepPicture(const PictureRequest& request, const std::string& format, const std::function<bool()>& isGone)
+Json Keeper::begin(const std::string& ending, std::size_t total,
+                   const std::function<Work(const std::string& file)>& work)
+{
+    constexpr std::size_t kMostRunning = 3, kMostTold = 8;
+    const std::lock_guard lock(mMutex);
+    const auto running = [](const Job& job) { return !job.isFinished(); };
+    const auto isFilm = [](const Job& job) { return job.told["file"].get_ref<const std::string&>().ends_with(".mp4"); };
+    if (ending == ".mp4" &&
+        std::any_of(mJobs.begin(), mJobs.end(), [&](const Job& job) { return running(job) && isFilm(job); }))
+        throw ParameterError("a film is being made; wait for its end or stop it");
+    if (std::count_if(mJobs.begin(), mJobs.end(), running) >= std::ptrdiff_t(kMostRunning))
+        throw ParameterError(fmt::format("{} pictures are being made; wait for an end or stop one", kMostRunning));
+    const std::string file = freeName() + ending;
+    Work write = work(file);
+    const auto oldest = std::find_if_not(mJobs.begin(), mJobs.end(), running);
+    if (mJobs.size() >= kMostTold && oldest != mJobs.end()) mJobs.erase(oldest);
+    Job& job = mJobs.emplace_back(
+        Job{{{"job", mNext++}, {"file", file}, {"done", 0}, {"total", total}, {"finished", false}, {"error", ""}}, {}});
+    job.thread = std::jthread([this, &told = job.told, write = std::move(write)](const std::stop_token& stop) {
+        JobReporter reporter(*this, told, stop);
+        const std::string error = errorOf([&] { write(reporter, stop); });
+        const std::lock_guard done(mMutex);
+        told["error"] = error;
+        told["finished"] = true;
+    });
+    return job.told;
+}
+
+Json Keeper::beginPicture(const PictureRequest& request, const std::string& format)
 {
     if (format != "png" && format != "exr") throw ParameterError("a picture is kept as png or exr");
-    const ShownPicture picture = mPictures.picture(request, isGone);
-    const std::lock_guard lock(mMutex);
-    const std::string name = freeName() + "." + format;
-    writeImage(name, picture.image, picture.header, picture.background, picture.exr);
-    return {{"files", {name}}};
+    const auto samples = std::size_t(mPictures.paramsFor(request).samples);
+    return begin("." + format, samples, [&](const std::string& file) -> Work {
+        return [this, request, samples, file](Reporter& reporter, const std::stop_token& stop) {
+            const auto progress = [&](int done) { reporter.progress(std::size_t(done), samples); };
+            const ShownPicture picture = mPictures.whole(request, progress, stop);
+            writeImage(file, picture.image, picture.header, picture.background, picture.exr);
+        };
+    });
 }
 
 Json Keeper::beginFilm(const Json& state, double framesPerSecond)
@@ -123,29 +158,31 @@ Json Keeper::beginFilm(const Json& state, double framesPerSecond)
     RenderParams params = paramsOf(mViewer.start(), state);
     params.texture = mViewer.texture();
     params.framesPerSecond = framesPerSecond;
-    const std::lock_guard lock(mMutex);
-    if (!mFilm.is_null() && !mFilm["finished"].get<bool>())
-        throw ParameterError("a film is being made; wait for its end or stop it");
-    params.film = freeName() + ".mp4";
-    params.validate();
-    if (mFilmThread.joinable()) mFilmThread.join();
-    mStopFilm = false;
-    mFilm = {{"file", params.film}, {"done", 0}, {"total", 0}, {"finished", false}, {"error", ""}};
-    mFilmThread = std::thread([this, params] {
-        FilmReporter reporter(*this);
-        std::istringstream noPaths;
-        const std::string error = errorOf([&] { renderSequence(params, noPaths, reporter); });
-        const std::lock_guard done(mMutex);
-        mFilm["error"] = error;
-        mFilm["finished"] = true;
+    return begin(".mp4", 0, [&](const std::string& file) -> Work {
+        params.film = file;
+        params.validate();
+        return [params](Reporter& reporter, const std::stop_token&) {
+            std::istringstream noPaths;
+            renderSequence(params, noPaths, reporter);
+        };
     });
-    return mFilm;
 }
 
-Json Keeper::film()
+void Keeper::stop(std::int64_t job)
 {
     const std::lock_guard lock(mMutex);
-    return mFilm;
+    const auto found = std::find_if(mJobs.begin(), mJobs.end(), [&](const Job& one) { return one.told["job"] == job; });
+    if (found == mJobs.end()) throw ParameterError(fmt::format("there is no job {}", job));
+    found->thread.request_stop();
+}
+
+Json Keeper::jobs()
+{
+    const std::lock_guard lock(mMutex);
+    Json list = Json::array();
+    for (const Job& job : mJobs)
+        list.push_back(job.told);
+    return list;
 }
 
 } // namespace vdblic::view

@@ -73,31 +73,49 @@ ShownPicture Pictures::picture(const PictureRequest& request, const std::functio
     const Place place(mPlaces);
     checkStop();
     const std::string key = keyOf(request, mViewer.version());
-    const RenderParams params = paramsOf(mViewer.start(), request.state);
-    const glm::ivec2 size = params.scaledSize();
-    if (std::max(size.x, size.y) > kMostSide)
-        throw ParameterError(fmt::format("a picture may have {} pixels a side", kMostSide));
-    checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y), "make it smaller");
+    const RenderParams params = paramsFor(request);
     if (!client->last || client->last->key != key || client->last->picture.samples() > params.samples ||
         (request.settle && !client->last->view.settled)) {
         client->last.reset();
         client->last = std::make_unique<Cast>(key, mViewer.view(request.state, request.frame, request.settle));
     }
-    FramePicture& picture = client->last->picture;
+    ShownPicture result = shown(*client->last, params, stop, [&](int) { checkStop(); });
+    if (!result.settled) mViewer.settleLater(client->last->view);
+    return result;
+}
+
+ShownPicture Pictures::whole(const PictureRequest& request, const std::function<void(int)>& progress,
+                             const std::stop_token& stop)
+{
+    const RenderParams params = paramsFor(request);
+    Cast cast({}, mViewer.view(request.state, request.frame, /*settle=*/true));
+    ShownPicture result = shown(cast, params, stop, progress);
+    progress(params.samples);
+    return result;
+}
+
+RenderParams Pictures::paramsFor(const PictureRequest& request) const
+{
+    RenderParams params = paramsOf(mViewer.start(), request.state);
+    const glm::ivec2 size = params.scaledSize();
+    if (std::max(size.x, size.y) > kMostSide)
+        throw ParameterError(fmt::format("a picture may have {} pixels a side", kMostSide));
+    checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y), "make it smaller");
+    return params;
+}
+
+ShownPicture Pictures::shown(Cast& cast, const RenderParams& params, const std::stop_token& stop,
+                             const std::function<void(int)>& beforeSample)
+{
+    FramePicture& picture = cast.picture;
     while (picture.samples() < params.samples) {
-        checkStop();
+        beforeSample(picture.samples());
         picture.addSample(stop);
     }
-    ShownPicture shown{picture.image(),
-                       picture.header(),
-                       params.background,
-                       params.exr,
-                       params.samples,
-                       client->last->view.settled,
-                       {}};
-    shown.nothingSeen = picture.whyNothingIsSeen(shown.image);
-    if (!shown.settled) mViewer.settleLater(client->last->view);
-    return shown;
+    ShownPicture result{
+        picture.image(), picture.header(), params.background, params.exr, params.samples, cast.view.settled, {}};
+    result.nothingSeen = picture.whyNothingIsSeen(result.image);
+    return result;
 }
 
 } // namespace vdblic::view

@@ -48,6 +48,12 @@ class Pictures {
     /// @param isGone whether the client has gone away
     /// @throws Stopped if a newer request came or the client has gone away; as Viewer::view()
     [[nodiscard]] ShownPicture picture(const PictureRequest& request, const std::function<bool()>& isGone);
+    /// A picture that no newer request ends. @param progress called with the number of samples that are there
+    /// @throws Stopped, and as Viewer::view()
+    [[nodiscard]] ShownPicture whole(const PictureRequest& request, const std::function<void(int)>& progress,
+                                     const std::stop_token& stop);
+    /// The parameters of a picture. @throws ParameterError, InputError if it is too large
+    [[nodiscard]] RenderParams paramsFor(const PictureRequest& request) const;
 
   private:
     /// A picture with all that it refers to.
@@ -72,6 +78,9 @@ class Pictures {
     /// The client, whose older request is asked to end.
     /// @throws Stopped if the request is the older one: requests on different connections may change places
     [[nodiscard]] std::shared_ptr<Client> clientOf(const PictureRequest& request, std::stop_token& stop);
+    /// Cast what is missing of a picture. @param beforeSample called with the number of samples that are there
+    [[nodiscard]] static ShownPicture shown(Cast& cast, const RenderParams& params, const std::stop_token& stop,
+                                            const std::function<void(int)>& beforeSample);
 
     Viewer& mViewer;
     std::mutex mMutex;

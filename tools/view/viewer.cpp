@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <system_error>
 
 namespace vdblic::view {
 namespace {
@@ -68,33 +69,59 @@ Viewer::Viewer(Start start, double cacheBytes) : mStart(std::move(start)), mCach
     for (const auto& grid : readVdbHeader(files.front().path).grids) {
         if (grid->isType<openvdb::FloatGrid>() && grid->getName() != mTexture) mScalars.push_back(grid->getName());
     }
-    for (const FrameFile& file : files)
-        mFrames.push_back(file.frame);
+    mFiles = filesOnDisk();
     params.texture = mTexture;
     params.stretch = glm::dvec3(1);
     mSource = sourceOf(params);
 }
 
+/// The selected files that are there: one that was taken away leaves a gap.
+std::vector<Viewer::FileSeen> Viewer::filesOnDisk() const
+{
+    const FramePattern pattern(mStart.input.pattern);
+    std::vector<std::int64_t> frames;
+    if (pattern.hasField()) {
+        frames = pattern.framesOnDisk();
+    } else {
+        frames = {frameOfName(pattern.path(1)).value_or(1)};
+    }
+    if (!mStart.input.frames.empty()) {
+        const std::vector<std::int64_t> chosen = parseFrameList(mStart.input.frames);
+        std::erase_if(frames, [&](std::int64_t frame) { return !std::ranges::binary_search(chosen, frame); });
+    }
+    std::vector<FileSeen> files;
+    for (const std::int64_t frame : frames) {
+        std::error_code gone, changed;
+        const std::filesystem::path path = pattern.path(frame);
+        const FileSeen file{frame, std::filesystem::file_size(path, gone),
+                            std::filesystem::last_write_time(path, changed)};
+        if (!gone && !changed) files.push_back(file);
+    }
+    return files;
+}
+
 std::vector<std::int64_t> Viewer::frames()
 {
-    std::vector<std::int64_t> found;
+    std::vector<FileSeen> found;
     try {
-        found = selectedFrames(mStart.input);
-    } catch (const Error&) { // a file was taken away: what is left will be found the next time
-        const std::lock_guard lock(mMutex);
-        return mFrames;
+        found = filesOnDisk();
+    } catch (const Error&) { // the folder was taken away
     }
     const auto now = std::chrono::steady_clock::now();
     const std::lock_guard lock(mMutex);
-    if (found != mFrames) {
-        mFrames = std::move(found);
+    if (!found.empty() && found != mFiles) {
+        mFiles = std::move(found);
         mChanged = now;
+        mSourceIsOld = true;
         ++mVersion;
-    } else if (mFrames.size() != mSource.frameCount && mStart.input.frames.empty() && now - mChanged > kPause) {
+    } else if (mSourceIsOld && now - mChanged > kPause) {
         mChanged = now;
         mBackground.add([this] { readSource(); });
     }
-    return mFrames;
+    std::vector<std::int64_t> frames;
+    for (const FileSeen& file : mFiles)
+        frames.push_back(file.frame);
+    return frames;
 }
 
 void Viewer::readSource()
@@ -104,6 +131,7 @@ void Viewer::readSource()
     const SceneSource found = sourceOf(params);
     const std::lock_guard lock(mMutex);
     mSource = found;
+    mSourceIsOld = false;
     mBases.clear();
     mChoices.clear();
     ++mVersion;
@@ -137,7 +165,7 @@ RenderParams Viewer::paramsFor(const Json& state) const
 FrameFile Viewer::fileOf(std::int64_t frame)
 {
     const std::lock_guard lock(mMutex);
-    if (std::find(mFrames.begin(), mFrames.end(), frame) == mFrames.end())
+    if (std::ranges::find(mFiles, frame, &FileSeen::frame) == mFiles.end())
         throw ParameterError(fmt::format("the sequence has no frame {}", frame));
     return {frame, FramePattern(mStart.input.pattern).path(frame)};
 }

@@ -11,6 +11,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -32,15 +33,15 @@ struct View {
 /// A sequence that is looked at. Any number of threads may ask at a time.
 ///
 /// The automatic choices are those of vdblic_render. At first they are made from one frame, so that a picture is there
-/// early; the others are read in the background. If further frames appear, the choices follow once no frame came for a
-/// while.
+/// early; the others are read in the background. If frames come, go or are replaced, the choices follow once no file
+/// has changed for a while.
 class Viewer {
   public:
     /// @throws ParameterError, InputError if the sequence or what the start state says cannot be used
     Viewer(Start start, double cacheBytes);
 
     [[nodiscard]] const Start& start() const { return mStart; }
-    /// The numbers of the selected frames on disk, which may become more.
+    /// The numbers of the selected frames on disk, which may become more or fewer.
     [[nodiscard]] std::vector<std::int64_t> frames();
     /// Rises with every change of frames or of automatic choices.
     [[nodiscard]] std::uint64_t version();
@@ -59,6 +60,13 @@ class Viewer {
     [[nodiscard]] TextureHistograms histograms(const nlohmann::json& state);
 
   private:
+    struct FileSeen { // on disk
+        std::int64_t frame;
+        std::uintmax_t size;
+        std::filesystem::file_time_type time;
+
+        [[nodiscard]] bool operator==(const FileSeen&) const = default;
+    };
     struct Basis { // of automatic choices
         LookBasis look;
         std::vector<FrameFile> frames;
@@ -72,6 +80,7 @@ class Viewer {
 
     [[nodiscard]] RenderParams paramsFor(const nlohmann::json& state) const;
     [[nodiscard]] FrameFile fileOf(std::int64_t frame);
+    [[nodiscard]] std::vector<FileSeen> filesOnDisk() const;
     [[nodiscard]] FrameCache::Frame load(const RenderParams& params, const FrameFile& file);
     [[nodiscard]] std::shared_ptr<const Basis> basisFor(const RenderParams& params, bool settle);
     [[nodiscard]] std::shared_ptr<const Basis> settledBasis(const RenderParams& params);
@@ -89,8 +98,9 @@ class Viewer {
 
     std::mutex mMutex; // of all that follows
     SceneSource mSource;
-    std::vector<std::int64_t> mFrames;
-    std::chrono::steady_clock::time_point mChanged; // last change of mFrames
+    std::vector<FileSeen> mFiles;
+    std::chrono::steady_clock::time_point mChanged; // last change of mFiles
+    bool mSourceIsOld = false;                      // than mFiles
     std::uint64_t mVersion = 1;
     std::list<std::pair<std::string, std::shared_ptr<const Basis>>> mBases;                      // the newest first
     std::list<std::pair<std::string, std::pair<std::shared_ptr<const Basis>, Choice>>> mChoices; // the newest first

@@ -15,6 +15,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <poll.h>
 #include <string_view>
 #include <sys/socket.h>
@@ -27,23 +28,28 @@ namespace {
 constexpr std::size_t kMostConnections = 48; // one thread each
 constexpr int kBacklog = 256;
 constexpr std::size_t kMostRequests = 1000; // on a connection
-constexpr std::chrono::seconds kIdle{30}, kMostWriting{30};
+constexpr std::chrono::seconds kIdle{30};
 constexpr std::size_t kStack = 1 << 20; // bytes, of a connection's thread
 
 thread_local int socketOfThread = -1; // of the connection that the thread serves
+thread_local bool hasRefused = false; // a request of the connection
 
 /// A connection as httplib reads and writes it.
 class ConnectionStream : public httplib::Stream {
   public:
-    ConnectionStream(int socket, RequestReader& reader) : mSocket(socket), mReader(reader) {}
+    ConnectionStream(int socket, RequestReader& reader, std::chrono::milliseconds writing)
+        : mSocket(socket), mReader(reader), mWriting(writing)
+    {
+    }
 
     bool is_readable() const override { return true; }
     bool is_writable() const override { return true; }
     ssize_t read(char* bytes, std::size_t count) override { return ssize_t(mReader.read(bytes, count)); }
     ssize_t write(const char* bytes, std::size_t count) override
     {
-        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(mStart + kMostWriting -
-                                                                                std::chrono::steady_clock::now());
+        const auto now = std::chrono::steady_clock::now();
+        if (!mDeadline) mDeadline = now + mWriting;
+        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(*mDeadline - now);
         pollfd state{mSocket, POLLOUT, 0};
         if (left.count() <= 0 || ::poll(&state, 1, int(left.count())) <= 0) return -1;
         return ::send(mSocket, bytes, count, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -52,13 +58,14 @@ class ConnectionStream : public httplib::Stream {
     void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
     socket_t socket() const override { return mSocket; }
 
-    /// The time for writing begins.
-    void begin() { mStart = std::chrono::steady_clock::now(); }
+    /// The time for writing will begin with the first byte of the answer.
+    void begin() { mDeadline.reset(); }
 
   private:
     int mSocket;
     RequestReader& mReader;
-    std::chrono::steady_clock::time_point mStart = std::chrono::steady_clock::now();
+    std::chrono::milliseconds mWriting;
+    std::optional<std::chrono::steady_clock::time_point> mDeadline;
 };
 
 /// A thread for each connection.
@@ -108,9 +115,22 @@ bool isGone(int socket)
     return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
+/// Whether nobody on the way can see a request of another length in it.
+bool hasLengthOfItsMethod(const httplib::Request& request)
+{
+    const std::size_t lengths = request.get_header_value_count("Content-Length");
+    const std::string length = request.get_header_value("Content-Length");
+    const bool isInChunks = request.has_header("Transfer-Encoding");
+    if (request.method == "GET") return !isInChunks && (lengths == 0 || (lengths == 1 && length == "0"));
+    return isInChunks ? lengths == 0
+                      : lengths == 1 && !length.empty() && length.find_first_not_of("0123456789") == std::string::npos;
+}
+
 void refuse(httplib::Response& response, int status, const char* reason)
 {
+    hasRefused = true;
     response.status = status;
+    response.set_header("Connection", "close");
     response.set_content(fmt::format("{}\n", reason), "text/plain; charset=utf-8");
 }
 
@@ -118,8 +138,8 @@ void refuse(httplib::Response& response, int status, const char* reason)
 
 class WebServer::Server : public httplib::Server {
   public:
-    Server(std::string host, std::string token, WebServer::Handler handler)
-        : mHost(std::move(host)), mToken(std::move(token)), mHandler(std::move(handler))
+    Server(std::string host, std::string token, WebServer::Handler handler, std::chrono::milliseconds writing)
+        : mHost(std::move(host)), mToken(std::move(token)), mHandler(std::move(handler)), mWriting(writing)
     {
         new_task_queue = [this] { return new ConnectionQueue(mConnections); };
         set_tcp_nodelay(true);
@@ -147,7 +167,6 @@ class WebServer::Server : public httplib::Server {
                 return body.size() <= RequestReader::kMostBody;
             });
             if (read) return answer(request, std::move(body), response);
-            response.set_header("Connection", "close");
             refuse(response, 413, "the request is too large, too slow or broken");
         });
     }
@@ -187,6 +206,8 @@ class WebServer::Server : public httplib::Server {
         } else if (request.path.size() > 200 || request.path.size() < mToken.size() + 2 ||
                    !equalInConstantTime(request.path.substr(1, mToken.size() + 1), mToken + "/")) {
             refuse(response, 403, "the address lacks the token; copy all of what vdblic_view printed");
+        } else if (!hasLengthOfItsMethod(request)) {
+            refuse(response, 400, "a POST has one length or comes in chunks, and a GET has no body");
         } else if (request.method == "POST" && (request.get_header_value("Content-Type") != "application/json" ||
                                                 request.has_header("Content-Encoding"))) {
             refuse(response, 415, "the body must be application/json");
@@ -210,10 +231,11 @@ class WebServer::Server : public httplib::Server {
     bool process_and_close_socket(socket_t socket) override
     {
         socketOfThread = socket;
+        hasRefused = false;
         RequestReader reader(socket, mConnections);
-        ConnectionStream stream(socket, reader);
+        ConnectionStream stream(socket, reader, mWriting);
         bool closed = false;
-        for (std::size_t i = 0; i < kMostRequests && !closed; ++i) {
+        for (std::size_t i = 0; i < kMostRequests && !closed && !hasRefused; ++i) {
             if (!is_running() || !reader.readHead(kIdle)) break;
             const auto begin = [&](httplib::Request&) { stream.begin(); };
             if (!process_request(stream, i + 1 == kMostRequests, closed, begin)) break;
@@ -226,12 +248,14 @@ class WebServer::Server : public httplib::Server {
 
     std::string mHost, mToken;
     WebServer::Handler mHandler;
+    std::chrono::milliseconds mWriting;
     Connections mConnections{kMostConnections};
     std::atomic<bool> mHasEnded = false;
 };
 
-WebServer::WebServer(const std::string& host, int port, std::string token, Handler handler)
-    : mServer(std::make_unique<Server>(host, std::move(token), std::move(handler)))
+WebServer::WebServer(const std::string& host, int port, std::string token, Handler handler,
+                     std::chrono::milliseconds writing)
+    : mServer(std::make_unique<Server>(host, std::move(token), std::move(handler), writing))
 {
     const bool bound =
         port == 0 ? (mServer->port = mServer->bind_to_any_port(host)) > 0 : mServer->bind_to_port(host, port);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -27,14 +28,17 @@ struct WebAnswer {
 /// Whoever asks must know the token, which begins every path. The Host header must be an address, localhost, or the
 /// name that the server was given, and the Origin header, if there is one, the same host: other sites' pages get
 /// nothing, even if their name leads here (DNS rebinding). Heads, bodies, connections and the time for each are
-/// limited. Of too many connections the one that has waited longest is closed.
+/// limited. A connection ends with a request that is refused, so that no body is taken for the next request. Of too
+/// many connections the one that has waited longest is closed.
 class WebServer {
   public:
     using Handler = std::function<WebAnswer(const WebRequest&)>;
 
     /// Bind the port; serve() answers. @param port 0: any free one
+    /// @param writing time for an answer from its first byte on, however long the handler takes
     /// @throws ParameterError if host and port cannot be bound
-    WebServer(const std::string& host, int port, std::string token, Handler handler);
+    WebServer(const std::string& host, int port, std::string token, Handler handler,
+              std::chrono::milliseconds writing = std::chrono::seconds(30));
     ~WebServer();
     WebServer(const WebServer&) = delete;
     WebServer& operator=(const WebServer&) = delete;

@@ -4,9 +4,11 @@ import { make } from "./elements.js";
 
 export class Box {
     /// @param kind { option, name, id, title, isLive }: whether the picture follows while a side is moved
+    /// @param frozenView () => options that keep the view as it is; a region chooses it anew
     /// @param redraw draws the overlay anew
-    constructor(store, overlay, kind, redraw) {
+    constructor(store, overlay, kind, frozenView, redraw) {
         Object.assign(this, { store, overlay, kind, redraw });
+        this.frozenView = kind.isLive ? frozenView : () => ({});
         this.check = make("input", { id: kind.id, type: "checkbox", change: () => this.toggle() });
         this.element = make("label", { title: kind.title }, this.check, ` ${kind.name}`);
     }
@@ -23,7 +25,7 @@ export class Box {
     }
 
     toggle() {
-        this.store.change({ [this.kind.option]: this.check.checked ? [...this.low, ...this.high] : undefined });
+        this.store.change({ ...this.frozenView(), [this.kind.option]: this.check.checked ? [...this.low, ...this.high] : undefined });
         this.redraw();
     }
 
@@ -33,7 +35,8 @@ export class Box {
         const bounded = Math.max(this.low[axis], Math.min(this.high[axis], value));
         box[axis + 3 * high] = high ? Math.max(bounded, box[axis] + least) : Math.min(bounded, box[axis + 3] - least);
         this.draft = box.map((c) => Number(c.toPrecision(6)));
-        if (this.kind.isLive) this.store.change({ [this.kind.option]: this.draft }, { commit: false });
+        if (this.kind.isLive)
+            this.store.change({ ...this.frozenView(), [this.kind.option]: this.draft }, { commit: false });
         if (commit) this.end();
         this.redraw();
     }

@@ -29,8 +29,9 @@ export class Cameras extends EventTarget {
         this.follow = make("input", {
             id: "follow-keys",
             type: "checkbox",
-            change: () => this.dispatchEvent(new Event("follow")),
+            change: () => store.setFollows(this.follow.checked),
         });
+        store.addEventListener("follows", () => this.showFollows());
         this.list = make("div", { class: "line" });
         this.element = makeSection(
             "Camera",
@@ -58,17 +59,19 @@ export class Cameras extends EventTarget {
     }
     /// Whether pictures are taken from the key frames' camera.
     get follows() {
-        return this.follow.checked && this.keys.length > 0;
+        return this.store.follows && this.keys.length > 0;
     }
-    set follows(follows) {
-        this.follow.checked = follows && this.keys.length > 0;
+
+    showFollows() {
+        this.follow.checked = this.follows;
+        this.follow.disabled = this.keys.length === 0;
     }
 
     show(scene) {
         this.projection.value = scene.camera.projection;
         if (!this.fov.matches(":active")) this.fov.value = scene.camera.fov;
         this.fovNumber.value = `${Math.round(scene.camera.fov)}°`;
-        this.follow.disabled = this.keys.length === 0;
+        this.showFollows();
         this.list.replaceChildren(
             ...this.keys.map((key) =>
                 make(
@@ -110,9 +113,8 @@ export class Cameras extends EventTarget {
     }
 
     goTo(key) {
-        this.follow.checked = true;
+        this.store.setFollows(true);
         this.store.setFrame(key.frame);
-        this.dispatchEvent(new Event("follow"));
     }
 
     remove(key) {

@@ -1,6 +1,6 @@
 // The controls of single options: lists, sliders and checkboxes. Each shows what the server takes if nothing is chosen.
 
-import { make, makeRow, makeSection, short } from "./elements.js";
+import { isEdited, make, makeRow, makeSection, short } from "./elements.js";
 
 /// name: [label, least, most, step]
 const kSliders = {
@@ -153,7 +153,7 @@ export class Controls {
         range.addEventListener("change", () => this.store.commit());
         number.addEventListener("change", () => change(number, true));
         this.shows.push((scene) => {
-            if (range.matches(":active")) return;
+            if (range.matches(":active") || isEdited(number)) return;
             range.value = scene.values[name];
             number.value = short(scene.values[name]);
         });
@@ -236,7 +236,7 @@ export class Controls {
         this.shows.push((scene, options) => {
             const [names, text] = (options.annotate || "").split(/,?title=/);
             for (const box of boxes) box.checked = names.split(",").includes(box.value);
-            title.value = text || "";
+            if (!isEdited(title)) title.value = text || "";
         });
         return make(
             "div",
@@ -264,7 +264,7 @@ export class Controls {
         }
         this.shows.push((scene) =>
             inputs.forEach((input, i) => {
-                input.value = short(scene.stretch[i]);
+                if (!isEdited(input)) input.value = short(scene.stretch[i]);
             }),
         );
         return make("div", { class: "line" }, make("span", { class: "name" }, "Stretch"), ...inputs);

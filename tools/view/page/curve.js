@@ -2,7 +2,7 @@
 
 import { Axis } from "./axis.js";
 import { ColorPoints, colorAt } from "./colors.js";
-import { make, makeSvg, short } from "./elements.js";
+import { isEdited, make, makeSvg, short } from "./elements.js";
 import { OpacityPoints } from "./opacity.js";
 
 // In units of the drawing.
@@ -50,7 +50,8 @@ export class Curve {
             ...(this.colors ? [this.colors.element] : []),
         );
         this.svg.addEventListener("pointerdown", (event) => this.press(event));
-        this.svg.addEventListener("dblclick", (event) => event.preventDefault());
+        for (const type of ["dblclick", "contextmenu"])
+            this.svg.addEventListener(type, (event) => event.preventDefault());
     }
 
     draw(range, scale, histogram, name, hasPoints) {
@@ -60,7 +61,7 @@ export class Curve {
         this.log.checked = scale === "log";
         this.title.textContent = name;
         this.ends.forEach((input, end) => {
-            if (!input.matches(":focus")) input.value = short(range[end]);
+            if (!isEdited(input)) input.value = short(range[end]);
         });
         this.redraw();
     }
@@ -187,8 +188,7 @@ export class Curve {
         const onMove = (moved) => move(...this.place(moved));
         const onEnd = () => {
             this.svg.removeEventListener("pointermove", onMove);
-            this.transfer.dragging = false;
-            this.transfer.store.commit();
+            this.transfer.letGo();
         };
         this.svg.addEventListener("pointermove", onMove);
         for (const type of ["pointerup", "pointercancel"]) this.svg.addEventListener(type, onEnd, { once: true });
@@ -220,7 +220,7 @@ export class Curve {
     setRange(range, commit) {
         this.range = range.map((value) => Number(value.toPrecision(6)));
         const { transfer } = this,
-            changes = { [this.options.range]: this.range };
+            changes = { ...transfer.frozenView(), [this.options.range]: this.range };
         if (transfer.scene) transfer.scene[this.colors ? "range" : "opacityRange"] = this.range;
         transfer.draw();
         if (this.hasPoints && !transfer.store.options.opacity) transfer.setPoints(transfer.points, false);

@@ -22,11 +22,11 @@ const kRegion = {
 };
 
 export class Cuts {
-    /// @param camera () => the camera now
-    constructor(store, camera, hold) {
-        Object.assign(this, { store, camera });
+    /// @param camera () => the camera now @param frozenView () => options that keep the view as it is
+    constructor(store, camera, frozenView, hold) {
+        Object.assign(this, { store, camera, frozenView });
         this.overlay = new Overlay(camera, hold);
-        this.boxes = [kCutBox, kRegion].map((kind) => new Box(store, this.overlay, kind, () => this.draw()));
+        this.boxes = [kCutBox, kRegion].map((kind) => new Box(store, this.overlay, kind, frozenView, () => this.draw()));
         this.list = make("div", { class: "line" });
         const planeButton = (name, normal) => make("button", { click: () => this.scene && this.addPlane(normal()) }, name);
         this.handles = make("input", { id: "cut-handles", type: "checkbox", checked: true, change: () => this.draw() });
@@ -70,6 +70,7 @@ export class Cuts {
     addPlane(normal) {
         const middle = scale(add(this.low, this.high), 0.5);
         this.store.change({
+            ...this.frozenView(),
             "clip-plane": [...this.planes, [...middle, ...normal].map((c) => Number(c.toPrecision(6)))],
         });
         this.listPlanes();
@@ -81,7 +82,7 @@ export class Cuts {
     }
 
     setPlanes(planes, commit) {
-        this.store.change({ "clip-plane": planes.length ? planes : undefined }, { commit });
+        this.store.change({ ...this.frozenView(), "clip-plane": planes.length ? planes : undefined }, { commit });
         this.draw();
     }
 

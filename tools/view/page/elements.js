@@ -29,6 +29,15 @@ export function makeRow(name, id, ...controls) {
     return make("div", { class: "row" }, make("label", { for: id }, name), ...controls);
 }
 
+const edited = new WeakSet(); // fields with text that is not taken yet
+addEventListener("input", (event) => edited.add(event.target), { capture: true });
+for (const type of ["change", "focusout"]) addEventListener(type, (event) => edited.delete(event.target), { capture: true });
+
+/// Whether somebody types into a field.
+export function isEdited(field) {
+    return edited.has(field) && field.matches("input[type=number], input[type=text]");
+}
+
 /// A number with at most four significant digits.
 export function short(value) {
     return String(Number(Number(value).toPrecision(4)));

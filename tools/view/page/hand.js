@@ -6,7 +6,10 @@ const kTurn = 0.008; // radians a pixel
 const kKeyTurn = 0.09; // radians a key press
 const kKeyMove = 40; // pixels
 
+const kWheelRest = 300; // milliseconds without a turn of the wheel that end its movement
+
 /// @param look { camera() , change(camera), begin(), end() }: the camera now, a changed one, begin and end of a movement
+/// @return what ends the movement of a wheel at once
 export function listenToHand(canvas, look, height) {
     const pointers = new Map();
     let moves = false; // rather than turns
@@ -14,6 +17,7 @@ export function listenToHand(canvas, look, height) {
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("pointerdown", (event) => {
         if (!look.camera()) return;
+        endWheel();
         canvas.focus({ preventScroll: true });
         canvas.setPointerCapture(event.pointerId);
         pointers.set(event.pointerId, [event.clientX, event.clientY]);
@@ -43,7 +47,15 @@ export function listenToHand(canvas, look, height) {
         });
     }
 
+    let wheeling;
+    const endWheel = () => {
+        if (!wheeling) return;
+        clearTimeout(wheeling);
+        wheeling = undefined;
+        look.end();
+    };
     const once = (camera) => {
+        endWheel();
         look.begin();
         look.change(camera);
         look.end();
@@ -52,7 +64,11 @@ export function listenToHand(canvas, look, height) {
         "wheel",
         (event) => {
             event.preventDefault();
-            if (look.camera()) once(zoomed(look.camera(), Math.exp(Math.max(-60, Math.min(60, event.deltaY)) * 0.003)));
+            if (!look.camera()) return;
+            if (!wheeling) look.begin();
+            look.change(zoomed(look.camera(), Math.exp(Math.max(-60, Math.min(60, event.deltaY)) * 0.003)));
+            clearTimeout(wheeling);
+            wheeling = setTimeout(endWheel, kWheelRest);
         },
         { passive: false },
     );
@@ -68,4 +84,5 @@ export function listenToHand(canvas, look, height) {
         else return;
         event.preventDefault();
     });
+    return endWheel;
 }

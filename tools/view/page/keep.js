@@ -1,12 +1,15 @@
 // Keeping what was found: files, the command, the picture, a film.
 
-import { ask } from "./api.js";
+import { ask, get } from "./api.js";
 import { make, makeSection } from "./elements.js";
 
+const kPause = 300; // milliseconds between questions after the jobs of this page
+
 export class Keep {
-    /// @param request () => { state, frame } of the picture as it is shown; state with its size
-    constructor(request, client, folder) {
-        Object.assign(this, { request, client });
+    /// @param shown () => { state, frame } of the picture as it is shown; state with its size
+    /// @param keys () => the key frames, which files and films hold whether or not the picture follows them
+    constructor(shown, keys, folder) {
+        Object.assign(this, { shown, keys });
         this.sides = ["Width", "Height"].map((name) =>
             make("input", {
                 id: `keep-${name.toLowerCase()}`,
@@ -17,10 +20,12 @@ export class Keep {
                 placeholder: name.toLowerCase(),
             }),
         );
-        this.result = make("p", { id: "kept", class: "note", role: "status", "aria-live": "polite" });
-        this.command = make("pre", { id: "command", hidden: true, tabindex: 0, "aria-label": "Command" });
-        this.film = make("p", { id: "film", class: "note", role: "status" });
-        this.stop = make("button", { id: "stop-film", hidden: true, click: () => ask("stop", {}) }, "Stop the film");
+        this.results = document.getElementById("results");
+        this.result = document.getElementById("kept");
+        this.command = document.getElementById("command");
+        this.list = document.getElementById("jobs");
+        document.getElementById("close-results").addEventListener("click", () => this.say(""));
+        this.jobs = new Map(); // that run, by their number: their rows
         this.rate = make("input", {
             type: "number",
             min: 1,
@@ -36,80 +41,117 @@ export class Keep {
             make(
                 "div",
                 { class: "line" },
-                button("keep-files", "Save transfer and camera", () => this.keep("files")),
+                button("keep-files", "Save transfer and camera", () => this.saveFiles()),
                 button("copy-command", "Copy command", () => this.copy()),
             ),
             make(
                 "div",
                 { class: "line" },
                 ...this.sides,
-                button("keep-png", "Save PNG", () => this.keep("picture", { format: "png" })),
-                button("keep-exr", "Save EXR", () => this.keep("picture", { format: "exr" })),
+                button("keep-png", "Save PNG", () => this.make({ kind: "picture", format: "png", ...this.sized() })),
+                button("keep-exr", "Save EXR", () => this.make({ kind: "picture", format: "exr", ...this.sized() })),
             ),
             make(
                 "div",
                 { class: "line" },
-                button("keep-film", "Make film", () => this.keep("film", { fps: this.rate.valueAsNumber || 24 })),
+                button("keep-film", "Make film", () =>
+                    this.make({ kind: "film", fps: this.rate.valueAsNumber || 24, ...this.withKeys() }),
+                ),
                 make("label", {}, this.rate, " frames/s"),
-                this.stop,
             ),
-            this.result,
-            this.command,
-            this.film,
         );
     }
 
-    asked() {
-        const { state, frame } = this.request();
-        const size = state.size.map((side, i) => this.sides[i].valueAsNumber || side);
-        return { client: `${this.client}-keep`, state: { ...state, size }, frame };
+    /// The picture as it is shown, in the size of the fields.
+    sized() {
+        const { state, frame } = this.shown();
+        return { state: { ...state, size: state.size.map((side, i) => this.sides[i].valueAsNumber || side) }, frame };
     }
 
-    async keep(kind, more = {}) {
-        this.result.textContent = "Working …";
-        const kept = await ask("keep", { ...this.asked(), kind, ...more });
-        if (kind === "film") {
-            this.result.textContent = "";
-            return this.showFilm(kept);
-        }
-        this.result.textContent = `Saved ${kept.files.join(" and ")}`;
-        if (kept.command) this.showCommand(kept.command);
+    withKeys() {
+        const { state, frame } = this.sized();
+        return { state: { ...state, keys: this.keys() }, frame };
+    }
+
+    async saveFiles() {
+        const kept = await ask("keep", { kind: "files", ...this.withKeys() });
+        this.say(`Saved ${kept.files.join(" and ")}`, kept.command);
     }
 
     async copy() {
-        const asked = this.asked();
+        const asked = this.sized();
         const { command } = asked.state.keys
-            ? await ask("keep", { ...asked, kind: "files" })
+            ? await ask("keep", { kind: "files", ...asked })
             : await ask("command", asked);
-        this.showCommand(command);
         try {
             await navigator.clipboard.writeText(command);
-            this.result.textContent = "The command is in the clipboard.";
+            this.say("The command is in the clipboard.", command);
         } catch {
             // browsers allow it on loopback and HTTPS only
+            this.say("The command is selected; copy it with Ctrl C.", command);
             getSelection().selectAllChildren(this.command);
-            this.result.textContent = "The command is selected; copy it with Ctrl C.";
         }
     }
 
-    showCommand(command) {
+    /// Begin a job, and follow it to its end.
+    async make(asked) {
+        this.say("");
+        const job = await ask("keep", asked);
+        this.showJobs([job]);
+        while (this.jobs.has(job.job)) {
+            await new Promise((done) => setTimeout(done, kPause));
+            this.showJobs((await get("status")).jobs);
+        }
+    }
+
+    say(text, command = "") {
+        this.result.textContent = text;
         this.command.textContent = command;
-        this.command.hidden = false;
+        this.command.hidden = !command;
+        this.show();
+    }
+
+    show() {
+        this.results.hidden = !this.result.textContent && this.jobs.size === 0;
     }
 
     async run(work) {
         try {
             await work();
         } catch (error) {
-            this.result.textContent = error.message;
+            this.say(error.message);
         }
     }
 
-    /// @param film as the server's status tells it
-    showFilm(film) {
-        if (!film) return;
-        this.stop.hidden = film.finished;
-        if (!film.finished) this.film.textContent = `${film.file}: ${film.done} of ${film.total || "…"} frames`;
-        else this.film.textContent = film.error ? `${film.file}: ${film.error}` : `Saved ${film.file}`;
+    /// @param jobs as the server's status tells them
+    showJobs(jobs) {
+        for (const { job, file, done, total, finished, error } of jobs) {
+            const row = this.jobs.get(job);
+            if (!finished && !row) this.addRow(job, file);
+            if (!finished) this.jobs.get(job).show(done, total);
+            if (!finished || !row) continue;
+            row.element.remove();
+            this.jobs.delete(job);
+            this.say(error ? `${file}: ${error}` : `Saved ${file}`);
+        }
+        this.show();
+    }
+
+    addRow(job, file) {
+        const bar = make("progress", { "aria-label": `Progress of ${file}` }),
+            count = make("span", {});
+        const stop = make(
+            "button",
+            { "aria-label": `Stop ${file}`, click: () => this.run(() => ask("stop", { job })) },
+            "Stop",
+        );
+        const element = make("div", { class: "line" }, file, bar, count, stop);
+        this.list.append(element);
+        const unit = file.endsWith(".mp4") ? "frames" : "samples";
+        const show = (done, total) => {
+            if (total) Object.assign(bar, { max: total, value: done });
+            count.textContent = total ? `${done} of ${total} ${unit}` : "…";
+        };
+        this.jobs.set(job, { element, show });
     }
 }

@@ -5,6 +5,7 @@ import { optionsOf } from "./camera.js";
 import { Cameras } from "./cameras.js";
 import { Controls } from "./controls.js";
 import { Cuts } from "./cuts.js";
+import { isEdited } from "./elements.js";
 import { listenToHand } from "./hand.js";
 import { Keep } from "./keep.js";
 import { Picture } from "./picture.js";
@@ -36,7 +37,12 @@ async function begin() {
 
     const timeline = new Timeline(store, sequence.frames);
     const controls = new Controls(store, sequence);
-    const transfer = new Transfer(store);
+    /// Options that keep the automatic camera where it is: it follows what is visible, so it would move under the hand.
+    const frozenView = () => {
+        if (cameras.follows || store.options.orbit || !view.camera) return {};
+        return Object.fromEntries(Object.entries(optionsOf(view.camera)).filter(([name]) => !store.options[name]));
+    };
+    const transfer = new Transfer(store, frozenView, () => askScene());
     const cameras = new Cameras(store, () => view.camera);
     /// What the server is asked to show: key frames only while they are followed.
     const shown = () => {
@@ -48,11 +54,12 @@ async function begin() {
     const cuts = new Cuts(
         store,
         () => view.camera,
+        frozenView,
         (held) => picture.hold(held),
     );
     const keep = new Keep(
-        () => ({ state: { ...store.options, size: picture.size }, frame: store.frame }),
-        picture.client,
+        () => ({ state: { ...shown().state, size: picture.size }, frame: store.frame }),
+        () => store.options.keys,
         sequence.folder,
     );
     byId("panel").append(
@@ -136,23 +143,27 @@ async function begin() {
         if (view.scene) askScene();
     });
     timeline.addEventListener("play", () => {
-        if (timeline.isPlaying && cameras.keys.length) cameras.follows = true;
+        if (timeline.isPlaying && cameras.keys.length) store.setFollows(true);
         picture.hold(timeline.isPlaying);
         if (!timeline.isPlaying) {
             picture.update();
             askScene();
         }
     });
+    /// The camera is no longer that of the key frames, and where it is now.
     const free = () => {
-        if (cameras.follows) cameras.follows = false;
+        if (!cameras.follows) return;
+        const { camera } = view;
+        store.change({ ...optionsOf(camera), ...(camera.fov && { fov: camera.fov }) }, { commit: false });
+        store.setFollows(false);
     };
     cameras.addEventListener("free", free);
-    cameras.addEventListener("follow", () => {
+    store.addEventListener("follows", () => {
         picture.update();
         askScene();
     });
 
-    listenToHand(
+    const endWheel = listenToHand(
         picture.canvas,
         {
             camera: () => view.camera,
@@ -177,18 +188,27 @@ async function begin() {
         store.change({ eye: undefined, target: undefined, up: undefined, "view-height": undefined });
     };
     byId("frame-all").addEventListener("click", showAll);
-    byId("undo").addEventListener("click", () => store.undo());
-    byId("redo").addEventListener("click", () => store.redo());
+    const undo = () => {
+        endWheel();
+        store.undo();
+    };
+    const redo = () => {
+        endWheel();
+        store.redo();
+    };
+    byId("undo").addEventListener("click", undo);
+    byId("redo").addEventListener("click", redo);
     byId("help").addEventListener("click", () => {
         const hidden = byId("help-text").toggleAttribute("hidden");
         byId("help").setAttribute("aria-expanded", String(!hidden));
     });
     addEventListener("keydown", (event) => {
-        if (event.target.matches("input[type=number], input[type=text], select, pre")) return;
+        if (isEdited(event.target)) return;
         const command = event.ctrlKey || event.metaKey,
             key = event.key.toLowerCase();
-        if (command && key === "z") event.shiftKey ? store.redo() : store.undo();
-        else if (command && key === "y") store.redo();
+        if (command && key === "z") event.shiftKey ? redo() : undo();
+        else if (command && key === "y") redo();
+        else if (event.target.matches("input[type=number], input[type=text], select, pre")) return;
         else if (command || event.altKey) return;
         else if (key === " " && !event.target.matches("button, summary, input")) timeline.toggle();
         else if (key === ",") timeline.step(-1);
@@ -199,13 +219,13 @@ async function begin() {
         event.preventDefault();
     });
 
-    /// Follow what happens to the sequence and to the film.
+    /// Follow what happens to the sequence and to what is being saved.
     async function follow() {
         let pause = 1500;
         try {
             const status = await get("status");
-            if (status.frames.length !== timeline.frames.length) timeline.setFrames(status.frames);
-            keep.showFilm(status.film);
+            if (String(status.frames) !== String(timeline.frames)) timeline.setFrames(status.frames);
+            keep.showJobs(status.jobs);
             if (status.version !== view.version && view.version !== undefined) {
                 await askScene();
                 if (!timeline.isPlaying) picture.refine();

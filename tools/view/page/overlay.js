@@ -12,6 +12,7 @@ export class Overlay {
     constructor(camera, hold) {
         Object.assign(this, { camera, hold });
         this.svg = document.getElementById("overlay");
+        this.svg.addEventListener("contextmenu", (event) => event.preventDefault());
     }
 
     /// Draw anew; the focus stays. @param stretch of the scene @param draw adds outlines and handles

@@ -8,6 +8,7 @@ export class Store extends EventTarget {
         super();
         this.options = structuredClone(start);
         this.frame = frames[0];
+        this.follows = false; // the key frames of the camera
         this.past = [];
         this.future = [];
         this.readAddress(frames);
@@ -18,6 +19,7 @@ export class Store extends EventTarget {
             this.commit();
             this.tell("options");
             this.tell("frame");
+            this.tell("follows");
         });
     }
 
@@ -43,6 +45,7 @@ export class Store extends EventTarget {
     }
 
     undo() {
+        this.commit();
         this.move(this.past, this.future);
     }
     redo() {
@@ -66,6 +69,13 @@ export class Store extends EventTarget {
         this.tell("frame");
     }
 
+    setFollows(follows) {
+        if (follows === this.follows) return;
+        this.follows = follows;
+        this.writeAddress();
+        this.tell("follows");
+    }
+
     /// Take the state from the address; `isBad` tells that it holds none that can be read.
     readAddress(frames) {
         if (location.hash.length < 2) return;
@@ -73,6 +83,7 @@ export class Store extends EventTarget {
             const read = JSON.parse(decodeURIComponent(location.hash.slice(1)));
             if (typeof read.options === "object" && read.options !== null) this.options = read.options;
             if (frames.includes(read.frame)) this.frame = read.frame;
+            this.follows = read.follows === true;
         } catch {
             this.isBad = true;
         }
@@ -82,7 +93,8 @@ export class Store extends EventTarget {
     writeAddress() {
         clearTimeout(this.waiting);
         this.waiting = setTimeout(() => {
-            this.hash = "#" + encodeURIComponent(JSON.stringify({ frame: this.frame, options: this.settled }));
+            const { frame, follows, settled: options } = this;
+            this.hash = "#" + encodeURIComponent(JSON.stringify({ frame, ...(follows && { follows }), options }));
             history.replaceState(null, "", this.hash);
         }, 250);
     }

@@ -26,10 +26,12 @@ export class Timeline extends EventTarget {
     }
 
     setFrames(frames) {
-        const grew = frames.length > this.frames.length;
+        const grew = frames.at(-1) > this.frames.at(-1);
         this.frames = frames;
         this.slider.max = frames.length - 1;
         for (const name of ["play", "back", "on", "frame"]) document.getElementById(name).disabled = frames.length < 2;
+        const place = Math.min(this.slider.valueAsNumber || 0, frames.length - 1);
+        if (!frames.includes(this.store.frame)) this.store.setFrame(frames[place]);
         if (grew && document.getElementById("newest").checked && !this.isPlaying) this.store.setFrame(frames.at(-1));
         this.show();
     }

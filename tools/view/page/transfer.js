@@ -6,8 +6,9 @@ import { make, makeSection } from "./elements.js";
 const kLeastOpacity = 0.001; // of the logarithmic scale
 
 export class Transfer {
-    constructor(store) {
-        this.store = store;
+    /// @param frozenView () => options that keep the view as it is @param ask asks for the scene anew
+    constructor(store, frozenView, ask) {
+        Object.assign(this, { store, frozenView, ask });
         this.logarithmic = make("input", { id: "log-opacity", type: "checkbox", change: () => this.draw() });
         this.logCounts = make("input", {
             id: "log-counts",
@@ -51,13 +52,14 @@ export class Transfer {
         );
     }
 
+    /// Show a scene. While a hand drags, all stays under the hand.
     show(scene, histograms) {
+        this.histogramsNext = histograms || this.histogramsNext;
+        if (this.dragging) return;
         this.scene = scene;
-        this.histograms = histograms || this.histograms;
-        if (!this.dragging) {
-            this.points = scene.opacity.map((point) => [...point]);
-            this.colors = scene.colors.map((point) => [...point]);
-        }
+        this.histograms = this.histogramsNext;
+        this.points = scene.opacity.map((point) => [...point]);
+        this.colors = scene.colors.map((point) => [...point]);
         this.isOne =
             scene.colorBy === scene.opacityBy &&
             scene.colorScale === scene.opacityScale &&
@@ -75,13 +77,29 @@ export class Transfer {
         this.opacity.draw(scene.opacityRange, scene.opacityScale, histograms.opacity, scene.opacityBy, true);
     }
 
+    /// The hand that dragged is gone.
+    letGo() {
+        this.dragging = false;
+        this.store.commit();
+        this.ask();
+    }
+
+    /// Options that keep the automatic ranges as they are: points have places in them.
+    frozenRanges() {
+        const { options } = this.store,
+            frozen = {};
+        if (!options.range) frozen.range = this.scene.range;
+        if (!options["opacity-range"] && !this.isOne) frozen["opacity-range"] = this.scene.opacityRange;
+        return frozen;
+    }
+
     setPoints(points, commit) {
         this.points = points;
         this.draw();
         const text = points.map(
             ([position, opacity]) => `${Number(position.toFixed(4))}:${Number(opacity.toPrecision(4))}`,
         );
-        this.store.change({ opacity: text.join(",") }, { commit });
+        this.store.change({ ...this.frozenView(), ...this.frozenRanges(), opacity: text.join(",") }, { commit });
     }
 
     /// @param colors [position, "#rrggbb"] by rising position
@@ -89,7 +107,7 @@ export class Transfer {
         this.colors = colors;
         this.draw();
         const text = colors.map(([position, color]) => `${Number(position.toFixed(4))}:${color}`);
-        this.store.change({ colors: text.join(","), colormap: undefined }, { commit });
+        this.store.change({ ...this.frozenRanges(), colors: text.join(","), colormap: undefined }, { commit });
     }
 
     /// @param factor on the optical depth of a voxel
