@@ -59,6 +59,37 @@ class Pictures(ViewerTest):
         self.assertEqual(json.loads(self.contents(kept[0]))["colors"], [[0, 1, 0, 0], [1, 0, 0, 1]])
         self.assertEqual(json.loads(self.contents(kept[1])), {"keys": start["keys"]})
 
+    def test_a_view_of_all_in_a_direction(self):
+        self.start("lic.%04d.vdb")
+        of = lambda v, w: sum(a * b for a, b in zip(v, w))
+        for state in {}, {"projection": "orthographic"}, {"fov": 20, "eye": [9, 9, 9], "up": [0, 1, 0], "size": [90, 200]}:
+            for forward, up in ([-2, 0, 0], [0, 0, 1]), ([0, 0, 1], [0, 1, 0]), ([1, 2, -1], [0, 0, 1]):
+                with self.subTest(state=state, forward=forward):
+                    state = {"size": [300, 200], **state}
+                    camera = self.ask("fit", {"state": state, "forward": forward, "up": up})
+                    view = [b - a for a, b in zip(camera["eye"], camera["target"])]
+                    self.assertAlmostEqual(of(view, forward) / (of(view, view) * of(forward, forward)) ** 0.5, 1)
+                    # Some of the picture is near an edge, nothing beyond it.
+                    box = self.ask("scene", {"state": state, "frame": 1})["box"]
+                    depth = lambda p: of([b - a for a, b in zip(camera["eye"], p)], view) / of(view, view) ** 0.5
+                    right = [view[1] * up[2] - view[2] * up[1], view[2] * up[0] - view[0] * up[2],
+                             view[0] * up[1] - view[1] * up[0]]
+                    top = [right[1] * view[2] - right[2] * view[1], right[2] * view[0] - right[0] * view[2],
+                           right[0] * view[1] - right[1] * view[0]]
+                    most = 0
+                    for corner in box:
+                        arm = [b - a for a, b in zip(camera["eye"], corner)]
+                        half = camera["height"] / 2
+                        if camera["projection"] == "perspective":
+                            half *= depth(corner)
+                        width, height = state["size"]
+                        across = abs(of(arm, right)) / of(right, right) ** 0.5 / half / width * height
+                        along = abs(of(arm, top)) / of(top, top) ** 0.5 / half
+                        most = max(most, across, along)
+                    self.assertTrue(0.8 < most < 1, most)
+        for forward, up in ([0, 0, 0], [0, 0, 1]), ([0, 0, 2], [0, 0, 1]), ([1, 0], [0, 0, 1]), ([1, 0, 0], "z"):
+            self.assertEqual(self.request("fit", {"state": {}, "forward": forward, "up": up})[0], 400)
+
     def test_further_samples_continue_a_picture(self):
         self.start("lic.%04d.vdb")
         step_by_step = [self.picture({"samples": samples}) for samples in (1, 3, 5)]

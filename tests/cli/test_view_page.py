@@ -335,7 +335,7 @@ class Page(ViewerTest):
         self.drag(lambda: self.find(side)[0], -80, 0)
         self.wait_for_refined()
         self.assertEqual(self.options()["eye"], eye)
-        self.element("frame-all").click()
+        self.browser.execute_script("document.getElementById('auto-view').click()")
         self.wait_until(lambda: "eye" not in self.options(), "not automatic")
         self.press("#overlay .handle", 0, Keys.ARROW_RIGHT)  # a cut alone
         self.wait_until(lambda: "eye" in self.options(), "automatic")
@@ -485,9 +485,16 @@ class Page(ViewerTest):
         self.wait_for_refined()
         self.assertIn("eye", self.options())
         self.assertEqual(self.element("picture").get_attribute("data-frame"), "2")
+        # All is shown in the same direction, from elsewhere.
+        direction = lambda: [round(b - a, 3) for a, b in zip(self.options()["eye"], self.options()["target"])]
+        length = lambda v: sum(c * c for c in v) ** 0.5
+        near, eye = direction(), self.options()["eye"]
         ActionChains(self.browser).send_keys("0").perform()
-        self.wait_for_refined()
-        self.assertNotIn("eye", self.options())
+        self.wait_until(lambda: self.options()["eye"] != eye, "all is not shown")
+        far = direction()
+        self.assertAlmostEqual(sum(a * b for a, b in zip(near, far)) / length(near) / length(far), 1, places=4)
+        self.browser.execute_script("document.getElementById('auto-view').click()")
+        self.wait_until(lambda: "eye" not in self.options(), "not automatic")
         # Everything that takes the focus has a name.
         unnamed = self.browser.execute_script("""
             return [...document.querySelectorAll("button, input, select, [tabindex]")].filter((e) => !(
@@ -501,6 +508,14 @@ class Page(ViewerTest):
         self.open()
         widest = self.browser.execute_script("return document.documentElement.scrollWidth")
         self.assertLessEqual(widest, 360)
+        # Rows are as wide as the panel, and no number is cut off.
+        for summary in self.find("details:not([open]) summary"):
+            self.browser.execute_script("arguments[0].click()", summary)
+        cut = self.browser.execute_script("""
+            return [...document.querySelectorAll("#panel details > div, #panel .row > *, #panel .line > *")]
+                .filter((e) => e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0
+                    || e.getBoundingClientRect().right > innerWidth).map((e) => e.outerHTML.slice(0, 200))""")
+        self.assertEqual(cut, [])
         self.assertGreater(self.element("picture").size["height"], 200)
         # The picture stays where it is while the settings below it move.
         top = "return document.getElementById('picture').getBoundingClientRect().top"

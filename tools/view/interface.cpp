@@ -76,6 +76,24 @@ Json stateIn(const Json& asked)
     return state;
 }
 
+Json toJson(const Camera& camera)
+{
+    return {{"projection", nameOf(camera.projection())},
+            {"eye", listOf(camera.eye())},
+            {"target", listOf(camera.target())},
+            {"up", listOf(camera.up())},
+            {"fov", camera.fieldOfView()},
+            {"height", 2 * camera.halfExtent().y}};
+}
+
+/// @throws ParameterError
+glm::dvec3 vectorIn(const Json& asked, const char* name)
+{
+    const auto numbers = member(asked, name, std::vector<double>());
+    if (numbers.size() != 3) throw ParameterError(fmt::format("\"{}\" must be three numbers", name));
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
 Json toJson(const Histogram& histogram)
 {
     return {{"low", histogram.low},
@@ -153,6 +171,8 @@ WebAnswer Interface::answerAsked(const WebRequest& request)
     }
     if (request.path == "command")
         return jsonAnswer({{"command", commandOf(mViewer.start(), stateIn(asked), {"-o", "image.%04d.png"})}});
+    if (request.path == "fit")
+        return jsonAnswer(toJson(mViewer.fitted(stateIn(asked), vectorIn(asked, "forward"), vectorIn(asked, "up"))));
     if (request.path == "stop") {
         mKeeper.stop(member(asked, "job", std::int64_t(0)));
         return jsonAnswer(Json::object());
@@ -185,7 +205,6 @@ Json Interface::status()
 Json Interface::scene(const Json& state, std::int64_t frame)
 {
     const View view = mViewer.view(state, frame);
-    const Camera camera = view.scene.cameras.at(frame);
     const TransferFunction& transfer = view.scene.look.transfer;
     Json points = Json::array();
     for (const OpacityPoint& point : transfer.opacity())
@@ -198,13 +217,7 @@ Json Interface::scene(const Json& state, std::int64_t frame)
         corners.push_back(listOf(corner));
     return {{"settled", view.settled},
             {"time", view.frame->clock.time ? Json(*view.frame->clock.time) : Json()},
-            {"camera",
-             {{"projection", nameOf(camera.projection())},
-              {"eye", listOf(camera.eye())},
-              {"target", listOf(camera.target())},
-              {"up", listOf(camera.up())},
-              {"fov", camera.fieldOfView()},
-              {"height", 2 * camera.halfExtent().y}}},
+            {"camera", toJson(view.scene.cameras.at(frame))},
             {"box", corners},
             {"stretch", listOf(view.params.stretch)},
             {"colorBy", view.frame->hasColor ? view.params.colorBy : mViewer.texture()},

@@ -1,5 +1,6 @@
 #include "view/viewer.h"
 
+#include "vdblic/camera/framing.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
@@ -9,10 +10,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <system_error>
 
 namespace vdblic::view {
@@ -284,6 +287,30 @@ View Viewer::view(const Json& state, std::int64_t frame, bool settle)
     const FrameCache::Frame loaded = load(params, file);
     return {params, Scene{choice.look, basis->look.opacityBy, cameras, known.box, bytes}, loaded,
             solidFor(params, *loaded), basis->settled};
+}
+
+Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& up)
+{
+    if (!(glm::length(glm::cross(forward, up)) > 1e-9 * glm::length(forward) * glm::length(up)))
+        throw ParameterError("a view needs a direction, and another one that is up");
+    for (const char* name : {"eye", "target", "up", "view-height", "orbit", "orbit-frames", "keys"})
+        state.erase(name);
+    const RenderParams params = paramsFor(state);
+    const SceneSource known = source(params.stretch);
+    const Choice choice = choiceFor(params, state, basisFor(params, false), known);
+    const glm::ivec2 size = params.scaledSize();
+    const Camera automatic(params.camera, known.box, size, choice.subject);
+    const glm::dvec3 direction = glm::normalize(forward), middle = middleOf(known.box);
+    const std::span<const glm::dvec3> points =
+        choice.subject.empty() ? std::span<const glm::dvec3>(known.box) : choice.subject;
+    const Framing framing =
+        frameTightly(automatic.projection(), viewAxes(direction, up), points, automatic.halfExtent());
+    CameraParams camera = params.camera;
+    camera.eye = framing.eye;
+    camera.target = framing.eye + direction * glm::dot(direction, middle - framing.eye);
+    camera.up = up;
+    if (camera.projection == Projection::kOrthographic) camera.viewHeight = 2 * framing.halfExtent.y;
+    return Camera(camera, known.box, size);
 }
 
 void Viewer::prefetch(const Json& state, std::int64_t frame)

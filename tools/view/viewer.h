@@ -52,6 +52,9 @@ class Viewer {
     /// @param settle wait until the automatic choices are settled
     /// @throws ParameterError on an impossible state or frame, InputError
     [[nodiscard]] View view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
+    /// The camera that sees all of what an automatic one would see, in another direction.
+    /// @throws ParameterError on an impossible state or direction, InputError
+    [[nodiscard]] Camera fitted(nlohmann::json state, const glm::dvec3& forward, const glm::dvec3& up);
     /// Read in the background what a view needs to be settled.
     void settleLater(const View& view);
     /// Read a frame in the background.

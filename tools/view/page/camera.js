@@ -42,12 +42,6 @@ export function zoomed(camera, factor) {
     return { ...camera, eye: add(camera.target, scale(subtract(camera.eye, camera.target), factor)) };
 }
 
-/// See the target along a direction from as far away as now.
-export function lookingAlong(camera, direction, up) {
-    const distance = length(subtract(camera.target, camera.eye));
-    return { ...camera, eye: subtract(camera.target, scale(normalize(direction), distance)), up };
-}
-
 /// The options that set a camera.
 export function optionsOf(camera) {
     const options = { eye: camera.eye, target: camera.target, up: camera.up };

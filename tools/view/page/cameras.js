@@ -1,6 +1,7 @@
 // Projection, views along the axes, and key frames of the camera.
 
-import { lookingAlong, optionsOf } from "./camera.js";
+import { ask } from "./api.js";
+import { axes, optionsOf } from "./camera.js";
 import { make, makeRow, makeSection } from "./elements.js";
 
 const kViews = [
@@ -13,10 +14,10 @@ const kViews = [
 ];
 
 export class Cameras extends EventTarget {
-    /// @param camera () => the camera now
-    constructor(store, camera) {
+    /// @param camera () => the camera now @param size () => of the picture
+    constructor(store, camera, size) {
         super();
-        Object.assign(this, { store, camera });
+        Object.assign(this, { store, camera, size });
         this.projection = make(
             "select",
             { id: "option-projection", change: () => this.chooseProjection() },
@@ -40,9 +41,12 @@ export class Cameras extends EventTarget {
             makeRow("Field of view", "option-fov", this.fov, this.fovNumber),
             make(
                 "div",
-                { class: "line" },
+                { class: "line tight" },
                 make("span", { class: "name" }, "From"),
-                ...kViews.map(([name, direction]) => make("button", { click: () => this.lookAlong(direction) }, name)),
+                ...kViews.map(([name, direction]) =>
+                    make("button", { click: () => this.fit(direction, direction[2] ? [0, 1, 0] : [0, 0, 1]) }, name),
+                ),
+                make("button", { id: "auto-view", title: "The view as chosen from the data", click: () => this.reset() }, "auto"),
             ),
             make(
                 "div",
@@ -97,9 +101,27 @@ export class Cameras extends EventTarget {
         this.store.change(options);
     }
 
-    lookAlong(direction) {
+    /// See all in a direction.
+    async fit(forward, up) {
+        try {
+            const camera = await ask("fit", { state: { ...this.store.options, size: this.size() }, forward, up });
+            this.dispatchEvent(new Event("free"));
+            this.store.change(optionsOf(camera));
+        } catch (error) {
+            this.dispatchEvent(new CustomEvent("message", { detail: error.message }));
+        }
+    }
+
+    /// See all in the direction of now.
+    showAll() {
+        const camera = this.camera();
+        if (camera) this.fit(axes(camera).forward, camera.up);
+    }
+
+    /// Back to the automatic view.
+    reset() {
         this.dispatchEvent(new Event("free"));
-        this.store.change(optionsOf(lookingAlong(this.camera(), direction, direction[2] ? [0, 1, 0] : [0, 0, 1])));
+        this.store.change({ eye: undefined, target: undefined, up: undefined, "view-height": undefined });
     }
 
     addKey() {

@@ -56,14 +56,14 @@ export class Controls {
                 ),
                 this.list(
                     "color-by",
-                    "Coloured by",
+                    "Colour by",
                     scalars,
                     (scene) => scene.colorBy,
                     (name) => store.change({ "color-by": name, range: undefined, "color-scale": undefined }),
                 ),
                 this.list(
                     "opacity-by",
-                    "Opaque by",
+                    "Opacity by",
                     scalars,
                     (scene) => scene.opacityBy,
                     (name) =>
@@ -85,7 +85,7 @@ export class Controls {
                 false,
                 this.list("shading", "Shading", ["phong", "lines", "none"], (scene) => scene.values.shading),
                 ...["ambient", "diffuse", "specular", "shininess", "head-light"].map((name) => this.slider(name)),
-                this.lights(),
+                ...this.lights(),
             ),
             scene: makeSection(
                 "Scene",
@@ -162,10 +162,11 @@ export class Controls {
 
     /// One distant light by its direction in the picture's world: height above the horizon and side.
     lights() {
-        const angle = (id, label, max) =>
-            make("input", { id, type: "range", min: -max, max, step: 1, value: 0, "aria-label": label });
-        const side = angle("light-side", "Side of the light", 180),
-            height = angle("light-height", "Height of the light", 90);
+        const angle = (id, max) => make("input", { id, type: "range", min: -max, max, step: 1, value: 0 });
+        const side = angle("light-side", 180),
+            height = angle("light-height", 90);
+        const degrees = [side, height].map((slider) => make("output", { for: slider.id }));
+        const tell = () => [side, height].forEach((slider, i) => (degrees[i].value = `${Math.round(slider.value)}°`));
         const on = make("input", { id: "light-on", type: "checkbox" });
         const change = (commit) => {
             const a = (side.valueAsNumber * Math.PI) / 180,
@@ -176,6 +177,7 @@ export class Controls {
         for (const slider of [side, height]) {
             slider.addEventListener("input", () => {
                 on.checked = true;
+                tell();
                 change(false);
             });
             slider.addEventListener("change", () => this.store.commit());
@@ -187,8 +189,14 @@ export class Controls {
             const [x, y, z] = options.light[0];
             side.value = (Math.atan2(x, -y) * 180) / Math.PI;
             height.value = (Math.asin(z / Math.hypot(x, y, z)) * 180) / Math.PI;
+            tell();
         });
-        return make("div", { class: "line" }, make("label", {}, on, " distant light"), side, height);
+        tell();
+        return [
+            make("div", { class: "line" }, make("label", {}, on, " distant light")),
+            makeRow("Side of light", side.id, side, degrees[0]),
+            makeRow("Height of light", height.id, height, degrees[1]),
+        ];
     }
 
     background() {
@@ -226,7 +234,7 @@ export class Controls {
         const boxes = ["box", "axes", "colorbar", "time"].map((name) =>
             make("input", { type: "checkbox", value: name }),
         );
-        const title = make("input", { type: "text", placeholder: "title", "aria-label": "Title", size: 12 });
+        const title = make("input", { type: "text", "aria-label": "Title" });
         const change = () => {
             const names = boxes.filter((box) => box.checked).map((box) => box.value);
             if (title.value) names.push(`title=${title.value}`);
@@ -242,7 +250,7 @@ export class Controls {
             "div",
             { class: "line", role: "group", "aria-label": "Annotations" },
             ...boxes.map((box) => make("label", {}, box, ` ${box.value}`)),
-            title,
+            make("div", { class: "line whole" }, make("span", { class: "name" }, "Title"), title),
         );
     }
 
@@ -267,6 +275,6 @@ export class Controls {
                 if (!isEdited(input)) input.value = short(scene.stretch[i]);
             }),
         );
-        return make("div", { class: "line" }, make("span", { class: "name" }, "Stretch"), ...inputs);
+        return make("div", { class: "line whole" }, make("span", { class: "name" }, "Stretch"), ...inputs);
     }
 }

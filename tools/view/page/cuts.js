@@ -27,7 +27,7 @@ export class Cuts {
         Object.assign(this, { store, camera, frozenView });
         this.overlay = new Overlay(camera, hold);
         this.boxes = [kCutBox, kRegion].map((kind) => new Box(store, this.overlay, kind, frozenView, () => this.draw()));
-        this.list = make("div", { class: "line" });
+        this.list = make("div", { class: "list" });
         const planeButton = (name, normal) => make("button", { click: () => this.scene && this.addPlane(normal()) }, name);
         this.handles = make("input", { id: "cut-handles", type: "checkbox", checked: true, change: () => this.draw() });
         this.element = makeSection(
@@ -96,7 +96,7 @@ export class Cuts {
         const reach = length(subtract(this.high, this.low)) / 2,
             middle = scale(add(this.low, this.high), 0.5);
         this.list.replaceChildren(
-            ...this.planes.flatMap((plane, index) => {
+            ...this.planes.map((plane, index) => {
                 const normal = normalize(plane.slice(3));
                 const slider = make("input", {
                     type: "range",
@@ -110,9 +110,11 @@ export class Cuts {
                     this.movePlane(index, add(middle, scale(normal, slider.valueAsNumber)), commit);
                 slider.addEventListener("input", () => move(false));
                 slider.addEventListener("change", () => this.store.commit());
-                const name = `Plane ${index + 1} (${normal.map((c) => short(c.toFixed(2))).join(" ")})`;
-                return [
-                    make("span", { class: "name" }, name),
+                const title = `Normal ${normal.map((c) => short(c.toFixed(2))).join(" ")}`;
+                return make(
+                    "div",
+                    { class: "plane" },
+                    make("span", { class: "name", title }, `Plane ${index + 1}`),
                     slider,
                     make(
                         "button",
@@ -128,7 +130,7 @@ export class Cuts {
                         { "aria-label": `Remove plane ${index + 1}`, title: "Remove", click: () => this.remove(index) },
                         "✕",
                     ),
-                ];
+                );
             }),
         );
     }

@@ -47,7 +47,14 @@ export class Keep {
             make(
                 "div",
                 { class: "line" },
-                ...this.sides,
+                make("span", { class: "name" }, "Size"),
+                this.sides[0],
+                "×",
+                this.sides[1],
+            ),
+            make(
+                "div",
+                { class: "line" },
                 button("keep-png", "Save PNG", () => this.make({ kind: "picture", format: "png", ...this.sized() })),
                 button("keep-exr", "Save EXR", () => this.make({ kind: "picture", format: "exr", ...this.sized() })),
             ),

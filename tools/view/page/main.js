@@ -43,7 +43,11 @@ async function begin() {
         return Object.fromEntries(Object.entries(optionsOf(view.camera)).filter(([name]) => !store.options[name]));
     };
     const transfer = new Transfer(store, frozenView, () => askScene());
-    const cameras = new Cameras(store, () => view.camera);
+    const cameras = new Cameras(
+        store,
+        () => view.camera,
+        () => picture.size,
+    );
     /// What the server is asked to show: key frames only while they are followed.
     const shown = () => {
         const state = { ...store.options };
@@ -158,6 +162,7 @@ async function begin() {
         store.setFollows(false);
     };
     cameras.addEventListener("free", free);
+    cameras.addEventListener("message", (event) => message(event.detail));
     store.addEventListener("follows", () => {
         picture.update();
         askScene();
@@ -183,11 +188,7 @@ async function begin() {
         () => picture.height,
     );
 
-    const showAll = () => {
-        free();
-        store.change({ eye: undefined, target: undefined, up: undefined, "view-height": undefined });
-    };
-    byId("frame-all").addEventListener("click", showAll);
+    byId("frame-all").addEventListener("click", () => cameras.showAll());
     const undo = () => {
         endWheel();
         store.undo();
@@ -213,7 +214,7 @@ async function begin() {
         else if (key === " " && !event.target.matches("button, summary, input")) timeline.toggle();
         else if (key === ",") timeline.step(-1);
         else if (key === ".") timeline.step(1);
-        else if (key === "0") showAll();
+        else if (key === "0") cameras.showAll();
         else if (key === "?") byId("help").click();
         else return;
         event.preventDefault();
