@@ -340,6 +340,48 @@ class Page(ViewerTest):
         self.press("#overlay .handle", 0, Keys.ARROW_RIGHT)  # a cut alone
         self.wait_until(lambda: "eye" in self.options(), "automatic")
 
+    def test_one_tab_stop_a_curve(self):
+        self.open("--opacity-by", "q")
+        curves = [curve for curve in self.find(".curve") if curve.is_displayed()]
+        self.assertEqual(len(curves), 2)
+        for curve in curves:
+            self.assertEqual(len(curve.find_elements(By.CSS_SELECTOR, "[tabindex='0']")), 1)
+        focused = lambda: self.browser.execute_script("return document.activeElement.getAttribute('aria-label')")
+        self.press(".curve [tabindex='0']", 0, Keys.PAGE_DOWN)
+        self.assertEqual(focused()[:14], "Colour point 2")
+        ActionChains(self.browser).send_keys(Keys.END, Keys.ARROW_LEFT, Keys.PAGE_UP).perform()
+        self.wait_until(lambda: "colors" in self.options(), "not moved")
+        count = len(self.find(".curve .color"))
+        self.assertEqual(focused(), f"Colour point {count - 1} of {count}")
+        self.assertEqual(len(curves[0].find_elements(By.CSS_SELECTOR, "[tabindex='0']")), 1)
+
+    def test_why_nothing_is_seen(self):
+        self.open()
+        says = lambda words: self.wait_until(lambda: words in self.element("message").text, f"no '{words}'")
+        for options, words in (({"opacity": "0:0,1:0"}, "points of opacity"), ({"range": [50, 60]}, "Automatic"),
+                               ({"clip-box": [90, 90, 90, 91, 91, 91]}, "under Cuts"),
+                               ({"eye": [50, 50, 50], "target": [60, 60, 60]}, "Show all")):
+            with self.subTest(options=options):
+                self.browser.execute_script("location.hash = encodeURIComponent(JSON.stringify(arguments[0]))",
+                                            {"frame": 1, "options": {"samples": 1, **options}})
+                says(words)
+                self.assertNotIn("--", self.element("message").text)
+
+    def test_the_light_has_a_handle(self):
+        self.open()
+        self.browser.execute_script("document.getElementById('light-on').closest('details').open = true")
+        self.element("light-on").click()
+        self.wait_until(lambda: "light" in self.options(), "no light")
+        before = self.options()["light"][0]
+        self.press(self.handle("Direction of the light"), 0, Keys.ARROW_UP)
+        self.wait_until(lambda: self.options()["light"][0] != before, "not turned by a key")
+        turned = self.options()["light"][0]
+        self.assertAlmostEqual(sum(c * c for c in turned), 1, places=4)
+        self.drag(lambda: self.find(self.handle("Direction of the light"))[0], 60, -40)
+        self.wait_until(lambda: self.options()["light"][0] != turned, "not turned by hand")
+        self.assert_undoable("light")
+        self.assertEqual(len(self.options()["light"]), 1)
+
     def test_undo_everywhere(self):
         self.open()
         undo = lambda: ActionChains(self.browser).key_down(Keys.CONTROL).send_keys("z").key_up(Keys.CONTROL).perform()

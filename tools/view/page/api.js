@@ -44,6 +44,19 @@ export async function ask(path, body) {
     return (await post(path, body)).json();
 }
 
+/// Why nothing is seen, by what the server says of options, in the page's words.
+const kReasons = [
+    [/cut everything away/, "the cuts take all away; move them, or remove them under Cuts"],
+    [/sees nothing/, "the camera looks past it; Show all brings it back"],
+    [/lie outside of/, "all values lie outside of the range; Automatic under Transfer function chooses it anew"],
+    [/is transparent/, "all is transparent; raise the points of opacity, or choose Automatic under Transfer function"],
+    [/no active voxel/, "no voxel is left to show; make the region under Cuts larger"],
+];
+
+function reasonOf(text) {
+    return kReasons.find(([pattern]) => pattern.test(text))?.[1] || text;
+}
+
 /// A picture as { bitmap, samples, settled, nothing }, or null if a newer request took its place.
 export async function askPicture(body, signal) {
     const response = await post("picture", body, signal);
@@ -53,6 +66,6 @@ export async function askPicture(body, signal) {
         bitmap: await createImageBitmap(await response.blob()),
         samples: Number(response.headers.get("Vdblic-Samples")),
         settled: response.headers.get("Vdblic-Settled") === "1",
-        nothing: nothing ? JSON.parse(nothing) : "",
+        nothing: nothing ? reasonOf(JSON.parse(nothing)) : "",
     };
 }

@@ -5,9 +5,8 @@ import { make } from "./elements.js";
 export class Box {
     /// @param kind { option, name, id, title, isLive }: whether the picture follows while a side is moved
     /// @param frozenView () => options that keep the view as it is; a region chooses it anew
-    /// @param redraw draws the overlay anew
-    constructor(store, overlay, kind, frozenView, redraw) {
-        Object.assign(this, { store, overlay, kind, redraw });
+    constructor(store, overlay, kind, frozenView) {
+        Object.assign(this, { store, overlay, kind });
         this.frozenView = kind.isLive ? frozenView : () => ({});
         this.check = make("input", { id: kind.id, type: "checkbox", change: () => this.toggle() });
         this.element = make("label", { title: kind.title }, this.check, ` ${kind.name}`);
@@ -26,7 +25,7 @@ export class Box {
 
     toggle() {
         this.store.change({ ...this.frozenView(), [this.kind.option]: this.check.checked ? [...this.low, ...this.high] : undefined });
-        this.redraw();
+        this.overlay.draw();
     }
 
     move(axis, high, value, commit) {
@@ -38,7 +37,7 @@ export class Box {
         if (this.kind.isLive)
             this.store.change({ ...this.frozenView(), [this.kind.option]: this.draft }, { commit: false });
         if (commit) this.end();
-        this.redraw();
+        this.overlay.draw();
     }
 
     end() {

@@ -32,9 +32,9 @@ const kOfLooks = [
 ];
 
 export class Controls {
-    constructor(store, sequence) {
+    constructor(store, sequence, light) {
         this.store = store;
-        this.shows = []; // called with the scene
+        this.shows = [(scene, options) => light.show(scene, options)]; // called with the scene
         const scalars = [...sequence.scalars, sequence.texture];
         this.sections = {
             look: makeSection(
@@ -85,7 +85,7 @@ export class Controls {
                 false,
                 this.list("shading", "Shading", ["phong", "lines", "none"], (scene) => scene.values.shading),
                 ...["ambient", "diffuse", "specular", "shininess", "head-light"].map((name) => this.slider(name)),
-                ...this.lights(),
+                ...light.rows,
             ),
             scene: makeSection(
                 "Scene",
@@ -158,45 +158,6 @@ export class Controls {
             number.value = short(scene.values[name]);
         });
         return makeRow(label, id, range, number);
-    }
-
-    /// One distant light by its direction in the picture's world: height above the horizon and side.
-    lights() {
-        const angle = (id, max) => make("input", { id, type: "range", min: -max, max, step: 1, value: 0 });
-        const side = angle("light-side", 180),
-            height = angle("light-height", 90);
-        const degrees = [side, height].map((slider) => make("output", { for: slider.id }));
-        const tell = () => [side, height].forEach((slider, i) => (degrees[i].value = `${Math.round(slider.value)}°`));
-        const on = make("input", { id: "light-on", type: "checkbox" });
-        const change = (commit) => {
-            const a = (side.valueAsNumber * Math.PI) / 180,
-                h = (height.valueAsNumber * Math.PI) / 180;
-            const direction = [Math.cos(h) * Math.sin(a), -Math.cos(h) * Math.cos(a), Math.sin(h)];
-            this.store.change({ light: on.checked ? [direction] : undefined }, { commit });
-        };
-        for (const slider of [side, height]) {
-            slider.addEventListener("input", () => {
-                on.checked = true;
-                tell();
-                change(false);
-            });
-            slider.addEventListener("change", () => this.store.commit());
-        }
-        on.addEventListener("change", () => change(true));
-        this.shows.push((scene, options) => {
-            on.checked = Boolean(options.light);
-            if (!options.light || side.matches(":active") || height.matches(":active")) return;
-            const [x, y, z] = options.light[0];
-            side.value = (Math.atan2(x, -y) * 180) / Math.PI;
-            height.value = (Math.asin(z / Math.hypot(x, y, z)) * 180) / Math.PI;
-            tell();
-        });
-        tell();
-        return [
-            make("div", { class: "line" }, make("label", {}, on, " distant light")),
-            makeRow("Side of light", side.id, side, degrees[0]),
-            makeRow("Height of light", height.id, height, degrees[1]),
-        ];
     }
 
     background() {

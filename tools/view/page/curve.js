@@ -33,6 +33,7 @@ export class Curve {
                 change: () => this.typeRange(),
             }),
         );
+        this.stop = "[data-index]"; // of Tab
         this.title = make("span", { class: "name" });
         this.log = make("input", {
             id: `option-${options.scale}`,
@@ -50,6 +51,8 @@ export class Curve {
             ...(this.colors ? [this.colors.element] : []),
         );
         this.svg.addEventListener("pointerdown", (event) => this.press(event));
+        this.svg.addEventListener("keydown", (event) => this.goTo(event));
+        this.svg.addEventListener("focusin", (event) => this.setStop(event.target));
         for (const type of ["dblclick", "contextmenu"])
             this.svg.addEventListener(type, (event) => event.preventDefault());
     }
@@ -75,7 +78,29 @@ export class Curve {
             ...(this.hasPoints ? this.opacity.draw(kWidth) : []),
             ...(this.colors ? this.colors.draw(kRamp + kRampHeight / 2) : []),
         );
+        this.setStop(this.stops.find((stop) => stop.matches(this.stop)) || this.stops[0]);
         for (const [name, value] of Object.entries(focused)) this.focus(name, value);
+    }
+
+    /// The points. Tab reaches one of them; from there Page Up and Page Down go to the others.
+    get stops() {
+        return [...this.svg.querySelectorAll("[tabindex]")];
+    }
+
+    setStop(point) {
+        if (!point) return;
+        for (const other of this.stops) other.setAttribute("tabindex", other === point ? 0 : -1);
+        const [[name, value]] = Object.entries(point.dataset);
+        this.stop = `[data-${name}="${value}"]`;
+    }
+
+    goTo(event) {
+        const { stops } = this,
+            at = stops.indexOf(event.target);
+        const to = { PageUp: at - 1, PageDown: at + 1, Home: 0, End: stops.length - 1 }[event.key];
+        if (to === undefined || at < 0) return;
+        stops[Math.max(0, Math.min(to, stops.length - 1))].focus();
+        event.preventDefault();
     }
 
     /// Focus a point. @param name index of an opacity point or color of a colour point

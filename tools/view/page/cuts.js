@@ -3,7 +3,6 @@
 import { Box } from "./box.js";
 import { axes } from "./camera.js";
 import { make, makeSection, short } from "./elements.js";
-import { Overlay } from "./overlay.js";
 import { add, cross, dot, length, normalize, scale, subtract } from "./vector.js";
 
 const kCutBox = {
@@ -22,14 +21,14 @@ const kRegion = {
 };
 
 export class Cuts {
-    /// @param camera () => the camera now @param frozenView () => options that keep the view as it is
-    constructor(store, camera, frozenView, hold) {
-        Object.assign(this, { store, camera, frozenView });
-        this.overlay = new Overlay(camera, hold);
-        this.boxes = [kCutBox, kRegion].map((kind) => new Box(store, this.overlay, kind, frozenView, () => this.draw()));
+    /// @param frozenView () => options that keep the view as it is
+    constructor(store, overlay, frozenView) {
+        Object.assign(this, { store, overlay, frozenView });
+        overlay.layers.push(() => this.draw());
+        this.boxes = [kCutBox, kRegion].map((kind) => new Box(store, this.overlay, kind, frozenView));
         this.list = make("div", { class: "list" });
         const planeButton = (name, normal) => make("button", { click: () => this.scene && this.addPlane(normal()) }, name);
-        this.handles = make("input", { id: "cut-handles", type: "checkbox", checked: true, change: () => this.draw() });
+        this.handles = make("input", { id: "cut-handles", type: "checkbox", checked: true, change: () => overlay.draw() });
         this.element = makeSection(
             "Cuts",
             false,
@@ -50,7 +49,7 @@ export class Cuts {
                 make("label", {}, this.handles, " handles"),
             ),
         );
-        this.element.addEventListener("toggle", () => this.draw());
+        this.element.addEventListener("toggle", () => overlay.draw());
     }
 
     get planes() {
@@ -64,7 +63,6 @@ export class Cuts {
         this.high = [0, 1, 2].map((i) => Math.max(...corners.map((c) => c[i])));
         for (const box of this.boxes) box.show(this.low, this.high);
         this.listPlanes();
-        this.draw();
     }
 
     addPlane(normal) {
@@ -78,12 +76,12 @@ export class Cuts {
 
     /// The normal, in the data's own space, of a plane across the view.
     viewNormal() {
-        return normalize(axes(this.camera()).forward.map((c, i) => c * this.scene.stretch[i]));
+        return normalize(axes(this.overlay.camera()).forward.map((c, i) => c * this.scene.stretch[i]));
     }
 
     setPlanes(planes, commit) {
         this.store.change({ ...this.frozenView(), "clip-plane": planes.length ? planes : undefined }, { commit });
-        this.draw();
+        this.overlay.draw();
     }
 
     /// A row for each plane: its place along the normal, the other side, and away with it.
@@ -169,12 +167,9 @@ export class Cuts {
     }
 
     draw() {
-        const isShown = this.scene && this.element.open && this.handles.checked && this.camera();
-        this.overlay.show(this.scene?.stretch, () => {
-            if (!isShown) return;
-            this.planes.forEach((plane, index) => this.drawPlane(plane, index));
-            for (const box of this.boxes) box.draw();
-        });
+        if (!this.scene || !this.element.open || !this.handles.checked) return;
+        this.planes.forEach((plane, index) => this.drawPlane(plane, index));
+        for (const box of this.boxes) box.draw();
     }
 
     drawPlane(plane, index) {
@@ -199,6 +194,6 @@ export class Cuts {
         const move = (moved, commit) => this.movePlane(index, moved, commit);
         this.overlay.slider(point, normal, `Plane ${index + 1}`, "plane", move, end);
         const tilt = (turned, commit) => this.turnPlane(index, turned, commit);
-        this.overlay.tip(point, normal, `Tilt of plane ${index + 1}`, tilt, end);
+        this.overlay.tip(point, normal, `Tilt of plane ${index + 1}`, "", tilt, end);
     }
 }

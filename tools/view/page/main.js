@@ -8,6 +8,8 @@ import { Cuts } from "./cuts.js";
 import { isEdited } from "./elements.js";
 import { listenToHand } from "./hand.js";
 import { Keep } from "./keep.js";
+import { Light } from "./light.js";
+import { Overlay } from "./overlay.js";
 import { Picture } from "./picture.js";
 import { Store } from "./store.js";
 import { Timeline } from "./timeline.js";
@@ -36,7 +38,11 @@ async function begin() {
     const view = { scene: null, camera: null }; // as far as the server has told
 
     const timeline = new Timeline(store, sequence.frames);
-    const controls = new Controls(store, sequence);
+    const overlay = new Overlay(
+        () => view.camera,
+        (held) => picture.hold(held),
+    );
+    const controls = new Controls(store, sequence, new Light(store, overlay));
     /// Options that keep the automatic camera where it is: it follows what is visible, so it would move under the hand.
     const frozenView = () => {
         if (cameras.follows || store.options.orbit || !view.camera) return {};
@@ -55,17 +61,13 @@ async function begin() {
         return { state, frame: store.frame, next: timeline.next() };
     };
     const picture = new Picture(byId("picture"), shown);
-    const cuts = new Cuts(
-        store,
-        () => view.camera,
-        frozenView,
-        (held) => picture.hold(held),
-    );
+    const cuts = new Cuts(store, overlay, frozenView);
     const keep = new Keep(
         () => ({ state: { ...shown().state, size: picture.size }, frame: store.frame }),
         () => store.options.keys,
         sequence.folder,
     );
+    controls.sections.light.addEventListener("toggle", () => overlay.draw());
     byId("panel").append(
         controls.sections.look,
         transfer.element,
@@ -105,6 +107,7 @@ async function begin() {
                 controls.show(scene);
                 cameras.show(scene);
                 cuts.show(scene);
+                overlay.show(scene);
                 transfer.show(scene, histograms);
                 if (!picture.nothing) message("");
             } catch (error) {
@@ -118,7 +121,7 @@ async function begin() {
     store.addEventListener("options", (event) => {
         const { names } = event.detail;
         picture.update();
-        if (names && names.every((name) => kOfCamera.has(name)) && view.moving) return cuts.draw();
+        if (names && names.every((name) => kOfCamera.has(name)) && view.moving) return overlay.draw();
         clearTimeout(sceneTimer);
         sceneTimer = setTimeout(askScene, 60);
     });

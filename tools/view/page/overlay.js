@@ -11,16 +11,23 @@ export class Overlay {
     /// @param camera () => the camera now @param hold (held): tells that a hand is on a handle
     constructor(camera, hold) {
         Object.assign(this, { camera, hold });
+        this.layers = []; // () => adds outlines and handles
         this.svg = document.getElementById("overlay");
         this.svg.addEventListener("contextmenu", (event) => event.preventDefault());
     }
 
-    /// Draw anew; the focus stays. @param stretch of the scene @param draw adds outlines and handles
-    show(stretch, draw) {
-        this.stretch = stretch;
+    /// @param scene as the server tells it
+    show(scene) {
+        this.stretch = scene.stretch;
+        this.draw();
+    }
+
+    /// Draw anew; the focus stays.
+    draw() {
+        if (!this.stretch || !this.camera()) return;
         const focused = this.svg.contains(document.activeElement) && document.activeElement.getAttribute("aria-label");
         this.svg.replaceChildren();
-        draw();
+        for (const layer of this.layers) layer();
         if (focused) this.svg.querySelector(`[aria-label="${focused}"]`)?.focus();
     }
 
@@ -66,7 +73,7 @@ export class Overlay {
 
     /// A handle at the tip of a plane's normal: the tip follows the hand on a sphere around the plane's point, and
     /// beyond the sphere's outline goes on at its back. @param move (normal, commit)
-    tip(point, normal, name, move, end) {
+    tip(point, normal, name, kind, move, end) {
         const { forward, right, up } = axes(this.camera());
         const seen = normalize(normal.map((c, i) => c / this.stretch[i])); // normals are covectors
         const told = (turned, commit) => move(normalize(turned.map((c, i) => c * this.stretch[i])), commit);
@@ -76,7 +83,7 @@ export class Overlay {
         if (!from || !at) return;
         this.svg.append(makeSvg("line", { class: "normal", x1: from[0], y1: from[1], x2: at[0], y2: at[1] }));
         const text = normal.map((c) => short(c.toFixed(2))).join(" ");
-        const handle = this.handle(at, name, "tip", {
+        const handle = this.handle(at, name, `tip ${kind}`, {
             "aria-valuenow": Math.round((Math.acos(Math.max(-1, Math.min(1, normal[2]))) * 180) / Math.PI),
             "aria-valuetext": `normal ${text}`,
             keydown: (event) => {

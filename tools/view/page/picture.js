@@ -2,8 +2,8 @@
 
 import { askPicture } from "./api.js";
 
-const kAim = 55; // milliseconds for a picture while something moves
-const kSmallest = 0.12; // scale
+const kAim = 90; // milliseconds for a picture while something moves
+const kSmallest = 0.2; // scale
 const kMovingStep = 1.5; // voxels between samples while something moves: rays far apart share little of the cache
 const kRest = 140; // milliseconds without a change until the picture is refined
 const kMostPixels = 4e6;
