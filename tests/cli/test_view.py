@@ -110,6 +110,17 @@ class Pictures(ViewerTest):
         older.join()
         self.assertEqual(statuses, [204])  # minutes before its time
 
+    def test_thumbnails(self):
+        self.start("lic.%04d.vdb")
+        ask = lambda state, frame=1: self.request("thumbnail", {"state": state, "frame": frame})
+        small = {"size": [96, 64], "look": "ink", "samples": 4}
+        status, headers, first = ask(small)
+        self.assertEqual((status, headers["Content-Type"], first[:2]), (200, "image/jpeg", b"\xff\xd8"))
+        self.assertNotEqual(ask({**small, "look": "smoke"})[2], first)
+        self.assertEqual(ask(small)[2], first)
+        self.assertEqual(ask({**small, "size": [161, 64]})[0], 400)
+        self.assertEqual(ask(small, 7)[0], 400)
+
     def test_an_older_request_that_arrives_late_ends(self):
         self.start("lic.%04d.vdb")
         body = {"client": "a", "state": {"size": [64, 40]}, "frame": 1}

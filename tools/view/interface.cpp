@@ -86,6 +86,19 @@ Json toJson(const Camera& camera)
             {"height", 2 * camera.halfExtent().y}};
 }
 
+/// The named colour maps, each with the colours of its evenly spaced stops.
+Json colorMaps()
+{
+    Json maps = Json::array();
+    for (const std::string& name : colorMapNames()) {
+        Json colors = Json::array();
+        for (const auto& [position, color] : colorMapPoints(name))
+            colors.push_back(hexText(color));
+        maps.push_back({{"name", name}, {"colors", colors}});
+    }
+    return maps;
+}
+
 /// @throws ParameterError
 glm::dvec3 vectorIn(const Json& asked, const char* name)
 {
@@ -162,6 +175,9 @@ WebAnswer Interface::answerAsked(const WebRequest& request)
     if (!asked.is_object()) throw ParameterError("the request is no JSON object");
     const auto frame = member(asked, "frame", std::int64_t(0));
     if (request.path == "picture") return picture(asked, request);
+    if (request.path == "thumbnail")
+        return {200, "image/jpeg",
+                mPictures.thumbnail({.client = {}, .turn = {}, .state = stateIn(asked), .frame = frame})};
     if (request.path == "scene") return jsonAnswer(scene(stateIn(asked), frame));
     if (request.path == "keep") return jsonAnswer(keep(asked));
     if (request.path == "histograms") {
@@ -189,7 +205,7 @@ Json Interface::sequence()
             {"texture", mViewer.texture()},
             {"scalars", mViewer.scalars()},
             {"looks", lookPresetNames()},
-            {"colorMaps", colorMapNames()},
+            {"colorMaps", colorMaps()},
             {"solid", mViewer.start().solid},
             {"start", mViewer.start().state}};
 }
@@ -239,8 +255,9 @@ Json Interface::keep(const Json& asked)
     if (kind == "files") return mKeeper.keepFiles(stateIn(asked), frame);
     if (kind == "film") return mKeeper.beginFilm(stateIn(asked), member(asked, "fps", 24.0));
     if (kind != "picture") throw ParameterError("\"kind\" must be files, picture or film");
-    return mKeeper.beginPicture({.client = {}, .turn = std::nullopt, .state = stateIn(asked), .frame = frame},
-                                member(asked, "format", std::string("png")));
+    return mKeeper.beginPicture(
+        {.client = {}, .turn = std::nullopt, .state = stateIn(asked), .frame = frame, .settle = true},
+        member(asked, "format", std::string("png")));
 }
 
 WebAnswer Interface::picture(const Json& asked, const WebRequest& request)

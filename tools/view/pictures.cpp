@@ -3,7 +3,9 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/render/render_params.h"
+#include "view/jpeg.h"
 
 #include <fmt/format.h>
 
@@ -88,10 +90,30 @@ ShownPicture Pictures::whole(const PictureRequest& request, const std::function<
                              const std::stop_token& stop)
 {
     const RenderParams params = paramsFor(request);
-    Cast cast({}, mViewer.view(request.state, request.frame, /*settle=*/true));
+    Cast cast({}, mViewer.view(request.state, request.frame, request.settle));
     ShownPicture result = shown(cast, params, stop, progress);
     progress(params.samples);
     return result;
+}
+
+std::string Pictures::thumbnail(const PictureRequest& request)
+{
+    constexpr int kMostThumbnailSide = 160, kQuality = 85;
+    constexpr std::size_t kMostThumbnails = 200;
+    PictureRequest asked = request;
+    asked.state["samples"] = 1;
+    const glm::ivec2 size = paramsFor(asked).scaledSize();
+    if (std::max(size.x, size.y) > kMostThumbnailSide)
+        throw ParameterError(fmt::format("a thumbnail may have {} pixels a side", kMostThumbnailSide));
+    const std::lock_guard lock(mThumbnailMutex);
+    const std::string key = keyOf(asked, mViewer.version());
+    const auto found = std::ranges::find(mThumbnails, key, &std::pair<std::string, std::string>::first);
+    if (found != mThumbnails.end()) return found->second;
+    const ShownPicture picture = whole(asked, [](int) {}, {});
+    mThumbnails.emplace_front(
+        key, encodeJpeg(displayBytes(picture.image, picture.background), picture.image.size, kQuality));
+    if (mThumbnails.size() > kMostThumbnails) mThumbnails.pop_back();
+    return mThumbnails.front().second;
 }
 
 RenderParams Pictures::paramsFor(const PictureRequest& request) const

@@ -15,6 +15,7 @@
 #include <semaphore>
 #include <stop_token>
 #include <string>
+#include <utility>
 
 namespace vdblic::view {
 
@@ -52,6 +53,9 @@ class Pictures {
     /// @throws Stopped, and as Viewer::view()
     [[nodiscard]] ShownPicture whole(const PictureRequest& request, const std::function<void(int)>& progress,
                                      const std::stop_token& stop);
+    /// A JPEG of one ray a pixel, made once: of many that were made the newest are kept. One at a time.
+    /// @throws ParameterError if it is not small; as Viewer::view()
+    [[nodiscard]] std::string thumbnail(const PictureRequest& request);
     /// The parameters of a picture. @throws ParameterError, InputError if it is too large
     [[nodiscard]] RenderParams paramsFor(const PictureRequest& request) const;
 
@@ -86,6 +90,8 @@ class Pictures {
     std::mutex mMutex;
     std::list<std::shared_ptr<Client>> mClients; // the last one that asked first
     std::counting_semaphore<> mPlaces{4};        // for pictures that are cast at a time
+    std::mutex mThumbnailMutex;
+    std::list<std::pair<std::string, std::string>> mThumbnails; // by their keys, the newest first
 };
 
 } // namespace vdblic::view

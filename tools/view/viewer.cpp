@@ -45,14 +45,15 @@ std::string choiceKey(Json state)
     return state.dump();
 }
 
+constexpr std::size_t kMostBases = 8, kMostChoices = 32; // of small pictures, too
+
 /// Put an entry in front and keep the first few.
 template<typename List, typename Value>
-void keepFirst(List& list, const std::string& key, Value value)
+void keepFirst(List& list, const std::string& key, Value value, std::size_t most)
 {
-    constexpr std::size_t kMost = 8;
     list.remove_if([&](const auto& entry) { return entry.first == key; });
     list.emplace_front(key, std::move(value));
-    if (list.size() > kMost) list.pop_back();
+    if (list.size() > most) list.pop_back();
 }
 
 SceneSource sourceOf(const RenderParams& params)
@@ -182,8 +183,9 @@ FrameCache::Frame Viewer::load(const RenderParams& params, const FrameFile& file
 void Viewer::keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis)
 {
     const std::lock_guard lock(mMutex);
-    keepFirst(mBases, key, basis);
-    ++mVersion;
+    const bool replaces = std::ranges::any_of(mBases, [&](const auto& entry) { return entry.first == key; });
+    keepFirst(mBases, key, basis, kMostBases);
+    if (replaces) ++mVersion;
 }
 
 std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const RenderParams& params, bool settle)
@@ -249,13 +251,18 @@ Viewer::Choice Viewer::choiceFor(const RenderParams& params, const Json& state,
     Choice choice{basis->look.choose(params), {}, needsSubject};
     if (needsSubject) {
         std::vector<FrameCache::Frame> frames;
-        for (const FrameFile& file : basis->frames)
-            frames.push_back(load(params, file));
+        for (const FrameFile& file : basis->frames) {
+            try {
+                frames.push_back(load(params, file));
+            } catch (const InputError&) { // taken away, or being replaced
+                if (frames.empty() && file.frame == basis->frames.back().frame) throw;
+            }
+        }
         OneProcess alone;
         choice.subject = sceneSubject(params, choice.look, frames, source.box, source.steady, alone);
     }
     const std::lock_guard lock(mMutex);
-    keepFirst(mChoices, key, std::pair(basis, choice));
+    keepFirst(mChoices, key, std::pair(basis, choice), kMostChoices);
     return choice;
 }
 

@@ -44,6 +44,10 @@ export async function ask(path, body) {
     return (await post(path, body)).json();
 }
 
+export async function askThumbnail(body) {
+    return (await post("thumbnail", body)).blob();
+}
+
 /// Why nothing is seen, by what the server says of options, in the page's words.
 const kReasons = [
     [/cut everything away/, "the cuts take all away; move them, or remove them under Cuts"],

@@ -1,6 +1,7 @@
 // The controls of single options: lists, sliders and checkboxes. Each shows what the server takes if nothing is chosen.
 
 import { isEdited, make, makeRow, makeSection, short } from "./elements.js";
+import { Picks } from "./picks.js";
 
 /// name: [label, least, most, step]
 const kSliders = {
@@ -16,15 +17,12 @@ const kSliders = {
     "head-light": ["Head light", 0, 2, 0.01],
 };
 /// What a look sets, and so what choosing another one gives up.
+const kOfColors = ["colormap", "colors", "range", "color-scale"];
 const kOfLooks = [
     ...Object.keys(kSliders),
     "opacity",
-    "range",
     "opacity-range",
-    "color-scale",
     "opacity-scale",
-    "colormap",
-    "colors",
     "shading",
     "light",
     "background",
@@ -34,26 +32,16 @@ const kOfLooks = [
 export class Controls {
     constructor(store, sequence, light) {
         this.store = store;
+        this.allPicks = [];
         this.shows = [(scene, options) => light.show(scene, options)]; // called with the scene
         const scalars = [...sequence.scalars, sequence.texture];
         this.sections = {
             look: makeSection(
                 "Look",
                 true,
-                this.list(
-                    "look",
-                    "Start from",
-                    sequence.looks,
-                    (scene, options) => options.look || "flow",
-                    (look) => store.change({ ...Object.fromEntries(kOfLooks.map((name) => [name, undefined])), look }),
-                ),
-                this.list(
-                    "colormap",
-                    "Colours",
-                    sequence.colorMaps,
-                    (scene) => scene.colorMap,
-                    (colormap) => store.change({ colormap, colors: undefined }),
-                ),
+                this.looks(sequence.looks),
+                this.keepColors(),
+                this.colorMaps(sequence.colorMaps),
                 this.list(
                     "color-by",
                     "Colour by",
@@ -119,6 +107,45 @@ export class Controls {
     /// Show a scene's values, unless a control is being used.
     show(scene) {
         for (const show of this.shows) show(scene, this.store.options);
+    }
+
+    looks(names) {
+        const changes = (look, options) => {
+            const keeps = this.keepsColors.checked && (options.colors || options.colormap);
+            const given = keeps ? kOfLooks : [...kOfLooks, ...kOfColors];
+            return { ...Object.fromEntries(given.map((name) => [name, undefined])), look };
+        };
+        return this.picks("look", "Start from", names, (scene, options) => options.look || "flow", changes);
+    }
+
+    /// Colours that one has chosen stay with another look.
+    keepColors() {
+        this.keepsColors = make("input", { id: "keep-colors", type: "checkbox", checked: true });
+        const label = make("label", { class: "note" }, this.keepsColors, " my colours stay with another look");
+        this.shows.push((scene, options) => {
+            label.hidden = !options.colors && !options.colormap;
+        });
+        return label;
+    }
+
+    /// @param maps { name, colors } of each
+    colorMaps(maps) {
+        const changes = (colormap) => ({ colormap, colors: undefined });
+        const names = maps.map(({ name }) => name),
+            ramps = maps.map(({ colors }) => `linear-gradient(90deg, ${colors.join()})`);
+        return this.picks("colormap", "Colours", names, (scene) => scene.colorMap, changes, ramps);
+    }
+
+    picks(...of) {
+        const picks = new Picks(this.store, ...of);
+        this.allPicks.push(picks);
+        this.shows.push((scene, options) => picks.show(scene, options));
+        return picks.element;
+    }
+
+    /// Ask for the small pictures of a frame. @param version of the sequence @param isWanted () => whether there is still time for it
+    async showPictures(state, frame, version, isWanted) {
+        for (const picks of this.allPicks) await picks.showPictures(state, frame, version, isWanted);
     }
 
     list(name, label, values, valueIn, choose = (value) => this.store.change({ [name]: value })) {

@@ -88,7 +88,7 @@ export class Curve {
     }
 
     setStop(point) {
-        if (!point) return;
+        if (!point?.matches("[tabindex]")) return;
         for (const other of this.stops) other.setAttribute("tabindex", other === point ? 0 : -1);
         const [[name, value]] = Object.entries(point.dataset);
         this.stop = `[data-${name}="${value}"]`;

@@ -35,7 +35,7 @@ async function begin() {
     const sequence = await get("sequence");
     document.title = byId("title").textContent = sequence.pattern.split("/").at(-1);
     const store = new Store({ samples: 4, ...sequence.start }, sequence.frames);
-    const view = { scene: null, camera: null }; // as far as the server has told
+    const view = { scene: null, camera: null, version: sequence.version }; // as far as the server has told
 
     const timeline = new Timeline(store, sequence.frames);
     const overlay = new Overlay(
@@ -115,6 +115,7 @@ async function begin() {
             }
         } while (again);
         asking = false;
+        showThumbnails();
     }
 
     let sceneTimer;
@@ -149,6 +150,27 @@ async function begin() {
     picture.addEventListener("resize", () => {
         if (view.scene) askScene();
     });
+    /// Small pictures of what the frame would look like, made while nothing else is to be made: at first and whenever
+    /// somebody turns to them.
+    async function showThumbnails() {
+        const { look } = controls.sections;
+        const isWanted = () => !timeline.isPlaying && !picture.isBusy && look.open;
+        const isTurnedTo = !view.hasThumbnails || look.matches(":hover, :focus-within");
+        if (view.makesThumbnails || !view.scene?.settled || !isTurnedTo || !isWanted()) return;
+        view.makesThumbnails = true;
+        try {
+            const { state, frame } = shown();
+            await controls.showPictures(state, frame, view.version, isWanted);
+            view.hasThumbnails = isWanted();
+        } catch (error) {
+            message(error.message);
+        }
+        view.makesThumbnails = false;
+    }
+    for (const type of ["pointerenter", "focusin", "toggle"])
+        controls.sections.look.addEventListener(type, showThumbnails);
+    picture.addEventListener("refined", showThumbnails);
+
     timeline.addEventListener("play", () => {
         if (timeline.isPlaying && cameras.keys.length) store.setFollows(true);
         picture.hold(timeline.isPlaying);
@@ -230,7 +252,7 @@ async function begin() {
             const status = await get("status");
             if (String(status.frames) !== String(timeline.frames)) timeline.setFrames(status.frames);
             keep.showJobs(status.jobs);
-            if (status.version !== view.version && view.version !== undefined) {
+            if (status.version !== view.version) {
                 await askScene();
                 if (!timeline.isPlaying) picture.refine();
             }

@@ -21,6 +21,9 @@ export class Picture extends EventTarget {
         new ResizeObserver(() => this.resize()).observe(canvas);
     }
 
+    get isBusy() {
+        return Boolean(this.busy || this.refining);
+    }
     get height() {
         return this.canvas.clientHeight;
     }
