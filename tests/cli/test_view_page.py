@@ -324,10 +324,10 @@ class Page(ViewerTest):
         for selector, by in (".curve .grip[data-end='1']", -90), (".curve .point[data-index='3']", 15):
             with self.subTest(selector=selector):
                 begin = x_of(selector)
-                hand = ActionChains(self.browser, duration=20).click_and_hold(self.find(selector)[0])
-                for step in range(5):
-                    hand.move_by_offset(by // 5, 0).pause(0.5)  # time for the server's answers
-                hand.perform()
+                ActionChains(self.browser).click_and_hold(self.find(selector)[0]).perform()
+                for _ in range(5):
+                    ActionChains(self.browser, duration=20).move_by_offset(by // 5, 0).perform()
+                    self.wait_for_refined()  # after the server's answers
                 self.assertAlmostEqual(x_of(selector), begin + by, delta=3)
                 ActionChains(self.browser).release().perform()
                 self.wait_for_refined()

@@ -285,7 +285,9 @@ WebAnswer Interface::picture(const Json& asked, const WebRequest& request)
     WebAnswer answer{200, lossless ? "image/png" : "image/jpeg",
                      lossless ? encodePng(shown.image, shown.background)
                               : encodeJpeg(displayBytes(shown.image, shown.background), shown.image.size, quality)};
-    answer.headers = {{"Vdblic-Samples", std::to_string(shown.samples)}, {"Vdblic-Settled", shown.settled ? "1" : "0"}};
+    answer.headers = {{"Vdblic-Samples", std::to_string(shown.samples)},
+                      {"Vdblic-Settled", shown.settled ? "1" : "0"},
+                      {"Vdblic-Cast", fmt::format("{:.6f}", shown.castSeconds)}};
     if (!shown.nothingSeen.empty()) {
         const std::string reason = inOptions(shown.nothingSeen);
         answer.headers.emplace_back("Vdblic-Nothing", Json(reason).dump(-1, ' ', /*ensure_ascii=*/true));

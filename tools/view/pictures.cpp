@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <utility>
 
@@ -130,12 +131,19 @@ ShownPicture Pictures::shown(Cast& cast, const RenderParams& params, const std::
                              const std::function<void(int)>& beforeSample)
 {
     FramePicture& picture = cast.picture;
+    const auto begin = std::chrono::steady_clock::now();
     while (picture.samples() < params.samples) {
         beforeSample(picture.samples());
         picture.addSample(stop);
     }
-    ShownPicture result{
-        picture.image(), picture.header(), params.background, params.exr, params.samples, cast.view.settled, {}};
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+    ShownPicture result{.image = picture.image(),
+                        .header = picture.header(),
+                        .background = params.background,
+                        .exr = params.exr,
+                        .samples = params.samples,
+                        .settled = cast.view.settled};
+    result.castSeconds = seconds.count();
     result.nothingSeen = picture.whyNothingIsSeen(result.image);
     return result;
 }

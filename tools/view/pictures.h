@@ -37,6 +37,7 @@ struct ShownPicture {
     int samples = 1;
     bool settled = false;
     std::string nothingSeen; ///< why it is empty; empty if it is not
+    double castSeconds = 0;  ///< that the rays of this request took: the part that follows the number of pixels
 };
 
 /// The pictures of all clients. Of each client the newest request counts: an older one ends,

@@ -61,7 +61,8 @@ function reasonOf(text) {
     return kReasons.find(([pattern]) => pattern.test(text))?.[1] || text;
 }
 
-/// A picture as { bitmap, samples, settled, nothing }, or null if a newer request took its place.
+/// A picture as { bitmap, samples, settled, cast, nothing }, where `cast` is what its rays took in milliseconds; or null
+/// if a newer request took its place.
 export async function askPicture(body, signal) {
     const response = await post("picture", body, signal);
     if (response.status === 204) return null;
@@ -70,6 +71,7 @@ export async function askPicture(body, signal) {
         bitmap: await createImageBitmap(await response.blob()),
         samples: Number(response.headers.get("Vdblic-Samples")),
         settled: response.headers.get("Vdblic-Settled") === "1",
+        cast: 1000 * Number(response.headers.get("Vdblic-Cast")),
         nothing: nothing ? reasonOf(JSON.parse(nothing)) : "",
     };
 }

@@ -2,7 +2,7 @@
 
 import { askPicture } from "./api.js";
 
-const kAim = 90; // milliseconds for a picture while something moves
+const kAim = 55; // milliseconds for the rays of a picture while something moves; what else it takes follows no scale
 const kSmallest = 0.2; // scale
 const kMovingStep = 1.5; // voxels between samples while something moves: rays far apart share little of the cache
 const kRest = 140; // milliseconds without a change until the picture is refined
@@ -74,7 +74,7 @@ export class Picture extends EventTarget {
             this.rate = 0.8 * (this.rate || 1000 / spent) + (0.2 * 1000) / spent;
             this.scale = Math.min(
                 1,
-                Math.max(kSmallest, scale * Math.min(1.5, Math.max(0.5, Math.sqrt(kAim / spent)))),
+                Math.max(kSmallest, scale * Math.min(1.5, Math.max(0.5, Math.sqrt(kAim / Math.max(shown.cast, 1))))),
             );
             this.show(shown, `${this.rate.toFixed(0)} pictures/s`);
         }
