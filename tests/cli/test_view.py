@@ -62,7 +62,8 @@ class Pictures(ViewerTest):
     def test_a_view_of_all_in_a_direction(self):
         self.start("lic.%04d.vdb")
         of = lambda v, w: sum(a * b for a, b in zip(v, w))
-        for state in {}, {"projection": "orthographic"}, {"fov": 20, "eye": [9, 9, 9], "up": [0, 1, 0], "size": [90, 200]}:
+        for state in ({}, {"projection": "orthographic"},
+                      {"fov": 20, "eye": [9, 9, 9], "up": [0, 1, 0], "size": [90, 200]}):
             for forward, up in ([-2, 0, 0], [0, 0, 1]), ([0, 0, 1], [0, 1, 0]), ([1, 2, -1], [0, 0, 1]):
                 with self.subTest(state=state, forward=forward):
                     state = {"size": [300, 200], **state}

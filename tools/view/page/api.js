@@ -61,8 +61,8 @@ function reasonOf(text) {
     return kReasons.find(([pattern]) => pattern.test(text))?.[1] || text;
 }
 
-/// A picture as { bitmap, samples, settled, cast, nothing }, where `cast` is what its rays took in milliseconds; or null
-/// if a newer request took its place.
+/// A picture as { bitmap, samples, settled, cast, nothing }, where `cast` is what its rays took in milliseconds; null if
+/// a newer request took its place.
 export async function askPicture(body, signal) {
     const response = await post("picture", body, signal);
     if (response.status === 204) return null;

@@ -24,7 +24,8 @@ export class Box {
     }
 
     toggle() {
-        this.store.change({ ...this.frozenView(), [this.kind.option]: this.check.checked ? [...this.low, ...this.high] : undefined });
+        const box = this.check.checked ? [...this.low, ...this.high] : undefined;
+        this.store.change({ ...this.frozenView(), [this.kind.option]: box });
         this.overlay.draw();
     }
 

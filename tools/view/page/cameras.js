@@ -46,7 +46,11 @@ export class Cameras extends EventTarget {
                 ...kViews.map(([name, direction]) =>
                     make("button", { click: () => this.fit(direction, direction[2] ? [0, 1, 0] : [0, 0, 1]) }, name),
                 ),
-                make("button", { id: "auto-view", title: "The view as chosen from the data", click: () => this.reset() }, "auto"),
+                make(
+                    "button",
+                    { id: "auto-view", title: "The view as chosen from the data", click: () => this.reset() },
+                    "auto",
+                ),
             ),
             make(
                 "div",

@@ -143,7 +143,8 @@ export class Controls {
         return picks.element;
     }
 
-    /// Ask for the small pictures of a frame. @param version of the sequence @param isWanted () => whether there is still time for it
+    /// Ask for the small pictures of a frame.
+    /// @param version of the sequence @param isWanted () => whether there is still time for it
     async showPictures(state, frame, version, isWanted) {
         for (const picks of this.allPicks) await picks.showPictures(state, frame, version, isWanted);
     }

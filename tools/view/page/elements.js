@@ -31,7 +31,8 @@ export function makeRow(name, id, ...controls) {
 
 const edited = new WeakSet(); // fields with text that is not taken yet
 addEventListener("input", (event) => edited.add(event.target), { capture: true });
-for (const type of ["change", "focusout"]) addEventListener(type, (event) => edited.delete(event.target), { capture: true });
+for (const type of ["change", "focusout"])
+    addEventListener(type, (event) => edited.delete(event.target), { capture: true });
 
 /// Whether somebody types into a field.
 export function isEdited(field) {

@@ -49,16 +49,14 @@ export class Picks {
         for (const input of this.inputs) input.checked = input.value === value;
     }
 
-    /// Ask for the pictures of a frame. @param version of the sequence @param isWanted () => whether there is still time
+    /// Ask for the pictures of a frame. @param version, isWanted as Controls has them
     async showPictures(state, frame, version, isWanted) {
         for (const [i, value] of this.values.entries()) {
             if (!isWanted()) return;
-            const of = Object.fromEntries(
-                Object.entries({ ...state, ...this.changes(value, state), size: kSize }).filter(([, v]) => v !== undefined),
-            );
-            const key = JSON.stringify([of, frame, version]);
+            const asked = { state: { ...state, ...this.changes(value, state), size: kSize }, frame },
+                key = JSON.stringify([asked, version]);
             if (this.images[i].dataset.key === key) continue;
-            const blob = await askThumbnail({ state: of, frame });
+            const blob = await askThumbnail(asked);
             URL.revokeObjectURL(this.images[i].src);
             this.images[i].src = URL.createObjectURL(blob);
             this.images[i].dataset.key = key;

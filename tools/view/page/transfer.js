@@ -47,8 +47,8 @@ export class Transfer {
             make(
                 "p",
                 { class: "note" },
-                "Click on the curve or on the colours to add a point. Delete removes it, arrow keys move it, Page Up and Page " +
-                    "Down go to the others.",
+                "Click on the curve or on the colours to add a point. Delete removes it, arrow keys move it, " +
+                    "Page Up and Page Down go to the others.",
             ),
         );
     }
