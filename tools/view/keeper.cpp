@@ -81,7 +81,7 @@ class Keeper::JobReporter : public Reporter {
 std::string Keeper::freeName() const
 {
     for (int number = 1;; ++number) {
-        const std::string name = fmt::format("view-{:03}", number);
+        std::string name = fmt::format("view-{:03}", number);
         const auto isTaken = [&](const char* ending) { return std::filesystem::exists(name + ending); };
         const char* const endings[] = {".transfer.json", ".camera.json", ".png", ".exr", ".mp4"};
         const auto isWritten = [&](const Job& job) {

@@ -317,7 +317,7 @@ Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& u
     camera.target = framing.eye + direction * glm::dot(direction, middle - framing.eye);
     camera.up = up;
     if (camera.projection == Projection::kOrthographic) camera.viewHeight = 2 * framing.halfExtent.y;
-    return Camera(camera, known.box, size);
+    return {camera, known.box, size};
 }
 
 void Viewer::prefetch(const Json& state, std::int64_t frame)

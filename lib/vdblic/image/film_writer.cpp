@@ -128,6 +128,7 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, const glm::ivec2& size
                                       "mp4",
                                       mFile.temporary().string()};
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words)
         arguments.push_back(word.data());
     arguments.push_back(nullptr);
