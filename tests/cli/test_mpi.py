@@ -172,8 +172,8 @@ class Ranks(ToolTest):
 
     def test_one_message_and_the_documented_status(self):
         for status, words, arguments in (
-                (2, "each factor must be 1 to 16", (WAKE, "-o", "x.%04d.vdb", "--refine", 17)),
-                (2, "frame spacing", (WAKE, "-o", "x.%04d.vdb", "--fps", "-1")),
+                (2, "--refine cannot be 17; it is 1 to 3 whole", (WAKE, "-o", "x.%04d.vdb", "--refine", 17)),
+                (2, "--fps cannot be -1", (WAKE, "-o", "x.%04d.vdb", "--fps", "-1")),
                 (3, "none.%04d.vdb", ("none.%04d.vdb", "-o", "x.%04d.vdb", "--frames", 1)),
                 (4, "absent", (WAKE, "-o", "absent/x.%04d.vdb"))):
             with self.subTest(words):
