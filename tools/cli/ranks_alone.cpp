@@ -1,4 +1,5 @@
 #include "cli/ranks.h"
+#include "vdblic/core/exchange.h"
 
 namespace vdblic::cli {
 

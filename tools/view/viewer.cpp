@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/framing.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/texture_name.h"

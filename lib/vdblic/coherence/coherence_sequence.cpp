@@ -4,6 +4,7 @@
 #include "vdblic/coherence/coherence_report.h"
 #include "vdblic/coherence/smoothed_texture.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"

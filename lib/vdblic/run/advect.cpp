@@ -1,6 +1,7 @@
 #include "vdblic/run/advect.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/run/frame_writer.h"

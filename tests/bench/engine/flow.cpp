@@ -1,5 +1,6 @@
 #include "bench/engine/flow.h"
 
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/analytic_flow.h"
 #include "vdblic/field/synth.h"

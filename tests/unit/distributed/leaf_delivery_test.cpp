@@ -1,3 +1,4 @@
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/distributed/leaf_delivery.h"
 

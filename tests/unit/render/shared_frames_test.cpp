@@ -3,6 +3,7 @@
 #include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/picture_cuts.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/render_sequence.h"
 #include "vdblic/render/scene.h"

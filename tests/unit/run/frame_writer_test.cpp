@@ -1,3 +1,4 @@
+#include "vdblic/core/exchange.h"
 #include "vdblic/run/frame_writer.h"
 
 #include "temporary_folder.h"
