@@ -24,6 +24,7 @@ class ThreadRanks {
     {
         std::vector<std::exception_ptr> errors(static_cast<std::size_t>(mSize));
         std::vector<std::thread> threads;
+        threads.reserve(errors.size());
         for (int rank = 0; rank < mSize; ++rank) {
             threads.emplace_back([&, rank] {
                 One exchange(*this, rank);
@@ -54,6 +55,7 @@ class ThreadRanks {
         {
             const auto all = share(std::move(messages));
             std::vector<Bytes> mine;
+            mine.reserve(all.size());
             for (const std::vector<Bytes>& from : all)
                 mine.push_back(from[std::size_t(mRank)]);
             return mine;
