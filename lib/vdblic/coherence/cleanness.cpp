@@ -3,6 +3,7 @@
 #include "vdblic/coherence/correlation.h"
 #include "vdblic/coherence/random_voxels.h"
 #include "vdblic/coherence/smoothed_texture.h"
+#include "vdblic/coherence/successor.h"
 #include "vdblic/coherence/texture_cube.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/pathline.h"
@@ -102,25 +103,11 @@ void addCube(const TextureCube& cube, Float4 velocity, ClassSums& sums)
 /// Correlate with the successor, at the end of the pathline and at the same place.
 void addSuccessor(const Measured& measured, const std::vector<ClassPoint>& points, SumsByClass& sums)
 {
-    PathBatch batch;
-    const Bricks::Window anywhere;
-    for (std::size_t first = 0; first < points.size(); first += kLanes) {
-        const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
-        batch.lanes = (1u << count) - 1;
-        for (int lane = 0; lane < count; ++lane) {
-            batch.position.setLane(lane, points[first + std::size_t(lane)].position);
-            batch.slope.setLane(lane, points[first + std::size_t(lane)].velocity);
-        }
-        advancePaths(measured.field, anywhere, measured.pathline, batch);
-        for (int lane = 0; lane < count; ++lane) {
-            const ClassPoint& point = points[first + std::size_t(lane)];
-            const auto there = measured.next->sample(batch.position.lane(lane));
-            const auto same = measured.next->sample(point.position);
-            if (!(batch.arrived >> lane & 1) || !there.inside || !same.inside) continue;
-            sums[point.displacementClass].temporal.add(point.value, there.raw);
-            sums[point.displacementClass].samePlace.add(point.value, same.raw);
-        }
-    }
+    forSuccessors(measured.field, measured.pathline, *measured.next, points,
+                  [&](const ClassPoint& point, const auto& there, const auto& same) {
+                      sums[point.displacementClass].temporal.add(point.value, there.raw);
+                      sums[point.displacementClass].samePlace.add(point.value, same.raw);
+                  });
 }
 
 VDBLIC_KERNEL void measureClasses(const Measured& measured, std::size_t block, SumsByClass& sums)

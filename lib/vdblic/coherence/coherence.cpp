@@ -4,6 +4,7 @@
 #include "vdblic/coherence/correlation.h"
 #include "vdblic/coherence/random_voxels.h"
 #include "vdblic/coherence/smoothed_texture.h"
+#include "vdblic/coherence/successor.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/pathline.h"
 
@@ -96,26 +97,13 @@ std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
 /// Correlate with the successor, at the same position and at the end of the pathline.
 void addTemporal(const Scene& scene, const std::vector<Point>& points, BlockSums& sums)
 {
-    PathBatch batch;
-    const Bricks::Window anywhere;
-    for (std::size_t first = 0; first < points.size(); first += kLanes) {
-        const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
-        batch.lanes = (1u << count) - 1;
-        for (int lane = 0; lane < count; ++lane) {
-            batch.position.setLane(lane, points[first + std::size_t(lane)].position);
-            batch.slope.setLane(lane, points[first + std::size_t(lane)].velocity);
-        }
-        advancePaths(scene.field, anywhere, scene.params.pathline, batch);
-        for (int lane = 0; lane < count; ++lane) {
-            const Point& point = points[first + std::size_t(lane)];
-            const auto there = scene.next->sample(batch.position.lane(lane)), same = scene.next->sample(point.position);
-            if (!(batch.arrived >> lane & 1) || !there.inside || !same.inside) continue;
-            sums.raw.temporal.add(point.here.raw, there.raw);
-            sums.raw.samePlace.add(point.here.raw, same.raw);
-            sums.smoothed.temporal.add(point.here.smoothed, there.smoothed);
-            sums.smoothed.samePlace.add(point.here.smoothed, same.smoothed);
-        }
-    }
+    forSuccessors(scene.field, scene.params.pathline, *scene.next, points,
+                  [&](const Point& point, const auto& there, const auto& same) {
+                      sums.raw.temporal.add(point.here.raw, there.raw);
+                      sums.raw.samePlace.add(point.here.raw, same.raw);
+                      sums.smoothed.temporal.add(point.here.smoothed, there.smoothed);
+                      sums.smoothed.samePlace.add(point.here.smoothed, same.smoothed);
+                  });
 }
 
 /// The position a distance further along the streamline, by the midpoint rule; over half a voxel of the velocity its

@@ -1,5 +1,10 @@
 #include "vdblic/core/parameters.h"
 
+#include "vdblic/core/errors.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>

@@ -38,9 +38,8 @@ class Scatter {
     /// @param take        called for each own leaf, in any order and by several threads
     /// @param next        domain of the step to come; particles outside it end
     /// @param slopeScale  duration of this step over that of the step before, in which slopes were measured
-    /// @param owners      of the field's leaves: a rank scatters its own tiles, and gets its own voxels' hits and its
-    /// own
-    ///                    tiles' particles
+    /// @param owners      of the field's leaves: a rank scatters its own tiles, and gets the hits of its own voxels and
+    ///                    the particles of its own tiles
     /// @param clock       of the stages: filling the field is `load`, `take` is `convolve`
     /// @throws InputError if a voxel collected 2²³ hits or more
     ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input, const TakeHits& take,

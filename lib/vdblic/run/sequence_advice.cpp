@@ -125,7 +125,8 @@ std::optional<std::string> motionAdvice(double moves, const std::vector<std::int
         moves < kLeast ? "too little" : "too far", others.empty() ? "" : fmt::format(" ({})", fmt::join(others, ", ")));
     // A flow that stays as it is may be followed for any time.
     if (isFrozen)
-        return text + fmt::format("or give --dt {:.2g} for {} voxels a step", interval * kGood / moves, kGood);
+        return text +
+               fmt::format("or give `frame_spacing` {:.2g} for {} voxels a step", interval * kGood / moves, kGood);
     return text + (moves < kLeast ? slowAdvice(moves, frames) : fastAdvice(moves));
 }
 
