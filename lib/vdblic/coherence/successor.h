@@ -13,8 +13,8 @@ namespace vdblic {
 /// Sample the texture of the next frame where the flow carries points to, and where they are.
 ///
 /// @param points have a `position` [texture's index space] and a `velocity` [voxels per step]
-/// @param visit  called as visit(point, there, same) for each point that arrives and has both samples: at the end of its
-///               pathline, and at its own position
+/// @param visit  called as visit(point, there, same) for each point that arrives and has both samples: `there` at the
+///               end of its pathline, `same` at its own position
 template<typename Point, typename Visit>
 void forSuccessors(const VelocityField& field, const PathlineParams& pathline, const SmoothedTexture& next,
                    const std::vector<Point>& points, const Visit& visit)
