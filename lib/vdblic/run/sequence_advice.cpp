@@ -71,7 +71,7 @@ void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vec
 {
     constexpr double kFew = 250e3, kGoodVolume = 1e6, kGoodLayer = 250e3;
     if (velocity.voxels == 0 || double(velocity.voxels) > kFew) return;
-    const double voxels = double(velocity.voxels);
+    const auto voxels = double(velocity.voxels);
     const int layer = grid && !grid->box.empty() ? layerAxis(grid->box) : -1;
     if (layer < 0) {
         const double factor = std::clamp(std::round(std::cbrt(kGoodVolume / voxels)), 2.0, 4.0);
