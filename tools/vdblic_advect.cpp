@@ -14,7 +14,7 @@ int main(int argc, char** argv)
     tool.share(ranks);
     tool.options(parametersOf(params));
     tool.verifies([&] { return std::vector<SequenceParams>{params.flow.input}; });
-    cli::JoinedNumbers arguments(argc, argv, "--refine");
+    cli::JoinedNumbers arguments(argc, argv, {"--refine", "--spacing"});
     return tool.run(arguments.count(), arguments.arguments(), [&](Reporter& reporter) {
         advectSequence(params, tool.standardInput(), reporter, *ranks.exchange);
     });

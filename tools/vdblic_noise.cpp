@@ -14,7 +14,7 @@ int main(int argc, char** argv)
         const auto file = params.like.empty() ? "" : vdblic::parseGridReference(params.like).path.string();
         return std::vector<vdblic::SequenceParams>(file.empty() ? 0 : 1, {file, ""});
     });
-    vdblic::cli::JoinedNumbers arguments(argc, argv, "--refine");
+    vdblic::cli::JoinedNumbers arguments(argc, argv, {"--refine"});
     return tool.run(arguments.count(), arguments.arguments(),
                     [&](vdblic::Reporter& reporter) { vdblic::makeNoiseFile(params, reporter); });
 }

@@ -9,6 +9,8 @@ import subprocess
 import time
 import unittest
 
+import pyopenvdb as vdb
+
 from support import BIN, ToolTest, skip
 
 if not (BIN / "vdblic_advect_mpi").exists():
@@ -56,6 +58,28 @@ class Ranks(ToolTest):
 
     def test_a_refined_wake(self):
         self.compare([1, 2, 7], WAKE, "--frames", "1-2", "--refine", 2, "--with", "vorticity,q", "--preroll", 2)
+
+    def test_streaks(self):
+        self.compare([1, 3, 5], WAKE, "--frames", "1-3", "--method", "streaks", "--refine", 4, "--substeps", 2,
+                     "--with", "vorticity", "--source", f"low={self.low_half()}")
+
+    def test_streaks_go_on_with_other_ranks(self):
+        arguments = (WAKE, "--method", "streaks", "--refine", 4)
+        self.one_process(*arguments, "--frames", "1-4")
+        for ranks, frames in (3, "1-2"), (5, "1-4"):
+            run = self.by_ranks(ranks, *arguments, "--frames", frames, "-o", "on.%04d.vdb", "--resume", "--keep-checkpoint")
+            self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("textures are done", run.stderr)
+        self.assert_same("on")
+
+    def low_half(self):
+        """A mask of the lower half of space, as a file."""
+        grid = vdb.BoolGrid()
+        grid.name = "mask"
+        grid.fill((-100, -100, -100), (200, 24, 200), True)
+        grid.transform = vdb.createLinearTransform(0.0025)
+        vdb.write(str(self.folder / "low.vdb"), grid)
+        return "low.vdb"
 
     def test_carried_grids(self):
         self.compare([3], WAKE, "--frames", "1-2", "--refine", "2,1,1", "--carry", "velocity", "--preroll", 0)

@@ -171,15 +171,16 @@ class Resume(ToolTest):
 
     def test_kills_with_other_methods_and_parameters(self):
         for seed, arguments in enumerate((("--method", "uflic"), ("--method", "lic"), ("--life", 1), ("--life", 9),
-                                          ("--method", "auflic-2004", "--with", "vorticity"))):
+                                          ("--method", "auflic-2004", "--with", "vorticity"),
+                                          ("--method", "streaks", "--refine", 2))):
             expected = self.whole(self.flow(), *arguments)
             self.assertGreater(self.kill_often(4, random.Random(seed), self.flow(), *arguments), 2)
             self.finish(expected, self.flow(), *arguments)
             self.clear()
 
     def test_kills_while_the_domain_changes(self):
-        for method in "auflic", "uflic":
-            arguments = (*self.moving_ball(), "--method", method)
+        for method in ("auflic",), ("uflic",), ("streaks", "--refine", 2):
+            arguments = (*self.moving_ball(), "--method", *method)
             expected = self.whole(*arguments)
             self.assertGreater(self.kill_often(6, random.Random(5), *arguments), 4)
             self.finish(expected, *arguments)
@@ -308,7 +309,7 @@ class Resume(ToolTest):
     def test_finer_textures(self):
         """Refined and with substeps: stopped between frames, inside an interval, and in the preroll."""
         for options in (("--refine", 2), ("--substeps", 3), ("--substeps", 4, "--refine", 1, 2, 1, "--method", "uflic"),
-                        ("--substeps", 2, "--method", "lic")):
+                        ("--substeps", 2, "--method", "lic"), ("--substeps", 3, "--refine", 2, "--method", "streaks")):
             arguments, frames = (self.flow(), *options), "1-20"
             whole = self.whole(*arguments, frames=frames)
             for after in 6, 7:
@@ -348,17 +349,21 @@ class Resume(ToolTest):
             "--interpolation": "cubic", "--finish": 1}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--parameters"}
+        of_streaks = {"--spacing": 3, "--tail": 2.5, "--emit": mask, "--emit-box": (0, 0, 0, 9, 9, 9), "--source": f"air={mask}"}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
-        self.assertEqual(listed, set(changes) | free)
+        self.assertEqual(listed, set(changes) | set(of_streaks) | free)
 
-        self.interrupted(self.flow())
-        for option, value in changes.items():
-            values = value if isinstance(value, tuple) else (value,)
-            message = self.refused(2, self.flow(), option, *values)
-            shown = " ".join(map(str, values))
-            self.assertRegex(message, rf"{CHECKPOINT}: the run that was interrupted had (no )?{option}.*, this one has "
-                                      rf"{option} {re.escape(shown)}")
-            self.assertIn("give the same, or delete the checkpoint to start from the beginning", message)
+        for base, changed in (("--method", "streaks", "--refine", 2), of_streaks), ((), changes):
+            self.interrupted(self.flow(), *base)
+            for option, value in changed.items():
+                values = value if isinstance(value, tuple) else (value,)
+                message = self.refused(2, self.flow(), *base, option, *values)
+                shown = " ".join(map(str, values))
+                self.assertRegex(message, rf"{CHECKPOINT}: the run that was interrupted had (no )?{option}.*, this one has "
+                                          rf"{option} {re.escape(shown)}")
+                self.assertIn("give the same, or delete the checkpoint to start from the beginning", message)
+            if base:
+                self.clear()
         self.assertIn("this one has --dt 0.5", self.refused(2, self.flow(), "--fps", 2))
         self.clear()
         self.interrupted(self.flow(), "--method", "lic")
@@ -461,7 +466,7 @@ class Resume(ToolTest):
         self.finish(self.whole(self.flow(), "--life", 2), self.flow(), "--life", 2)
 
     def test_a_finished_run_is_extended(self):
-        for options in (), ("--substeps", 3), ("--method", "lic"), ("--method", "uflic", "--preroll", 0):
+        for options in (), ("--substeps", 3), ("--method", "lic"), ("--method", "uflic", "--preroll", 0), ("--method", "streaks", "--refine", 2):
             for frames in "1", "1-2", "1-9", f"1-{FRAMES}":
                 whole = self.whole(self.flow(), *options, frames=frames)
                 run = self.start(self.flow(), *options, "--keep-checkpoint", "--resume", frames=frames)

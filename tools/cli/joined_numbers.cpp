@@ -1,21 +1,23 @@
 #include "cli/joined_numbers.h"
 
+#include <algorithm>
+
 namespace vdblic::cli {
 namespace {
 
 bool isNumber(std::string_view text)
 {
-    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    return !text.empty() && text.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
 } // namespace
 
-JoinedNumbers::JoinedNumbers(int argc, char** argv, std::string_view option)
+JoinedNumbers::JoinedNumbers(int argc, char** argv, std::initializer_list<std::string_view> options)
 {
     constexpr int kMost = 3;
     for (int i = 0; i < argc; ++i) {
         mTexts.emplace_back(argv[i]);
-        if (mTexts.back() != option || i + 1 == argc) continue;
+        if (std::find(options.begin(), options.end(), mTexts.back()) == options.end() || i + 1 == argc) continue;
         std::string joined = argv[++i];
         for (int n = 1; n < kMost && isNumber(joined.substr(joined.rfind(',') + 1)) && i + 1 < argc; ++n) {
             if (!isNumber(argv[i + 1])) break;

@@ -111,4 +111,9 @@ void HaloExchange::send(const Domain& domain, const std::function<void(std::size
     }
 }
 
+std::vector<Exchange::Bytes> HaloExchange::tell(const Exchange::Bytes& message) const
+{
+    return mExchange.swap(std::vector<Exchange::Bytes>(std::size_t(mExchange.size()), message));
+}
+
 } // namespace vdblic

@@ -30,6 +30,7 @@ class HaloExchange final : public LeafOwners {
     void takeHalo(const LeafValues<float>& values, int leaves) const override;
     void send(const Domain& domain, const std::function<void(std::size_t leaf, Exchange::Bytes&)>& write,
               const std::function<void(std::size_t leaf, MessageReader&)>& read) const override;
+    [[nodiscard]] std::vector<Exchange::Bytes> tell(const Exchange::Bytes& message) const override;
     void sum(std::span<std::uint64_t> numbers) const override { mExchange.sum(numbers); }
 
   private:

@@ -133,6 +133,15 @@ class LeafValues {
             mTree->addLeaf(leaf.release()); // takes it over
     }
 
+    /// The values of a tree whose leaves are some of the domain's, and have its active voxels there.
+    LeafValues(const Domain& domain, std::shared_ptr<Tree> tree)
+        : mTree(std::move(tree)), mData(domain.leafCount(), nullptr)
+    {
+        for (std::size_t leaf = 0; leaf < mData.size(); ++leaf) {
+            if (auto* const node = mTree->probeLeaf(domain.origin(leaf))) mData[leaf] = node->buffer().data();
+        }
+    }
+
     /// The 512 values of a leaf, x slowest; null if it has none here.
     [[nodiscard]] T* operator[](std::size_t leaf) const { return mData[leaf]; }
     [[nodiscard]] const std::shared_ptr<Tree>& tree() const { return mTree; }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 namespace vdblic {
 
@@ -37,6 +38,9 @@ class LeafOwners {
     virtual void send(const Domain& domain, const std::function<void(std::size_t leaf, Exchange::Bytes&)>& write,
                       const std::function<void(std::size_t leaf, MessageReader&)>& read) const = 0;
 
+    /// Tell all ranks something. @return what each of them tells, by rank
+    [[nodiscard]] virtual std::vector<Exchange::Bytes> tell(const Exchange::Bytes& message) const = 0;
+
     /// Replace each number by its sum over all ranks.
     virtual void sum(std::span<std::uint64_t> numbers) const = 0;
 };
@@ -51,6 +55,7 @@ class SoleOwner final : public LeafOwners {
               const std::function<void(std::size_t, MessageReader&)>& /*read*/) const override
     {
     }
+    [[nodiscard]] std::vector<Exchange::Bytes> tell(const Exchange::Bytes& message) const override { return {message}; }
     void sum(std::span<std::uint64_t> /*numbers*/) const override {}
 };
 inline const SoleOwner kSoleOwner;

@@ -70,6 +70,7 @@ Parameter refineParameter(std::string_view text, Refinement& refinement)
         if (words.size() == 2) throw ParameterError("`refine` takes one number, or one for each of the three axes");
         for (std::size_t axis = 0; axis < 3; ++axis)
             refinement.factors[axis] = int(detail::integerIn(words[words.size() == 1 ? 0 : axis]).value());
+        refinement.isGiven = true;
     };
     const auto write = [&refinement]() -> Words {
         const auto& [x, y, z] = refinement.factors;

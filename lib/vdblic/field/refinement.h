@@ -25,6 +25,7 @@ struct Refinement {
 
     std::array<int, 3> factors{1, 1, 1};
     Interpolation interpolation = Interpolation::kLinear; ///< of the velocity between its voxels
+    bool isGiven = false; ///< whether the factors were asked for; a method may choose others if not
 
     void validate() const; ///< @throws ParameterError if a factor is not 1 to kMost
 
@@ -59,7 +60,10 @@ struct Refinement {
     [[nodiscard]] openvdb::MaskTree::Ptr coarsened(const openvdb::MaskTree& texture,
                                                    const openvdb::MaskTree& velocity) const;
 
-    bool operator==(const Refinement&) const = default;
+    [[nodiscard]] bool operator==(const Refinement& other) const
+    {
+        return factors == other.factors && interpolation == other.interpolation;
+    }
 };
 
 /// The parameter `refine`: one factor, or one for each axis. @param text what it refines

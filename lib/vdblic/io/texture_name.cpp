@@ -1,9 +1,26 @@
 #include "vdblic/io/texture_name.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_header.h"
 
 namespace vdblic {
+
+bool isSparse(const openvdb::MetaMap& fileMetadata)
+{
+    const auto stored = fileMetadata.getMetadata<openvdb::StringMetadata>(kInactiveKey);
+    return stored && stored->value() == kEmpty;
+}
+
+bool isSparse(const SequenceParams& sequence)
+{
+    if (sequence.pattern == "-") return false;
+    try {
+        return isSparse(readVdbHeader(selectFrames(sequence).front().path).metadata);
+    } catch (const Error&) { // is reported when the file is read
+        return false;
+    }
+}
 
 std::string textureName(const openvdb::MetaMap& fileMetadata, const std::string& given)
 {

@@ -7,8 +7,18 @@
 
 namespace vdblic {
 
+struct SequenceParams;
+
 /// File metadata that names the texture's grid.
 inline constexpr const char* kTextureKey = "texture";
+
+/// File metadata that tells what inactive voxels of the texture are: kEmpty, or without it voxels without a value.
+inline constexpr const char *kInactiveKey = "inactive", *kEmpty = "empty";
+
+/// Whether inactive voxels of a file's texture are empty.
+[[nodiscard]] bool isSparse(const openvdb::MetaMap& fileMetadata);
+/// The same for a sequence, by its first file; false if that cannot be read.
+[[nodiscard]] bool isSparse(const SequenceParams& sequence);
 
 /// The name of the texture's grid in a file: as given, else by the file's metadata, else `density`.
 [[nodiscard]] std::string textureName(const openvdb::MetaMap& fileMetadata, const std::string& given);

@@ -7,6 +7,11 @@
 
 namespace vdblic {
 
+std::optional<std::string> FlowTexture::begin(const Domain& /*velocity*/, double /*displacement*/)
+{
+    return std::nullopt;
+}
+
 std::unique_ptr<FlowTexture> makeFlowTexture(const TextureParams& params, NoiseField noise)
 {
     params.validate();

@@ -3,6 +3,7 @@
 #include "vdblic/field/domain.h"
 #include "vdblic/field/flow_frame.h"
 #include "vdblic/field/leaf_owners.h"
+#include "vdblic/field/refinement.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/scatter_stats.h"
 #include "vdblic/lic/stage_clock.h"
@@ -17,8 +18,18 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace vdblic {
+
+/// The flow from a frame on disk to the next.
+struct FlowInterval {
+    const FlowFrame& start;
+    const FlowFrame& end;
+    openvdb::Mat3d startToFrame, endToFrame; ///< stored values of the two frames → voxels of the velocity a frame
+    double seconds = 1;
+    std::int64_t number = 0; ///< of the first frame
+};
 
 /// A step between two frames.
 struct FlowStep {
@@ -27,13 +38,19 @@ struct FlowStep {
     openvdb::Mat3d startToStep, endToStep; ///< stored values of the two frames → voxels per step
     double interval = 1;                   ///< seconds
     const LeafOwners& owners = kSoleOwner; ///< of the leaves of the first frame's domain
+    const FlowInterval* frame = nullptr;   ///< that the step is a part of; null if it is all of it
+    bool isShown = true;                   ///< whether its texture is written, and does not only prepare others
 };
 
 /// The texture of one step, with the work and the time spent on it.
 struct FlowTextureStep {
-    LeafValues<float> texture; ///< in [0, 1], on the domain of the step's first frame and in its halo
+    LeafValues<float> texture; ///< in [0, 1], on `domain` and in its halo
     ScatterStats stats;
     StageTimes times;
+    std::shared_ptr<const Domain> domain{}; ///< that of the step's first frame, or the part of it that holds something
+    Refinement refinement{};                ///< texture voxels in those of the velocity
+    openvdb::MetaMap metadata{};            ///< what the method tells of itself in a file
+    LeafValues<float> source{};             ///< of streaks with sources: the numbers of those; else no tree
 };
 
 /// The textures of one field in memory, step by step.
@@ -43,6 +60,12 @@ struct FlowTextureStep {
 class FlowTexture {
   public:
     virtual ~FlowTexture() = default;
+
+    /// Learn of the flow, before the first step; not before restore().
+    /// @param velocity     voxels of the first frame's velocity
+    /// @param displacement of the flow's faster half in a frame [voxels of the velocity]
+    /// @return what was chosen for the user, as a text. @throws ParameterError
+    [[nodiscard]] virtual std::optional<std::string> begin(const Domain& velocity, double displacement);
 
     /// Compute the texture of the frame that a step starts from. Each step must start from the frame that the step
     /// before it ended at. Collective if several ranks share the step.
@@ -86,7 +109,7 @@ class FlowTexture {
                          const std::function<std::optional<VdbFile>()>& next) = 0;
 };
 
-/// The textures of a method. @throws ParameterError
+/// The dense textures of a method. @throws ParameterError
 [[nodiscard]] std::unique_ptr<FlowTexture> makeFlowTexture(const TextureParams& params, NoiseField noise);
 
 } // namespace vdblic

@@ -71,7 +71,7 @@ VDBLIC_INLINE float strideLimit(Float4 slope)
 
 } // namespace pathline
 
-/// Advance every particle of a batch by one time step.
+/// Advance every particle of a batch by one time step, or by a part of it.
 ///
 /// Classical RK4. The end slope k5 serves as the next step's first (FSAL) and gives the embedded third-order error
 /// estimate |h/6 (k4 − k5)|; the duration h is cut and grown to keep the estimate under the tolerance. Fourth order in
@@ -80,17 +80,18 @@ VDBLIC_INLINE float strideLimit(Float4 slope)
 /// Each lane is a pure function of its own position and slope. Hairer, Nørsett & Wanner, Solving ODEs I, II.4.
 ///
 /// @param window of the leaf that the particles are in, or an empty one; affects speed only
+/// @param from, to the part of the step, 0 to 1; `arrived` is then of its end
 /// Thread-safe for distinct batches.
 VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window& window, const PathlineParams& params,
-                                PathBatch& batch)
+                                PathBatch& batch, float from = 0, float to = 1)
 {
     const float tolerance2 = params.tolerance * params.tolerance;
     batch.segments.clear();
     batch.arrived = 0;
-    Float8 time{}, duration = broadcast8(1);
+    Float8 time = broadcast8(from), duration = broadcast8(to - from);
     if (anyOf(squaredLength(batch.slope) > pathline::kMaxStride * pathline::kMaxStride)) {
         for (int i = 0; i < kLanes; ++i)
-            duration[i] = pathline::strideLimit(batch.slope.lane(i));
+            duration[i] = std::min(pathline::strideLimit(batch.slope.lane(i)), to - from);
     }
     for (unsigned active = batch.lanes; active != 0;) {
         batch.steps += std::size_t(std::popcount(active));
@@ -104,7 +105,7 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window
 
         const Float8 error2 = squaredLength(k4 - k5) * (duration * duration * (1.0f / 36));
         const Int8 rejected = (error2 > tolerance2) & (duration > pathline::kMinDuration);
-        const Int8 unfinished = duration < 1 - time;
+        const Int8 unfinished = duration < to - time;
         unsigned accepted = active;
         unsigned next = 0;
         Float8 nextTime = time, nextDuration = duration;
@@ -127,7 +128,7 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window
                     nextTime[i] = time[i] + duration[i];
                     nextDuration[i] =
                         std::min(std::max(std::min(wanted, pathline::strideLimit(k5.lane(i))), pathline::kMinDuration),
-                                 1 - nextTime[i]);
+                                 to - nextTime[i]);
                 }
             }
         } else {

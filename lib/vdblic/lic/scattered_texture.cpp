@@ -88,6 +88,8 @@ FlowTextureStep ScatteredTexture::advance(const FlowStep& step)
         mMean = convolution.meanOn(*step.end.domain, *mInput);
     }
     result.times = clock.times();
+    result.domain = step.start.domain;
+    result.refinement = step.start.refinement;
     mDomain = step.end.domain;
     mLastInterval = step.interval;
     ++mStep;

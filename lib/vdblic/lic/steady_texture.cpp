@@ -136,6 +136,8 @@ FlowTextureStep SteadyTexture::advance(const FlowStep& step)
             });
     }
     result.times = clock.times();
+    result.domain = frame.domain;
+    result.refinement = frame.refinement;
     ++mStep;
     return result;
 }

@@ -10,10 +10,11 @@ enum class TextureMethod {
     kAuflic2004, ///< accelerated UFLIC as published (Liu & Moorhead 2004)
     kUflic,      ///< a seed for every voxel and frame (Shen & Kao 1998)
     kLic,        ///< each frame on its own (Cabral & Leedom 1993)
+    kStreaks,    ///< sparse: particles that live for many frames, with tails (docs/streaks.md)
 };
 template<>
-inline constexpr auto kNames<TextureMethod> = std::to_array<std::string_view>({"auflic", "auflic-2004", "uflic",
-                                                                               "lic"});
+inline constexpr auto kNames<TextureMethod> = std::to_array<std::string_view>({"auflic", "auflic-2004", "uflic", "lic",
+                                                                               "streaks"});
 
 /// Whether a texture is of its frame alone, and not of those before.
 [[nodiscard]] constexpr bool isSteady(TextureMethod method)

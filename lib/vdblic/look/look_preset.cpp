@@ -9,18 +9,17 @@ namespace vdblic {
 
 std::vector<std::string> lookPresetNames()
 {
-    return {"flow", "vortex", "ink", "smoke", "xray"};
+    return {"flow", "vortex", "streaks", "ink", "smoke", "xray"};
 }
 
 LookPreset lookPreset(std::string_view name)
 {
     LookPreset preset{{}, {0.04, 0.05, 0.07}};
     LookParams& look = preset.look;
-    if (name == "flow" || name == "vortex") {
-        if (name == "vortex") {
-            preset.opacityBy = {"q", "vorticity"};
-            look.shadows = 0.6;
-        }
+    if (name == "flow" || name == "vortex" || name == "streaks") {
+        if (name == "vortex") preset.opacityBy = {"q", "vorticity"};
+        if (name != "flow") look.shadows = 0.6;
+        if (name == "streaks") look.opticalDepth = 1.2; // between streaks one sees what is behind them
         look.halo = 0.3;
         look.depthCue = 0.25;
         look.shading.ambient = 0.55f;

@@ -20,7 +20,8 @@ struct LookPreset {
 /// The names lookPreset() knows.
 [[nodiscard]] std::vector<std::string> lookPresetNames();
 
-/// `flow`: coloured streaks, lit; `vortex`: the same, opaque where the flow turns; `ink`: dark strokes on paper;
+/// `flow`: coloured streaks, lit; `vortex`: the same, opaque where the flow turns; `streaks`: lit
+/// tubes, for sparse textures; `ink`: dark strokes on paper;
 /// `smoke`: soft and grey; `xray`: all depths at once.
 /// @throws ParameterError on an unknown name, listing the known ones
 [[nodiscard]] LookPreset lookPreset(std::string_view name);

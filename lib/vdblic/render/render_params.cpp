@@ -3,6 +3,7 @@
 #include "vdblic/cast/supersampling.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/image/vector_text.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/look/look_preset.h"
 #include "vdblic/look/transfer_file.h"
@@ -42,9 +43,9 @@ RenderParams defaultRenderParams()
 Parameters pictureParametersOf(RenderParams& params)
 {
     Parameter look = parameter(
-        "look", "Look that all other options start from.", WordType::kText, 1,
-        [&params](const Words& words) { setLook(params, words[0]); }, [&params] { return Words{params.lookName}; },
-        {.words = "NAME", .group = "Picture", .attribute = "look"});
+        "look", "Look that all other options start from; by default flow, of files of streaks streaks.",
+        WordType::kText, 1, [&params](const Words& words) { setLook(params, words[0]); },
+        [&params] { return Words{params.lookName}; }, {.words = "NAME", .group = "Picture", .attribute = "look"});
     look.choices = lookPresetNames();
     const auto setBy = [&params](const Words& words) {
         params.colorBy = words[0];
@@ -105,6 +106,26 @@ Parameters pictureParametersOf(RenderParams& params)
                    parametersOf(params.background)});
 }
 
+namespace {
+
+/// The textures to render. Sparse ones ask for the look `streaks`, unless another one is given.
+Parameters inputParameters(RenderParams& params)
+{
+    Parameters input = parametersOf(params.input, "TEXTURE",
+                                    "Texture volumes: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), "
+                                    "or - for paths on standard input.");
+    for (Parameter& parameter : input) {
+        if (parameter.key != "input") continue;
+        parameter.set = [&params, set = parameter.set](const Words& words) {
+            set(words);
+            if (isSparse(params.input)) setLook(params, "streaks");
+        };
+    }
+    return input;
+}
+
+} // namespace
+
 Parameters parametersOf(RenderParams& params)
 {
     const Parameters outputs = {
@@ -126,10 +147,7 @@ Parameters parametersOf(RenderParams& params)
         parameter("fps", "Frames of the film a second.", params.framesPerSecond,
                   {.group = "Output", .limits = {0.01, 1000}}),
     };
-    return joined({parametersOf(params.input, "TEXTURE",
-                                "Texture volumes: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), or "
-                                "- for paths on standard input."),
-                   outputs, pictureParametersOf(params), parametersOf(params.exr), further});
+    return joined({inputParameters(params), outputs, pictureParametersOf(params), parametersOf(params.exr), further});
 }
 
 void RenderParams::validate() const

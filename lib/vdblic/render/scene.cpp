@@ -6,10 +6,12 @@
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
 #include "vdblic/image/color_map.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/annotations.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/sequence_bounds.h"
+#include "vdblic/volume/coarse_scalar.h"
 #include "vdblic/volume/leaf_share.h"
 #include "vdblic/volume/visible_extent.h"
 
@@ -136,15 +138,21 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
     const auto storedOpacity = opacityBy.empty() ? storedColor : findScalar(file, opacityBy);
     if (!storedOpacity && !opacityBy.empty()) throw missingScalar(file, opacityBy, "`opacity_by`");
     try {
-        const auto color = storedColor ? onTexture(storedColor, *texture) : texture;
-        const auto opacity = storedOpacity && storedOpacity != storedColor ? onTexture(storedOpacity, *texture) : color;
+        const bool isSparse = vdblic::isSparse(file.metadata);
+        const auto usable = [&](const openvdb::FloatGrid::Ptr& grid) {
+            const bool isCoarse = isSparse && params.histogram.empty() && CoarseScalar::of(*grid, *texture);
+            return isCoarse ? grid : onTexture(grid, *texture);
+        };
+        const auto color = storedColor ? usable(storedColor) : texture;
+        const auto opacity = storedOpacity && storedOpacity != storedColor ? usable(storedOpacity) : color;
         const bool hasLines = params.look.shading.model == ShadingModel::kLine;
         const std::string lengthUnit = textOf(file.metadata, "length_unit");
         // The lines at a leaf's rim are those of its neighbours.
         const RecordUse use{.gradients = needsGradients(params),
                             .look = hasLines ? nullptr : look,
                             .share = share,
-                            .rim = rimOf(params)};
+                            .rim = rimOf(params),
+                            .isSparse = isSparse};
         LoadedTexture loaded{frame,
                              texture,
                              color,
@@ -155,7 +163,9 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
                              clockOf(file.metadata),
                              unitOf(*color, lengthUnit),
                              unitOf(*opacity, lengthUnit),
-                             lengthUnit};
+                             lengthUnit,
+                             isSparse,
+                             isSparse ? storedColor : nullptr};
         if (opacity != color || !params.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
         if (!params.region.empty() || params.regionBox) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
@@ -174,7 +184,10 @@ void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
     VolumeSamples more = frame.volume.samples();
     more = {exchange.join(more.texture), exchange.join(more.driver), exchange.join(more.color)};
     samples.append(more);
-    voxels = std::max(voxels, double(frame.volume.domain().voxelCount()));
+    // Of a sparse texture a ray meets its share of the box.
+    const glm::dvec3 box = frame.volume.high() - frame.volume.low();
+    const double share = double(frame.volume.domain().voxelCount()) / (box.x * box.y * box.z);
+    voxels = std::max(voxels, double(frame.volume.domain().voxelCount()) * (frame.isSparse ? share * share : 1));
     volumeBytes = std::max(volumeBytes, frame.bytes());
     if (!first.empty()) return;
     first = frame.file.path;

@@ -33,6 +33,11 @@ struct LoadedTexture {
     TextureVolume volume;
     FrameClock clock;                                 ///< of the file's metadata
     std::string colorUnit, opacityUnit, lengthUnit{}; ///< of the scalars and of the world, as far as the file tells
+    bool isSparse = false;                            ///< whether inactive voxels are empty
+    openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture: a grid whose active voxels are the flow's
+
+    /// The grid whose active voxels are the flow's.
+    [[nodiscard]] const openvdb::FloatGrid& domain() const { return flowVoxels ? *flowVoxels : *texture; }
 
     [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };

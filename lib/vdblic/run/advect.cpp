@@ -130,7 +130,7 @@ class Advection {
         const LoadedFrame& frame = made.frame;
         const std::int64_t number = mOutputs.number(frame.velocity.file.frame, made.substep);
         mReport.frames.push_back(
-            {number, frame.domain.texture->voxelCount(), made.step.stats, frame.seconds, made.step.times});
+            {number, made.step.domain->voxelCount(), made.step.stats, frame.seconds, made.step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
         TextureFile file = makeTextureFile(mParams, made, number);
         made.step.texture = {}; // its grid is freed as soon as its leaves are stored

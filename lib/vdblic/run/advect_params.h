@@ -3,6 +3,7 @@
 #include "vdblic/flow/flow_sequence_params.h"
 #include "vdblic/lic/texture_params.h"
 #include "vdblic/run/texture_format.h"
+#include "vdblic/streaks/streak_params.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -17,13 +18,15 @@ struct AdvectParams {
     FlowSequenceParams flow;
     std::string output; ///< pattern of the texture files
     TextureParams texture;
+    StreakParams streaks;        ///< with the method streaks
     std::optional<int> finish{}; ///< FinishParams::taps; nothing: finishTaps()
     std::string noise;           ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;      ///< of the generated noise
-    /// Frames that the first one stands still for before it is written; nothing: the life span, 0 for LIC.
+    /// Frames that the first one stands still for before it is written; nothing: the life span, 0 for LIC, 2 for
+    /// streaks.
     std::optional<int> preroll;
     /// Frames on disk before the first of `flow.input.frames` that are computed but not written; nothing: up to twice
-    /// the life span, 0 for LIC.
+    /// the life span, 0 for LIC, the tail and 2 for streaks.
     std::optional<int> leadIn{};
     int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
     std::string textureName = "density";
@@ -37,6 +40,8 @@ struct AdvectParams {
 
     void validate() const; ///< @throws ParameterError
 
+    /// Whether textures are sparse: drawn into voxels of their own, and not computed on refined voxels of the velocity.
+    [[nodiscard]] bool isSparse() const { return texture.method == TextureMethod::kStreaks; }
     [[nodiscard]] int prerollFrames() const;          ///< as given, else the default
     [[nodiscard]] std::uint64_t prerollSteps() const; ///< with their substeps
     [[nodiscard]] int leadInFrames() const;           ///< as given, else the default

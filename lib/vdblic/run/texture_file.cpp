@@ -59,26 +59,28 @@ openvdb::FloatTree::Ptr wholeTree(const Domain& domain, const openvdb::FloatTree
     return std::make_shared<openvdb::FloatTree>(domain.topology(), 0.0f, openvdb::TopologyCopy());
 }
 
-openvdb::MetaMap parameterMetadata(const AdvectParams& params)
+/// @param refinement of the texture that was made
+openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement& refinement)
 {
     openvdb::MetaMap metadata;
     metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.textureName));
     const TextureParams& texture = params.texture;
     metadata.insertMeta("method", openvdb::StringMetadata(std::string(nameOf(texture.method))));
-    metadata.insertMeta("life_span", openvdb::Int32Metadata(texture.lifeSpan));
+    if (!params.isSparse()) metadata.insertMeta("life_span", openvdb::Int32Metadata(texture.lifeSpan));
     metadata.insertMeta("substeps", openvdb::Int32Metadata(texture.substeps));
     if (texture.method == TextureMethod::kAuflic || texture.method == TextureMethod::kAuflic2004)
         metadata.insertMeta("release_window", openvdb::FloatMetadata(texture.releaseWindow));
-    const Refinement& refinement = params.flow.domain.refinement;
     const std::array<int, 3>& factors = refinement.factors;
     metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
     metadata.insertMeta("interpolation", openvdb::StringMetadata(std::string(nameOf(refinement.interpolation))));
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
     metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));
-    if (!isSteady(texture.method)) {
+    if (!isSteady(texture.method) && !params.isSparse()) {
         metadata.insertMeta("sharpen", openvdb::FloatMetadata(texture.feedback.sharpen));
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(texture.feedback.noiseShare));
+    }
+    if (!isSteady(texture.method)) {
         metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
         if (params.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(params.leadInFrames()));
     }
@@ -97,7 +99,7 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
     const LoadedFrame& frame = made.frame;
     const VelocityFrame& velocity = frame.velocity;
     const openvdb::Mat3d toWorldPerSecond = velocity.toWorldPerSecond(made.interval);
-    const openvdb::math::Transform::Ptr ofTexture = frame.textureTransform();
+    const openvdb::math::Transform::Ptr ofTexture = made.transform();
     const openvdb::math::Transform& transform = *ofTexture;
     const openvdb::FloatTree::Ptr texture = finish(frame.flow(), velocity.toVoxelsPerStep(made.interval),
                                                    std::move(made.step.texture), {params.finishTaps()})
@@ -109,14 +111,16 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
                    fogVolume(magnitudeOf(*frame.domain.velocity, velocity.values->tree(), toWorldPerSecond),
                              "magnitude", velocity.values->transform()));
     openvdb::GridPtrVec carried = velocity.carried;
-    if (params.format.scalars == ScalarVoxels::kTexture && !frame.domain.refinement.isNone()) {
+    if (params.format.scalars == ScalarVoxels::kTexture && !made.step.refinement.isNone()) {
         for (openvdb::FloatGrid::Ptr& scalar : scalars)
             scalar = resampled(*scalar, *textureGrid);
-        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*frame.domain.texture, texture), "", transform);
+        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*made.step.domain, texture), "", transform);
         for (openvdb::GridBase::Ptr& grid : carried) {
             if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) grid = resampled(*scalar, *like);
         }
     }
+    if (made.step.source.tree())
+        scalars.insert(scalars.begin(), fogVolume(made.step.source.tree(), "source", transform));
     if (params.format.precision == GridPrecision::kHalf) {
         textureGrid->setSaveFloatAsHalf(true);
         for (const openvdb::FloatGrid::Ptr& scalar : scalars)
@@ -127,8 +131,12 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
     file.grids = {textureGrid};
     file.grids.insert(file.grids.end(), scalars.begin(), scalars.end());
     file.computed = file.grids.size();
+    file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : made.step.source.tree() ? 2 : 1;
+    file.domain = made.step.domain;
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
-    file.metadata = parameterMetadata(params);
+    file.metadata = parameterMetadata(params, made.step.refinement);
+    for (auto chosen = made.step.metadata.beginMeta(); chosen != made.step.metadata.endMeta(); ++chosen)
+        file.metadata.insertMeta(chosen->first, *chosen->second);
     if (!velocity.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
     // With a frame spacing of its own a run leaves the calendar of the files.

@@ -4,16 +4,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 namespace vdblic {
 
 struct AdvectParams;
+class Domain;
 struct RunTexture;
 
 /// What one file of a texture sequence holds.
 struct TextureFile {
     openvdb::GridCPtrVec grids;
-    std::size_t computed = 0; ///< the number of grids, the first ones, that are not carried along
+    std::size_t computed = 0;             ///< the number of grids, the first ones, that are not carried along
+    std::size_t onTexture = 0;            ///< the number of those, the first ones, that are on the texture's voxels
+    std::shared_ptr<const Domain> domain; ///< of the texture
     openvdb::MetaMap metadata;
 };
 

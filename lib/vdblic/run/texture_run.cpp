@@ -7,6 +7,7 @@
 #include "vdblic/noise/noise_file.h"
 #include "vdblic/run/memory_estimate.h"
 #include "vdblic/run/sequence_advice.h"
+#include "vdblic/streaks/streak_texture.h"
 
 #include <fmt/format.h>
 
@@ -15,13 +16,32 @@
 #include <utility>
 
 namespace vdblic {
+namespace {
+
+std::unique_ptr<FlowTexture> makeTexture(const AdvectParams& params)
+{
+    if (params.isSparse()) {
+        return std::make_unique<StreakTexture>(params.texture, params.streaks, params.flow.domain.refinement,
+                                               params.seed);
+    }
+    return makeFlowTexture(params.texture,
+                           NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)));
+}
+
+/// The flow as the textures need it: streaks are traced on the velocity's own voxels.
+FlowSequenceParams flowOf(const AdvectParams& params)
+{
+    FlowSequenceParams flow = params.flow;
+    if (params.isSparse()) flow.domain.refinement = {};
+    return flow;
+}
+
+} // namespace
 
 TextureRun::TextureRun(const AdvectParams& params, FrameSource source, Reporter& reporter, Exchange& exchange,
                        Hooks hooks)
     : mParams(params), mReporter(reporter), mExchange(exchange), mHooks(std::move(hooks)), mShared(params, exchange),
-      mTexture(makeFlowTexture(params.texture,
-                               NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)))),
-      mFlow(params.flow, std::move(source), reporter, exchange)
+      mTexture(makeTexture(params)), mFlow(flowOf(params), std::move(source), reporter, exchange)
 {
 }
 
@@ -45,7 +65,16 @@ void TextureRun::begin()
         mTime += mInterval.seconds;
     mTime = mCurrent->velocity.time.value_or(mTime);
     mIsFrozen = isOnlyFrame() && !mAfter && mParams.framesBefore == 0;
+    tellTexture();
     start();
+}
+
+/// Let the streaks know of the flow. @throws ParameterError
+void TextureRun::tellTexture()
+{
+    if (!mParams.isSparse()) return;
+    const double displacement = mShared.fasterDisplacement(*mCurrent, mInterval.seconds);
+    if (const auto chosen = mTexture->begin(*mCurrent->domain.velocity, displacement)) mReporter.say(*chosen);
 }
 
 void TextureRun::goOn(const RunPosition& position)
@@ -67,7 +96,8 @@ void TextureRun::start()
 void TextureRun::checkMemoryFor(const LoadedFrame& first) const
 {
     const double bytes = advectBytes(mParams, first.domain);
-    const std::string voxels = fmt::format("{} texture voxels", first.domain.texture->voxelCount());
+    const std::string voxels =
+        fmt::format("{} {} voxels", first.domain.texture->voxelCount(), mParams.isSparse() ? "velocity" : "texture");
     const std::string each = mExchange.isAlone() ? "" : fmt::format(" each for {} ranks", mExchange.size());
     const std::string text = fmt::format("{}: about {} of memory{}", voxels, memoryText(bytes), each);
     first.domain.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
@@ -104,7 +134,7 @@ std::optional<RunTexture> TextureRun::step()
 {
     if (mTexture->steps() < mParams.prerollSteps()) {
         mShared.surround(*mCurrent, *mCurrent, mInterval.seconds, *mTexture);
-        (void)advance(*mCurrent, *mCurrent, mInterval.seconds);
+        (void)advance(*mCurrent, *mCurrent, *mCurrent, false);
         return std::nullopt;
     }
     return mNext ? stepBetweenFrames() : lastStep();
@@ -122,7 +152,7 @@ std::optional<RunTexture> TextureRun::stepBetweenFrames()
     LoadedFrame end = at(mSubstep + 1);
     const bool isWritten = mTexture->steps() >= mParams.warmUpSteps();
     const double time = mTime + mSubstep * mInterval.seconds / mParams.texture.substeps;
-    RunTexture made{*mStart, mSubstep, time, mInterval.seconds, advance(*mStart, end, mInterval.seconds)};
+    RunTexture made{*mStart, mSubstep, time, mInterval.seconds, advance(*mStart, end, *mNext, isWritten)};
     mStart = std::move(end);
     ++mSubstep;
     if (!isWritten) return std::nullopt;
@@ -148,12 +178,12 @@ RunTexture TextureRun::lastStep()
         const int substeps = mParams.texture.substeps;
         mInterval = mFlow.intervalAfter(last, &*mAfter);
         mShared.surround(last, *mAfter, mInterval.seconds, *mTexture);
-        end = substeps == 1 ? std::move(*mAfter) : frameBetween(last, *mAfter, 1.0 / substeps);
+        end = substeps == 1 ? *mAfter : frameBetween(last, *mAfter, 1.0 / substeps);
     } else {
         mShared.surround(last, end, mInterval.seconds, *mTexture);
     }
     mIsDone = true;
-    RunTexture made{last, 0, mTime, mInterval.seconds, advance(last, end, mInterval.seconds)};
+    RunTexture made{last, 0, mTime, mInterval.seconds, advance(last, end, mAfter ? *mAfter : last, true)};
     warnOfOddFlow(made.frame, made.interval);
     return made;
 }
@@ -167,16 +197,25 @@ void TextureRun::balance(LoadedFrame& frame)
     mReporter.detail(fmt::format("frame {}: {}", frame.velocity.file.frame, *how));
 }
 
-/// @param interval seconds between the frames that the step is a part of
-FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame& end, double interval)
+/// @param next frame on disk after the current one, at the end of the interval that the step is a part of
+FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
+                                    bool isShown)
 {
     if (mExchange.any(mReporter.stopRequested())) throw Stopped{};
     if (mHooks.stepBegins) mHooks.stepBegins();
     const double substeps = mParams.texture.substeps;
     const std::unique_ptr<const LeafOwners> owners = mShared.ownersOf(start);
-    const FlowFrame from = start.flow(), to = end.flow();
+    const double interval = mInterval.seconds;
+    const FlowFrame from = start.flow(), to = end.flow(), first = mCurrent->flow(), last = next.flow();
+    const FlowInterval whole{first,
+                             last,
+                             mCurrent->velocity.toVoxelsPerStep(interval),
+                             next.velocity.toVoxelsPerStep(interval),
+                             interval,
+                             mCurrent->velocity.file.frame};
     return mTexture->advance({from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
-                              end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners});
+                              end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners,
+                              &whole, isShown});
 }
 
 RunPosition TextureRun::position() const
@@ -201,10 +240,13 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
     if (largest < kRest && !mWarnedOfRest) {
         mWarnedOfRest = true;
         mReporter.warn(fmt::format("frame {}: {}: grid {} moves nothing by more than {:.3g} voxels a step, and a "
-                                   "texture without motion is noise: check unit and frame spacing",
+                                   "texture without motion shows no direction: check unit and frame spacing",
                                    number, frame.velocity.file.path.string(), frame.velocity.gridName, largest));
     }
-    if (isSteady(mParams.texture.method) || largest <= kLargeDisplacement || mWarnedOfDisplacement) return;
+    // A streak's tail suits the displacement.
+    if (mParams.isSparse() || isSteady(mParams.texture.method) || largest <= kLargeDisplacement ||
+        mWarnedOfDisplacement)
+        return;
     const double faster = mShared.fasterDisplacement(frame, seconds);
     if (faster <= kLargeDisplacement) return;
     mWarnedOfDisplacement = true;

@@ -27,6 +27,11 @@ struct RunTexture {
     double time = 0;     ///< seconds
     double interval = 0; ///< seconds between the frames on disk around it
     FlowTextureStep step;
+
+    [[nodiscard]] openvdb::math::Transform::Ptr transform() const ///< of the texture
+    {
+        return step.refinement.refined(frame.velocity.values->transform());
+    }
 };
 
 /// The textures of a velocity sequence, one step after the other: preroll, lead-in, every frame with its substeps, and
@@ -76,13 +81,15 @@ class TextureRun {
 
   private:
     void start();
+    void tellTexture();
     void checkMemoryFor(const LoadedFrame& first) const;
     [[nodiscard]] std::optional<LoadedFrame> nextFrame();
     void balance(LoadedFrame& frame);
     [[nodiscard]] LoadedFrame at(int substep) const;
     [[nodiscard]] std::optional<RunTexture> stepBetweenFrames();
     [[nodiscard]] RunTexture lastStep();
-    [[nodiscard]] FlowTextureStep advance(const LoadedFrame& start, const LoadedFrame& end, double interval);
+    [[nodiscard]] FlowTextureStep advance(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
+                                          bool isShown);
     void warnOfOddFlow(const LoadedFrame& frame, double seconds);
 
     const AdvectParams& mParams;

@@ -1,5 +1,7 @@
 #include "vdblic/volume/texture_block.h"
 
+#include "vdblic/volume/coarse_scalar.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -75,17 +77,43 @@ void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatT
 {
     copyValues(texture, origin, mTexture, mActive);
     copyValues(driver, origin, mDriver, nullptr);
+    copied();
+    mHasDrivers = false;
+}
+
+void TextureBlock::copy(const openvdb::FloatTree& texture, const CoarseScalar& driver, const openvdb::Coord& origin)
+{
+    static_assert(kDim <= CoarseScalar::kMostDim);
+    copyValues(texture, origin, mTexture, mActive);
+    driver.sample(origin.offsetBy(-2, -2, -2), kDim, mDriver);
+    copied();
+    mHasDrivers = true;
+    for (float& value : mDriver)
+        value = isFinite(value) ? value : 0;
+}
+
+/// The voxels that are active in texture and driver.
+void TextureBlock::copied()
+{
     int active = 0;
     for (int i = 0; i < kSize; ++i) {
         mActive[i] &= isFinite(mTexture[i]) & isFinite(mDriver[i]);
         active += mActive[i];
     }
     mWhole = active == kSize;
+    mIsEmpty = false;
+}
+
+void TextureBlock::setEmpty()
+{
+    for (int i = 0; i < kSize; ++i)
+        mTexture[i] = mActive[i] ? mTexture[i] : 0;
+    mIsEmpty = true;
 }
 
 void TextureBlock::extend()
 {
-    if (mWhole) return;
+    if (mWhole || (mIsEmpty && mHasDrivers)) return;
     unsigned rows[kDim * kDim] = {}; // a bit for each active voxel of a row along z
     for (int row = 0; row < kDim * kDim; ++row) {
         for (int z = 0; z < kDim; ++z)
@@ -101,7 +129,8 @@ void TextureBlock::extend()
             for (int z = 1; z <= kPaddedDim; ++z) {
                 if (rows[row] >> z & 1) continue;
                 const int i = row * kDim + z;
-                mTexture[i] = mDriver[i] = 0;
+                mTexture[i] = 0;
+                mDriver[i] = 0;
                 if (around >> z & 1) extend(i);
             }
         }
@@ -123,7 +152,7 @@ void TextureBlock::extend(int i)
     int nearest = 1;
     while (count[nearest] == 0)
         ++nearest;
-    mTexture[i] = texture[nearest] / count[nearest];
+    if (!mIsEmpty) mTexture[i] = texture[nearest] / count[nearest];
     mDriver[i] = driver[nearest] / count[nearest];
 }
 
@@ -177,8 +206,8 @@ void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientReco
             for (int axis = 0; axis < 3; ++axis) {
                 const int stride = kStrides[axis];
                 for (int z = 0; z < kPaddedDim; ++z) {
-                    gradient[axis][z] = mWhole ? (value[z + stride] - value[z - stride]) * 0.5f
-                                               : difference(value + z, active + z, stride);
+                    gradient[axis][z] = mWhole || mIsEmpty ? (value[z + stride] - value[z - stride]) * 0.5f
+                                                           : difference(value + z, active + z, stride);
                 }
             }
             std::uint32_t world[3][kPaddedDim];

@@ -11,6 +11,8 @@
 
 namespace vdblic {
 
+class CoarseScalar;
+
 /// A leaf and two voxels around it, copied from the trees: all that its padded leaf is made from.
 ///
 /// Large: keep one a thread.
@@ -18,6 +20,11 @@ class TextureBlock {
   public:
     /// Active voxels whose values are not finite count as inactive.
     void copy(const openvdb::FloatTree& texture, const openvdb::FloatTree& driver, const openvdb::Coord& origin);
+    /// The same with a driver on coarser voxels. All voxels have its values then, inactive ones too.
+    void copy(const openvdb::FloatTree& texture, const CoarseScalar& driver, const openvdb::Coord& origin);
+
+    /// From now on inactive voxels are empty: their texture is 0, and has a gradient.
+    void setEmpty();
 
     /// Set inactive voxels to the mean of their nearest active neighbours: of those that share a face, else an edge,
     /// else a corner.
@@ -39,10 +46,13 @@ class TextureBlock {
     static constexpr int kSize = kDim * kDim * kDim;
 
     void extend(int voxel);
+    void copied();
 
     float mTexture[kSize], mDriver[kSize];
     int mActive[kSize]; // 1 or 0; as wide as the values, so that loops over both vectorize
     bool mWhole;        // every voxel is active
+    bool mIsEmpty;      // inactive voxels are empty
+    bool mHasDrivers;   // of inactive voxels too
 };
 
 } // namespace vdblic

@@ -5,6 +5,7 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/mix_bits.h"
 #include "vdblic/look/look.h"
+#include "vdblic/volume/coarse_scalar.h"
 #include "vdblic/volume/leaf_share.h"
 #include "vdblic/volume/texture_block.h"
 
@@ -22,6 +23,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +36,28 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
     if (texture.transform() == scalar.transform()) return;
     throw InputError(fmt::format("grids {} and {} have different transforms; resample one onto the other",
                                  texture.getName(), scalar.getName()));
+}
+
+/// A scalar on coarser voxels than those of a sparse texture; nothing if both have the same voxels.
+std::optional<CoarseScalar> coarseScalar(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar,
+                                         bool isSparse)
+{
+    std::optional<CoarseScalar> coarse = isSparse ? CoarseScalar::of(scalar, texture) : std::nullopt;
+    if (!coarse) checkTransforms(texture, scalar);
+    return coarse;
+}
+
+/// Copy a leaf of a texture and of a scalar. @param coarse the scalar if it is on coarser voxels
+void copyLeaf(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar,
+              const std::optional<CoarseScalar>& coarse, bool isSparse, const openvdb::Coord& origin,
+              TextureBlock& block)
+{
+    if (coarse) {
+        block.copy(texture.tree(), *coarse, origin);
+    } else {
+        block.copy(texture.tree(), scalar.tree(), origin);
+    }
+    if (isSparse) block.setEmpty();
 }
 
 /// The part of a domain that a rank has.
@@ -63,9 +87,9 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
                              const glm::dvec3& stretch, const RecordUse& use)
     : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) *
                     affineMatrix(texture.transform(), "grid " + texture.getName())),
-      mWorldToIndex(glm::inverse(mIndexToWorld))
+      mWorldToIndex(glm::inverse(mIndexToWorld)), mIsSparse(use.isSparse)
 {
-    checkTransforms(texture, driver);
+    const std::optional<CoarseScalar> coarse = coarseScalar(texture, driver, mIsSparse);
     mDomain = std::make_shared<const Domain>(
         std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()),
         use.share ? use.share->ranks() : 1);
@@ -91,7 +115,7 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
-            block->copy(texture.tree(), driver.tree(), origin(leaf));
+            copyLeaf(texture, driver, coarse, mIsSparse, origin(leaf), *block);
             mRanges[leaf] = block->range();
             mShown[leaf] = domain().mask(domain().local()[leaf]);
             const std::size_t found = block->removeInactive(mShown[leaf]);
@@ -117,14 +141,14 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
 
 void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors)
 {
-    checkTransforms(texture, colors);
+    const std::optional<CoarseScalar> coarse = coarseScalar(texture, colors, mIsSparse);
     const std::size_t leaves = leafCount();
     mColors = std::make_unique_for_overwrite<float[]>(leaves * kPaddedSize);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
             if (!mHasRecords[leaf]) continue;
-            block->copy(texture.tree(), colors.tree(), origin(leaf));
+            copyLeaf(texture, colors, coarse, mIsSparse, origin(leaf), *block);
             block->extend();
             block->writeDrivers(mColors.get() + leaf * kPaddedSize);
         }

@@ -25,6 +25,7 @@ struct RecordUse {
     const Look* look = nullptr; ///< the only look that the volume is shown in: leaves that it hides get no records
     const LeafShare* share = nullptr; ///< the leaves that this rank has; null: all
     int rim = 0;                      ///< voxels around those leaves that are read, too
+    bool isSparse = false;            ///< whether inactive voxels are empty, and not without a value
 };
 
 /// A texture and the scalars that drive its colour and opacity (TransferParams), prepared for ray casting.
@@ -35,7 +36,8 @@ struct RecordUse {
 /// Each leaf has padded records of values and of gradients (texture_records.h). Inactive voxels next to active ones
 /// hold the mean of their nearest active neighbours, which continues the values past the rim. Gradients are central
 /// differences, one-sided at the rim, 0 in inactive voxels, in world space [texture per mean voxel size]: their
-/// directions are normals. Any number of threads may read; cut() and add…() must not run beside readers.
+/// directions are normals. Of a sparse texture inactive voxels hold 0, and gradients are central everywhere. Any number
+/// of threads may read; cut() and add…() must not run beside readers.
 class TextureVolume {
   public:
     using Mask = Domain::Mask;
@@ -43,7 +45,8 @@ class TextureVolume {
     /// @param driver the scalar that opacity and, unless there is addColors(), colour follow; may be the texture itself
     /// @param stretch factors along the axes from the grids' world space to the volume's
     /// @param use     what it leaves out must not be read; samples() and addLines() need the records of all leaves
-    /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ
+    /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ; that of a sparse
+    ///         texture may refine the driver's
     TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
                   const glm::dvec3& stretch = glm::dvec3(1), const RecordUse& use = {});
 
@@ -77,7 +80,7 @@ class TextureVolume {
     void addLines();
 
     /// Let another scalar colour. Where it is not a finite number its neighbours decide.
-    /// @throws InputError naming the grid if its transform differs from the texture's
+    /// @throws InputError naming the grid if its transform differs from the texture's, but as the driver's may
     void addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors);
 
     /// Bounds of the active voxels, faces included, in index space.
@@ -111,6 +114,7 @@ class TextureVolume {
     glm::dvec3 mLow{0}, mHigh{0};
     glm::dmat4 mIndexToWorld{1}, mWorldToIndex{1};
     std::size_t mUnusable = 0;
+    bool mIsSparse;
 };
 
 } // namespace vdblic

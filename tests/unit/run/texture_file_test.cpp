@@ -40,6 +40,7 @@ RunTexture turningTexture()
     RunTexture made{turningFrame(), 3, 1.5, 1, {}};
     made.frame.sourceFrame = 3.75;
     made.step.texture = LeafValues<float>(*made.frame.domain.texture, 0.75f);
+    made.step.domain = made.frame.domain.texture;
     return made;
 }
 
@@ -57,7 +58,7 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
     const auto carried = openvdb::FloatGrid::create();
     carried->setName("smoke");
     made.frame.velocity.carried = {carried};
-    made.frame.domain.refinement.factors = {2, 2, 2};
+    made.frame.domain.refinement.factors = made.step.refinement.factors = {2, 2, 2};
     AdvectParams params;
     params.textureName = "texture";
     params.derived = {"vorticity", "q"};

@@ -1,0 +1,101 @@
+#include "vdblic/streaks/streak_shape.h"
+
+#include "vdblic/core/errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace vdblic {
+namespace {
+
+std::string numbersText(const std::array<float, 3>& numbers)
+{
+    if (numbers[0] == numbers[1] && numbers[1] == numbers[2]) return fmt::format("{}", numbers[0]);
+    return fmt::format("{} {} {}", numbers[0], numbers[1], numbers[2]);
+}
+
+/// A number that people can type again: two digits.
+float rounded(double number)
+{
+    const double step = std::pow(10.0, std::floor(std::log10(number)) - 1);
+    return float(std::round(number / step) * step);
+}
+
+std::array<float, 3> chosenSpacing(const Domain& domain, const openvdb::CoordBBox& box)
+{
+    constexpr double kInVolume = 30e3, kInLayer = 6e3; // cells of one spacing
+    constexpr double kLeast = 0.25, kThin = 4;
+    const openvdb::Coord extent = box.dim();
+    const int least = std::min({extent[0], extent[1], extent[2]});
+    const auto voxels = double(domain.voxelCount());
+    const bool isLayer = least <= kThin && least * 8 <= std::max({extent[0], extent[1], extent[2]});
+    const double spacing = isLayer ? std::sqrt(voxels / least / kInLayer) : std::cbrt(voxels / kInVolume);
+    const float chosen = rounded(std::max(spacing, kLeast));
+    return {chosen, chosen, chosen};
+}
+
+void checkSpacing(const std::array<float, 3>& spacing, const openvdb::CoordBBox& box)
+{
+    const auto isLarger = [&](int axis) { return spacing[std::size_t(axis)] > float(box.dim()[axis]); };
+    if (!isLarger(0) || !isLarger(1) || !isLarger(2)) return;
+    throw ParameterError(fmt::format("`spacing` {} is larger than the velocity's {} x {} x {} voxels: give a smaller "
+                                     "one",
+                                     numbersText(spacing), box.dim()[0], box.dim()[1], box.dim()[2]));
+}
+
+} // namespace
+
+float StreakShape::radius(int axis) const
+{
+    constexpr float kLeast = 1; // below that a streak that lies between voxels is dimmer than one on them
+    const auto at = std::size_t(axis);
+    return std::max(0.5f * kThickness * spacing[at] * float(refinement.factors[at]), kLeast);
+}
+
+float StreakShape::reach() const
+{
+    float most = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        most = std::max(most, kRim * radius(axis) / float(refinement.factors[std::size_t(axis)]));
+    return most;
+}
+
+std::string StreakShape::text() const
+{
+    const auto& [x, y, z] = refinement.factors;
+    return fmt::format("spacing {}, tail {}, refine {}", numbersText(spacing), tail,
+                       numbersText({float(x), float(y), float(z)}));
+}
+
+StreakShape streakShape(const StreakParams& params, const Refinement& refinement, const Domain& domain,
+                        double displacement)
+{
+    openvdb::CoordBBox box;
+    (void)domain.topology().evalActiveVoxelBoundingBox(box);
+    StreakShape shape{{2, 2, 2}, 3, refinement};
+    if (params.spacing) {
+        shape.spacing = *params.spacing;
+        if (domain.voxelCount() > 0) checkSpacing(shape.spacing, box);
+    } else if (domain.voxelCount() > 0) {
+        shape.spacing = chosenSpacing(domain, box);
+    }
+    const float mean = std::cbrt(shape.spacing[0] * shape.spacing[1] * shape.spacing[2]);
+    if (params.tail) {
+        shape.tail = *params.tail;
+    } else if (displacement > 0) {
+        constexpr double kSpacings = 6, kMostFrames = 24;
+        shape.tail = rounded(std::min(kSpacings * double(mean) / displacement, kMostFrames));
+    }
+    if (!refinement.isGiven) {
+        constexpr float kVoxels = 16; // in a spacing: a thickness of 2.5 texture voxels
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            shape.refinement.factors[axis] =
+                std::clamp(int(std::lround(kVoxels / shape.spacing[axis])), 1, Refinement::kMost);
+    }
+    return shape;
+}
+
+} // namespace vdblic
