@@ -163,7 +163,7 @@ class Export(ToolTest):
         vdb.write(str(self.folder / "huge.vdb"), huge)
         before = self.files()
         for status, words, *arguments in (
-                (3, "no grid 'p' of numbers or vectors; the file holds noise", "n.vdb", "-o", "n.vti", "--grids", "p"),
+                (3, "no grid 'p' of numbers or vectors; present: noise", "n.vdb", "-o", "n.vti", "--grids", "p"),
                 (3, "broken.vdb: cannot be read", "broken.vdb", "-o", "n.vti"),
                 (3, "huge.vdb: grid 'huge': the box of its voxels would take", "huge.vdb", "-o", "n.vti"),
                 (3, "no such file", "nothing.vdb", "-o", "n.vti"),

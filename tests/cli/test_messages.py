@@ -175,7 +175,7 @@ class Messages(ToolTest):
             self.write_grids("n.vdb", self.vectors(other))
             message = self.fails(3, *run)
             self.assertIn(f"no velocity: a vector grid, or three scalars", message)
-            self.assertIn(f"the file holds {other} (vec3s); choose with --velocity NAME", message)
+            self.assertIn(f"present: {other} (vec3s); choose with --velocity NAME", message)
             self.says(*run, "--velocity", other)
 
     def test_a_flow_that_moves_too_far_is_warned_of(self):

@@ -85,10 +85,10 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
 {
     const auto [count, first] = findNonFinite(*frame.values);
     if (count == 0) return;
-    const std::string found = fmt::format("{}: grid {}, frame {}: {} {} not finite, the first at [{}, {}, {}]",
-                                          frame.file.path.string(), frame.gridName, frame.file.frame, count,
-                                          count == 1 ? "voxel is" : "voxels are", first[0], first[1], first[2]);
-    if (nonFinite == NonFinite::kRefuse) throw InputError(found + "; mend the file or give `non_finite` zero");
+    const std::string found =
+        fmt::format("{}: grid {}: {} {} not finite, the first at [{}, {}, {}]", frame.file.label(), frame.gridName,
+                    count, count == 1 ? "voxel is" : "voxels are", first[0], first[1], first[2]);
+    if (nonFinite == NonFinite::kRefuse) throw InputError(found + "; mend the values or give `non_finite` zero");
     frame.values = frame.values->deepCopy();
     for (auto value = frame.values->beginValueOn(); value; ++value) {
         if (!isFinite(*value)) value.setValue(Vec3f(0));

@@ -174,6 +174,11 @@ Parameter skipExistingParameter(bool& target)
                      {.group = "Output"});
 }
 
+std::string FrameFile::label() const
+{
+    return contents ? path.string() : fmt::format("frame {}: {}", frame, path.string());
+}
+
 std::vector<FrameFile> selectFrames(const SequenceParams& params)
 {
     const FramePattern pattern(params.pattern);

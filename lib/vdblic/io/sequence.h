@@ -58,6 +58,9 @@ struct FrameFile {
     std::int64_t frame = 1;
     std::filesystem::path path;                ///< of a frame in memory: what messages call it
     std::shared_ptr<const VdbFile> contents{}; ///< of a frame in memory
+
+    /// Frame and path for messages: "frame 3: v.0003.vdb"; of a frame in memory its path.
+    [[nodiscard]] std::string label() const;
 };
 
 /// Returns the next file of a sequence, or nothing at its end.

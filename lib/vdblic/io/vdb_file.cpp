@@ -139,7 +139,7 @@ class GuardedFile {
 
 InputError VdbFile::missing(std::string_view what, std::string_view choice) const
 {
-    return InputError{fmt::format("{}: no {}; the file holds {}{}{}", path.string(), what, contents(),
+    return InputError{fmt::format("{}: no {}; present: {}{}{}", path.string(), what, contents(),
                                   choice.empty() ? "" : "; choose with ", choice)};
 }
 

@@ -51,7 +51,7 @@ struct VdbFile {
         throw missing(fmt::format("{}grid '{}'", type, name), choice);
     }
 
-    /// An error for what the file lacks: "PATH: no WHAT; the file holds CONTENTS; choose with CHOICE".
+    /// An error for what the file lacks: "PATH: no WHAT; present: CONTENTS; choose with CHOICE".
     [[nodiscard]] InputError missing(std::string_view what, std::string_view choice = {}) const;
 
     /// The names and types in the file, for messages: "density (float), velocity (vec3s)".

@@ -231,7 +231,7 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
     if (frame.domain.texture->voxelCount() == 0) {
         const bool isCut = mExchange.any(frame.velocity.values->activeVoxelCount() > 0);
         mReporter.warn(
-            fmt::format("frame {}: {}: {}; its texture is empty", number, frame.velocity.file.path.string(),
+            fmt::format("{}: {}; its texture is empty", frame.velocity.file.label(),
                         isCut ? "no active voxel lies inside `box`, `world_box` and `mask`" : "no active voxels"));
         return;
     }
@@ -239,9 +239,9 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
     constexpr double kRest = 1e-3; // voxels a step
     if (largest < kRest && !mWarnedOfRest) {
         mWarnedOfRest = true;
-        mReporter.warn(fmt::format("frame {}: {}: grid {} moves nothing by more than {:.3g} voxels a step, and a "
+        mReporter.warn(fmt::format("{}: grid {} moves nothing by more than {:.3g} voxels a step, and a "
                                    "texture without motion shows no direction: check unit and frame spacing",
-                                   number, frame.velocity.file.path.string(), frame.velocity.gridName, largest));
+                                   frame.velocity.file.label(), frame.velocity.gridName, largest));
     }
     // A streak's tail suits the displacement.
     if (mParams.isSparse() || isSteady(mParams.texture.method) || largest <= kLargeDisplacement ||

@@ -88,9 +88,9 @@ TEST(VdbFile, FindsGridsByNameAndTypeOrSaysWhatThereIs)
         return "";
     };
     EXPECT_EQ(message([&] { (void)file.get<openvdb::FloatGrid>("b", "`texture`"); }),
-              "f.vdb: no float grid 'b'; the file holds a (double), a (float), b (double); choose with `texture`");
+              "f.vdb: no float grid 'b'; present: a (double), a (float), b (double); choose with `texture`");
     EXPECT_EQ(message([&] { (void)file.get<openvdb::GridBase>("c"); }),
-              "f.vdb: no grid 'c'; the file holds a (double), a (float), b (double)");
+              "f.vdb: no grid 'c'; present: a (double), a (float), b (double)");
 }
 
 TEST(VdbFile, CreatorIsNotTakenForHoudini)
