@@ -12,9 +12,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace vdblic::python {
@@ -92,6 +94,17 @@ typename GridT::Ptr gridOf(const typename GridT::ValueType* values, const bool* 
     return grid;
 }
 
+/// A value as an array. Nothing if it is none.
+std::optional<py::array> asArray(const py::handle& value)
+{
+    try {
+        return py::array(py::module_::import("numpy").attr("asarray")(value));
+    } catch (const py::error_already_set& error) { // but an interruption goes on
+        if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
+        return std::nullopt;
+    }
+}
+
 openvdb::math::Transform::Ptr transformOf(const py::object& matrix)
 {
     const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(matrix);
@@ -106,6 +119,151 @@ openvdb::math::Transform::Ptr transformOf(const py::object& matrix)
     } catch (const openvdb::Exception& error) {
         throw ParameterError(fmt::format("`transform` cannot be used: {}", error.what()));
     }
+}
+
+/// A member of a grid's dictionary. @param kind what it must be
+template<typename T>
+T memberOf(const py::dict& dictionary, const char* key, const char* kind)
+{
+    try {
+        return dictionary[key].cast<T>();
+    } catch (const py::cast_error&) {
+        throw ParameterError(
+            fmt::format("`{}` cannot be {:.100}; it is {}", key, py::repr(dictionary[key]).cast<std::string>(), kind));
+    }
+}
+
+openvdb::GridBase::Ptr gridOf(const py::dict& dictionary)
+{
+    const std::optional<py::array> given = asArray(dictionary["values"]);
+    if (given && given->dtype().kind() == 'c') throw ParameterError("`values` are complex; a grid holds real numbers");
+    const auto values =
+        py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(given ? py::object(*given) : py::none());
+    const bool isVector = values && values.ndim() == 4 && values.shape(3) == 3;
+    if (!values || !(isVector || values.ndim() == 3)) {
+        const std::string shape = values ? py::str(values.attr("shape")).cast<std::string>() : "";
+        throw ParameterError(fmt::format("`values` is no array of numbers (x, y, z) or (x, y, z, 3){}{}",
+                                         shape.empty() ? "" : "; its shape is ", shape));
+    }
+    const openvdb::Coord size(int(values.shape(0)), int(values.shape(1)), int(values.shape(2)));
+    py::array_t<bool, py::array::c_style | py::array::forcecast> active;
+    if (!dictionary["active"].is_none()) {
+        active = py::array_t<bool, py::array::c_style | py::array::forcecast>::ensure(dictionary["active"]);
+        if (!active || active.ndim() != 3 || active.shape(0) != size.x() || active.shape(1) != size.y() ||
+            active.shape(2) != size.z())
+            throw ParameterError(
+                fmt::format("`active` is no mask of {} x {} x {} voxels", size.x(), size.y(), size.z()));
+    }
+    const auto [x, y, z] = memberOf<std::array<int, 3>>(dictionary, "origin", "3 whole numbers");
+    const float* numbers = values.data();
+    const bool* mask = dictionary["active"].is_none() ? nullptr : active.data();
+    openvdb::GridBase::Ptr grid;
+    {
+        const py::gil_scoped_release release;
+        if (values.size() == 0) {
+            grid = isVector ? openvdb::GridBase::Ptr(openvdb::Vec3SGrid::create()) : openvdb::FloatGrid::create();
+        } else if (isVector) {
+            grid = gridOf<openvdb::Vec3SGrid>(reinterpret_cast<const openvdb::Vec3f*>(numbers), mask, size, {x, y, z});
+        } else {
+            grid = gridOf<openvdb::FloatGrid>(numbers, mask, size, {x, y, z});
+        }
+    }
+    grid->insertMeta(toMetadata(memberOf<py::dict>(dictionary, "metadata", "a dictionary")));
+    grid->setName(memberOf<std::string>(dictionary, "name", "a text"));
+    grid->setTransform(transformOf(dictionary["transform"]));
+    if (memberOf<bool>(dictionary, "staggered", "true or false")) grid->setGridClass(openvdb::GRID_STAGGERED);
+    return grid;
+}
+
+/// A number of a type of NumPy, which Python's own lack.
+template<typename Number>
+py::object numpyNumber(const char* type, Number value)
+{
+    return py::module_::import("numpy").attr(type)(value);
+}
+
+using SmallVectors = openvdb::TypeList<openvdb::Vec2i, openvdb::Vec2s, openvdb::Vec2d, openvdb::Vec3i, openvdb::Vec3s,
+                                       openvdb::Vec3d, openvdb::Vec4i, openvdb::Vec4s, openvdb::Vec4d>;
+
+/// A value of metadata, of a type that asMetadata() makes the same metadata of. What Python has no type for stays as it
+/// is.
+py::object asObject(const openvdb::Metadata& metadata)
+{
+    py::object result = py::cast(metadata.copy());
+    const auto take = [&](const auto& value) {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, float>) {
+            result = numpyNumber("float32", value);
+        } else if constexpr (std::is_same_v<Value, std::int32_t>) {
+            result = numpyNumber("int32", value);
+        } else if constexpr (openvdb::VecTraits<Value>::IsVec) {
+            py::list items;
+            for (int i = 0; i < Value::size; ++i) {
+                const bool isSingle = std::is_same_v<typename Value::ValueType, float>;
+                items.append(isSingle ? numpyNumber("float32", value[i]) : py::cast(value[i]));
+            }
+            result = py::tuple(items);
+        } else {
+            result = py::cast(value);
+        }
+    };
+    using Known = openvdb::TypeList<bool, std::int32_t, std::int64_t, float, double, std::string>::Append<SmallVectors>;
+    Known::foreach ([&](auto value) { // default values, for their types
+        if (const auto* typed = dynamic_cast<const openvdb::TypedMetadata<decltype(value)>*>(&metadata))
+            take(typed->value());
+    });
+    return result;
+}
+
+template<typename T>
+openvdb::Metadata::Ptr typedMetadata(const T& value)
+{
+    return std::make_shared<openvdb::TypedMetadata<T>>(value);
+}
+
+/// 2 to 4 numbers as metadata. Null for another count.
+template<typename Number>
+openvdb::Metadata::Ptr vectorMetadata(const py::array& numbers)
+{
+    const auto of = py::array_t<Number, py::array::c_style | py::array::forcecast>(numbers);
+    switch (of.size()) {
+    case 2:
+        return typedMetadata(openvdb::math::Vec2<Number>(of.data()));
+    case 3:
+        return typedMetadata(openvdb::math::Vec3<Number>(of.data()));
+    case 4:
+        return typedMetadata(openvdb::math::Vec4<Number>(of.data()));
+    default:
+        return nullptr;
+    }
+}
+
+/// A value as metadata: whole numbers of Python have 64 bits, those of NumPy their own type, vectors that of their
+/// items, but whole numbers 32 bits. Null if there is none.
+openvdb::Metadata::Ptr asMetadata(const py::handle& value)
+{
+    if (py::isinstance<openvdb::Metadata>(value)) return value.cast<openvdb::Metadata::Ptr>();
+    if (py::isinstance<py::str>(value)) return typedMetadata(value.cast<std::string>());
+    const std::optional<py::array> array = asArray(value);
+    if (!array || array->ndim() > 1) return nullptr;
+    const py::array& numbers = *array;
+    const char kind = numbers.dtype().kind();
+    const py::ssize_t bytes = numbers.itemsize();
+    if (numbers.ndim() == 1) {
+        using Limits = std::numeric_limits<std::int32_t>;
+        if (kind == 'f') return bytes <= 4 ? vectorMetadata<float>(numbers) : vectorMetadata<double>(numbers);
+        const bool fits = (kind == 'i' || kind == 'u') && numbers.size() > 0 &&
+                          numbers.attr("max")().cast<double>() <= double(Limits::max()) &&
+                          numbers.attr("min")().cast<double>() >= double(Limits::min());
+        return fits ? vectorMetadata<std::int32_t>(numbers) : nullptr;
+    }
+    const py::object item = numbers.attr("item")();
+    if (kind == 'b') return typedMetadata(item.cast<bool>());
+    if (kind == 'f') return bytes <= 4 ? typedMetadata(item.cast<float>()) : typedMetadata(item.cast<double>());
+    if (kind == 'i')
+        return bytes <= 4 ? typedMetadata(item.cast<std::int32_t>()) : typedMetadata(item.cast<std::int64_t>());
+    if (kind == 'u' && bytes <= 4) return typedMetadata(item.cast<std::int64_t>());
+    return nullptr;
 }
 
 } // namespace
@@ -144,59 +302,19 @@ py::dict toDictionary(const openvdb::GridBase& grid, const std::optional<openvdb
 
 openvdb::GridBase::Ptr toGrid(const py::dict& dictionary)
 {
-    const auto values = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(dictionary["values"]);
-    const bool isVector = values && values.ndim() == 4 && values.shape(3) == 3;
-    if (!values || !(isVector || values.ndim() == 3))
-        throw ParameterError("`values` is no array of numbers (x, y, z) or (x, y, z, 3)");
-    const openvdb::Coord size(int(values.shape(0)), int(values.shape(1)), int(values.shape(2)));
-    py::array_t<bool, py::array::c_style | py::array::forcecast> active;
-    if (!dictionary["active"].is_none()) {
-        active = py::array_t<bool, py::array::c_style | py::array::forcecast>::ensure(dictionary["active"]);
-        if (!active || active.ndim() != 3 || active.shape(0) != size.x() || active.shape(1) != size.y() ||
-            active.shape(2) != size.z())
-            throw ParameterError(
-                fmt::format("`active` is no mask of {} x {} x {} voxels", size.x(), size.y(), size.z()));
+    try {
+        return gridOf(dictionary);
+    } catch (const ParameterError& error) {
+        throw ParameterError(
+            fmt::format("grid {:.100}: {}", py::repr(dictionary["name"]).cast<std::string>(), error.what()));
     }
-    const auto [x, y, z] = dictionary["origin"].cast<std::array<int, 3>>();
-    const float* numbers = values.data();
-    const bool* mask = dictionary["active"].is_none() ? nullptr : active.data();
-    openvdb::GridBase::Ptr grid;
-    {
-        const py::gil_scoped_release release;
-        if (size.x() * size.y() * size.z() == 0) {
-            grid = isVector ? openvdb::GridBase::Ptr(openvdb::Vec3SGrid::create()) : openvdb::FloatGrid::create();
-        } else if (isVector) {
-            grid = gridOf<openvdb::Vec3SGrid>(reinterpret_cast<const openvdb::Vec3f*>(numbers), mask, size, {x, y, z});
-        } else {
-            grid = gridOf<openvdb::FloatGrid>(numbers, mask, size, {x, y, z});
-        }
-    }
-    grid->insertMeta(toMetadata(dictionary["metadata"]));
-    grid->setName(dictionary["name"].cast<std::string>());
-    grid->setTransform(transformOf(dictionary["transform"]));
-    if (dictionary["staggered"].cast<bool>()) grid->setGridClass(openvdb::GRID_STAGGERED);
-    return grid;
 }
 
 py::dict toDictionary(const openvdb::MetaMap& metadata)
 {
     py::dict result;
-    for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry) {
-        const py::str key(entry->first);
-        const openvdb::Metadata& value = *entry->second;
-        if (const auto* real = dynamic_cast<const openvdb::DoubleMetadata*>(&value))
-            result[key] = real->value();
-        else if (const auto* single = dynamic_cast<const openvdb::FloatMetadata*>(&value))
-            result[key] = single->value();
-        else if (const auto* whole = dynamic_cast<const openvdb::Int64Metadata*>(&value))
-            result[key] = whole->value();
-        else if (const auto* small = dynamic_cast<const openvdb::Int32Metadata*>(&value))
-            result[key] = small->value();
-        else if (const auto* truth = dynamic_cast<const openvdb::BoolMetadata*>(&value))
-            result[key] = truth->value();
-        else
-            result[key] = value.str();
-    }
+    for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry)
+        result[py::str(entry->first)] = asObject(*entry->second);
     return result;
 }
 
@@ -204,25 +322,28 @@ openvdb::MetaMap toMetadata(const py::dict& dictionary)
 {
     openvdb::MetaMap metadata;
     for (const auto& [key, value] : dictionary) {
-        const auto name = key.cast<std::string>();
-        if (py::isinstance<py::bool_>(value))
-            metadata.insertMeta(name, openvdb::BoolMetadata(value.cast<bool>()));
-        else if (py::isinstance<py::int_>(value))
-            metadata.insertMeta(name, openvdb::Int64Metadata(value.cast<std::int64_t>()));
-        else if (py::isinstance<py::float_>(value))
-            metadata.insertMeta(name, openvdb::DoubleMetadata(value.cast<double>()));
-        else
-            metadata.insertMeta(name, openvdb::StringMetadata(py::str(value)));
+        const openvdb::Metadata::Ptr made = asMetadata(value);
+        if (!py::isinstance<py::str>(key) || !made) {
+            throw ParameterError(fmt::format("metadata {:.100} cannot be {:.100}; it is a text, a number, true or "
+                                             "false, or a tuple of 2 to 4 numbers",
+                                             py::repr(key).cast<std::string>(), py::repr(value).cast<std::string>()));
+        }
+        metadata.insertMeta(key.cast<std::string>(), *made);
     }
     return metadata;
 }
 
-openvdb::GridPtrVec toGrids(const py::list& dictionaries)
+VdbFile toVolume(const py::list& grids, const py::dict& metadata, const std::string& name)
 {
-    openvdb::GridPtrVec grids;
-    for (const py::handle& dictionary : dictionaries)
-        grids.push_back(toGrid(dictionary.cast<py::dict>()));
-    return grids;
+    VdbFile volume{{}, {}, name};
+    try {
+        for (const py::handle& grid : grids)
+            volume.grids.push_back(toGrid(grid.cast<py::dict>()));
+        volume.metadata = toMetadata(metadata);
+    } catch (const ParameterError& error) {
+        throw ParameterError(name.empty() ? error.what() : fmt::format("{}: {}", name, error.what()));
+    }
+    return volume;
 }
 
 } // namespace vdblic::python

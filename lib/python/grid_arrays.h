@@ -6,6 +6,7 @@
 #include <pybind11/pybind11.h>
 
 #include <optional>
+#include <string>
 
 namespace vdblic::python {
 
@@ -23,12 +24,17 @@ namespace vdblic::python {
                                           const std::optional<openvdb::CoordBBox>& box = {});
 
 /// The grid of such a dictionary. Arrays of single precision in C order are read where they are.
-/// @throws ParameterError naming what is wrong
+/// @throws ParameterError naming the grid and what is wrong
 [[nodiscard]] openvdb::GridBase::Ptr toGrid(const pybind11::dict& dictionary);
 
-[[nodiscard]] openvdb::GridPtrVec toGrids(const pybind11::list& dictionaries); ///< as toGrid()
+/// A volume of such dictionaries. @param name of it in messages; may be empty
+/// @throws ParameterError naming the volume, the grid and what is wrong
+[[nodiscard]] VdbFile toVolume(const pybind11::list& grids, const pybind11::dict& metadata, const std::string& name);
 
+/// Metadata as values of Python, which toMetadata() makes the same metadata of: bool, str, int (64 bits), float
+/// (double), NumPy's int32 and float32, and tuples of 2 to 4 numbers for vectors. What has no such type stays
+/// openvdb::Metadata.
 [[nodiscard]] pybind11::dict toDictionary(const openvdb::MetaMap& metadata);
-[[nodiscard]] openvdb::MetaMap toMetadata(const pybind11::dict& dictionary);
+[[nodiscard]] openvdb::MetaMap toMetadata(const pybind11::dict& dictionary); ///< @throws ParameterError naming the key
 
 } // namespace vdblic::python

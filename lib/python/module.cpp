@@ -11,14 +11,20 @@
 #include "vdblic/core/version.h"
 #include "vdblic/field/box_domain.h"
 #include "vdblic/field/synth.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <openvdb/openvdb.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -28,6 +34,8 @@ namespace vdblic::python {
 namespace {
 
 namespace py = pybind11;
+
+using Pixels = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
 py::tuple readVolume(const std::string& path)
 {
@@ -47,20 +55,19 @@ py::tuple readVolume(const std::string& path)
 void writeVolume(const std::string& path, const py::list& dictionaries, const py::dict& metadata,
                  const std::string& compression, bool half)
 {
-    const openvdb::GridPtrVec made = toGrids(dictionaries);
-    openvdb::GridCPtrVec grids(made.begin(), made.end());
-    for (const auto& grid : made)
+    const VdbFile volume = toVolume(dictionaries, metadata, "");
+    const openvdb::GridCPtrVec grids(volume.grids.begin(), volume.grids.end());
+    for (const auto& grid : volume.grids)
         grid->setSaveFloatAsHalf(half);
-    const openvdb::MetaMap fileMetadata = toMetadata(metadata);
     const VdbCompression kind = valueOf<VdbCompression>(compression);
     const py::gil_scoped_release release;
-    writeVdb(path, grids, fileMetadata, kind);
+    writeVdb(path, grids, volume.metadata, kind);
 }
 
 /// The picture of a volume. The array shares the image's memory.
 py::array_t<float> render(Picture& picture, const py::list& dictionaries, const py::dict& metadata, std::int64_t frame)
 {
-    const VdbFile volume{toGrids(dictionaries), toMetadata(metadata), "volume"};
+    const VdbFile volume = toVolume(dictionaries, metadata, "the texture");
     auto image = std::make_unique<Image>();
     {
         const py::gil_scoped_release release;
@@ -70,6 +77,34 @@ py::array_t<float> render(Picture& picture, const py::list& dictionaries, const 
     const float* pixels = &image->pixels.data()->x;
     const py::capsule owner(image.release(), [](void* made) { delete static_cast<Image*>(made); });
     return py::array_t<float>(shape, pixels, owner);
+}
+
+/// A picture from Python. The rows have 4 numbers a pixel.
+Image imageOf(const Pixels& pixels)
+{
+    Image image{{int(pixels.shape(1)), int(pixels.shape(0))}, std::vector<glm::vec4>(std::size_t(pixels.size() / 4))};
+    std::memcpy(image.pixels.data(), pixels.data(), std::size_t(pixels.nbytes()));
+    return image;
+}
+
+py::bytes png(const Pixels& pixels, const std::array<double, 3>& background)
+{
+    const Image image = imageOf(pixels);
+    std::string file;
+    {
+        const py::gil_scoped_release release;
+        file = encodePng(image, {{background[0], background[1], background[2]}});
+    }
+    return file;
+}
+
+py::array_t<std::uint8_t> displayed(const Pixels& pixels, const std::array<double, 3>& background)
+{
+    const Image image = imageOf(pixels);
+    py::array_t<std::uint8_t> result({image.size.y, image.size.x, 3});
+    const std::string bytes = displayBytes(image, {{background[0], background[1], background[2]}});
+    std::memcpy(result.mutable_data(), bytes.data(), bytes.size());
+    return result;
 }
 
 py::object synth(const std::string& flow, const BoxSize& size, double time, double voxelSize)
@@ -94,6 +129,30 @@ std::string diff(const std::string& a, const std::string& b, const py::dict& key
     return toJson(compareSequences(params, silent), params.compare);
 }
 
+/// A volume to compare, which is a path or a pair of grids and metadata.
+VdbFile volumeOf(const py::object& source, const char* name)
+{
+    if (py::isinstance<py::tuple>(source)) {
+        const auto [grids, metadata] = source.cast<std::pair<py::list, py::dict>>();
+        return toVolume(grids, metadata, name);
+    }
+    const auto path = source.cast<std::string>();
+    const py::gil_scoped_release release;
+    return readVdb(path);
+}
+
+/// The report on two of them.
+std::string diffOfVolumes(const py::object& sourceA, const py::object& sourceB, const py::dict& keywords)
+{
+    CompareSequencesParams params;
+    setFrom(keywords, parametersOf(params));
+    if (!params.frames.empty()) throw ParameterError("`frames` selects files; a volume in memory has none");
+    const VdbFile a = volumeOf(sourceA, "a"), b = volumeOf(sourceB, "b");
+    const py::gil_scoped_release release;
+    const FileDifference files = compareVolumes(a, b, params.compare);
+    return toJson({files.pathA, files.pathB, {{1, true, true, files}}, false}, params.compare);
+}
+
 std::string coherence(const std::string& velocity, const std::string& texture, const py::dict& keywords)
 {
     SequenceCoherenceParams params;
@@ -105,7 +164,7 @@ std::string coherence(const std::string& velocity, const std::string& texture, c
     return toJson(coherenceOfSequence(params, silent), params);
 }
 
-/// What the keyword arguments of a function are. @param function advect, picture, diff or coherence
+/// What the keyword arguments of a function are. @param function advect, picture, render, diff or coherence
 py::list parametersOfFunction(const std::string& function)
 {
     AdvectParams run;
@@ -114,6 +173,7 @@ py::list parametersOfFunction(const std::string& function)
     SequenceCoherenceParams measured;
     return described(function == "advect"    ? advectParameters(run)
                      : function == "picture" ? pictureParametersOf(picture)
+                     : function == "render"  ? parametersOf(picture)
                      : function == "diff"    ? parametersOf(compared)
                                              : parametersOf(measured));
 }
@@ -132,6 +192,9 @@ PYBIND11_MODULE(_core, module)
     module.def("write", &writeVolume);
     module.def("synth", &synth);
     module.def("diff", &diff);
+    module.def("diff_volumes", &diffOfVolumes);
+    module.def("png", &png);
+    module.def("displayed", &displayed);
     module.def("coherence", &coherence);
     module.def("parameters", &parametersOfFunction);
     py::class_<Textures>(module, "Textures")
@@ -141,5 +204,14 @@ PYBIND11_MODULE(_core, module)
         .def("next", &Textures::next);
     py::class_<Picture>(module, "Picture")
         .def(py::init([](const py::dict& options) { return std::make_unique<Picture>(renderParams(options)); }))
+        .def_property_readonly("background",
+                               [](const Picture& picture) {
+                                   const glm::dvec3& color = picture.params().background.color;
+                                   return std::array<double, 3>{color.x, color.y, color.z};
+                               })
+        .def_property_readonly("texture", [](const Picture& picture) { return picture.params().texture; })
         .def("render", &render);
+    py::class_<openvdb::Metadata, openvdb::Metadata::Ptr>(module, "Metadata")
+        .def("__repr__", &openvdb::Metadata::str)
+        .def("__eq__", [](const openvdb::Metadata& a, const openvdb::Metadata& b) { return a == b; });
 }

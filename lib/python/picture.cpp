@@ -33,7 +33,8 @@ Image Picture::of(const VdbFile& volume, std::int64_t frame)
     const auto loaded = std::make_shared<const LoadedTexture>(loadFrame(params, volume, {frame, volume.path}));
     if (!mScene) {
         const glm::ivec2 size = params.scaledSize();
-        if (loaded->volume.empty()) return {size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, glm::vec4(0))};
+        if (loaded->volume.empty())
+            return {size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, params.background.light())};
         mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), true, {}, mAlone);
         if (!mParams.opacityBy.empty()) mParams.opacityBy = {mScene->opacityBy};
     }
@@ -43,7 +44,14 @@ Image Picture::of(const VdbFile& volume, std::int64_t frame)
     FramePicture picture(params, *mScene, *loaded, std::move(solid));
     for (int sample = 0; sample < params.samples; ++sample)
         picture.addSample();
-    return picture.image();
+    Image image = picture.image();
+    const glm::vec4 back = params.background.light();
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        glm::vec4& pixel = image.pixels[i];
+        pixel += back * (1 - pixel.a);
+        if (!image.annotations.empty()) pixel = image.annotations[i] + pixel * (1 - image.annotations[i].a);
+    }
+    return image;
 }
 
 } // namespace vdblic::python

@@ -21,8 +21,9 @@ class Picture {
   public:
     explicit Picture(RenderParams params) : mParams(std::move(params)) {}
 
-    /// @return linear light, premultiplied alpha, without a background
+    /// @return linear light, premultiplied alpha: the background with its alpha behind, annotations over it
     [[nodiscard]] Image of(const VdbFile& volume, std::int64_t frame);
+    [[nodiscard]] const RenderParams& params() const { return mParams; }
 
   private:
     RenderParams mParams;

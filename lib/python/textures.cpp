@@ -81,8 +81,7 @@ std::optional<FrameFile> Textures::nextFrame()
     if (!taken) return std::nullopt;
     const auto [grids, metadata] = py::reinterpret_steal<py::object>(taken).cast<std::pair<py::list, py::dict>>();
     const std::string name = fmt::format("frame {}", ++mTaken);
-    return FrameFile{mTaken, name,
-                     std::make_shared<const VdbFile>(VdbFile{toGrids(grids), toMetadata(metadata), name})};
+    return FrameFile{mTaken, name, std::make_shared<const VdbFile>(toVolume(grids, metadata, name))};
 }
 
 py::object Textures::next()

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import resource
 import signal
 import struct
@@ -13,6 +14,7 @@ import time
 import unittest
 
 import numpy
+import pyopenvdb as vdb
 
 import flows
 from support import BIN, ToolTest, skip
@@ -27,6 +29,11 @@ sys.path.insert(0, str(MODULE))
 import vdblic  # pylint: disable=wrong-import-position
 
 SIZE = 24, 20, 16
+
+
+FLOW = next(vdblic.synth("abc", SIZE, [1]))["velocity"].values
+BROKEN = FLOW.copy()
+BROKEN[1, 2, 3, 0] = numpy.nan
 
 
 def fields(count):
@@ -62,6 +69,52 @@ class Volumes(ToolTest):
         vdblic.write(self.folder / "b.vdb", vdblic.Grid(numpy.asfortranarray(values)[::-1].astype(float), name="p"))
         numpy.testing.assert_array_equal(vdblic.read(self.folder / "b.vdb")["p"].values, values[::-1])
 
+    def test_metadata_keeps_its_types(self):
+        single, whole = numpy.float32(0.1), numpy.int32(7)
+        given = {"text": "12", "truth": True, "long": 2**40, "double": 0.1, "int": whole, "float": single,
+                 "vec2i": (1, 2), "vec3i": (1, 2, 3), "vec3s": (single, single, single), "vec3d": (0.1, 0.2, 0.3),
+                 "vec4i": numpy.array([1, 2, 3, 4]), "numpy": numpy.float64(0.5), "flag": numpy.bool_(False)}
+        vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.ones((2, 2, 2)), metadata=given), given)
+        volume = vdblic.read(self.folder / "a.vdb")
+        vdblic.write(self.folder / "b.vdb", volume)
+        for path in "a.vdb", "b.vdb":
+            volume = vdblic.read(self.folder / path)
+            for back in volume.metadata, volume["density"].metadata:
+                for key, value in given.items():
+                    value = tuple(value.tolist()) if key == "vec4i" else value
+                    types = [type(v) for v in (value if isinstance(value, tuple) else (value,))]
+                    found = back[key] if isinstance(back[key], tuple) else (back[key],)
+                    types = [{numpy.float64: float, numpy.bool_: bool}.get(t, t) for t in types]
+                    self.assertEqual((back[key], [type(v) for v in found]), (value, types), key)
+        for bad in {"a": 1}, None, [1], (1, 2, 3, 4, 5), 2**70, (2**40, 0), 1j, ["x", "y"]:
+            with self.subTest(bad), self.assertRaisesRegex(ValueError, "metadata 'key' cannot be .*; it is a text"):
+                vdblic.write(self.folder / "c.vdb", vdblic.Grid(numpy.ones((2, 2, 2))), {"key": bad})
+
+    def test_metadata_of_other_types_stays(self):
+        vdb.write(str(self.folder / "empty.vdb"), grids=[vdb.FloatGrid()])  # a box of the smallest and largest numbers
+        vdblic.write(self.folder / "again.vdb", vdblic.read(self.folder / "empty.vdb"))
+        grid = vdb.FloatGrid()
+        grid.fill((0, 0, 0), (3, 3, 3), 1.0)
+        matrix = [[1.0, 2, 3, 4], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+        vdb.write(str(self.folder / "a.vdb"), grids=[grid], metadata={"matrix": matrix, "triple": (1, 2, 3)})
+        vdblic.write(self.folder / "b.vdb", vdblic.read(self.folder / "a.vdb"))
+        before, after = (vdb.readMetadata(str(self.folder / name)) for name in ("a.vdb", "b.vdb"))
+        self.assertEqual((after["matrix"], after["triple"]), (before["matrix"], before["triple"]))
+
+    def test_a_rewritten_texture_is_the_texture(self):
+        self.outputs("vdblic_synth", "ring", "-o", "v.vdb", "--size", *SIZE, "--frames", 1)
+        self.outputs("vdblic_advect", "v.vdb", "-o", "a.vdb", "--refine", 2, "--texture-name", "lic")
+        volume = vdblic.read(self.folder / "a.vdb")
+        self.assertEqual(volume.metadata["refine"], (2, 2, 2))
+        vdblic.write(self.folder / "b.vdb", volume, half=True)
+        self.assertEqual(vdblic.diff(self.folder / "a.vdb", self.folder / "b.vdb")["verdict"], "same")
+        types = [{line.split(":")[0].strip(): line.split(":", 1)[1] for line in self.printed(path).splitlines()
+                  if re.search(r"^ {8,}\w+: ", line)} for path in ("a.vdb", "b.vdb")]
+        self.assertEqual(types[0], types[1])
+        for path in "a", "b":
+            self.outputs("vdblic_render", f"{path}.vdb", "-o", f"{path}.png", "--size", 40, 30)
+        self.assertEqual(self.contents("a.png"), self.contents("b.png"))
+
     def test_mistakes(self):
         with self.assertRaisesRegex(ValueError, "nothing.vdb: no such file"):
             vdblic.read(self.folder / "nothing.vdb")
@@ -70,8 +123,14 @@ class Volumes(ToolTest):
             vdblic.read(self.folder / "broken.vdb")
         with self.assertRaisesRegex(OSError, "make it first"):
             vdblic.write(self.folder / "no/a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2))))
-        with self.assertRaisesRegex(ValueError, "`values` is no array"):
+        with self.assertRaisesRegex(ValueError, r"^grid 'density': `values` is no array .* its shape is \(2, 2\)$"):
             vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2))))
+        with self.assertRaisesRegex(ValueError, "`values` are complex"):
+            vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2), complex)))
+        with self.assertRaisesRegex(ValueError, r"`origin` cannot be \(0.5, 0, 0\); it is 3 whole numbers"):
+            vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2)), origin=(0.5, 0, 0)))
+        with self.assertRaisesRegex(ValueError, "grid 5: `name` cannot be 5; it is a text"):
+            vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2)), name=5))
         with self.assertRaisesRegex(ValueError, "`active` is no mask of 2 x 2 x 2"):
             vdblic.write(self.folder / "a.vdb", vdblic.Grid(numpy.zeros((2, 2, 2)), numpy.ones((2, 2, 3), bool)))
         with self.assertRaisesRegex(ValueError, "`transform`"):
@@ -105,6 +164,9 @@ class Advect(ToolTest):
         self.assert_equal(list(vdblic.advect(fields(5), voxel_size=0.1, **options)), paths)
         self.assert_equal(list(vdblic.advect(vdblic.synth("abc", SIZE, range(1, 6)), **options)), paths)
         lic = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "steady.%04d.vdb", "--method", "lic", "--dt", 0.5)
+        part = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "part.%04d.vdb", "--frames", "1,2,4")
+        for frames in "1,2,4", [1, 2, 4], numpy.array([1, 2, 4]):
+            self.assert_equal(list(vdblic.advect(f"{self.folder}/v.%04d.vdb", frames=frames)), part)
         arrays = [values for _, values in fields(5)]
         self.assert_equal(list(vdblic.advect(arrays, frame_spacing=0.5, voxel_size=0.1, method="lic")), lic)
 
@@ -119,13 +181,49 @@ class Advect(ToolTest):
         for error, words, arguments, options in (
                 (ValueError, "frame 1 has the shape", ([numpy.zeros((4, 4, 4))],), {}),
                 (ValueError, "`life_span`|life", (fields(1),), {"life_span": 0}),
-                (ValueError, "`refine` cannot be", (fields(1),), {"refine": "x"}),
+                (ValueError, "^`refine` cannot be x; it is 1 to 3 whole numbers from 1 to 16$", (fields(1),), {"refine": "x"}),
+                (ValueError, "^`refine` cannot be 1.5; it is 1 to 3 whole numbers from 1 to 16$", (fields(1),), {"refine": 1.5}),
+                (ValueError, "^`refine` cannot be 2.5 1.0 1.0; it is 1 to 3 whole", (fields(1),), {"refine": numpy.array([2.5, 1, 1])}),
+                (ValueError, "^`seed` cannot be 0.5; it is a whole number", (fields(1),), {"seed": numpy.float32(0.5)}),
+                (ValueError, "^`life_span` cannot be 1j; it is a whole number", (fields(1),), {"life_span": 1j}),
+                (ValueError, "^`mask` cannot be array.*; it is FILE", (fields(1),), {"mask": numpy.ones(SIZE, bool)}),
+                (ValueError, "`frames` selects files", (fields(1),), {"frames": "1-2"}),
+                (TypeError, "`velocities` cannot be 5", (5,), {}),
+                (ValueError, "frame 2: 'x' is no field", ([FLOW, "x"],), {}),
+                (ValueError, "frame 2: an array of complex", ([FLOW, FLOW * 1j],), {}),
+                (ValueError, r"frame 2 has the shape \(24, 20, 16\)", ([FLOW, FLOW[..., 0]],), {}),
+                (ValueError, "frame 2: the time 'x' is neither", ([(0, FLOW), ("x", FLOW)],), {}),
+                (ValueError, "^frame 2: its time 0 does not come after", ([(0, FLOW), (0, FLOW)],), {}),
+                (ValueError, "^frame 2: grid velocity: 1 voxel is not finite, the first at .1, 2, 3.; mend the values",
+                 ([FLOW, BROKEN],), {}),
+                (ValueError, "^frame 2: grid 'v': `active` is no mask of 24 x 20 x 16 voxels$",
+                 ([FLOW, vdblic.Grid(FLOW, numpy.ones((2, 2, 2)), name="v")],), {}),
+                (ValueError, "^frame 1: no velocity: .*; present: no grids; choose with", ([vdblic.Volume([])],), {}),
+                (ValueError, "`voxel_size` cannot be 0; it is one length above 0, or three", (fields(1),), {"voxel_size": 0}),
+                (ValueError, "`voxel_size` cannot be -1;", (fields(1),), {"voxel_size": -1}),
+                (ValueError, r"`voxel_size` cannot be \(1, 2\);", (fields(1),), {"voxel_size": (1, 2)}),
                 (ValueError, "`method` cannot be x; it is one of auflic, auflic-2004, uflic, lic", (fields(1),), {"method": "x"}),
                 (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
                 (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
                 (ValueError, "no frame to compute$", ([],), {})):
             with self.subTest(words), self.assertRaisesRegex(error, words):
                 list(vdblic.advect(*arguments, **options))
+
+    def test_errors_in_parameters_are_raised_at_once(self):
+        with self.assertRaisesRegex(ValueError, "`refine` cannot be 1.5"):
+            vdblic.advect(fields(1), refine=1.5)
+        with self.assertRaisesRegex(ValueError, "no such file"):
+            vdblic.advect(f"{self.folder}/none.vdb")
+
+    def test_numbers_of_numpy_are_numbers(self):
+        expected, = vdblic.advect([FLOW], refine=2, sharpen=0.5)
+        for two in numpy.int64(2), numpy.uint8(2), numpy.array(2), numpy.array([2, 2, 2]), (numpy.int32(2), 2, 2):
+            texture, = vdblic.advect([FLOW], refine=two, sharpen=numpy.float32(0.5))
+            numpy.testing.assert_array_equal(texture["density"].values, expected["density"].values)
+
+    def test_warnings_name_a_frame_once(self):
+        with self.assertWarnsRegex(UserWarning, "^frame 1: no active voxels; its texture is empty"):
+            list(vdblic.advect([vdblic.Grid(FLOW, numpy.zeros(SIZE, bool), name="velocity")]))
 
     def test_a_closed_iterator_stops_the_run(self):
         asked = []
@@ -141,17 +239,24 @@ class Advect(ToolTest):
         self.assertLess(len(asked), 12)
         self.assertFalse([thread for thread in threading.enumerate() if thread is not threading.main_thread()])
 
-    def test_ctrl_c(self):
-        program = ("import vdblic, numpy\n"
-                   "for t in vdblic.advect((n / 24, numpy.ones((32, 32, 32, 3), 'f4')) for n in range(10**6)):\n"
-                   "    print(t.frame, flush=True)\n")
-        run = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                               text=True, env=os.environ | {"PYTHONPATH": str(MODULE), "TMPDIR": str(self.folder)})
-        run.stdout.readline()
-        run.send_signal(signal.SIGINT)
-        _, messages = run.communicate(timeout=30)
-        self.assertIn("KeyboardInterrupt", messages)
-        self.assertEqual(self.files(), [], "scratch files are removed")
+    def test_signals_leave_nothing_behind(self):
+        start = ("import vdblic, numpy\n"
+                 "frames = ((n / 24, numpy.ones((32, 32, 32, 3), 'f4')) for n in range(10**6))\n"
+                 "render = vdblic.Renderer(size=(64, 64))\n")
+        advect = start + "for t in vdblic.advect(frames): print(t.frame, flush=True)\n"
+        render = start + "t = next(vdblic.advect(frames))\nwhile True: print(render(t).shape, flush=True)\n"
+        differ = start + "t = next(vdblic.advect(frames))\nwhile True: print(vdblic.diff(t, t)['verdict'], flush=True)\n"
+        for program in advect, render, differ:
+            for number in signal.SIGINT, signal.SIGTERM:
+                run = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                       text=True, env=os.environ | {"PYTHONPATH": str(MODULE), "TMPDIR": str(self.folder)})
+                run.stdout.readline()
+                run.send_signal(number)
+                _, messages = run.communicate(timeout=30)
+                if number == signal.SIGINT:
+                    self.assertIn("KeyboardInterrupt", messages)
+                self.assertEqual(run.returncode, -number)
+                self.assertEqual(self.files(), [], "scratch files are removed")
 
     def test_several_runs_at_a_time(self):
         alone = [texture["density"].values for texture in vdblic.advect(fields(4))]
@@ -195,6 +300,75 @@ class Pictures(ToolTest):
         shown = vdblic.displayed(picture)
         self.assertEqual((shown.shape, shown.dtype), ((32, 48, 3), numpy.uint8))
 
+    def texture(self):
+        self.outputs("vdblic_synth", "ring", "-o", "v.vdb", "--size", *SIZE, "--frames", 1)
+        self.outputs("vdblic_advect", "v.vdb", "-o", "lic.vdb", "--refine", 2)
+        return vdblic.read(self.folder / "lic.vdb")
+
+    def test_a_picture_shows_itself_in_a_notebook(self):
+        texture = self.texture()
+        for look, options in ("flow", {}), ("ink", {}), ("flow", {"annotate": ["box", "axes"], "background": (0.5, 0, 1)}):
+            arguments = ["--annotate", "box,axes", "--background", 0.5, 0, 1] if options else []
+            self.outputs("vdblic_render", "lic.vdb", "-o", "i.png", "--size", 48, 32, "--look", look, *arguments)
+            picture = vdblic.Renderer(size=(48, 32), look=look, **options)(texture)
+            with open(self.folder / "self.png", "wb") as file:
+                file.write(picture._repr_png_())
+            bytes_of = [subprocess.run(["oiiotool", self.folder / name, "-o", self.folder / "raw.ppm"], check=True) and
+                        numpy.frombuffer(self.contents("raw.ppm")[-48 * 32 * 3:], numpy.uint8) for name in ("i.png", "self.png")]
+            numpy.testing.assert_allclose(*map(numpy.int64, bytes_of), atol=1)
+            numpy.testing.assert_array_equal(vdblic.displayed(picture).ravel(), bytes_of[1])
+        # It is an array as any other.
+        self.assertIsInstance(picture, numpy.ndarray)
+        self.assertIs(type(picture[..., :3] * 2), numpy.ndarray)
+        self.assertIs(type(picture > 0), numpy.ndarray)
+        self.assertIs(type(picture.max()), numpy.float32)
+        self.assertEqual(f"{picture.max():.1f}", f"{numpy.asarray(picture).max():.1f}")
+        self.assertIsNotNone(picture[4:20, ::2]._repr_png_())
+        self.assertIsNone(picture[..., 3]._repr_png_())
+
+    def test_a_background_and_annotations_are_in_the_picture(self):
+        texture = self.texture()
+        plain = vdblic.Renderer(size=(48, 32), background=(1, 0, 0), background_alpha=0)(texture)
+        behind = vdblic.Renderer(size=(48, 32), background=(1, 0, 0))(texture)
+        numpy.testing.assert_allclose(behind, plain + (1 - plain[..., 3:]) * [1, 0, 0, 1], atol=1e-6)
+        self.outputs("vdblic_render", "lic.vdb", "-o", "i.exr", "--size", 48, 32, "--precision", "float", "--background",
+                     1, 0, 0, "--compression", "none")
+        numpy.testing.assert_array_equal(behind, self.pixels("i.exr", (32, 48)))
+        self.assertGreater(abs(vdblic.Renderer(size=(48, 32), background=(1, 0, 0), annotate="box")(texture) - behind).max(), 0.2)
+
+    def test_lists_stand_for_texts(self):
+        texture = self.texture()
+        for text, lists in (
+                ({"colors": "0:#102040,0.5:#e2581a,1:#fff6d5"},
+                 [[(0, "#102040"), (0.5, "#e2581a"), (1, "#fff6d5")], ["0:#102040", "0.5:#e2581a", "1:#fff6d5"]]),
+                ({"opacity": "0:0,0.5:0.1,1:0.75"}, [[(0, 0), (0.5, 0.1), (1, 0.75)], [[0, 0], [0.5, 0.1], [1, 0.75]],
+                                                     numpy.array([[0, 0], [0.5, 0.1], [1, 0.75]])]),
+                ({"annotate": "box,axes"}, [["box", "axes"], ("box", "axes")])):
+            (key, value), = text.items()
+            expected = vdblic.Renderer(size=(48, 32), **text)(texture)
+            for given in lists:
+                with self.subTest(given):
+                    numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32), **{key: given})(texture), expected)
+        for options, words in (
+                ({"colors": [(0, (1, 0, 0))]}, "`colors` cannot be .*; it is POSITION:#RRGGBB,..."),
+                ({"colors": {0: "#000000"}}, "`colors` cannot be .*; it is POSITION:#RRGGBB,..."),
+                ({"opacity": [0, 0.5]}, "'0' is not POSITION:OPACITY"),
+                ({"size": (20.5, 30)}, "`size` cannot be 20.5 30; it is 2 whole numbers")):
+            with self.subTest(options), self.assertRaisesRegex(ValueError, words):
+                vdblic.Renderer(**options)
+
+    def test_arrays_and_grids_are_textures(self):
+        values = self.texture()["density"].values
+        expected = vdblic.Renderer(size=(48, 32))(vdblic.Volume([vdblic.Grid(values)]))
+        self.assertGreater(expected[..., 3].max(), 0.1)
+        for texture in values, values.astype(float), vdblic.Grid(values), vdblic.Grid(values, name="any"):
+            numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32))(texture), expected)
+        numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32), texture="mine")(values), expected)
+        for bad, words in ((FLOW, r"the texture has the shape \(24, 20, 16, 3\); a texture has \(x, y, z\)"),
+                           (values[0], "is no field"), ("lic.vdb", "'lic.vdb' is no field")):
+            with self.subTest(words), self.assertRaisesRegex(ValueError, words):
+                vdblic.Renderer()(bad)
+
     def pixels(self, name, shape):
         """The pixels (y, x, RGBA) of an .exr file of floats in uncompressed rows."""
         data, at = self.contents(name), 8
@@ -212,7 +386,7 @@ class Pictures(ToolTest):
             vdblic.Renderer(width=3)
         with self.assertRaisesRegex(ValueError, "flow, vortex"):
             vdblic.Renderer(look="nice")
-        with self.assertRaisesRegex(ValueError, "no float grid 'density'"):
+        with self.assertRaisesRegex(ValueError, r"^the texture: no float grid 'density'; present: p \(float\); choose"):
             vdblic.Renderer()(vdblic.Volume([vdblic.Grid(numpy.zeros((2, 2, 2)), name="p")]))
 
 
@@ -224,6 +398,17 @@ class Measures(ToolTest):
         self.assertEqual(vdblic.diff(velocity, velocity)["verdict"], "same")
         one, two = (vdblic.read(self.folder / f"lic.{frame:04}.vdb") for frame in (1, 2))
         self.assertEqual((vdblic.diff(one, one)["verdict"], vdblic.diff(one, two)["verdict"]), ("same", "different"))
+        path = self.folder / "lic.0001.vdb"
+        self.assertEqual((vdblic.diff(one, path)["verdict"], vdblic.diff(path, two)["verdict"]), ("same", "different"))
+        expected = vdblic.diff(path, self.folder / "lic.0002.vdb")
+        report = vdblic.diff(one, two)
+        self.assertEqual((report["a"], report["b"]), ("a", "b"))
+        self.assertEqual([grid["values"] for grid in report["frames"][0]["grids"]],
+                         [grid["values"] for grid in expected["frames"][0]["grids"]])
+        broken = vdblic.Volume([vdblic.Grid(FLOW, numpy.ones((2, 2, 2)), name="v")])
+        for arguments, words in (((one, broken), "^b: grid 'v': `active` is no mask"), ((one, "none.vdb"), "^none.vdb: no such file")):
+            with self.assertRaisesRegex(ValueError, words):
+                vdblic.diff(*arguments)
         self.outputs("vdblic_coherence", "v.%04d.vdb", "lic.%04d.vdb", "--json", "c.json", "--samples", 2000)
         report = vdblic.coherence(velocity, texture, samples=2000)
         expected = json.loads(self.contents("c.json"))

@@ -11,15 +11,17 @@ cannot be written; their messages name parameters by these keywords.
 from ._core import __version__
 from .flow import advect, synth
 from .measures import coherence, diff
-from .pictures import Renderer, displayed
-from .volumes import Grid, Volume, read, write
+from .pictures import Picture, Renderer, displayed
+from .volumes import Grid, Volume, as_volume, read, write
 
 __all__ = [
     "Grid",
+    "Picture",
     "Renderer",
     "Volume",
     "__version__",
     "advect",
+    "as_volume",
     "coherence",
     "diff",
     "displayed",

@@ -6,16 +6,19 @@ import logging
 import os
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy
 
 from . import _core
+from .labelled import clock, is_labelled, moments
 from .parameters import checked, described
-from .volumes import Grid, Volume, as_dictionaries
+from .volumes import Grid, Volume, as_dictionaries, as_volume, lengths_of
 
 _LOG = logging.getLogger("vdblic")
 
-Frame = Volume | Grid | numpy.ndarray | tuple[float, numpy.ndarray]
+Frame = Any  # what as_volume() takes, or (time, of it)
+_OF_FILES = "frames", "clamp_frames", "lead_in"
 
 
 def advect(
@@ -25,37 +28,34 @@ def advect(
 
     The textures are those of `vdblic_advect`, bit for bit.
 
-    velocities     the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities: arrays
-                   (x, y, z, 3) in world units per second, pairs (time, array), Grids or Volumes. An iterable is read
-                   one frame ahead; frames count from 1.
-    voxel_size     of plain arrays: one length or three
-    parameters     of `vdblic_advect`:
+    velocities     the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities in world units per
+                   second: arrays (x, y, z, 3), Grids, Volumes, data of xarray and VTK (as_volume() tells which), or pairs
+                   of a time in seconds or a date, and one of these. An iterable is read one frame ahead; frames count
+                   from 1. One of these by itself is one frame, and data of xarray have a frame for each time
+    voxel_size     of arrays without coordinates: one length or three
+    parameters     of `vdblic_advect`; a list may stand for a text with commas: frames=[1, 2, 5]. Those of output files
+                   and checkpoints are left out:
 
 {parameters}
-    Closing the iterator ends the run; Ctrl-C ends it before the next step. Warnings are Python's, messages go to the
+    Errors in the parameters are raised at once, those in a frame when it is taken; they name it by its number. Closing the iterator ends the run; Ctrl-C ends it before the next step. Warnings are Python's, messages go to the
     logger `vdblic`. Any number of runs may go on at a time.
     """
-    lengths = numpy.broadcast_to(numpy.asarray(voxel_size, float), 3)
-    if not (numpy.isfinite(lengths).all() and (lengths > 0).all()):
-        raise ValueError(f"voxel_size {voxel_size} must be one length above 0, or three")
+    lengths = lengths_of(voxel_size)
     options = checked("advect", parameters, PARAMETERS)
-    source = None
+    frames = None
     if isinstance(velocities, (str, os.PathLike)):
         options["input"] = os.fspath(velocities)
     else:
-        source = iter(velocities)
-    return _textures(options, source, lengths)
+        if given := [key for key in _OF_FILES if key in options]:
+            raise ValueError(f"`{given[0]}` selects files; leave it out, and give the frames that are to be used")
+        frames = _members(_frames(velocities), lengths)
+    return _textures(_core.Textures(options, frames, _tell))
 
 
 PARAMETERS = described(advect, _core.parameters("advect"), without=("input",))
 
 
-def _textures(options, source, voxel_size):
-    frames = None
-    if source is not None:
-        volumes = (_volume(frame, voxel_size, number) for number, frame in enumerate(source, 1))
-        frames = ((as_dictionaries(volume.grids), volume.metadata) for volume in volumes)
-    textures = _core.Textures(options, frames, _tell)
+def _textures(textures):
     while (texture := textures.next()) is not None:
         grids, metadata = texture
         yield Volume((Grid(**grid) for grid in grids), metadata)
@@ -68,21 +68,35 @@ def _tell(kind, message):
         _LOG.info(message)
 
 
-def _volume(frame, voxel_size, number):
-    """A frame of any kind as a volume."""
-    if isinstance(frame, Volume):
-        return frame
-    if isinstance(frame, Grid):
-        return Volume([frame])
-    time = None
-    if isinstance(frame, tuple) and len(frame) == 2:
-        time, frame = frame
-    values = numpy.asarray(frame)
-    if values.ndim != 4 or values.shape[3] != 3:
-        raise ValueError(f"frame {number} has the shape {values.shape}; a velocity has (x, y, z, 3)")
-    transform = numpy.diag([*numpy.broadcast_to(voxel_size, 3), 1.0])
-    metadata = {} if time is None else {"time": float(time)}
-    return Volume([Grid(values, transform=transform, name="velocity", metadata=metadata)])
+def _frames(velocities):
+    """The frames of velocities of any kind."""
+    if is_labelled(velocities):
+        return moments(velocities)
+    if isinstance(velocities, (Volume, Grid)) or getattr(velocities, "ndim", 0) == 4:
+        return iter([velocities])
+    try:
+        return iter(velocities)
+    except TypeError:
+        raise TypeError(f"`velocities` cannot be {velocities!r}; it is a name of files or an iterable") from None
+
+
+def _members(frames, voxel_size):
+    """The grids and the metadata of each frame, as the library's side takes them."""
+    first = None
+    for number, frame in enumerate(frames, 1):
+        time = None
+        if isinstance(frame, tuple) and len(frame) == 2:
+            time, frame = frame
+            first = time if number == 1 else first
+        try:
+            volume = as_volume(frame, voxel_size=voxel_size)
+            of_time = {} if time is None else clock(time, first)
+        except ValueError as error:
+            raise ValueError(f"frame {number}: {error}") from None
+        shapes = [numpy.shape(grid.values) for grid in volume.grids]
+        if len(shapes) == 1 and len(shapes[0]) == 3:
+            raise ValueError(f"frame {number} has the shape {shapes[0]}; a velocity has (x, y, z, 3)")
+        yield as_dictionaries(volume.grids), volume.metadata | of_time
 
 
 def synth(

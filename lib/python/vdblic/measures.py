@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import json
 import os
-import pathlib
-import tempfile
 
 from . import _core
 from .parameters import checked, described
-from .volumes import Volume, write
+from .volumes import Volume, as_dictionaries
 
 Source = str | os.PathLike | Volume
 
 
 def diff(a: Source, b: Source, /, **options) -> dict:
-    """Compare two files, patterns or volumes as `vdblic_diff` does.
+    """Compare two files, patterns or volumes as `vdblic_diff` does. A volume is compared with a volume or with one file.
 
-    Returns its report (docs/diff.md); report["verdict"] is same, warning or different.
+    Returns its report (docs/diff.md), in which volumes are called a and b; report["verdict"] is same, warning or
+    different. Raises ValueError for what cannot be read or compared.
 
 {parameters}
     """
     options = checked("diff", options, DIFF_OPTIONS)
-    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        return json.loads(
-            _core.diff(
-                *(_path(source, pathlib.Path(folder) / name) for source, name in ((a, "a.vdb"), (b, "b.vdb"))), options
-            )
-        )
+    compare = _core.diff_volumes if isinstance(a, Volume) or isinstance(b, Volume) else _core.diff
+    return json.loads(compare(_source(a), _source(b), options))
 
 
 def coherence(velocity: str | os.PathLike, texture: str | os.PathLike, /, **options) -> dict:
@@ -40,11 +35,9 @@ def coherence(velocity: str | os.PathLike, texture: str | os.PathLike, /, **opti
     return json.loads(_core.coherence(os.fspath(velocity), os.fspath(texture), options))
 
 
-def _path(source, scratch):
-    if not isinstance(source, Volume):
-        return os.fspath(source)
-    write(scratch, source, compression="none")
-    return str(scratch)
+def _source(source):
+    """A path, or the grids and the metadata of a volume."""
+    return (as_dictionaries(source.grids), source.metadata) if isinstance(source, Volume) else os.fspath(source)
 
 
 DIFF_OPTIONS = described(diff, _core.parameters("diff"), without=("a", "b", "output", "skip_existing", "json"))

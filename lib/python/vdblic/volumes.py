@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy
-import numpy.typing
 
 from . import _core
+from .labelled import is_labelled, members
 
 Array = numpy.ndarray
 
@@ -19,17 +20,37 @@ class Grid:
     """A scalar or vector field on voxels."""
 
     values: Array
-    """(x, y, z), or (x, y, z, 3) for vectors; single precision is stored."""
+    """(x, y, z), or (x, y, z, 3) for vectors; single precision is stored. Voxels with a masked value (numpy.ma) are
+    inactive. A DataArray of xarray or an image of VTK with one array gives the transform too, as as_volume() takes it."""
     active: Array | None = None
     """(x, y, z): the voxels that have a value; None for all."""
-    transform: Array = dataclasses.field(default_factory=lambda: numpy.eye(4))
-    """4 × 4: voxel index (i, j, k, 1) to world space. Voxel centres are at whole indices."""
+    transform: Array = None  # type: ignore[assignment]
+    """4 × 4: voxel index (i, j, k, 1) to world space. Voxel centres are at whole indices. By default of length 1."""
     origin: tuple[int, int, int] = (0, 0, 0)
     """Index of the voxel values[0, 0, 0]."""
     name: str = "density"
     metadata: dict = dataclasses.field(default_factory=dict)
+    """Texts, numbers, truth values and tuples of 2 to 4 numbers. A number of Python is stored in 64 bits, one of NumPy in
+    its own type; whole numbers of tuples in 32 bits. read() gives what write() stores in the file's types."""
     staggered: bool = False
     """Whether the components of a vector lie on the faces of its voxel, half a voxel below its centre."""
+
+    def __post_init__(self) -> None:
+        if is_labelled(self.values):
+            self._take(*members(self.values, numpy.ones(3))[0])
+        if self.transform is None:
+            self.transform = numpy.eye(4)
+
+    def _take(self, first: dict, *more: dict) -> None:
+        """Take what labelled data tell, except what is given."""
+        if more:
+            names = ", ".join(grid["name"] for grid in (first, *more))
+            raise ValueError(f"`values` are several grids: {names}; as_volume() takes them all")
+        self.values = first["values"]
+        if self.active is None:
+            self.active = first["active"]
+        if self.transform is None:
+            self.transform, self.origin = first["transform"], first.get("origin", self.origin)
 
     def positions(self) -> Array:
         """The world positions of the voxels' centres, (x, y, z, 3)."""
@@ -98,15 +119,74 @@ def write(
 ) -> None:
     """Write a .vdb file with checksums. It appears complete or not at all. Raises OSError if it cannot be written.
 
-    Arrays of single precision in C order are not copied. `compression` is blosc, zip or none; `half` stores numbers in
-    half precision.
+    Arrays of single precision in C order are not copied. `compression` is blosc or none; `half` stores numbers in half
+    precision.
     """
-    if isinstance(grids, Volume):
-        metadata = {**grids.metadata, **(metadata or {})}
-    dictionaries = as_dictionaries([grids] if isinstance(grids, Grid) else getattr(grids, "grids", grids))
-    _core.write(os.fspath(path), dictionaries, dict(metadata or {}), compression, half)
+    volume = grids if isinstance(grids, Volume) else Volume([grids] if isinstance(grids, Grid) else grids)
+    _core.write(
+        os.fspath(path), as_dictionaries(volume.grids), volume.metadata | dict(metadata or {}), compression, half
+    )
+
+
+def as_volume(data: Any, *, voxel_size: float | Sequence[float] = 1.0) -> Volume:
+    """A volume of any data that hold fields: what advect(), Renderer and Grid make of them.
+
+    Volume, Grid   as they are
+    arrays         (x, y, z) is a grid `density`, (x, y, z, 3) a grid `velocity`, on voxels of `voxel_size`: one length or
+                   three. Voxels with a masked value (numpy.ma) are inactive
+    xarray         A DataArray is one grid, of vectors if it has a further dimension of 3 components. Of a Dataset each
+                   variable over x, y and z is a grid, so that u, v and w are a velocity. The dimensions are x, y and z by
+                   their names or by the attribute `axis` of their coordinates, in any order. Coordinates are the voxels'
+                   centres, in m, km or no unit, and even; an axis without them, or of one voxel, has `voxel_size`. Missing
+                   values (NaN) are inactive. A coordinate `time` is in seconds or a date; advect() takes the times of a
+                   dimension one after the other
+    VTK, PyVista   Each array of 1 or 3 components of an ImageData is a grid, whose voxels' centres are the points or the
+                   middles of the cells. What vtkGhostType hides is inactive. `TimeValue` of the field data is the time
+
+    Raises ValueError for other data, and naming what is missing or uneven.
+    """
+    lengths = lengths_of(voxel_size)
+    if isinstance(data, Volume):
+        return data
+    if isinstance(data, Grid):
+        return Volume([data])
+    if is_labelled(data):
+        grids, metadata = members(data, lengths)
+        return Volume((Grid(**grid) for grid in grids), metadata)
+    try:
+        values = numpy.asanyarray(data)
+    except ValueError:
+        values = numpy.array(None)  # lists that are no array
+    if not (values.ndim == 3 or values.ndim == 4 and values.shape[3] == 3) or values.dtype.kind not in "biuf":
+        what = f"an array of {values.dtype} of the shape {values.shape}" if values.ndim else f"{data!r:.100}"
+        raise ValueError(f"{what} is no field; a field is numbers (x, y, z) or (x, y, z, 3)")
+    name = "density" if values.ndim == 3 else "velocity"
+    return Volume([Grid(values, transform=numpy.diag([*lengths, 1.0]), name=name)])
+
+
+def lengths_of(voxel_size: float | Sequence[float]) -> Array:
+    """The voxel's lengths along the three axes."""
+    try:
+        lengths = numpy.broadcast_to(numpy.asarray(voxel_size, float), 3)
+    except (TypeError, ValueError):
+        lengths = numpy.zeros(3)
+    if not (numpy.isfinite(lengths).all() and (lengths > 0).all()):
+        raise ValueError(f"`voxel_size` cannot be {voxel_size!r}; it is one length above 0, or three")
+    return lengths
 
 
 def as_dictionaries(grids: Iterable[Grid]) -> list[dict]:
     """Grids as the library's side takes them."""
-    return [{field.name: getattr(grid, field.name) for field in dataclasses.fields(Grid)} for grid in grids]
+    return [_members(grid) for grid in grids]
+
+
+def _members(grid):
+    """The members of a grid. Voxels with a masked value are inactive."""
+    result = {field.name: getattr(grid, field.name) for field in dataclasses.fields(Grid)}
+    result["active"] = None if grid.active is None else numpy.ma.filled(grid.active, False)
+    if isinstance(grid.values, numpy.ma.MaskedArray):
+        mask = numpy.ma.getmaskarray(grid.values)
+        unmasked = ~(mask.any(axis=3) if mask.ndim == 4 else mask)
+        result["values"] = grid.values.data
+        result["active"] = unmasked if grid.active is None else result["active"] & unmasked
+    return result

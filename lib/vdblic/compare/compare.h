@@ -21,6 +21,8 @@ class GridBase;
 
 namespace vdblic {
 
+struct VdbFile;
+
 /// The names of metadata that describe how and when a file was made, not its content.
 [[nodiscard]] std::vector<std::string> creationMetadata();
 
@@ -62,6 +64,10 @@ struct CompareParams {
 /// @throws InputError if a file cannot be read or holds a grid that cannot be compared, ParameterError
 [[nodiscard]] FileDifference compareFiles(const std::filesystem::path& a, const std::filesystem::path& b,
                                           const CompareParams& params = {});
+
+/// Compare two volumes in memory, as compareFiles() does. Their paths name them in the result and in messages.
+/// @throws InputError if they hold grids that cannot be compared, ParameterError
+[[nodiscard]] FileDifference compareVolumes(const VdbFile& a, const VdbFile& b, const CompareParams& params = {});
 
 /// Two sequences to compare, and the outputs.
 struct CompareSequencesParams {

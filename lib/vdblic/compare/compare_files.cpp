@@ -77,12 +77,11 @@ GridDifference comparePair(const GridPair& pair, const CompareParams& params, co
     }
 }
 
-/// Compare the files of a frame, and write |A − B| if `output` is given.
-FileDifference compareRead(const FrameDifference& frame, const CompareParams& params,
-                           const std::optional<std::filesystem::path>& output, Reporter& reporter)
+/// Compare the volumes of a frame, and write |A − B| if `output` is given.
+FileDifference compareVolumes(const VdbFile& a, const VdbFile& b, const CompareParams& params,
+                              const std::optional<std::filesystem::path>& output, Reporter& reporter)
 {
-    FileDifference result = frame.files;
-    const VdbFile a = readVdb(result.pathA), b = readVdb(result.pathB);
+    FileDifference result{a.path.string(), b.path.string(), {}, {}};
     result.metadata = compare::compareMetadata(a.metadata, b.metadata, params.ignoredMetadata);
     openvdb::GridCPtrVec differences;
     for (const GridPair& pair : pairGrids(a, b)) {
@@ -194,9 +193,14 @@ void CompareSequencesParams::validate() const
 
 FileDifference compareFiles(const std::filesystem::path& a, const std::filesystem::path& b, const CompareParams& params)
 {
+    return compareVolumes(readVdb(a), readVdb(b), params);
+}
+
+FileDifference compareVolumes(const VdbFile& a, const VdbFile& b, const CompareParams& params)
+{
     params.validate();
     Reporter silent;
-    return compareRead({1, true, true, {a.string(), b.string(), {}, {}}}, params, std::nullopt, silent);
+    return compareVolumes(a, b, params, std::nullopt, silent);
 }
 
 SequenceDifference compareSequences(const CompareSequencesParams& params, Reporter& reporter)
@@ -231,7 +235,8 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
             continue;
         }
         if (frame.inA && frame.inB) {
-            frame.files = compareRead(frame, params.compare, path, reporter);
+            frame.files =
+                compareVolumes(readVdb(frame.files.pathA), readVdb(frame.files.pathB), params.compare, path, reporter);
         }
         const bool differs = frame.verdict() == Verdict::kDiffers;
         for (const std::string& line : reportLines(frame))

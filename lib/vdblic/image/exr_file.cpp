@@ -1,6 +1,5 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/version.h"
-#include "vdblic/image/color_map.h"
 #include "vdblic/image/image_file.h"
 
 #include <OpenEXR/ImfChannelList.h>
@@ -128,7 +127,7 @@ std::string encode(const Image& image, Imf::Header& exr, const Background& backg
 {
     using Pixel = std::array<Value, 4>;
     std::vector<Pixel> pixels(image.pixels.size());
-    const glm::vec4 back = glm::vec4(glm::vec3(linearFromDisplay(background.color)), 1) * float(background.alpha);
+    const glm::vec4 back = background.light();
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         const glm::vec4 pixel = image.pixels[i] + back * (1 - image.pixels[i].a);
         pixels[i] = {pixel.r, pixel.g, pixel.b, pixel.a};

@@ -1,6 +1,7 @@
 #include "vdblic/image/image_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/image/color_map.h"
 #include "vdblic/image/vector_text.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/output_pattern.h"
@@ -30,6 +31,11 @@ Parameters parametersOf(Background& params)
                   "How opaque the background is in .exr; by default 1 if a background is given, else 0.", params.alpha,
                   {.group = "Picture", .limits = {0, 1}}),
     };
+}
+
+glm::vec4 Background::light() const
+{
+    return glm::vec4(glm::vec3(linearFromDisplay(color)), 1) * float(alpha);
 }
 
 void Background::validate() const

@@ -6,6 +6,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include <filesystem>
 #include <string>
@@ -34,6 +35,8 @@ struct Background {
     glm::dvec3 color{0.04, 0.05, 0.07};
     double alpha = 0;
 
+    /// In linear light, premultiplied.
+    [[nodiscard]] glm::vec4 light() const;
     /// @throws ParameterError
     void validate() const;
 };
