@@ -13,8 +13,11 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/matrix.hpp>
 #include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/Composite.h>
+#include <openvdb/tools/LevelSetFilter.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/Morphology.h>
 #include <openvdb/tools/TopologyToLevelSet.h>
 #include <openvdb/tools/ValueTransformer.h>
 
@@ -29,8 +32,8 @@
 namespace vdblic {
 namespace {
 
-constexpr int kBand = 3;      // half the width of a level set's narrow band [voxels]
-constexpr int kSmoothing = 1; // passes over the stairs of voxels
+constexpr int kBand = 3;         // half the width of a level set's narrow band [voxels]
+constexpr float kDeepest = 0.4f; // that smoothing takes from edges [voxels]
 
 using SolidTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
                                      openvdb::BoolGrid, openvdb::MaskGrid>;
@@ -40,10 +43,41 @@ glm::dmat4 toIndex(const openvdb::math::Transform& transform, const glm::dvec3& 
     return glm::inverse(glm::scale(glm::dmat4(1), stretch) * affineMatrix(transform, where));
 }
 
+openvdb::FloatGrid::Ptr unsmoothed(const openvdb::MaskTree::Ptr& voxels)
+{
+    return openvdb::tools::topologyToLevelSet(openvdb::MaskGrid(voxels), kBand, 0, 0, 0);
+}
+
+/// The voxels that no cube of 3 x 3 x 3 active ones holds: walls, lines and bodies of one or two voxels.
+openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
+{
+    using namespace openvdb::tools;
+    openvdb::MaskTree thick(voxels);
+    erodeActiveValues(thick, 1, NN_FACE_EDGE_VERTEX, PRESERVE_TILES);
+    dilateActiveValues(thick, 1, NN_FACE_EDGE_VERTEX, PRESERVE_TILES);
+    const auto thin = std::make_shared<openvdb::MaskTree>(voxels);
+    thin->topologyDifference(thick);
+    return thin;
+}
+
+/// A level set whose faces are those of the voxels, half a voxel from their centres. A mean smooths stairs and leaves
+/// faces where they are. It may not take away small bodies, and thin parts that it would take away stay as they are.
 openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
 {
     checkVoxels(voxels->activeVoxelCount());
-    return openvdb::tools::topologyToLevelSet(*openvdb::MaskGrid::create(voxels), kBand, 0, 0, kSmoothing);
+    const openvdb::FloatGrid::Ptr before = unsmoothed(voxels), result = before->deepCopy();
+    openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*result);
+    filter.setSpatialScheme(openvdb::math::FIRST_BIAS);
+    filter.mean(1);
+    const openvdb::MaskTree::Ptr lost = thinParts(*voxels);
+    for (auto value = result->cbeginValueOn(); value; ++value)
+        if (*value < 0 && lost->isValueOn(value.getCoord())) lost->setValueOff(value.getCoord());
+    const auto distance = before->getConstAccessor();
+    for (auto value = result->beginValueOn(); value; ++value)
+        value.setValue(std::min(*value, distance.getValue(value.getCoord()) + kDeepest));
+    filter.normalize();
+    if (lost->activeVoxelCount() > 0) openvdb::tools::csgUnion(*result, *unsmoothed(lost));
+    return result;
 }
 
 /// What the active voxels leave out of the box around them.

@@ -181,7 +181,7 @@ TEST_F(Solids, TheDomainLeavesOutABox)
         const double behind = std::pow(1 - opacity, 22);
         const double before =
             99.5 - (1 - behind) / std::log1p(-opacity) - image.layers[std::size_t(64 * 128 + 64)].depth;
-        EXPECT_NEAR(before, 0.25 * behind, 0.05 + 0.25 * behind);           // the surface is up to half a voxel outside
+        EXPECT_NEAR(before, 0, 0.05 + 0.05 * behind);
         EXPECT_NEAR(image.at(64, 64).g - image.at(64, 64).r, behind, 0.01); // white in front, green behind
         const auto isGreen = [&](int x, int y) { return image.at(x, y).g - image.at(x, y).r > 0.5 * behind; };
         int wide = 0, high = 0;
@@ -191,6 +191,42 @@ TEST_F(Solids, TheDomainLeavesOutABox)
         }
         EXPECT_EQ(wide, 20);
         EXPECT_NEAR(high, 41, 1); // half a voxel is a pixel
+    }
+}
+
+/// Where the surface of a solid lies between two neighbours along x.
+double surfaceBetween(const Solid& solid, const Coord& a, const Coord& b)
+{
+    const double inA = solid.levelSet->tree().getValue(a), inB = solid.levelSet->tree().getValue(b);
+    EXPECT_LT(inA * inB, 0) << a << " " << b;
+    return a.x() + (b.x() - a.x()) * inA / (inA - inB);
+}
+
+TEST_F(Solids, EndHalfAVoxelFromTheLastCentres)
+{
+    constexpr double kTolerance = 0.1;
+    const openvdb::CoordBBox box({22, 22, 22}, {41, 41, 41}), wall({10, 5, 5}, {10, 50, 50}),
+        thicker({54, 5, 5}, {56, 50, 50}), line({50, 9, 5}, {50, 9, 50});
+    const auto texture = medium();
+    const auto mask = openvdb::FloatGrid::create();
+    for (const openvdb::CoordBBox& part : {box, wall, thicker, line}) {
+        for (auto at = part.begin(); at; ++at) {
+            texture->tree().setValueOff(*at);
+            mask->tree().setValueOn(*at, 1);
+        }
+    }
+    writeVdb(mFolder / "mask.vdb", {mask}, {});
+    for (const std::string& source : {std::string("domain"), (mFolder / "mask.vdb").string()}) {
+        const Solid solid = makeSolid({.source = source}, *texture, glm::dvec3(1), 1);
+        const auto expectFaces = [&](int low, int high, int y, int z) {
+            EXPECT_NEAR(surfaceBetween(solid, {low - 1, y, z}, {low, y, z}), low - 0.5, kTolerance);
+            EXPECT_NEAR(surfaceBetween(solid, {high + 1, y, z}, {high, y, z}), high + 0.5, kTolerance);
+        };
+        expectFaces(22, 41, 31, 31);
+        expectFaces(22, 41, 27, 36); // towards an edge
+        expectFaces(10, 10, 30, 30);
+        expectFaces(54, 56, 30, 30);
+        EXPECT_LT(solid.levelSet->tree().getValue({50, 9, 30}), -0.2); // a line stays
     }
 }
 
