@@ -59,14 +59,19 @@ Textures::Textures(const py::dict& keywords, py::object frames, py::function tel
     if (mFrames.is_none()) {
         mParams = withLeadIn(mParams, *this);
     } else {
-        mParams.flow.input = {"frames"}; // one file, as far as the run can tell
+        // One file, as far as the run can tell.
+        mParams.flow.input = {.pattern = "frames", .steadyFrames = mParams.flow.input.steadyFrames};
     }
     mRun.emplace(mParams, source(), static_cast<Reporter&>(*this), mAlone);
 }
 
 FrameSource Textures::source()
 {
-    if (!mFrames.is_none()) return [this] { return nextFrame(); };
+    const int steadyFrames = mParams.flow.input.steadyFrames;
+    if (!mFrames.is_none()) {
+        FrameSource source = [this] { return nextFrame(); };
+        return steadyFrames > 1 ? steadySource(std::move(source), steadyFrames) : source;
+    }
     std::size_t total = 0;
     std::istringstream noLines;
     return openSequence(mParams.flow.input, noLines, total);

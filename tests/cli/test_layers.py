@@ -37,8 +37,8 @@ class Layers(RenderTest):
             self.assertNotIn("stretch", advice)
             refine = re.search("--refine ([0-9 ]+) gives", advice)[1].split()
             self.assertEqual([factor == "1" for factor in refine], [axis == across for axis in range(3)])
-            spacing = re.search("--dt ([^ ]+) for 4 voxels a step", advice)[1]
-            done = self.run_tool("vdblic_advect", "v.vdb", "-o", "lic.vdb", "--dt", spacing, "--refine", *refine)
+            voxels = re.search("--voxels-per-frame ([^ ]+) for quick motion", advice)[1]
+            done = self.run_tool("vdblic_advect", "v.vdb", "-o", "lic.vdb", "--voxels-per-frame", voxels, "--refine", *refine)
             self.assertEqual((done.returncode, "warning" in done.stderr), (0, False), done.stderr)
 
             density = vdb.read(str(self.folder / "lic.vdb"), "density")

@@ -81,6 +81,9 @@ class Ranks(ToolTest):
         vdb.write(str(self.folder / "low.vdb"), grid)
         return "low.vdb"
 
+    def test_a_steady_field_in_slow_motion(self):
+        self.compare([3], str(WAKE) % 2, "--steady-frames", 3, "--voxels-per-frame", 1, "--preroll", 0)
+
     def test_carried_grids(self):
         self.compare([3], WAKE, "--frames", "1-2", "--refine", "2,1,1", "--carry", "velocity", "--preroll", 0)
 

@@ -163,6 +163,11 @@ class Advect(ToolTest):
         self.assert_equal(list(vdblic.advect(f"{self.folder}/v.%04d.vdb", **options)), paths)
         self.assert_equal(list(vdblic.advect(fields(5), voxel_size=0.1, **options)), paths)
         self.assert_equal(list(vdblic.advect(vdblic.synth("abc", SIZE, range(1, 6)), **options)), paths)
+        film = self.outputs("vdblic_advect", "v.0001.vdb", "-o", "film.%04d.vdb", "--steady-frames", 3, "--voxels-per-frame", 2,
+                            "--dt", 0.5)
+        still = {"steady_frames": 3, "voxels_per_frame": 2, "frame_spacing": 0.5}
+        self.assert_equal(list(vdblic.advect(f"{self.folder}/v.0001.vdb", **still)), film)
+        self.assert_equal(list(vdblic.advect(fields(1), voxel_size=0.1, **still)), film)
         lic = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "steady.%04d.vdb", "--method", "lic", "--dt", 0.5)
         part = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "part.%04d.vdb", "--frames", "1,2,4")
         for frames in "1,2,4", [1, 2, 4], numpy.array([1, 2, 4]):
@@ -204,6 +209,7 @@ class Advect(ToolTest):
                 (ValueError, r"`voxel_size` cannot be \(1, 2\);", (fields(1),), {"voxel_size": (1, 2)}),
                 (ValueError, "`method` cannot be x; it is one of auflic, auflic-2004, uflic, lic", (fields(1),), {"method": "x"}),
                 (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
+                (ValueError, "`steady_frames` 3 repeats a single frame|steady_frames", (fields(2),), {"steady_frames": 3}),
                 (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
                 (ValueError, "no frame to compute$", ([],), {})):
             with self.subTest(words), self.assertRaisesRegex(error, words):

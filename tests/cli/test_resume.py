@@ -72,7 +72,8 @@ class Resume(ToolTest):
         if key not in self.made:
             folder = self.shared / f"run{len(self.made)}"
             folder.mkdir()
-            self.tool("vdblic_advect", *arguments, "--frames", frames, "-o", folder / OUTPUTS)
+            selection = ["--frames", frames] if frames else []
+            self.tool("vdblic_advect", *arguments, *selection, "-o", folder / OUTPUTS)
             self.made[key] = folder
         return self.made[key]
 
@@ -322,6 +323,15 @@ class Resume(ToolTest):
             self.assertIn(f"lic.{done:04}.vdb was finished, but it is not there", self.refused(3, *arguments, frames=frames))
             self.clear()
 
+    def test_motion_and_a_steady_field(self):
+        """The factor of the motion is that of the interrupted run, though the first frame is not read again."""
+        for arguments, frames in (((self.flow(), "--voxels-per-frame", 2), f"1-{FRAMES}"),
+                                  ((str(self.flow()) % 3, "--steady-frames", FRAMES), None)):
+            whole = self.whole(*arguments, frames=frames)
+            self.interrupted(*arguments, frames=frames)
+            self.finish(whole, *arguments, frames=frames)
+            self.clear()
+
     def test_an_input_that_now_ends_inside_an_interval(self):
         """Textures after the last frame are done; without the next frame the run cannot go on from them."""
         done, after = 0, 6
@@ -346,9 +356,10 @@ class Resume(ToolTest):
             "--seed": 2, "--preroll": 3, "--release-window": 0.5, "--sample-spacing": 0.4, "--tolerance": 0.1,
             "--sharpen": 2, "--noise-share": 0.2, "--texture-name": "smoke", "--refine": 2,
             "--precision": "float", "--compression": "none", "--scalars": "texture", "--substeps": 2,
-            "--interpolation": "cubic", "--finish": 1}
+            "--interpolation": "cubic", "--finish": 1, "--motion": 0.5, "--voxels-per-frame": 2}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
-                "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--parameters"}
+                "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--parameters",
+                "--steady-frames"}
         of_streaks = {"--spacing": 3, "--tail": 2.5, "--emit": mask, "--emit-box": (0, 0, 0, 9, 9, 9), "--source": f"air={mask}"}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
         self.assertEqual(listed, set(changes) | set(of_streaks) | free)

@@ -144,7 +144,7 @@ class TextureFiles {
                                              "sequence with a sequence",
                                              file, pattern));
         }
-        readNumbering();
+        readFirst();
         const std::vector<FrameFile> velocities = selectFrames(params.flow.input);
         for (const FrameFile& file : velocities) {
             std::error_code ignored;
@@ -173,14 +173,19 @@ class TextureFiles {
                                    : std::filesystem::path(mPattern.text());
     }
 
+    /// VelocityParams::motion that the textures were made with.
+    [[nodiscard]] double motion() const { return mMotion; }
+
   private:
-    /// Read from some texture how the textures are numbered.
-    void readNumbering()
+    /// Read from some texture how the textures are numbered, and how far their flow moves.
+    void readFirst()
     {
         const std::vector<std::int64_t> numbers =
-            mPattern.hasField() ? mPattern.framesOnDisk() : std::vector<std::int64_t>{};
-        if (numbers.empty()) return;
+            mPattern.hasField() ? mPattern.framesOnDisk() : std::vector<std::int64_t>{1};
+        std::error_code ignored;
+        if (numbers.empty() || !std::filesystem::exists(mPattern.path(numbers.front()), ignored)) return;
         const openvdb::MetaMap metadata = readVdbHeader(mPattern.path(numbers.front())).metadata;
+        mMotion = numericMetadata(metadata, "motion").value_or(1);
         const double substeps = numericMetadata(metadata, "substeps").value_or(1);
         const auto source = numericMetadata(metadata, "source_frame"), number = numericMetadata(metadata, "frame");
         constexpr double kMost = 64;
@@ -191,6 +196,7 @@ class TextureFiles {
 
     FramePattern mPattern;
     std::int64_t mSubsteps = 1, mFirst = 0; // textures to a frame; the frame whose texture has the same number
+    double mMotion = 1;
 };
 
 /// Read the texture of a velocity's frame, which must have the velocity's transform or a refined one.
@@ -244,6 +250,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     const OneProcess alone;
     std::size_t total = 0;
     FlowSequence flow(params.flow, openSequence(params.flow.input, noLines, total), reporter, alone);
+    flow.setMotion(files.motion());
 
     SequenceCoherence result;
     std::optional<LoadedFrame> current = flow.next(), next;

@@ -162,7 +162,7 @@ Mat3d VelocityFrame::toWorldPerSecond(double interval) const
 
 Mat3d VelocityFrame::toVoxelsPerStep(double interval) const
 {
-    return indexAxes(values->transform()).inverse() * toWorldPerSecond(interval) * interval;
+    return indexAxes(values->transform()).inverse() * toWorldPerSecond(interval) * (interval * motion);
 }
 
 double VelocityFrame::largestDisplacement(double interval) const
@@ -190,6 +190,7 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, 
                                            : readVdb(file.path);
     VelocityFrame frame;
     frame.file = file;
+    frame.motion = params.motion;
     std::string name = params.grid;
     if (name.empty()) {
         std::vector<std::string> names = velocityNames(contents);

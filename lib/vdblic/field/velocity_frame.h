@@ -32,6 +32,7 @@ struct VelocityParams {
     std::optional<VelocityUnit> unit; ///< none: voxel/s for Mantaflow, else world/s
     double scale = 1;                 ///< factor on the values
     NonFinite nonFinite = NonFinite::kRefuse;
+    double motion = 1;              ///< factor on displacements, which leaves the speed as it is
     std::vector<std::string> carry; ///< names of other grids of the file to return
 
     void validate() const; ///< @throws ParameterError
@@ -60,6 +61,7 @@ struct VelocityFrame : VelocityConvention, FrameTimes {
     std::string gridName;           ///< "velocity", or "vel.x, vel.y, vel.z"
     openvdb::Vec3SGrid::Ptr values; ///< on voxel centres, in the stored unit
     std::string sourceCreator;      ///< file metadata `creator`
+    double motion = 1;              ///< VelocityParams::motion
     std::string start;              ///< date of time 0, of the grid's or the file's metadata
     std::string lengthUnit;         ///< of world space, the same
     openvdb::GridPtrVec carried;

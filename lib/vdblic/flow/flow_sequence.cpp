@@ -21,7 +21,7 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
     std::string stamp = fmt::format("frame {}, {}", file.frame, file.contents ? "in memory" : fileStamp(file.path));
     if (domain.mask.empty()) return stamp;
     const FramePattern mask(parseGridReference(domain.mask).path.string());
-    return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame)));
+    return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame - file.repeats)));
 }
 
 /// @param ranks that share the frame  @param part whose values are needed
@@ -31,7 +31,7 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ra
 {
     Stopwatch watch;
     LoadedFrame frame;
-    frame.sourceFrame = double(file.frame);
+    frame.sourceFrame = double(file.frame - file.repeats);
     frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
     frame.velocity = readVelocity(file, params.velocity, part);
     const openvdb::Vec3SGrid& values = *frame.velocity.values;
@@ -42,7 +42,8 @@ LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ra
         frame.domain = before.fieldDomain();
         if (!isSame) {
             auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
-            frame.domain = makeDomain(std::move(topology), values.transform(), params.domain, file.frame, ranks);
+            frame.domain =
+                makeDomain(std::move(topology), values.transform(), params.domain, file.frame - file.repeats, ranks);
         }
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
@@ -105,7 +106,9 @@ FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const Load
         if (mSpacing == 0) mSpacing = mParams.input.pattern == "-" ? difference : frameSpacing(mParams.input);
         if (difference > 0 && mSpacing > 0) skipped = double(difference) / double(mSpacing);
     }
-    const auto interval = frameInterval(mParams.frameSpacing, velocity, next ? &next->velocity : nullptr, skipped);
+    const bool isSame = next && next->velocity.file.repeats > 0; // of a field that stands still
+    const FrameTimes* const end = next && !isSame ? &next->velocity : nullptr;
+    const auto interval = frameInterval(mParams.frameSpacing, velocity, end, skipped);
     if (!interval) {
         throw InputError(fmt::format("{}: its time {} does not come after the time {} of the frame before; give the "
                                      "frame spacing with `frame_spacing`",

@@ -82,6 +82,9 @@ class FlowSequence {
     [[nodiscard]] std::int64_t spacing() const { return mSpacing; }
     void setSpacing(std::int64_t spacing) { mSpacing = spacing; }
 
+    /// Scale the displacements of the frames to come (VelocityParams::motion).
+    void setMotion(double motion) { mParams.velocity.motion = motion; }
+
     /// Give the ranks their parts of the frames to come by another partition.
     void cutAs(std::shared_ptr<const Partition> partition) { mPartition = std::move(partition); }
 

@@ -15,6 +15,7 @@
 #include <memory>
 #include <regex>
 #include <system_error>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -55,6 +56,29 @@ std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
         if (gap) frames.push_back(found[i] + spacing);
     }
     return frames;
+}
+
+/// @param frames that a steady field is to stand for  @param found what there is, more than one
+[[noreturn]] void refuseSteady(int frames, const std::string& found)
+{
+    throw ParameterError(
+        fmt::format("`steady_frames` {} repeats a single frame, and there are {}: name one file, or one "
+                    "frame with `frames`",
+                    frames, found));
+}
+
+/// The files that were selected: of a steady field the only one, as often as it is to be used.
+std::vector<FrameFile> repeated(std::vector<FrameFile> files, const SequenceParams& params)
+{
+    if (params.steadyFrames == 1) return files;
+    if (files.size() > 1) refuseSteady(params.steadyFrames, fmt::format("{} in {}", files.size(), params.pattern));
+    for (int i = 1; i < params.steadyFrames; ++i) {
+        FrameFile next = files.back();
+        ++next.frame;
+        ++next.repeats;
+        files.push_back(std::move(next));
+    }
+    return files;
 }
 
 } // namespace
@@ -189,7 +213,7 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
         }
         const std::filesystem::path path = pattern.path(1);
         if (!isFile(path)) throw InputError(fmt::format("{}: no such file", path.string()));
-        return {{frameOfName(path).value_or(1), path}};
+        return repeated({{frameOfName(path).value_or(1), path}}, params);
     }
 
     const std::vector<std::int64_t> found = pattern.framesOnDisk();
@@ -219,7 +243,7 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
         }
         files.push_back({frame, pattern.path(frame)});
     }
-    return files;
+    return repeated(std::move(files), params);
 }
 
 std::vector<std::int64_t> selectedFrames(const SequenceParams& params)
@@ -232,7 +256,7 @@ std::vector<std::int64_t> selectedFrames(const SequenceParams& params)
 
 FramesAround framesAround(const SequenceParams& params)
 {
-    if (params.frames.empty() || params.pattern == "-") return {};
+    if (params.frames.empty() || params.pattern == "-" || params.steadyFrames > 1) return {};
     const std::vector<std::int64_t> selected = selectedFrames(params);
     const std::vector<std::int64_t> found = FramePattern(params.pattern).framesOnDisk();
     const auto isThere = [&](std::int64_t frame) { return std::binary_search(found.begin(), found.end(), frame); };
@@ -250,16 +274,30 @@ FramesAround framesAround(const SequenceParams& params)
 std::int64_t frameSpacing(const SequenceParams& params)
 {
     const FramePattern pattern(params.pattern);
-    return pattern.hasField() ? leastSpacing(pattern.framesOnDisk()) : 1;
+    return pattern.hasField() && params.steadyFrames == 1 ? leastSpacing(pattern.framesOnDisk()) : 1;
+}
+
+FrameSource steadySource(FrameSource one, int frames)
+{
+    return [one = std::move(one), frames, next = std::optional<FrameFile>{}]() mutable -> std::optional<FrameFile> {
+        if (next) {
+            ++next->frame;
+            ++next->repeats;
+        } else {
+            next = one();
+            if (next && one()) refuseSteady(frames, "several");
+        }
+        return next && next->repeats < frames ? next : std::nullopt;
+    };
 }
 
 FrameSource openSequence(const SequenceParams& params, std::istream& lines, std::size_t& count)
 {
     if (params.pattern == "-") {
         if (!params.frames.empty()) throw ParameterError("`frames` cannot select from paths on standard input");
-        count = 0;
-        return [paths = PathList(lines), next = params.renumber,
-                taken = std::map<std::int64_t, std::string>{}]() mutable -> std::optional<FrameFile> {
+        count = params.steadyFrames > 1 ? std::size_t(params.steadyFrames) : 0;
+        FrameSource source = [paths = PathList(lines), next = params.renumber,
+                              taken = std::map<std::int64_t, std::string>{}]() mutable -> std::optional<FrameFile> {
             const std::optional<std::string> path = paths.next();
             if (!path) return std::nullopt;
             if (!isFile(*path)) throw InputError(fmt::format("{:.300}: no such file (named on standard input)", *path));
@@ -278,6 +316,7 @@ FrameSource openSequence(const SequenceParams& params, std::istream& lines, std:
             }
             return FrameFile{*frame, *path};
         };
+        return params.steadyFrames > 1 ? steadySource(std::move(source), params.steadyFrames) : source;
     }
     if (params.renumber) throw ParameterError("`renumber` is for paths on standard input; a pattern has the numbers");
     auto files = std::make_shared<std::vector<FrameFile>>(selectFrames(params));

@@ -58,6 +58,7 @@ struct FrameFile {
     std::int64_t frame = 1;
     std::filesystem::path path;                ///< of a frame in memory: what messages call it
     std::shared_ptr<const VdbFile> contents{}; ///< of a frame in memory
+    std::int64_t repeats = 0;                  ///< of a steady field: frames since the one on disk
 
     /// Frame and path for messages: "frame 3: v.0003.vdb"; of a frame in memory its path.
     [[nodiscard]] std::string label() const;
@@ -66,12 +67,17 @@ struct FrameFile {
 /// Returns the next file of a sequence, or nothing at its end.
 using FrameSource = std::function<std::optional<FrameFile>()>;
 
+/// A source that repeats the only frame of another one, numbered on: a field that stands still.
+/// @param frames of the result
+[[nodiscard]] FrameSource steadySource(FrameSource one, int frames);
+
 /// How to select the files of an input sequence.
 struct SequenceParams {
     std::string pattern;                    ///< one file, a pattern, or `-` for paths on standard input
     std::string frames;                     ///< a frame list; empty for every frame found
     bool clampFrames = false;               ///< leave out listed frames before the first or after the last on disk
     std::optional<std::int64_t> renumber{}; ///< number paths on standard input from here, whatever their names
+    int steadyFrames = 1;                   ///< above 1: the sequence is one frame that is repeated so often
 };
 
 /// Those of an input sequence. @param name of the positional argument  @param text what the sequence is
@@ -82,7 +88,8 @@ struct SequenceParams {
 
 /// The files a sequence selects; all of them exist.
 ///
-/// @throws InputError naming the missing frame, ParameterError on a frame list for a single file
+/// @throws InputError naming the missing frame, ParameterError on a frame list for a single file, or on several frames
+///         that are to be steady
 [[nodiscard]] std::vector<FrameFile> selectFrames(const SequenceParams& params);
 
 /// The numbers of the frames that a sequence selects. @throws as selectFrames()

@@ -28,6 +28,9 @@ struct AdvectParams {
     /// Frames on disk before the first of `flow.input.frames` that are computed but not written; nothing: up to twice
     /// the life span, 0 for LIC, the tail and 2 for streaks.
     std::optional<int> leadIn{};
+    /// Displacement of the first frame's faster half (Displacements) that `flow.velocity.motion` is chosen for
+    /// [voxels].
+    std::optional<double> voxelsPerFrame{};
     int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
     std::string textureName = "density";
     std::vector<std::string> derived{}; ///< further grids computed from the velocity: of kDerivedNames

@@ -10,7 +10,8 @@
 namespace vdblic {
 namespace {
 
-constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time", *kSpacing = "number_spacing";
+constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time", *kSpacing = "number_spacing",
+                     *kMotion = "scaled_motion";
 
 std::string inputKey(std::size_t index)
 {
@@ -79,6 +80,7 @@ void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
     metadata.insertMeta(kInterval, openvdb::DoubleMetadata(checkpoint.position.interval));
     metadata.insertMeta(kTime, openvdb::DoubleMetadata(checkpoint.position.time));
     metadata.insertMeta(kSpacing, openvdb::Int64Metadata(checkpoint.position.frameSpacing));
+    metadata.insertMeta(kMotion, openvdb::DoubleMetadata(checkpoint.position.motion));
     for (std::size_t i = 0; i < checkpoint.inputs.size(); ++i)
         metadata.insertMeta(inputKey(i), openvdb::StringMetadata(checkpoint.inputs[i]));
     for (const auto& [key, value] : parameters)
@@ -113,6 +115,7 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
     checkpoint.position.interval = position.get<double>(kInterval);
     checkpoint.position.time = position.get<double>(kTime);
     checkpoint.position.frameSpacing = position.get<std::int64_t>(kSpacing);
+    checkpoint.position.motion = position.get<double>(kMotion);
     if (const std::string creator = textMetadata(metadata, "creator"); creator != kCreator) {
         refuseCheckpoint(path,
                          fmt::format("was written by {}, this is {}: go on with that version", creator, kCreator));

@@ -16,6 +16,7 @@ struct RunPosition {
     double interval = 0;           ///< seconds between the frames of the last step
     double time = 0;               ///< seconds, of the frame that the next step starts from or after
     std::int64_t frameSpacing = 0; ///< FlowSequence::spacing()
+    double motion = 1;             ///< VelocityFrame::motion
 };
 
 /// A part of a checkpoint's state, in a file of its own: of a large domain, or of a rank.

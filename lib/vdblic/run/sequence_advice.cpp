@@ -1,6 +1,5 @@
 #include "vdblic/run/sequence_advice.h"
 
-#include "vdblic/lic/texture_params.h"
 #include "vdblic/run/texture_run.h"
 
 #include <fmt/format.h>
@@ -38,32 +37,16 @@ int layerAxis(const openvdb::CoordBBox& box)
 
 constexpr double kLeast = 0.25; // voxels a step: streaks of a voxel
 constexpr double kGood = 4;
-constexpr int kLifeSpan = TextureParams{}.lifeSpan;
 
-std::string slowAdvice(double moves, const std::vector<std::int64_t>& frames)
+/// Several steps in one, if enough frames are left. @param moves voxels a step
+std::optional<std::string> longerSteps(double moves, const std::vector<std::int64_t>& frames)
 {
-    // Several steps in one.
     constexpr std::size_t kFewest = 4; // frames that are left
     const auto every = std::size_t(std::min(std::ceil(1 / moves), 1e6));
-    if (frames.size() > (kFewest - 1) * every) {
-        const auto spacing = std::size_t(frames[1] - frames[0]) * every;
-        return fmt::format("or give `frames` {}-{}x{} for {:.2g} voxels a step", frames.front(), frames.back(), spacing,
-                           moves * double(every));
-    }
-    constexpr double kLongest = 100; // life span: as many steps lead in
-    const double life = std::ceil(kGood / moves);
-    if (life > kLongest) return "and the frame spacing";
-    return fmt::format("or give `life_span` {} for streaks of {:.2g} voxels", life, life * moves);
-}
-
-std::string fastAdvice(double moves)
-{
-    constexpr double kLongest = 128; // voxels, of a streak
-    if (moves > kLongest) return "and the frame spacing";
-    const std::string text =
-        fmt::format("or take frames {} times closer in time", std::ceil(moves / kLargeDisplacement));
-    const double life = std::clamp(std::floor(kLongest / 2 / moves), 1.0, kLifeSpan - 1.0);
-    return text + fmt::format("; `life_span` {} shortens streaks to {:.2g} voxels", life, life * moves);
+    if (frames.size() <= (kFewest - 1) * every) return std::nullopt;
+    const auto spacing = std::size_t(frames[1] - frames[0]) * every;
+    return fmt::format("`frames` {}-{}x{} for {:.2g} voxels a step", frames.front(), frames.back(), spacing,
+                       moves * double(every));
 }
 
 /// Streaks are a few voxels thick: a coarse grid shows few of them.
@@ -114,20 +97,19 @@ bool makesStreaks(double moves)
     return moves >= kLeast && moves <= kLargeDisplacement;
 }
 
-std::optional<std::string> motionAdvice(double moves, const std::vector<std::int64_t>& frames, bool isFrozen,
-                                        double interval, const std::vector<std::string>& others)
+std::optional<std::string> motionAdvice(double moves, const std::vector<std::int64_t>& frames,
+                                        const std::vector<std::string>& others)
 {
     if (makesStreaks(moves)) return std::nullopt;
     if (!(moves > 0))
         return "the flow is at rest, and a texture without motion is noise: check the grid and the frames";
-    const std::string text = fmt::format(
-        "the faster half of the flow moves {:.2g} voxels a step, {} for streaks: check `velocity_unit`{} ", moves,
-        moves < kLeast ? "too little" : "too far", others.empty() ? "" : fmt::format(" ({})", fmt::join(others, ", ")));
-    // A flow that stays as it is may be followed for any time.
-    if (isFrozen)
-        return text +
-               fmt::format("or give `frame_spacing` {:.2g} for {} voxels a step", interval * kGood / moves, kGood);
-    return text + (moves < kLeast ? slowAdvice(moves, frames) : fastAdvice(moves));
+    const bool isSlow = moves < kLeast;
+    const std::string units = others.empty() ? "" : fmt::format(" ({})", fmt::join(others, ", "));
+    const std::string scaled = fmt::format("`voxels_per_frame` {} for {} motion", kGood, isSlow ? "quick" : "slow");
+    return fmt::format("the faster half of the flow moves {:.2g} voxels a step, too {} for streaks: check "
+                       "`velocity_unit`{} and the frame spacing, or give {}",
+                       moves, isSlow ? "little" : "far", units,
+                       isSlow ? longerSteps(moves, frames).value_or(scaled) : scaled);
 }
 
 std::string frameListText(const std::vector<std::int64_t>& frames)
@@ -170,9 +152,15 @@ std::vector<std::string> adviceFor(const SequenceInfo& info)
     }
     if (!info.velocity) return advice;
     if (const auto& motion = info.velocity->motion) {
-        const auto text =
-            motionAdvice(motion->fasterHalf, info.frames, info.isFrozen, info.velocity->interval, motion->otherUnits);
+        const auto text = motionAdvice(motion->fasterHalf, info.frames, motion->otherUnits);
         if (text) advice.push_back(*text);
+    }
+    if (info.isFrozen) {
+        constexpr int kFrames = 24;
+        advice.push_back(
+            fmt::format("one frame gives one texture: `steady_frames` {} gives a film of a flow that stays as "
+                        "it is",
+                        kFrames));
     }
     const GridInfo* grid = gridOf(info, info.velocity->grid);
     adviseOnVoxels(*info.velocity, grid, advice);

@@ -16,13 +16,10 @@ namespace vdblic {
 [[nodiscard]] bool makesStreaks(double moves);
 
 /// What to do about a flow that moves too little or too far in a step for streaks; nothing if it does neither.
-/// @param moves    displacement of its faster half [voxels a step]
-/// @param frames   of the sequence, those that are used
-/// @param isFrozen whether the flow stays as it is: its one frame has no neighbours, so any frame spacing will do
-/// @param interval seconds of a step
-/// @param others   units with which it would move some voxels, "voxel/s: 3.2"
+/// @param moves  displacement of its faster half [voxels a step]
+/// @param frames of the sequence, those that are used
+/// @param others units with which it would move some voxels, "voxel/s: 3.2"
 [[nodiscard]] std::optional<std::string> motionAdvice(double moves, const std::vector<std::int64_t>& frames,
-                                                      bool isFrozen, double interval,
                                                       const std::vector<std::string>& others = {});
 
 /// Frames as a frame list takes them: "1-4,8".

@@ -139,6 +139,7 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
         file.metadata.insertMeta(chosen->first, *chosen->second);
     if (!velocity.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
+    if (velocity.motion != 1) file.metadata.insertMeta("motion", openvdb::DoubleMetadata(velocity.motion));
     // With a frame spacing of its own a run leaves the calendar of the files.
     if (!velocity.start.empty() && !params.flow.frameSpacing)
         file.metadata.insertMeta("start", openvdb::StringMetadata(velocity.start));

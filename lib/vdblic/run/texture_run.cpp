@@ -64,7 +64,7 @@ void TextureRun::begin()
     for (int i = 0; i < mParams.framesBefore; ++i)
         mTime += mInterval.seconds;
     mTime = mCurrent->velocity.time.value_or(mTime);
-    mIsFrozen = isOnlyFrame() && !mAfter && mParams.framesBefore == 0;
+    if (mParams.voxelsPerFrame) setMotion(motionFor(*mParams.voxelsPerFrame));
     tellTexture();
     start();
 }
@@ -83,7 +83,29 @@ void TextureRun::goOn(const RunPosition& position)
     mInterval = {position.interval, "as before"};
     mFlow.setSpacing(position.frameSpacing);
     mSubstep = mParams.substep(position.steps);
+    setMotion(position.motion);
     start();
+}
+
+/// The factor, in three digits, with which the faster half of the current frame moves so many voxels.
+double TextureRun::motionFor(double voxels) const
+{
+    const double moves = mShared.fasterDisplacement(*mCurrent, mInterval.seconds);
+    if (!(moves > 0)) return 1;
+    const std::string factor = fmt::format("{:.3g}", voxels / moves);
+    mReporter.say(
+        fmt::format("the faster half of frame {} moves {:.2g} voxels, and {:.2g} with `motion` {}, which gives "
+                    "other parts of the sequence the same motion",
+                    mCurrent->velocity.file.frame, moves, voxels, factor));
+    return std::stod(factor);
+}
+
+void TextureRun::setMotion(double motion)
+{
+    mFlow.setMotion(motion);
+    for (std::optional<LoadedFrame>* frame : {&mCurrent, &mNext, &mAfter}) {
+        if (*frame) (*frame)->velocity.motion = motion;
+    }
 }
 
 void TextureRun::start()
@@ -221,7 +243,8 @@ FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame&
 RunPosition TextureRun::position() const
 {
     const bool isNextFrame = mNext && mSubstep == mParams.texture.substeps;
-    return {mTexture->steps(), mInterval.seconds, isNextFrame ? mTime + mInterval.seconds : mTime, mFlow.spacing()};
+    return {mTexture->steps(), mInterval.seconds, isNextFrame ? mTime + mInterval.seconds : mTime, mFlow.spacing(),
+            mCurrent->velocity.motion};
 }
 
 /// Warn of what is likely wrong with a frame, though its texture can be computed.
@@ -250,7 +273,7 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
     const double faster = mShared.fasterDisplacement(frame, seconds);
     if (faster <= kLargeDisplacement) return;
     mWarnedOfDisplacement = true;
-    const auto advice = motionAdvice(faster, {number}, mIsFrozen, seconds);
+    const auto advice = motionAdvice(faster, {number});
     mReporter.warn(fmt::format("frame {}: {}", number, *advice));
 }
 

@@ -82,6 +82,8 @@ class TextureRun {
   private:
     void start();
     void tellTexture();
+    void setMotion(double motion);
+    [[nodiscard]] double motionFor(double voxels) const;
     void checkMemoryFor(const LoadedFrame& first) const;
     [[nodiscard]] std::optional<LoadedFrame> nextFrame();
     void balance(LoadedFrame& frame);
@@ -106,7 +108,6 @@ class TextureRun {
     int mSubstep = 0;                  // to come after the current frame
     double mTime = 0;                  // of the current frame
     bool mIsDone = false;
-    bool mIsFrozen = false; // the run has one frame
     bool mWarnedOfDisplacement = false, mWarnedOfRest = false;
 };
 

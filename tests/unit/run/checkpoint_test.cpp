@@ -15,7 +15,7 @@
 namespace vdblic {
 namespace {
 
-const Checkpoint kCheckpoint{{7, 0.1, 1.0 / 3, 2}, {"frame 1, size 5", "frame 3, size 6"}, {}};
+const Checkpoint kCheckpoint{{7, 0.1, 1.0 / 3, 2, 0.3}, {"frame 1, size 5", "frame 3, size 6"}, {}};
 
 /// The message with which reading is refused.
 template<typename ErrorT>
@@ -43,6 +43,7 @@ TEST(Checkpoint, GivesBackWhatItWasGiven)
     EXPECT_EQ(read.position.interval, kCheckpoint.position.interval);
     EXPECT_EQ(read.position.time, kCheckpoint.position.time);
     EXPECT_EQ(read.position.frameSpacing, kCheckpoint.position.frameSpacing);
+    EXPECT_EQ(read.position.motion, kCheckpoint.position.motion);
     EXPECT_EQ(read.inputs, kCheckpoint.inputs);
 }
 
