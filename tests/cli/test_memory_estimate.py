@@ -12,9 +12,9 @@ if os.environ.get("VDBLIC_SANITIZED") == "1":
 
 
 class MemoryEstimate(ToolTest):
-    def peak_and_estimate(self, *arguments):
+    def peak_and_estimate(self, *arguments, threads=1):
         """The most memory that a run held, and its estimate [MiB]."""
-        command = [BIN / "vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "-v", "--preroll", 0, "--threads", 1, *arguments]
+        command = [BIN / "vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "-v", "--preroll", 0, "--threads", threads, *arguments]
         run = subprocess.Popen(list(map(str, command)), cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                text=True)
         messages = run.stderr.read()
@@ -32,6 +32,14 @@ class MemoryEstimate(ToolTest):
             for choice in choices:
                 peak, said = self.peak_and_estimate("--frames", "1-3", *choice)
                 self.assertAlmostEqual(peak / said, 1, delta=0.25, msg=(size, choice, peak, said))
+
+    def test_small_grids_and_threads(self):
+        """Bricks are most of a small grid's memory: with two threads there are ten times as many."""
+        for size in 46, 63, 100:
+            self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", size, size, size, "--frames", "1-3")
+            for threads in 1, 2:
+                peak, said = self.peak_and_estimate(threads=threads)
+                self.assertAlmostEqual(peak / said, 1, delta=0.25, msg=(size, threads, peak, said))
 
 
 if __name__ == "__main__":

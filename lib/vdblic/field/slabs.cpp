@@ -6,12 +6,16 @@
 #include <algorithm>
 
 namespace vdblic {
-namespace {
 
-// The bricks of a slab and its neighbours are a few megabytes and are used again while the caches hold them.
-constexpr std::size_t kFewestLeaves = 96;
-
-} // namespace
+std::size_t Slabs::fewestLeaves()
+{
+    // The bricks of a slab and its neighbours are a few megabytes and are used again while the caches hold them.
+    constexpr std::size_t kAlone = 96;
+    // Threads keep a distance from one another, so a slab for several needs more leaves for each.
+    constexpr std::size_t kForThread = 512;
+    const std::size_t threads = threadCount();
+    return threads == 1 ? kAlone : kForThread * threads;
+}
 
 Slabs::Slabs(const Domain& domain, const Refinement& refinement)
 {
@@ -20,9 +24,7 @@ Slabs::Slabs(const Domain& domain, const Refinement& refinement)
     for (const std::uint32_t leaf : domain.local())
         box.expand(domain.origin(leaf));
     mAxis = int(box.maxExtent());
-    // Threads keep a distance from one another, so a slab for several needs more leaves for each.
-    constexpr std::size_t kLeavesForThread = 512;
-    const std::size_t threads = threadCount(), enough = threads == 1 ? kFewestLeaves : kLeavesForThread * threads;
+    const std::size_t enough = fewestLeaves();
     sortLeaves(domain);
     for (std::size_t i = 0; i < mLeaves.size(); ++i) {
         const openvdb::Coord origin = domain.origin(mLeaves[i]);

@@ -21,6 +21,9 @@ class Slabs {
     /// @param refinement of the domain: no leaf of the velocity lies under two slabs
     explicit Slabs(const Domain& domain, const Refinement& refinement = {});
 
+    /// Leaves that a slab has at least, for the threads that there are, if the domain has so many.
+    [[nodiscard]] static std::size_t fewestLeaves();
+
     /// The leaves of the velocity's domain under each slab of a refined domain. @param refined made with `refinement`
     Slabs(const Slabs& refined, const Domain& velocity, const Refinement& refinement);
 
