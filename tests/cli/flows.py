@@ -139,6 +139,35 @@ def write_ensight(folder, times):
         f"time values: {' '.join(map(str, times))}\n", encoding="utf-8")
 
 
+def write_ensight_cells(folder, gold=True):
+    """An EnSight case of hexahedra, flow.case: Gold in two parts with numbers of nodes, or the older form in one."""
+    sizes = nx, ny, nz = 5, 4, 3
+    nodes = grid_positions(*axes(sizes)).reshape(-1, 3)
+    first = lambda i, j, k: i + nx * (j + ny * k) + 1
+    corners = [[first(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+               for k in range(nz - 1) for j in range(ny - 1) for i in range(nx - 1)]
+    column = lambda values: "".join(f"{value:12.5e}\n" for value in values.T.ravel())
+    rows = lambda table, form, n: "".join("".join(form % x for x in line) + "\n" for line in
+                                          (table[i:i + n] for i in range(0, len(table), n)))
+    hexahedra = lambda form: f"hexa8\n{form % len(corners)}\n{rows(sum(corners, []), form, 8)}"
+    geometry, values = "a box\nof cells\nnode id given\nelement id assign\n", "U\n"
+    if gold:
+        for part in 1, 2:
+            at = nodes + [2 * (part - 1), 0, 0]
+            numbers = "".join(f"{i:10}\n" for i in range(len(at)))
+            geometry += (f"part\n{part:10}\nblock of cells\ncoordinates\n{len(at):10}\n{numbers}{column(at)}"
+                         f"{hexahedra('%10d')}")
+            values += f"part\n{part:10}\ncoordinates\n{column(flow(at))}"
+    else:
+        lines = "".join(f"{i:8}{x:12.5e}{y:12.5e}{z:12.5e}\n" for i, (x, y, z) in enumerate(nodes, 1))
+        geometry += f"coordinates\n{len(nodes):8}\n{lines}part 1\nbox\n{hexahedra('%8d')}"
+        values += rows(flow(nodes).ravel(), "%12.5e", 6)
+    (folder / "flow.geo").write_text(geometry, encoding="utf-8")
+    (folder / "flow.U").write_text(values, encoding="utf-8")
+    (folder / "flow.case").write_text(f"FORMAT\ntype: ensight{' gold' if gold else ''}\n\nGEOMETRY\nmodel: flow.geo\n\n"
+                                      "VARIABLE\nvector per node: U flow.U\n", encoding="utf-8")
+
+
 FOAM_HEADER = "FoamFile {{ version 2.0; format ascii; class {kind}; location \"{place}\"; object {name}; }}\n"
 
 

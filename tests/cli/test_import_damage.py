@@ -176,5 +176,34 @@ class Truncated(ImportTest):
                     self.assertIn(f"{name}: ", self.refuses(3, name, "-o", "v.vdb"))
 
 
+class EnSight(ImportTest):
+    def refuses_every_start(self, name, tail):
+        """A file that is cut off anywhere, but in its last `tail` bytes, is refused by its name."""
+        whole = self.contents(name)
+        for size in numpy.linspace(1, len(whole) - tail, 6).astype(int):
+            with self.subTest(name=name, size=size):
+                (self.folder / name).write_bytes(whole[:size])
+                self.assertIn(f"{name}: it ends too early: ", self.refuses(3, "flow.case", "-o", "v.%04d.vdb"))
+        (self.folder / name).write_bytes(whole)
+
+    def test_a_block(self):
+        flows.write_ensight(self.folder, TIMES)
+        for name in "flow.geo", "flow.U.0000":
+            self.refuses_every_start(name, 14)
+        data = self.contents("flow.U.0002")
+        (self.folder / "flow.U.0002").write_bytes(data[:len(data) // 2])
+        self.assertRegex(self.fails(3, "vdblic_import", "flow.case", "-o", "v.%04d.vdb", "--frames", 3),
+                         r"flow.U.0002: it ends too early: 'block' of part 1 has \d+ of 945 values; copy it again")
+        self.imports("flow.case", "-o", "v.%04d.vdb", "--frames", "1-2")  # which need that file not
+
+    def test_cells(self):
+        for gold in True, False:
+            flows.write_ensight_cells(self.folder, gold)
+            self.assert_flow(self.imports("flow.case", "-o", "v.vdb")[0], flows.flow)
+            (self.folder / "v.vdb").unlink()
+            self.refuses_every_start("flow.geo", 12)
+            self.refuses_every_start("flow.U", 80)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -4,7 +4,7 @@ import re
 
 from ..errors import InputError, needed
 from ..vtk_data import arrays_of, blocks_of, errors_of, joined, model
-from . import Source
+from . import Source, ensight
 from .whole_files import check_whole
 
 
@@ -15,7 +15,7 @@ def open_source(path):
         if check_whole(path) not in ("HDF5", "ADF"):  # its library would end the process
             raise InputError(f"{path}: cannot be read: it is neither of the forms of CGNS, HDF5 and ADF")
         return Case(path, needed("vtkmodules.vtkIOCGNSReader").vtkCGNSReader())
-    return Case(path, needed("vtkmodules.vtkIOEnSight").vtkGenericEnSightReader())
+    return EnSightCase(path)
 
 
 class Case(Source):
@@ -60,6 +60,18 @@ class Case(Source):
             else:
                 self._reader.UpdateTimeStep(time)
         return self._reader.GetOutputDataObject(0)
+
+
+class EnSightCase(Case):
+    """A case of EnSight, whose text files are looked through before VTK reads them."""
+
+    def __init__(self, path):
+        self._files = ensight.Case(path)
+        super().__init__(path, needed("vtkmodules.vtkIOEnSight").vtkGenericEnSightReader())
+
+    def _update(self, time):
+        self._files.check(time)
+        return super()._update(time)
 
 
 class OpenFoamCase(Case):
