@@ -2,6 +2,7 @@
 
     blender --python flow_texture.py -- lic.0001.vdb                            a new scene, in the window
     blender shot.blend --python flow_texture.py -- lic.0001.vdb                 into a scene of yours
+    blender -b --python flow_texture.py -o image.#### -f 12 -- lic.0001.vdb --preview    a small, grainy picture
     blender -b --python flow_texture.py -o image.#### -f 12 -- lic.0001.vdb     frame 12 without a window; -a: all
 
 Any file of the sequence names it; scene frame 12 shows the file of number 12. After `--` also: --help.
@@ -45,6 +46,7 @@ def arguments():
     parser.add_argument("--speed", type=float, help="speed of the last colour (default: nearly the fastest there is)")
     parser.add_argument("--domain", metavar="OBJECT", help="put a texture of a Mantaflow cache on its domain object")
     parser.add_argument("--y-up", action="store_true", help="stand a texture of Houdini's velocities upright")
+    parser.add_argument("--preview", action="store_true", help="a quarter of the width and height, few samples")
     own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
     return parser.parse_args(own)
 
@@ -301,6 +303,13 @@ def set_up_new_scene(volume):
     scene.cycles.use_denoising = False  # denoising smears streaks, and Debian's Blender does not have it
 
 
+def make_small():
+    """Render pictures that take seconds."""
+    scene = bpy.context.scene
+    scene.render.resolution_percentage = 25
+    scene.cycles.samples = 8
+
+
 def main():
     options = arguments()
     new_scene = bool(options.file) and clear_startup_scene()
@@ -308,6 +317,8 @@ def main():
     place(volume, options.domain, options.y_up)
     if new_scene:
         set_up_new_scene(volume)
+    if options.preview:
+        make_small()
     filled, corners = survey(volume, options.texture)
     warn_if_apart(volume, options.texture, corners)
     speed, shares = measure_speeds(volume, filled[len(filled) // 2], options.speed)

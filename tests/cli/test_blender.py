@@ -222,6 +222,14 @@ class Blender(ToolTest):
         self.assertGreater(pixels.std(axis=0).min(), 0.03)  # not blank: each colour varies
         self.assertLess(likeness(pixels[:, 0], pixels[:, 2]), 0.8)  # and the colours differ
 
+    def test_a_preview_is_small(self):
+        file, = self.velocities("swirl", UNIFORM)
+        report = ("import bpy; scene = bpy.context.scene; print('preview', scene.render.resolution_percentage, "
+                  "scene.cycles.samples)")
+        for arguments, expected in ((), "preview 100 64"), (("--preview",), "preview 25 8"):
+            done = blender(SAMPLE, file, *arguments, options=("--python-expr", report))
+            self.assertIn(expected, done.stdout.splitlines(), done.stdout + done.stderr)
+
     def test_the_sample_leaves_a_scene_as_it_is_and_stands_on_a_domain(self):
         file, = self.velocities("swirl", UNIFORM)
         domain = ("import bpy; box = bpy.data.objects['Cube']; box.name = 'Smoke box'; box.location = 1, 2, 3; "
