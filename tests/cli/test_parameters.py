@@ -61,7 +61,7 @@ class Parameters(ToolTest):
         outputs = {"input", "frames", "clamp_frames", "renumber", "output", "skip_existing", "keep_going", "aov",
                    "precision", "compression", "histogram", "transfer_out", "film", "fps"}
         self.assertEqual(set(vdblic.pictures.OPTIONS), {p["key"] for p in self.listed("render")} - outputs)
-        left_out, = re.findall(r"are left out: ([\w,\s]+)\.", vdblic.Renderer.__doc__)
+        left_out, = re.findall(r"are left out:\s+([\w,\s]+)\.", vdblic.Renderer.__doc__)
         self.assertEqual(set(left_out.replace(",", " ").split()), outputs)
         for function, names in (vdblic.advect, vdblic.flow.PARAMETERS), (vdblic.Renderer, vdblic.pictures.OPTIONS):
             for name in names:

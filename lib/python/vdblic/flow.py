@@ -28,17 +28,18 @@ def advect(
 
     The textures are those of `vdblic_advect`, bit for bit.
 
-    velocities     the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities in world units per
-                   second: arrays (x, y, z, 3), Grids, Volumes, data of xarray and VTK (as_volume() tells which), or pairs
-                   of a time in seconds or a date, and one of these. An iterable is read one frame ahead; frames count
-                   from 1. One of these by itself is one frame, and data of xarray have a frame for each time
+    velocities     the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities in world units
+                   per second: arrays (x, y, z, 3), Grids, Volumes, data of xarray and VTK (as_volume() tells which), or
+                   pairs of a time in seconds or a date, and one of these. An iterable is read one frame ahead; frames
+                   count from 1. One of these by itself is one frame, and data of xarray have a frame for each time
     voxel_size     of arrays without coordinates: one length or three
     parameters     of `vdblic_advect`; a list may stand for a text with commas: frames=[1, 2, 5]. Those of output files
                    and checkpoints are left out:
 
 {parameters}
-    Errors in the parameters are raised at once, those in a frame when it is taken; they name it by its number. Closing the iterator ends the run; Ctrl-C ends it before the next step. Warnings are Python's, messages go to the
-    logger `vdblic`. Any number of runs may go on at a time.
+    Errors in parameters are raised at once, those in a frame when it is taken, with its number. Closing the iterator
+    ends the run; Ctrl-C ends it before the next step. Warnings are Python's, messages go to the logger `vdblic`.
+    Any number of runs may go on at a time.
     """
     lengths = lengths_of(voxel_size)
     options = checked("advect", parameters, PARAMETERS)

@@ -146,8 +146,9 @@ def _step_and_first(array, dimension, voxel_size, metadata):
     if step == 0 or deviation > 1e-3 * abs(step) + 2 * rounding * abs(numbers).max():
         steps = numpy.diff(numbers)
         raise ValueError(
-            f"the coordinates '{dimension}' are uneven, with steps from {steps.min():g} to {steps.max():g}; interpolate "
-            f"to even ones, as .interp({dimension}=numpy.linspace({stored[0]:g}, {stored[-1]:g}, {count})) does"
+            f"the coordinates '{dimension}' are uneven, with steps from {steps.min():g} to {steps.max():g}; "
+            f"interpolate to even ones, as .interp({dimension}=numpy.linspace({stored[0]:g}, {stored[-1]:g}, {count})) "
+            "does"
         )
     return step, first
 
@@ -211,8 +212,9 @@ def _of_vtk(data):
 def _arrays_of(data):
     """Arrays of 1 or 3 components, the active vectors first."""
     arrays = [data.GetArray(index) for index in range(data.GetNumberOfArrays())]
-    arrays = [a for a in arrays if a is not None and a.GetName() != "vtkGhostType" and a.GetNumberOfComponents() in (1, 3)]
-    return sorted(arrays, key=lambda array: array is not data.GetVectors())
+    numbers = [array for array in arrays if array is not None and array.GetName() != "vtkGhostType"]
+    fields = [array for array in numbers if array.GetNumberOfComponents() in (1, 3)]
+    return sorted(fields, key=lambda array: array is not data.GetVectors())
 
 
 def _in_order(values, size):

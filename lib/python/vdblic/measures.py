@@ -13,7 +13,7 @@ Source = str | os.PathLike | Volume
 
 
 def diff(a: Source, b: Source, /, **options) -> dict:
-    """Compare two files, patterns or volumes as `vdblic_diff` does. A volume is compared with a volume or with one file.
+    """Compare two files, patterns or volumes as `vdblic_diff` does; a volume with a volume or with one file.
 
     Returns its report (docs/diff.md), in which volumes are called a and b; report["verdict"] is same, warning or
     different. Raises ValueError for what cannot be read or compared.

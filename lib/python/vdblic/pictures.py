@@ -14,8 +14,9 @@ from .volumes import Grid, Volume, as_dictionaries, as_volume
 
 
 class Picture(numpy.ndarray):
-    """A picture, (height, width, 4): rows from the top, linear light, premultiplied alpha. A notebook shows it, over its
-    `background` (red, green, blue as displayed, 0 to 1).
+    """A picture, (height, width, 4): rows from the top, linear light, premultiplied alpha.
+
+    A notebook shows it over its `background`: red, green and blue as displayed, 0 to 1.
     """
 
     background: Sequence[float] = (0.04, 0.05, 0.07)
@@ -70,8 +71,8 @@ class Renderer:
         grid = volume.grids[0]
         if numpy.ndim(grid.values) != 3:
             raise ValueError(
-                f"the texture has the shape {grid.values.shape}; a texture has (x, y, z), and advect() makes textures of "
-                "velocities"
+                f"the texture has the shape {grid.values.shape}; a texture has (x, y, z), and advect() makes textures "
+                "of velocities"
             )
         return Volume([dataclasses.replace(grid, name=self._picture.texture or "density")], volume.metadata)
 
@@ -86,4 +87,6 @@ def displayed(picture: numpy.ndarray, background: Sequence[float] | None = None)
     """
     if picture.ndim != 3 or picture.shape[2] != 4:
         raise ValueError(f"`picture` has the shape {picture.shape}; a picture has (height, width, 4)")
-    return _core.displayed(picture, getattr(picture, "background", Picture.background) if background is None else background)
+    if background is None:
+        background = getattr(picture, "background", Picture.background)
+    return _core.displayed(picture, background)

@@ -21,7 +21,7 @@ class Grid:
 
     values: Array
     """(x, y, z), or (x, y, z, 3) for vectors; single precision is stored. Voxels with a masked value (numpy.ma) are
-    inactive. A DataArray of xarray or an image of VTK with one array gives the transform too, as as_volume() takes it."""
+    inactive. A DataArray of xarray or an image of VTK with one array gives the transform too (as_volume())."""
     active: Array | None = None
     """(x, y, z): the voxels that have a value; None for all."""
     transform: Array = None  # type: ignore[assignment]
@@ -30,8 +30,8 @@ class Grid:
     """Index of the voxel values[0, 0, 0]."""
     name: str = "density"
     metadata: dict = dataclasses.field(default_factory=dict)
-    """Texts, numbers, truth values and tuples of 2 to 4 numbers. A number of Python is stored in 64 bits, one of NumPy in
-    its own type; whole numbers of tuples in 32 bits. read() gives what write() stores in the file's types."""
+    """Texts, numbers, truth values and tuples of 2 to 4 numbers. A number of Python is stored in 64 bits, one of NumPy
+    in its own type, whole numbers of tuples in 32 bits. read() gives what write() stores in the file's types."""
     staggered: bool = False
     """Whether the components of a vector lie on the faces of its voxel, half a voxel below its centre."""
 
@@ -132,16 +132,17 @@ def as_volume(data: Any, *, voxel_size: float | Sequence[float] = 1.0) -> Volume
     """A volume of any data that hold fields: what advect(), Renderer and Grid make of them.
 
     Volume, Grid   as they are
-    arrays         (x, y, z) is a grid `density`, (x, y, z, 3) a grid `velocity`, on voxels of `voxel_size`: one length or
-                   three. Voxels with a masked value (numpy.ma) are inactive
+    arrays         (x, y, z) is a grid `density`, (x, y, z, 3) a grid `velocity`, on voxels of `voxel_size`: one length
+                   or three. Voxels with a masked value (numpy.ma) are inactive
     xarray         A DataArray is one grid, of vectors if it has a further dimension of 3 components. Of a Dataset each
-                   variable over x, y and z is a grid, so that u, v and w are a velocity. The dimensions are x, y and z by
-                   their names or by the attribute `axis` of their coordinates, in any order. Coordinates are the voxels'
-                   centres, in m, km or no unit, and even; an axis without them, or of one voxel, has `voxel_size`. Missing
-                   values (NaN) are inactive. A coordinate `time` is in seconds or a date; advect() takes the times of a
-                   dimension one after the other
-    VTK, PyVista   Each array of 1 or 3 components of an ImageData is a grid, whose voxels' centres are the points or the
-                   middles of the cells. What vtkGhostType hides is inactive. `TimeValue` of the field data is the time
+                   variable over x, y and z is a grid, so that u, v and w are a velocity. The dimensions are x, y and z
+                   by their names or by the attribute `axis` of their coordinates, in any order. Coordinates are the
+                   voxels' centres, in m, km or no unit, and even; an axis without them, or of one voxel, has
+                   `voxel_size`. Missing values (NaN) are inactive. A coordinate `time` is in seconds or a date;
+                   advect() takes the times of a dimension one after the other
+    VTK, PyVista   Each array of 1 or 3 components of an ImageData is a grid, whose voxels' centres are the points or
+                   the middles of the cells. What vtkGhostType hides is inactive. `TimeValue` of the field data is the
+                   time
 
     Raises ValueError for other data, and naming what is missing or uneven.
     """
