@@ -50,7 +50,7 @@ class Info(ToolTest):
         self.assertAlmostEqual(velocity["mean_displacement"], 17 / 5 * 0.25 / 0.5, places=5)
         self.assertIn("v.%04d.vdb: 5 frames, 1-3,5-6; ", text)
         self.assertIn("frame 4 is missing; --frames 1-3,5-6 selects the others", info["advice"])
-        self.assertIn("4096 voxels are few for streaks: --refine 4", " ".join(info["advice"]))
+        self.assertIn("4096 voxels are few for streaks: --refine 6", " ".join(info["advice"]))
 
     def test_headers_alone(self):
         self.write(1, self.constant(1), dt=0.1)
@@ -123,20 +123,22 @@ class Info(ToolTest):
             self.assertGreater(step, 0.7)
             self.assertGreaterEqual(len(after["frames"]), 4)
         self.assertEqual("--steady-frames" in found, len(info["frames"]) == 1)
-        for name in "--voxels-per-frame", "--steady-frames", "--refine":
-            if name in found:
-                taken += [name, *found[name]]
+        if "--voxels-per-frame" in found:
+            taken += ["--voxels-per-frame", *found["--voxels-per-frame"]]
         taken = [option for option in taken if option not in ("--frames", *found.get("--frames", []))]
         if "%" in pattern:
             taken += ["--frames", ",".join(map(str, after["frames"][:2]))]
-        done = self.run_tool("vdblic_advect", pattern, "-o", "lic.%04d.vdb", *taken)
+        if "--steady-frames" in found:
+            film = self.outputs("vdblic_advect", pattern, "-o", "film.%04d.vdb", *taken, "--steady-frames",
+                                *found["--steady-frames"])
+            self.assertEqual(len(film), int(found["--steady-frames"][0]))
+        taken += ["--refine", *found["--refine"]] if "--refine" in found else []
+        done = self.run_tool("vdblic_advect", pattern, "-o", "lic.%04d.vdb", *taken, "--preroll", 1)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("too far", done.stderr)
         if "--voxels-per-frame" in found:
             step *= float(re.search("--motion ([^ ]+),", done.stderr)[1])
             self.assertAlmostEqual(step, 4, delta=2)  # of all frames; the first one moves as far as was asked
-        if "--steady-frames" in found:
-            self.assertEqual(len(done.stdout.split()), int(found["--steady-frames"][0]))
         texture = vdb.read(str(self.folder / done.stdout.split()[0]), "density")
         if "--refine" in found:
             millions = float(re.search("gives ([^ ]+) million", advice)[1])

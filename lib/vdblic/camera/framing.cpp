@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace vdblic {
@@ -23,6 +23,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr glm::dvec2 kViews[] = {{30, 25}, {60, 25}, {30, 45}, {60, 45}, {30, 60}, {60, 60}};
 /// Share of the best view's coverage that counts as well.
 constexpr double kWell = 0.7;
+/// Views of a plate, whose thickness would hide what is on it in a view from the side. The best one is taken.
+constexpr glm::dvec2 kPlateViews[] = {{0, 80}, {0, 10}, {90, 10}};
 
 glm::dvec3 direction(const glm::dvec2& view, const glm::dvec3& up)
 {
@@ -55,6 +57,16 @@ double coverage(Projection projection, const glm::dmat3& axes, const Corners& bo
         }
     }
     return area / 2 / 4;
+}
+
+/// Whether a box is thinner than an eighth of its other two edges.
+bool isPlate(const Corners& box)
+{
+    constexpr double kThin = 8;
+    std::array<double, 3> edges = {glm::distance(box[0], box[1]), glm::distance(box[0], box[2]),
+                                   glm::distance(box[0], box[4])};
+    std::sort(edges.begin(), edges.end());
+    return kThin * edges[0] < edges[1];
 }
 
 /// The coordinate of a perspective eye, between two bounds, for which the points reach as far to one side of the
@@ -146,14 +158,17 @@ Framing frameAround(const glm::dvec3& target, Projection projection, const glm::
 glm::dvec3 chooseDirection(Projection projection, const Corners& box, const glm::dvec3& up,
                            const glm::dvec2& halfExtent)
 {
-    std::array<double, std::size(kViews)> filled{};
-    for (std::size_t i = 0; i < filled.size(); ++i) {
-        const glm::dmat3 axes = viewAxes(direction(kViews[i], up), up);
-        filled[i] = coverage(projection, axes, box, frameTightly(projection, axes, box, halfExtent));
-    }
-    const double enough = kWell * *std::max_element(filled.begin(), filled.end());
-    const auto first = std::find_if(filled.begin(), filled.end(), [&](double share) { return share >= enough; });
-    return direction(first == filled.end() ? kViews[0] : kViews[first - filled.begin()], up);
+    const auto filled = [&](const glm::dvec2& view) {
+        const glm::dmat3 axes = viewAxes(direction(view, up), up);
+        return coverage(projection, axes, box, frameTightly(projection, axes, box, halfExtent));
+    };
+    const std::span<const glm::dvec2> views = isPlate(box) ? std::span<const glm::dvec2>(kPlateViews) : kViews;
+    std::vector<double> shares(views.size());
+    std::transform(views.begin(), views.end(), shares.begin(), filled);
+    const auto best = std::max_element(shares.begin(), shares.end());
+    const double enough = isPlate(box) ? *best : kWell * *best;
+    const auto first = std::find_if(shares.begin(), shares.end(), [&](double share) { return share >= enough; });
+    return direction(first == shares.end() ? views[0] : views[std::size_t(first - shares.begin())], up);
 }
 
 } // namespace vdblic

@@ -32,7 +32,8 @@ struct Framing {
                                   std::span<const glm::dvec3> points, const glm::dvec2& halfExtent);
 
 /// The direction of a three-quarter view from the front, the right and above. A flat or long box is seen from a steeper
-/// angle or more from the side, so that it fills the picture.
+/// angle or more from the side, so that it fills the picture; a plate, such as a layer of voxels, nearly along its
+/// normal.
 [[nodiscard]] glm::dvec3 chooseDirection(Projection projection, const Corners& box, const glm::dvec3& up,
                                          const glm::dvec2& halfExtent);
 

@@ -55,7 +55,7 @@ openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
     openvdb::MaskTree thick(voxels);
     erodeActiveValues(thick, 1, NN_FACE_EDGE_VERTEX, PRESERVE_TILES);
     dilateActiveValues(thick, 1, NN_FACE_EDGE_VERTEX, PRESERVE_TILES);
-    const auto thin = std::make_shared<openvdb::MaskTree>(voxels);
+    auto thin = std::make_shared<openvdb::MaskTree>(voxels);
     thin->topologyDifference(thick);
     return thin;
 }
@@ -65,7 +65,8 @@ openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
 openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
 {
     checkVoxels(voxels->activeVoxelCount());
-    const openvdb::FloatGrid::Ptr before = unsmoothed(voxels), result = before->deepCopy();
+    const openvdb::FloatGrid::Ptr before = unsmoothed(voxels);
+    openvdb::FloatGrid::Ptr result = before->deepCopy();
     openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*result);
     filter.setSpatialScheme(openvdb::math::FIRST_BIAS);
     filter.mean(1);

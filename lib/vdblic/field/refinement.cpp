@@ -44,7 +44,7 @@ Coord firstOf(const Coord& velocityVoxel, const std::array<int, 3>& factors)
 MaskLeaf::NodeMaskType refinedMask(const MaskLeaf::NodeMaskType& velocity, const Coord& block,
                                    const std::array<int, 3>& factors)
 {
-    if (velocity.isOn()) return MaskLeaf::NodeMaskType(true);
+    if (velocity.isOn()) return velocity;
     const auto below = [&](int axis, int voxel) {
         return (block[axis] * LeafVoxel::kDim + voxel) / factors[std::size_t(axis)];
     };

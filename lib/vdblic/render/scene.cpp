@@ -65,7 +65,7 @@ FrameClock clockOf(const openvdb::MetaMap& metadata)
 /// The unit of a scalar: its metadata `unit`, or that of speeds in the file's unit of length.
 std::string unitOf(const openvdb::FloatGrid& scalar, const std::string& lengthUnit)
 {
-    const std::string unit = textOf(scalar, "unit");
+    std::string unit = textOf(scalar, "unit");
     if (!unit.empty() || scalar.getName() != RenderParams{}.colorBy || lengthUnit.empty()) return unit;
     return lengthUnit + "/s";
 }
@@ -87,8 +87,8 @@ double bytesPerLeaf(bool gradients, bool lines, bool colors)
 {
     constexpr double kGridLeaf =
         2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
-    const double record = double(sizeof(ValueRecord) + (gradients ? sizeof(GradientRecord) : 0) +
-                                 (lines ? sizeof(LineRecord) : 0) + (colors ? sizeof(float) : 0));
+    const auto record = double(sizeof(ValueRecord) + (gradients ? sizeof(GradientRecord) : 0) +
+                               (lines ? sizeof(LineRecord) : 0) + (colors ? sizeof(float) : 0));
     return kGridLeaf + kPaddedSize * record;
 }
 
@@ -184,10 +184,13 @@ void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
     VolumeSamples more = frame.volume.samples();
     more = {exchange.join(more.texture), exchange.join(more.driver), exchange.join(more.color)};
     samples.append(more);
+    const auto active = double(frame.volume.domain().voxelCount());
+    openvdb::CoordBBox box;
+    frame.volume.domain().topology().evalActiveVoxelBoundingBox(box);
     // Of a sparse texture a ray meets its share of the box.
-    const glm::dvec3 box = frame.volume.high() - frame.volume.low();
-    const double share = double(frame.volume.domain().voxelCount()) / (box.x * box.y * box.z);
-    voxels = std::max(voxels, double(frame.volume.domain().voxelCount()) * (frame.isSparse ? share * share : 1));
+    const double share = frame.isSparse ? active / double(box.volume()) : 1;
+    voxels = std::max(voxels, active * share * share);
+    narrowest = std::max(narrowest, share * double(box.dim()[int(box.minExtent())]));
     volumeBytes = std::max(volumeBytes, frame.bytes());
     if (!first.empty()) return;
     first = frame.file.path;
@@ -197,7 +200,8 @@ void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
 Look LookBasis::choose(const RenderParams& params) const
 {
     try {
-        Look look = chooseLook(params.look, samples, std::cbrt(voxels));
+        constexpr double kOblique = 2; // how much longer a path through a plate may be than the plate is thick
+        Look look = chooseLook(params.look, samples, std::min(std::cbrt(voxels), kOblique * narrowest));
         look.background = glm::vec3(linearFromDisplay(params.background.color));
         return look;
     } catch (const InputError& error) {

@@ -62,6 +62,7 @@ struct LoadedTexture {
 struct LookBasis {
     VolumeSamples samples;
     double voxels = 0, volumeBytes = 0; ///< the most of a frame
+    double narrowest = 0;               ///< the shortest side of a frame's voxels [voxels]; the most of a frame
     std::string opacityBy;              ///< name of the grid that opacity follows
     std::filesystem::path first;        ///< of the files
 

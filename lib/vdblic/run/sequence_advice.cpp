@@ -57,7 +57,7 @@ void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vec
     const auto voxels = double(velocity.voxels);
     const int layer = grid && !grid->box.empty() ? layerAxis(grid->box) : -1;
     if (layer < 0) {
-        const double factor = std::clamp(std::round(std::cbrt(kGoodVolume / voxels)), 2.0, 4.0);
+        const double factor = std::clamp(std::round(std::cbrt(kGoodVolume / voxels)), 2.0, 16.0);
         advice.push_back(fmt::format("{} voxels are few for streaks: `refine` {} gives {:.3g} million texture voxels",
                                      velocity.voxels, factor, voxels * std::pow(factor, 3) / 1e6));
         return;

@@ -62,9 +62,9 @@ openvdb::MaskTree::Ptr copyOf(const openvdb::MaskTree& tree)
 
 } // namespace
 
-StreakTexture::StreakTexture(const TextureParams& texture, const StreakParams& params, const Refinement& refinement,
+StreakTexture::StreakTexture(const TextureParams& texture, StreakParams params, const Refinement& refinement,
                              std::uint32_t seed)
-    : mTexture(texture), mParams(params), mGiven(refinement), mSeed(seed)
+    : mTexture(texture), mParams(std::move(params)), mGiven(refinement), mSeed(seed)
 {
     mParams.validate();
 }
@@ -110,7 +110,8 @@ void StreakTexture::traceFrame(const FlowInterval& flow, const LeafOwners& owner
                                StageClock& clock)
 {
     const auto stage = clock.enter(&StageTimes::scatter);
-    const double frame = double(mStep / std::uint64_t(mTexture.substeps));
+    const std::uint64_t number = mStep / std::uint64_t(mTexture.substeps);
+    const auto frame = double(number);
     const FlowFrame &start = flow.start, &end = flow.end;
     const std::shared_ptr<const Domain>& domain = start.velocityDomain();
     const bool isFirst = !std::exchange(mHasBegun, true);
@@ -144,9 +145,9 @@ void StreakTexture::traceFrame(const FlowInterval& flow, const LeafOwners& owner
                               mShape.reach()};
         result.stats.steps += advanceStreaks(turn, mTexture.pathline, owners, mStreaks);
         if (!mParams.emits()) result.stats.blocked += retireCrowded(mStreaks, mShape.spacing, turn.endTime());
-        const std::uint64_t number = std::uint64_t(frame) * kTurns + std::uint64_t(i);
         const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, flow.number) : region;
-        const auto places = freePlaces(mStreaks, mShape.spacing, turn.end, *emitting, mSeed, number);
+        const auto places =
+            freePlaces(mStreaks, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));
         addStreaks(turn, mTexture.pathline, *emitting, places, owners, mStreaks);
         result.stats.released += places.size();
         markSources(there, flow.number);
@@ -188,7 +189,7 @@ void StreakTexture::markSources(const FlowFrame& frame, std::int64_t number)
 /// Forget streaks that cannot be seen any more, and nodes that no tail reaches.
 void StreakTexture::forgetPast(double time)
 {
-    const double tail = double(mShape.tail);
+    const auto tail = double(mShape.tail);
     std::erase_if(mStreaks, [&](const Streak& streak) { return streak.isGone(time, tail); });
     for (Streak& streak : mStreaks) {
         const auto first = std::find_if(streak.path.begin(), streak.path.end(),

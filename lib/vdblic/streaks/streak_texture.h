@@ -25,8 +25,7 @@ namespace vdblic {
 class StreakTexture final : public FlowTexture {
   public:
     /// @param refinement as given
-    StreakTexture(const TextureParams& texture, const StreakParams& params, const Refinement& refinement,
-                  std::uint32_t seed);
+    StreakTexture(const TextureParams& texture, StreakParams params, const Refinement& refinement, std::uint32_t seed);
 
     [[nodiscard]] std::optional<std::string> begin(const Domain& velocity, double displacement) override;
     [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override;

@@ -5,7 +5,9 @@ import re
 from ..errors import InputError
 
 COMPONENTS = {"scalar": 1, "vector": 3, "tensor symm": 6, "tensor asym": 9}
-ELEMENTS = rb"point|bar[23]|tria[36]|quad[48]|tetra4|tetra10|pyramid5|pyramid13|penta6|penta15|hexa8|hexa20|nsided|nfaced"
+ELEMENTS = (
+    rb"point|bar[23]|tria[36]|quad[48]|tetra4|tetra10|pyramid5|pyramid13|penta6|penta15|hexa8|hexa20|nsided|nfaced"
+)
 HEAD = re.compile(rb"^[ \t]*(part|coordinates|block|(?:g_)?(?:" + ELEMENTS + rb"))\b([^\n]*)(?:\n|$)", re.MULTILINE)
 
 
@@ -86,7 +88,7 @@ def _time_set(entries, name):
             break
         found[key] = value.split()
     times = [float(word) for word in found.get("time values", [])]
-    start, step = (int(found.get(f"filename {key}", [default])[0]) for key, default in (("start number", 0), ("increment", 1)))
+    start, step = (int(found.get(f"filename {key}", ["1"])[0]) for key in ("start number", "increment"))
     numbers = [int(word) for word in found.get("filename numbers", [])]
     return times, numbers or [start + i * step for i in range(len(times))]
 
@@ -127,14 +129,16 @@ def _check_geometry(path, text, gold):
     for _ in range(4):
         line, place = _line(text, place)
         header.append(line.split()[-1:])
-    ids = [gold and line in ([b"given"], [b"ignore"]) for line in header[2:]]  # of nodes and elements: lines of their own
+    # Numbers of nodes and of elements stand in lines of their own.
+    ids = [gold and line in ([b"given"], [b"ignore"]) for line in header[2:]]
     sizes = {}
     for part, keyword, rest, values in _sections(path, text, gold, place, True):
         try:
             counts = [int(word) for word in _line(values, 0)[0].split()]
             nodes = counts[0] * counts[1] * counts[2] if keyword == "block" else counts[0]
         except (ValueError, IndexError):
-            raise InputError(f"{path}: it ends too early: '{keyword}' of {_named(part)} lacks its size; copy it again") from None
+            what = f"'{keyword}' of {_named(part)} lacks its size"
+            raise InputError(f"{path}: it ends too early: {what}; copy it again") from None
         sizes[part, keyword] = nodes
         if keyword == "block":
             cells = max(counts[0] - 1, 1) * max(counts[1] - 1, 1) * max(counts[2] - 1, 1)
