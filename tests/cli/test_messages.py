@@ -181,8 +181,9 @@ class Messages(ToolTest):
     def test_a_flow_that_moves_too_far_is_warned_of(self):
         self.synth()
         fast = ("vdblic_advect", "v.0001.vdb", "-o", "l.vdb", "--velocity-scale", 100)
-        self.assertIn("too far for streaks: check --velocity-unit or give --dt", self.says(*fast))
-        self.assertNotIn("too far for streaks: check --velocity-unit or give --dt", self.says(*fast, "--method", "lic"))
+        said = "too far for streaks: check --velocity-unit and the frame spacing, or give --voxels-per-frame 4"
+        self.assertIn(said, self.says(*fast))
+        self.assertNotIn(said, self.says(*fast, "--method", "lic"))
 
     # Comparing
 
