@@ -32,12 +32,22 @@ gallery() {
     picture xray --look xray --by vorticity
 }
 
+# streaks NAME VELOCITY FRAMES SPACING OPTIONS...: a picture of the last of FRAMES.
+streaks() {
+    texture "$1-streaks" "$2" --method streaks --frames "$3" --spacing $4 --refine $5
+    "$tools/vdblic_render" "$out/$1-streaks.%04d.vdb" -o "$out/$1-streaks.%04d.png" -q --size 1280 800 --samples 4 \
+        --frames "${3#*-}" "${@:6}" >"$out/picture.txt"
+    ffmpeg -loglevel error -y -i "$(cat "$out/picture.txt")" -q:v 2 "$images/$1-streaks.jpg"
+}
+
 texture wake samples/wake/wake.%04d.vdb --refine 3
 gallery wake "Wake of a square prism" --frames 12 --solid domain
+streaks wake samples/wake/wake.%04d.vdb 1-12 1.5 8 --opacity-by q --solid domain
 
 "$tools/vdblic_synth" ring -o "$out/v.%04d.vdb" --size 96 64 64 --frames 1-12 -q >>"$out/log.txt"
 texture ring "$out/v.%04d.vdb" --refine 2
 gallery ring "Vortex ring" --frames 10
+streaks ring "$out/v.%04d.vdb" 1-10 2 6 --opacity-by q
 
 if [ ! -d "$out/smoke/data" ]; then
     blender -b --factory-startup --python-exit-code 9 --python tests/cli/blender/bake_smoke.py -- "$out/smoke" 96 38 \
@@ -49,6 +59,7 @@ gallery smoke "Rising smoke" --frames 38
 if [ -n "$data" ]; then
     texture era "$data/era5_west_europe/era5.%04d.vdb" --frames 1-12 --refine 4 4 2
     gallery era "Winds over western Europe" --frames 10 --stretch 1 1 30 --solid domain
+    streaks era "$data/era5_west_europe/era5.%04d.vdb" 1-10 "1.6 1.6 5" "8 8 3" --stretch 1 1 30 --solid domain
 
     texture film "$data/wake/wake.%04d.vdb" --frames 1-25 --refine 2 --substeps 8
     "$tools/vdblic_render" "$out/film.%04d.vdb" --film "$images/wake.mp4" -q --size 960 540 --samples 2 --look vortex \

@@ -16,10 +16,16 @@ look=(--look vortex --solid domain --size 960 540)
 "$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" --refine 3 --with vorticity,q --restart |
     "$tools/vdblic_render" - -o "$out/wake.%04d.exr" "${look[@]}" >"$out/images.txt"
 "$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" "${look[@]}" >>"$out/images.txt"
+# The same flow as streaks, which show its direction: one picture, frame 12.
+"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/streaks.%04d.vdb" --method streaks --spacing 1.5 --tail 3 \
+    --refine 8 --with q --frames 1-12 --restart >"$out/streaks.txt"
+"$tools/vdblic_render" "$out/streaks.0012.vdb" -o "$out/streaks.%04d.png" --opacity-by q --solid domain --size 960 540 \
+    --samples 4 >>"$out/images.txt"
 
 echo
 echo "flow textures: $out/lic.0001.vdb ... (density, magnitude, vorticity, q; open them in Blender or Houdini)"
-echo "images:        $out/wake.0001.exr ... and $out/wake.0001.png ..."
+echo "streaks:       $out/streaks.0001.vdb ... (density, magnitude, q)"
+echo "images:        $out/wake.0001.exr ..., $out/wake.0001.png ... and $out/streaks.0012.png"
 if command -v ffmpeg >/dev/null 2>&1; then
     ffmpeg -loglevel error -y -framerate 12 -i "$out/wake.%04d.png" -vf format=yuv420p -c:v libx264 -crf 18 "$out/wake.mp4"
     echo "animation:     $out/wake.mp4"

@@ -40,7 +40,7 @@ Image Picture::of(const VdbFile& volume, std::int64_t frame)
     }
     std::shared_ptr<const Solid> solid;
     if (!params.solid.source.empty())
-        solid = std::make_shared<const Solid>(makeSolid(params.solid, loaded->domain(), params.stretch, frame));
+        solid = std::make_shared<const Solid>(makeSolid(params.solid, *loaded->domain(), params.stretch, frame));
     FramePicture picture(params, *mScene, *loaded, std::move(solid));
     for (int sample = 0; sample < params.samples; ++sample)
         picture.addSample();

@@ -277,7 +277,7 @@ std::shared_ptr<const Solid> Viewer::solidFor(const RenderParams& params, const 
         const std::lock_guard lock(mMutex);
         if (mSolid.first == key) return mSolid.second;
     }
-    auto made = std::make_shared<const Solid>(makeSolid(solid, frame.domain(), params.stretch, frame.file.frame));
+    auto made = std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), params.stretch, frame.file.frame));
     const std::lock_guard lock(mMutex);
     mSolid = {key, made};
     return made;

@@ -65,15 +65,15 @@ openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
 openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
 {
     checkVoxels(voxels->activeVoxelCount());
-    const openvdb::FloatGrid::Ptr before = unsmoothed(voxels);
-    openvdb::FloatGrid::Ptr result = before->deepCopy();
+    openvdb::FloatGrid::Ptr result = unsmoothed(voxels);
+    const openvdb::FloatTree before(result->tree());
     openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*result);
     filter.setSpatialScheme(openvdb::math::FIRST_BIAS);
     filter.mean(1);
     const openvdb::MaskTree::Ptr lost = thinParts(*voxels);
     for (auto value = result->cbeginValueOn(); value; ++value)
         if (*value < 0 && lost->isValueOn(value.getCoord())) lost->setValueOff(value.getCoord());
-    const auto distance = before->getConstAccessor();
+    const openvdb::tree::ValueAccessor<const openvdb::FloatTree> distance(before);
     for (auto value = result->beginValueOn(); value; ++value)
         value.setValue(std::min(*value, distance.getValue(value.getCoord()) + kDeepest));
     filter.normalize();

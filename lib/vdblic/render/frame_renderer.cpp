@@ -90,7 +90,7 @@ std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& frame) 
     const SolidParams& solid = mParams.solid;
     if (solid.source.empty()) return nullptr;
     const auto make = [&] {
-        return std::make_shared<const Solid>(makeSolid(solid, frame.domain(), mParams.stretch, frame.file.frame));
+        return std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), mParams.stretch, frame.file.frame));
     };
     if (solid.changes()) return make();
     std::call_once(mSolidMade, [&] { mSolid = make(); });

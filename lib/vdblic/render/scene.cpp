@@ -94,6 +94,23 @@ double bytesPerLeaf(bool gradients, bool lines, bool colors)
 
 } // namespace
 
+openvdb::FloatGrid::ConstPtr LoadedTexture::domain() const
+{
+    if (!flowVoxels) return texture;
+    constexpr int kFine = 4; // voxels: a level set rounds its edges over about one
+    Refinement refinement;
+    if (const auto ofTexture = Refinement::between(flowVoxels->transform(), texture->transform())) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            refinement.factors[axis] = std::min(ofTexture->factors[axis], kFine);
+    }
+    const openvdb::MaskTree voxels(flowVoxels->tree(), false, true, openvdb::TopologyCopy());
+    auto finer = openvdb::FloatGrid::create(
+        std::make_shared<openvdb::FloatTree>(*refinement.refined(voxels), 0.0f, openvdb::TopologyCopy()));
+    finer->setName(flowVoxels->getName());
+    finer->setTransform(refinement.refined(flowVoxels->transform()));
+    return finer;
+}
+
 double LoadedTexture::bytes() const
 {
     return double(volume.leafCount()) * bytesPerLeaf(volume.gradients(), volume.lines(), volume.colors());

@@ -36,8 +36,8 @@ struct LoadedTexture {
     bool isSparse = false;                            ///< whether inactive voxels are empty
     openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture: a grid whose active voxels are the flow's
 
-    /// The grid whose active voxels are the flow's.
-    [[nodiscard]] const openvdb::FloatGrid& domain() const { return flowVoxels ? *flowVoxels : *texture; }
+    /// A grid whose active voxels are the flow's, fine enough for the faces of solids.
+    [[nodiscard]] openvdb::FloatGrid::ConstPtr domain() const;
 
     [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };
