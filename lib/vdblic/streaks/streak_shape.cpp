@@ -90,10 +90,12 @@ StreakShape streakShape(const StreakParams& params, const Refinement& refinement
         shape.tail = rounded(std::min(kSpacings * double(mean) / displacement, kMostFrames));
     }
     if (!refinement.isGiven) {
-        constexpr float kVoxels = 16; // in a spacing: a thickness of 2.5 texture voxels
+        constexpr float kVoxels = 16;         // in a spacing: a thickness of 2.5 texture voxels
+        constexpr double kMostVoxels = 2.5e8; // of the texture, empty ones included
+        const double most = std::cbrt(kMostVoxels / double(std::max<std::size_t>(domain.voxelCount(), 1)));
         for (std::size_t axis = 0; axis < 3; ++axis)
-            shape.refinement.factors[axis] =
-                std::clamp(int(std::lround(kVoxels / shape.spacing[axis])), 1, Refinement::kMost);
+            shape.refinement.factors[axis] = std::clamp(
+                int(std::min(std::round(double(kVoxels / shape.spacing[axis])), most)), 1, Refinement::kMost);
     }
     return shape;
 }

@@ -1,0 +1,112 @@
+#!/usr/bin/python3
+"""Prints the tables of docs/reports/streaks.md: what streaks cost, how steady they are, and how they show direction.
+
+    tests/bench/streaks.py build/release DATA
+
+DATA holds wake/wake.%04d.vdb and era5_west_europe/era5.%04d.vdb.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy
+import pyopenvdb as vdb
+
+
+def run(tool, *arguments):
+    """Run a tool. Returns wall seconds and the most memory it held [MB]."""
+    command = ["/usr/bin/time", "-f", "%e %M", str(tool), *map(str, arguments)]
+    done = subprocess.run(command, text=True, capture_output=True, check=True)
+    seconds, kilobytes = done.stderr.splitlines()[-1].split()
+    return float(seconds), int(kilobytes) / 1e3
+
+
+def values_at(values, positions):
+    """Trilinear interpolation of an array at positions in its index space."""
+    last = numpy.array(values.shape[:3]) - 2
+    base = numpy.clip(numpy.floor(positions).astype(int), 0, last)
+    share = numpy.clip(positions - base, 0, 1)
+    sums = 0
+    for corner in range(8):
+        step = numpy.array([corner >> 2, corner >> 1 & 1, corner & 1])
+        weight = numpy.prod(numpy.where(step == 1, share, 1 - share), axis=1)
+        value = values[tuple((base + step).T)]
+        sums = sums + (weight[:, None] * value if value.ndim == 2 else weight * value)
+    return sums
+
+
+def array_of(grid, vector=False):
+    """A grid's values in its box and a rim of two voxels, and the box's first index."""
+    low, high = grid.evalActiveVoxelBoundingBox()
+    first = tuple(x - 2 for x in low)
+    shape = [b - a + 5 for a, b in zip(low, high)]
+    values = numpy.zeros(shape + [3] if vector else shape, numpy.float32)
+    grid.copyToArray(values, ijk=first)
+    return values, numpy.array(first, float)
+
+
+def rising(velocity_file, texture_file):
+    """The share of visible voxels of moving streaks whose value rises downstream."""
+    velocity = next(grid for grid in vdb.readAllGridMetadata(velocity_file) if grid.valueTypeName.startswith("vec3"))
+    velocity = vdb.read(velocity_file, velocity.name)
+    texture = vdb.read(texture_file, "density")
+    vectors, from_ = array_of(velocity, vector=True)
+    values, first = array_of(texture)
+    voxels = numpy.argwhere(values[1:-1, 1:-1, 1:-1] > 0.15) + 1.0
+    voxels = voxels[numpy.random.default_rng(1).permutation(len(voxels))[:100000]]
+    step, coarse = numpy.array(texture.transform.voxelSize()), numpy.array(velocity.transform.voxelSize())
+    origin = numpy.array(texture.transform.indexToWorld((0.0, 0.0, 0.0))) - velocity.transform.indexToWorld((0.0, 0.0, 0.0))
+    direction = values_at(vectors, ((voxels + first) * step + origin) / coarse - from_) / step
+    length = numpy.linalg.norm(direction, axis=1)
+    moving = length > numpy.median(length) / 4
+    unit = direction[moving] / length[moving, None]
+    return (values_at(values, voxels[moving] + unit) > values_at(values, voxels[moving] - unit)).mean()
+
+
+def main():
+    tools = pathlib.Path(sys.argv[1]).resolve() / "tools"
+    data = pathlib.Path(sys.argv[2]).resolve()
+    wake, era = data / "wake/wake.%04d.vdb", data / "era5_west_europe/era5.%04d.vdb"
+    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+        os.chdir(folder)
+
+        def textures(velocity, frames, *options):
+            """Figures of a run: its frames, memory [MB], and bytes on disk for an active voxel."""
+            _, memory = run(tools / "vdblic_advect", velocity, "-o", "s.%04d.vdb", "--method", "streaks", "--frames", frames,
+                            "--json", "s.json", "--lead-in", 0, *options)
+            report = json.loads(pathlib.Path("s.json").read_text(encoding="utf-8"))["frames"]
+            last = f"s.{report[-1]['frame']:04}.vdb"
+            return report, memory, os.path.getsize(last) / report[-1]["voxels"], last
+
+        print("| textures | seconds | memory [MB] | active voxels [million] | bytes a voxel on disk |\n|---|---|---|---|---|")
+        run(tools / "vdblic_synth", "tornado", "-o", "t.%04d.vdb", "--size", 256, 256, 256, "--frames", "1-4")
+        for name, velocity, *options in (("wake, `--refine 8`", wake, "--spacing", 2, "--refine", 8),
+                                         ("wake, `--refine 12`", wake, "--spacing", 2, "--refine", 12),
+                                         ("tornado of 256³, `--spacing 3`", "t.%04d.vdb", "--spacing", 3)):
+            report, memory, size, _ = textures(velocity, "1-4", *options)
+            seconds = numpy.median([sum(f["seconds"][s] for s in ("load", "scatter", "convolve")) for f in report])
+            print(f"| {name} | {seconds:.2f} | {memory:.0f} | {report[-1]['voxels'] / 1e6:.1f} | {size:.1f} |")
+
+        print("\n| from the sixth frame on | streaks, least to most | retired a frame, at most | rising |\n|---|---|---|---|")
+        for name, velocity, frames, *options in (("wake", wake, "1-24", "--refine", 6),
+                                                 ("winds", era, "1-20", "--spacing", 1.6, 1.6, 5, "--refine", 8, 8, 3)):
+            report, _, _, last = textures(velocity, frames, *options)
+            live = numpy.array([f["went_on"] for f in report[5:]])
+            retired = numpy.array([f["blocked"] for f in report[5:]])
+            share = rising(str(velocity) % report[-1]["frame"], last)
+            print(f"| {name} | {live.min()} to {live.max()} | {(retired / live).max():.1%} | {share:.2f} |")
+
+        print("\n| pictures, 1600 × 900, four rays a pixel | seconds | memory [MB] |\n|---|---|---|")
+        textures(wake, "12", "--spacing", 2, "--refine", 6, "--with", "q")
+        for name, *options in ("all of it",), ("`--opacity-by q`", "--opacity-by", "q"):
+            seconds, memory = run(tools / "vdblic_render", "s.0012.vdb", "-o", "p.png", "--size", 1600, 900, "--samples", 4,
+                                  *options)
+            print(f"| wake, `--refine 6`, {name} | {seconds:.1f} | {memory:.0f} |")
+
+
+if __name__ == "__main__":
+    main()
