@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import subprocess
 import unittest
 
 import numpy
@@ -153,6 +154,16 @@ class Streaks(ToolTest):
         values = self.texture(path)
         self.assertEqual(values[18 * 4:24 * 4, 5 * 4:11 * 4, 5 * 4:11 * 4].max(), 0)
         self.assertGreater(values[14 * 4:18 * 4, 5 * 4:11 * 4, 5 * 4:11 * 4].max(), 0.3)
+
+    def test_pictures_have_the_look_of_streaks(self):
+        """By default the look is the file's; another one can be given."""
+        self.streaks(*self.uniform(), "--frames", 1, "--refine", 4, "--spacing", 3)
+        dense = self.outputs("vdblic_advect", *self.uniform(), "--frames", 1, "-o", "lic.%04d.vdb")[0]
+        for file, look, *options in (("s.0001.vdb", "streaks"), ("s.%04d.vdb", "streaks"), (dense, "flow"),
+                                     ("s.0001.vdb", "flow", "--look", "flow"), (dense, "streaks", "--look", "streaks")):
+            image = self.outputs("vdblic_render", file, "-o", "image.exr", "--size", 160, 100, *options)[0]
+            header = subprocess.run(["oiiotool", "--info", "-v", str(image)], text=True, capture_output=True, check=True).stdout
+            self.assertRegex(header, rf'look: "{look}"')
 
     def test_what_cannot_be(self):
         flow = self.uniform()
