@@ -247,7 +247,7 @@ class Coherence(ToolTest):
 
     def test_bad_input(self):
         pair = self.uniform(3)
-        self.assertIn("holds density", self.fails(3, "vdblic_coherence", *pair, "--texture", "smoke"))
+        self.assertIn("present: density", self.fails(3, "vdblic_coherence", *pair, "--texture", "smoke"))
         self.assertIn("frame 4", self.fails(3, "vdblic_coherence", *pair, "--frames", "1-9"))
         moved = vdb.read(str(self.folder / "lic.0002.vdb"), "density")
         moved.transform = vdb.createLinearTransform(voxelSize=0.77)

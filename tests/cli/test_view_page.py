@@ -390,7 +390,7 @@ class Page(ViewerTest):
         self.open()
         pictures = lambda: [image.get_attribute("src") for image in self.find(".pick img")]
         self.wait_until(lambda: all(pictures()), "no small pictures")
-        self.assertEqual(len(pictures()), 5 + 8)
+        self.assertEqual(len(pictures()), 6 + 8)
         drawn = self.browser.execute_script("""
             return [...document.querySelectorAll(".pick img")].map((image) => {
                 const canvas = Object.assign(document.createElement("canvas"), {width: 96, height: 64});
