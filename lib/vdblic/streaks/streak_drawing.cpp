@@ -2,6 +2,7 @@
 
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
+#include "vdblic/streaks/streak_pieces.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -21,100 +22,10 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-constexpr float kTail = 0.45f;            // thickness at the tail's end, relative to the head's
-constexpr float kSteps = 256;             // between values: what a display shows, in half the bytes on disk
-constexpr float kLeastValue = 5 / kSteps; // less cannot be seen
-constexpr float kPieceLength = 4;         // texture voxels
-
-/// A straight piece of a streak. Positions are in the texture's index space.
-struct Piece {
-    std::array<float, 3> start, end;
-    float startValue, endValue;
-    float startWidth, endWidth; ///< relative to the head's
-    std::uint32_t streak;
-};
-
 /// A piece, and a leaf of the texture that it may reach.
 struct PieceInLeaf {
     std::uint64_t leaf; ///< number of the velocity's leaf, and of the texture's leaf in it
     std::uint32_t piece;
-};
-
-/// The cubic Hermite curve between two nodes.
-std::array<float, 3> positionBetween(const StreakNode& a, const StreakNode& b, float u)
-{
-    const auto duration = float(b.time - a.time);
-    std::array<float, 3> position{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const float chord = b.position[axis] - a.position[axis];
-        const float m0 = a.slope[axis] * duration, m1 = b.slope[axis] * duration;
-        position[axis] = a.position[axis] + ((m0 + m1 - 2 * chord) * u + (3 * chord - 2 * m0 - m1)) * u * u + m0 * u;
-    }
-    return position;
-}
-
-/// Cuts streaks into pieces.
-class PieceCutter {
-  public:
-    PieceCutter(const StreakShape& shape, double time) : mShape(shape), mTime(time) {}
-
-    void cut(const Streak& streak, std::uint32_t number, std::vector<Piece>& pieces) const
-    {
-        const auto bright = float(streak.brightness(mTime));
-        const double oldest = streak.tailEnd(mTime, double(mShape.tail));
-        for (std::size_t i = 1; i < streak.path.size(); ++i) {
-            const StreakNode &a = streak.path[i - 1], &b = streak.path[i];
-            const double first = std::max(a.time, oldest), last = std::min(b.time, mTime);
-            if (!(first < last) || bright * shareAt(last, oldest) < kLeastValue) continue;
-            cutCurve(a, b, first, last, oldest, bright, number, pieces);
-        }
-    }
-
-  private:
-    /// How far a time is from the tail's end, 0 to 1 at the head.
-    [[nodiscard]] float shareAt(double time, double oldest) const
-    {
-        return std::clamp(float((time - oldest) / (mTime - oldest)), 0.0f, 1.0f);
-    }
-
-    void cutCurve(const StreakNode& a, const StreakNode& b, double first, double last, double oldest, float bright,
-                  std::uint32_t number, std::vector<Piece>& pieces) const
-    {
-        const auto at = [&](double time) {
-            return inTexture(positionBetween(a, b, float((time - a.time) / (b.time - a.time))));
-        };
-        std::array<float, 3> from = at(first);
-        const std::array<float, 3> to = at(last);
-        float longest = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const float slope = std::max(std::abs(a.slope[axis]), std::abs(b.slope[axis])) * float(last - first) *
-                                float(mShape.refinement.factors[axis]);
-            longest = std::max({longest, slope, std::abs(to[axis] - from[axis])});
-        }
-        constexpr float kMost = 4096;
-        const int count = int(std::ceil(std::clamp(longest / kPieceLength, 1.0f, kMost)));
-        for (int i = 1; i <= count; ++i) {
-            const double begin = first + (last - first) * (i - 1) / count, end = first + (last - first) * i / count;
-            const std::array<float, 3> next = i == count ? to : at(end);
-            const float s0 = shareAt(begin, oldest), s1 = shareAt(end, oldest);
-            pieces.push_back(
-                {from, next, bright * s0, bright * s1, kTail + (1 - kTail) * s0, kTail + (1 - kTail) * s1, number});
-            from = next;
-        }
-    }
-
-    [[nodiscard]] std::array<float, 3> inTexture(std::array<float, 3> position) const
-    {
-        for (int axis = 0; axis < 3; ++axis) {
-            float& coordinate = position[std::size_t(axis)];
-            coordinate =
-                (coordinate - mShape.refinement.shift(axis)) * float(mShape.refinement.factors[std::size_t(axis)]);
-        }
-        return position;
-    }
-
-    const StreakShape& mShape;
-    double mTime;
 };
 
 /// The texture's leaves over the velocity's leaves, by number.
@@ -167,7 +78,7 @@ class TextureLeaves {
 /// Draws pieces into one leaf. One object serves one thread.
 class LeafCanvas {
   public:
-    LeafCanvas(const std::vector<Piece>& pieces, const std::vector<Streak>& streaks, const StreakShape& shape,
+    LeafCanvas(const std::vector<StreakPiece>& pieces, const std::vector<Streak>& streaks, const StreakShape& shape,
                bool hasSources)
         : mPieces(pieces), mStreaks(streaks), mHasSources(hasSources)
     {
@@ -198,7 +109,7 @@ class LeafCanvas {
         std::int32_t values[LeafVoxel::kCount];
     };
 
-    const std::vector<Piece>& mPieces;
+    const std::vector<StreakPiece>& mPieces;
     const std::vector<Streak>& mStreaks;
     bool mHasSources;
     std::array<float, 3> mScale{}; // texture voxels → rims of a head
@@ -208,7 +119,7 @@ class LeafCanvas {
 };
 
 /// The rows of a leaf that a piece reaches: first and last coordinate along an axis. @return whether there are any
-bool reachedRows(const Piece& piece, int axis, int origin, float scale, int& first, int& last)
+bool reachedRows(const StreakPiece& piece, int axis, int origin, float scale, int& first, int& last)
 {
     const auto at = std::size_t(axis);
     const float width = std::max(piece.startWidth, piece.endWidth) / scale;
@@ -217,7 +128,7 @@ bool reachedRows(const Piece& piece, int axis, int origin, float scale, int& fir
     return first <= last;
 }
 
-VDBLIC_KERNEL void drawPiece(const Piece& piece, const openvdb::Coord& origin, const std::array<float, 3>& scale,
+VDBLIC_KERNEL void drawPiece(const StreakPiece& piece, const openvdb::Coord& origin, const std::array<float, 3>& scale,
                              float* values, std::int32_t* owners, std::int32_t owner, const Streak* streaks)
 {
     int first[3], last[3];
@@ -259,34 +170,13 @@ VDBLIC_KERNEL void drawPiece(const Piece& piece, const openvdb::Coord& origin, c
 
 void LeafCanvas::draw(std::uint32_t number)
 {
-    const Piece& piece = mPieces[number];
+    const StreakPiece& piece = mPieces[number];
     drawPiece(piece, mOrigin, mScale, mValues.values, mHasSources ? mOwners.values : nullptr,
               std::int32_t(piece.streak), mStreaks.data());
 }
 
-/// All pieces of all streaks, in the streaks' order.
-std::vector<Piece> piecesOf(const std::vector<Streak>& streaks, const StreakShape& shape, double time)
-{
-    constexpr std::size_t kChunk = 256; // streaks
-    const PieceCutter cutter(shape, time);
-    std::vector<std::vector<Piece>> chunks((streaks.size() + kChunk - 1) / kChunk);
-    tbb::parallel_for(std::size_t(0), chunks.size(), [&](std::size_t chunk) {
-        const std::size_t end = std::min((chunk + 1) * kChunk, streaks.size());
-        for (std::size_t i = chunk * kChunk; i < end; ++i)
-            cutter.cut(streaks[i], std::uint32_t(i), chunks[chunk]);
-    });
-    std::vector<Piece> pieces;
-    std::size_t count = 0;
-    for (const std::vector<Piece>& chunk : chunks)
-        count += chunk.size();
-    pieces.reserve(count);
-    for (const std::vector<Piece>& chunk : chunks)
-        pieces.insert(pieces.end(), chunk.begin(), chunk.end());
-    return pieces;
-}
-
 /// The leaves that pieces reach, leaf by leaf.
-std::vector<PieceInLeaf> reachedLeaves(const std::vector<Piece>& pieces, const StreakShape& shape,
+std::vector<PieceInLeaf> reachedLeaves(const std::vector<StreakPiece>& pieces, const StreakShape& shape,
                                        const TextureLeaves& leaves)
 {
     tbb::enumerable_thread_specific<std::vector<PieceInLeaf>> ofThreads;
@@ -296,7 +186,7 @@ std::vector<PieceInLeaf> reachedLeaves(const std::vector<Piece>& pieces, const S
             openvdb::CoordBBox box;
             for (int axis = 0; axis < 3; ++axis) {
                 const auto at = std::size_t(axis);
-                const Piece& piece = pieces[i];
+                const StreakPiece& piece = pieces[i];
                 const float width = std::max(piece.startWidth, piece.endWidth) * StreakShape::kRim * shape.radius(axis);
                 box.min()[axis] = int(std::ceil(std::min(piece.start[at], piece.end[at]) - width));
                 box.max()[axis] = int(std::floor(std::max(piece.start[at], piece.end[at]) + width));
@@ -320,7 +210,8 @@ VDBLIC_KERNEL Voxels drawnVoxels(const float* values)
 {
     Voxels drawn;
     for (int row = 0; row < LeafVoxel::kRows; ++row)
-        drawn.getWord<std::uint8_t>(openvdb::Index(row)) = std::uint8_t(bitsOf(loadRow(values, row) >= kLeastValue));
+        drawn.getWord<std::uint8_t>(openvdb::Index(row)) =
+            std::uint8_t(bitsOf(loadRow(values, row) >= kLeastStreakValue));
     return drawn;
 }
 
@@ -335,14 +226,11 @@ void cutTo(const Domain::Mask& velocity, const Refinement& refinement, const ope
     }
 }
 
-/// Copy the drawn voxels' values, in steps; others are 0.
+/// Copy the drawn voxels' values; others are 0.
 VDBLIC_KERNEL void copyValues(const float* values, const Voxels& drawn, float* to)
 {
-    for (int row = 0; row < LeafVoxel::kRows; ++row) {
-        const Int8 isDrawn = Domain::activeRow(drawn, row);
-        const Float8 steps = __builtin_convertvector(floorToInt(loadRow(values, row) * kSteps + 0.5f), Float8);
-        storeRow(isDrawn ? steps * (1 / kSteps) : Float8{}, to, row);
-    }
+    for (int row = 0; row < LeafVoxel::kRows; ++row)
+        storeRow(Domain::activeRow(drawn, row) ? loadRow(values, row) : Float8{}, to, row);
 }
 
 std::unique_ptr<FloatLeaf> makeLeaf(const openvdb::Coord& origin, const Voxels& drawn)
@@ -367,7 +255,7 @@ openvdb::FloatTree::Ptr treeOf(std::vector<std::unique_ptr<FloatLeaf>>& leaves)
 DrawnStreaks drawStreaks(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain,
                          double time, bool hasSources)
 {
-    const std::vector<Piece> pieces = piecesOf(streaks, shape, time);
+    const std::vector<StreakPiece> pieces = piecesOf(streaks, shape, time);
     const TextureLeaves leaves(domain, shape.refinement);
     const std::vector<PieceInLeaf> reached = reachedLeaves(pieces, shape, leaves);
     std::vector<std::size_t> begins; // of each leaf in `reached`

@@ -115,7 +115,7 @@ TEST(StreakDrawing, NothingIsBrighterThanTheBrightestStreak)
     const std::vector<Streak> streaks(50, straight(3, 3));
     const DrawnStreaks drawn = drawStreaks(streaks, shapeOf(3, 8), *domain, 4, false);
     for (auto value = drawn.texture->cbeginValueOn(); value; ++value)
-        EXPECT_LE(*value, float(streaks.front().brightness(4)) + 0.5f / 256);
+        EXPECT_LE(*value, float(streaks.front().brightness(4)));
 }
 
 TEST(StreakDrawing, FadesInAndOut)
