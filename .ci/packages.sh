@@ -3,6 +3,7 @@
 #
 #     .ci/packages.sh         all: also what the other tools, the tests and the gate need
 #     .ci/packages.sh main    what turns velocities into pictures and a film: vdblic_advect, vdblic_render and ffmpeg
+#     .ci/packages.sh site    what tools/packaging/site.sh needs
 #
 # Each line names a Debian package and a probe that shows it is there: a command, a header, a file, a Python module of
 # /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are named
@@ -66,10 +67,20 @@ libclang-rt-14-dev      clang   fuzzer
 LIST
 }
 
+site_needs() {
+    cat <<'LIST'
+doxygen                 command doxygen
+python3-sphinx          python  sphinx
+python3-myst-parser     python  myst_parser
+furo                    python  furo
+LIST
+}
+
 case ${1-} in
     main) needs() { main_needs; } ;;
+    site) needs() { site_needs; } ;;
     '') needs() { main_needs && others_need; } ;;
-    *) echo "usage: .ci/packages.sh [main]" >&2 && exit 2 ;;
+    *) echo "usage: .ci/packages.sh [main|site]" >&2 && exit 2 ;;
 esac
 
 present() {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of docs/gallery.md: four flows, each as vortex, flow, ink, xray and annotated; and a film.
+# Makes the pictures of docs/gallery.md: four flows, each as vortex, flow, ink, xray and annotated; and two films.
 #
 #     samples/gallery.sh TOOLS [DATA]
 #
@@ -25,8 +25,8 @@ gallery() {
             "${options[@]}" "${@:2}" >"$out/picture.txt"
         ffmpeg -loglevel error -y -i "$(cat "$out/picture.txt")" -q:v 2 "$images/$name-$1.jpg"
     }
-    picture vortex --look vortex
-    picture annotated --look vortex --annotate "box,axes,colorbar,time,title=$title"
+    picture vortex --look vortex --ground below
+    picture annotated --look vortex --ground below --annotate "box,axes,colorbar,time,title=$title"
     picture flow --look flow --by vorticity
     picture ink --look ink --by vorticity
     picture xray --look xray --by vorticity
@@ -42,12 +42,32 @@ streaks() {
 
 texture wake samples/wake/wake.%04d.vdb --refine 3
 gallery wake "Wake of a square prism" --frames 12 --solid domain
-streaks wake samples/wake/wake.%04d.vdb 1-12 1.5 8 --opacity-by q --solid domain
+"$tools/vdblic_render" "$out/wake.%04d.vdb" -o "$out/wake-paper.%04d.png" -q --size 1280 800 --samples 4 --frames 12 \
+    --look paper --opacity-by q --solid domain --ground below --annotate box,axes,colorbar >>"$out/log.txt"
+ffmpeg -loglevel error -y -i "$out/wake-paper.0012.png" -q:v 2 "$images/wake-paper.jpg"
+streaks wake samples/wake/wake.%04d.vdb 1-12 1.5 8 --opacity-by q --solid domain --ground below
+
+# Where the air of two parts of the inflow goes.
+/usr/bin/python3 - samples/wake/wake.0001.vdb "$out/inlets.vdb" <<'END'
+import sys
+import pyopenvdb as vdb
+velocity, grids = vdb.read(sys.argv[1], "velocity"), []
+for name, low, high in ("floor", (10, 8, 0), (14, 41, 4)), ("prism", (10, 21, 5), (14, 28, 35)):
+    grids.append(vdb.BoolGrid())
+    grids[-1].name, grids[-1].transform = name, velocity.transform
+    grids[-1].fill(low, high, True)
+vdb.write(sys.argv[2], grids)
+END
+texture wake-sources samples/wake/wake.%04d.vdb --method streaks --frames 1-16 --spacing 1.5 --refine 8 \
+    --source "near the floor=$out/inlets.vdb:floor" --source "at the prism=$out/inlets.vdb:prism"
+"$tools/vdblic_render" "$out/wake-sources.0016.vdb" -o "$out/wake-sources.png" -q --size 1280 800 --samples 4 \
+    --color-by source --annotate colorbar --solid domain --ground below >>"$out/log.txt"
+ffmpeg -loglevel error -y -i "$out/wake-sources.png" -q:v 2 "$images/wake-sources.jpg"
 
 "$tools/vdblic_synth" ring -o "$out/v.%04d.vdb" --size 96 64 64 --frames 1-12 -q >>"$out/log.txt"
 texture ring "$out/v.%04d.vdb" --refine 2
 gallery ring "Vortex ring" --frames 10
-streaks ring "$out/v.%04d.vdb" 1-10 2 6 --opacity-by q
+streaks ring "$out/v.%04d.vdb" 1-10 2 6 --opacity-by q --ground below
 
 if [ ! -d "$out/smoke/data" ]; then
     blender -b --factory-startup --python-exit-code 9 --python tests/cli/blender/bake_smoke.py -- "$out/smoke" 96 38 \
@@ -61,7 +81,7 @@ if [ -n "$data" ]; then
     gallery era "Winds over western Europe" --frames 10 --stretch 1 1 30 --solid domain
     streaks era "$data/era5_west_europe/era5.%04d.vdb" 1-10 "1.6 1.6 5" "8 8 3" --stretch 1 1 30 --solid domain
 
-    texture film "$data/wake/wake.%04d.vdb" --frames 1-25 --refine 2 --substeps 8
-    "$tools/vdblic_render" "$out/film.%04d.vdb" --film "$images/wake.mp4" -q --size 960 540 --samples 2 --look vortex \
-        --solid domain --eye 0.08 -0.245 0.12 --target 0.08 0 0.03 --orbit 0.12 --annotate time >>"$out/log.txt"
+    film() { "$tools/vdblic_film" "$data/wake/wake.%04d.vdb" -o "$images/$1" -q --size 960 540 --orbit 0.12 "${@:2}"; }
+    film wake.mp4 >>"$out/log.txt"
+    film wake-dense.mp4 --method dense >>"$out/log.txt"
 fi

@@ -12,15 +12,15 @@ tools=build/release/tools
 out=out/quickstart
 mkdir -p "$out"
 # The stages overlap: the renderer reads each texture as soon as it is finished.
-look=(--look vortex --solid domain --size 960 540)
+look=(--look vortex --solid domain --ground below --size 960 540)
 "$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/lic.%04d.vdb" --refine 3 --with vorticity,q --restart |
     "$tools/vdblic_render" - -o "$out/wake.%04d.exr" "${look[@]}" >"$out/images.txt"
 "$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" "${look[@]}" >>"$out/images.txt"
 # The same flow as streaks, which show its direction: one picture, frame 12.
 "$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/streaks.%04d.vdb" --method streaks --spacing 1.5 --tail 3 \
     --refine 8 --with q --frames 1-12 --restart >"$out/streaks.txt"
-"$tools/vdblic_render" "$out/streaks.0012.vdb" -o "$out/streaks.%04d.png" --opacity-by q --solid domain --size 960 540 \
-    --samples 4 >>"$out/images.txt"
+"$tools/vdblic_render" "$out/streaks.0012.vdb" -o "$out/streaks.%04d.png" --opacity-by q --solid domain --ground below \
+    --size 960 540 --samples 4 >>"$out/images.txt"
 
 echo
 echo "flow textures: $out/lic.0001.vdb ... (density, magnitude, vorticity, q; open them in Blender or Houdini)"

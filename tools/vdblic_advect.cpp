@@ -14,6 +14,8 @@ int main(int argc, char** argv)
     tool.share(ranks);
     tool.options(parametersOf(params));
     tool.verifies([&] { return std::vector<SequenceParams>{params.flow.input}; });
+    constexpr double kInFiles = 6; // frames of velocity and the state
+    tool.usesScratch(kInFiles, [&] { return params.output; });
     cli::JoinedNumbers arguments(argc, argv, {"--refine", "--spacing"});
     return tool.run(arguments.count(), arguments.arguments(), [&](Reporter& reporter) {
         advectSequence(params, tool.standardInput(), reporter, *ranks.exchange);

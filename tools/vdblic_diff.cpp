@@ -16,6 +16,8 @@ int main(int argc, char** argv)
     app.footer("Exit status: 0 the same within tolerance (warnings included), 1 different, 2 usage, 3 bad input data,\n"
                "4 output could not be written, 5 a bug.\n"
                "The report goes to standard error; the path of each finished output is printed on standard output.");
+    constexpr double kInFiles = 4; // two volumes, and where they differ
+    tool.usesScratch(kInFiles);
     tool.verifies([&] { return std::vector<SequenceParams>{{params.a, params.frames}, {params.b, params.frames}}; });
 
     const std::function<cli::ExitStatus(Reporter&)> job = [&](Reporter& reporter) {

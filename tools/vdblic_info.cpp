@@ -25,6 +25,8 @@ int main(int argc, char** argv)
     app.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
                "The report goes to standard error; the path of each finished output is printed on standard output.");
 
+    constexpr double kInFiles = 3; // a file, and the velocity that it holds
+    tool.usesScratch(kInFiles);
     return tool.run(argc, argv, [&](Reporter& reporter) {
         for (const std::string& pattern : patterns) {
             if (!json.empty()) checkNotInput(json, pattern);

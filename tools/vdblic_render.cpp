@@ -14,6 +14,8 @@ int main(int argc, char** argv)
     vdblic::cli::Tool tool(ranks.toolName("vdblic_render"), "Ray cast flow textures into images.");
     tool.share(ranks);
     tool.options(parametersOf(params));
+    constexpr double kInFiles = 8; // bricks and light of a texture
+    tool.usesScratch(kInFiles, [&] { return params.output; });
     tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         params.rays.layers = !params.exr.layers.empty();

@@ -62,6 +62,8 @@ int main(int argc, char** argv)
         {parametersOf(input, "TEXTURE",
                       "Texture volumes: one file or a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>)."),
          pictureParametersOf(params)}));
+    constexpr double kInFiles = 8; // bricks and light of a texture
+    tool.usesScratch(kInFiles);
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         if (input.pattern == "-")
             throw vdblic::ParameterError("a viewer goes back and forth in a sequence; name a file or a pattern, not -");

@@ -168,6 +168,23 @@ bool areAlike(const openvdb::math::Transform& a, const openvdb::math::Transform&
                       [](double x, double y) { return std::abs(x - y) <= kNear * std::max(std::abs(x), std::abs(y)); });
 }
 
+/// Check that grids fit into the memory as dense arrays, and what is written of them too.
+/// @param box of the first one, at whose voxels all of them will be
+void checkDense(const std::string& path, const openvdb::GridPtrVec& grids, const openvdb::CoordBBox& box)
+{
+    constexpr double kVoxel = 10, kNumber = 8; // bytes, and bytes of a number: at least so many, as measured
+    double bytes = kVoxel;
+    for (const openvdb::GridBase::Ptr& grid : grids)
+        bytes += kNumber * (grid->valueType().starts_with("vec3") ? 3 : 1);
+    const double voxels = double(box.dim().x()) * box.dim().y() * box.dim().z();
+    const double active = 100 * double(grids.front()->activeVoxelCount()) / voxels;
+    const std::string others = grids.size() == 1 ? "" : fmt::format(" and {} others", grids.size() - 1);
+    checkMemory(bytes * voxels,
+                fmt::format("{}: grid '{}'{}: the box of its voxels, of whose {:.3g} million {:.2g} % are active,",
+                            path, grids.front()->getName(), others, voxels / 1e6, active),
+                grids.size() == 1 ? "cut the grid" : "choose fewer with `grids`, or cut them");
+}
+
 /// Grids over the box around the active voxels of one of them, which comes first: that of the file's texture or the
 /// first one. Each is a dictionary (grid_arrays.h) that also tells whether its voxels are `alike`; a grid of other
 /// voxels has its own box. Of a staggered velocity the box has the faces above its last voxels too.
@@ -186,6 +203,7 @@ py::tuple readOverOneBox(const std::filesystem::path& path, const std::vector<st
     std::stable_partition(grids.begin(), grids.end(), isTexture);
     openvdb::CoordBBox box = grids.front()->evalActiveVoxelBoundingBox();
     if (box.empty()) box = openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(0));
+    checkDense(path.string(), grids, box);
     const py::dict metadata = metadataOf(file);
     file.grids.clear();
     py::list dictionaries;

@@ -1,5 +1,7 @@
+#include "camera_file.h"
 #include "files.h"
 #include "grid_arrays.h"
+#include "grid_headers.h"
 #include "options.h"
 #include "picture.h"
 #include "textures.h"
@@ -14,6 +16,7 @@
 #include "vdblic/image/image_file.h"
 #include "vdblic/io/vdb_file.h"
 
+#include <fmt/format.h>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <openvdb/openvdb.h>
@@ -87,22 +90,36 @@ Image imageOf(const Pixels& pixels)
     return image;
 }
 
-py::bytes png(const Pixels& pixels, const std::array<double, 3>& background)
+/// @param colors red, green and blue, or those at the bottom and those at the top
+Background backgroundOf(const std::vector<double>& colors)
+{
+    const auto color = [&](std::size_t first) {
+        return glm::dvec3(colors[first], colors[first + 1], colors[first + 2]);
+    };
+    if (colors.size() != 3 && colors.size() != 6)
+        throw ParameterError(fmt::format("`background` has {} numbers; a background has 3 or 6", colors.size()));
+    Background result{.color = color(0)};
+    if (colors.size() == 6) result.top = color(3);
+    return result;
+}
+
+py::bytes png(const Pixels& pixels, const std::vector<double>& background)
 {
     const Image image = imageOf(pixels);
+    const Background behind = backgroundOf(background);
     std::string file;
     {
         const py::gil_scoped_release release;
-        file = encodePng(image, {{background[0], background[1], background[2]}});
+        file = encodePng(image, behind);
     }
     return file;
 }
 
-py::array_t<std::uint8_t> displayed(const Pixels& pixels, const std::array<double, 3>& background)
+py::array_t<std::uint8_t> displayed(const Pixels& pixels, const std::vector<double>& background)
 {
     const Image image = imageOf(pixels);
     py::array_t<std::uint8_t> result({image.size.y, image.size.x, 3});
-    const std::string bytes = displayBytes(image, {{background[0], background[1], background[2]}});
+    const std::string bytes = displayBytes(image, backgroundOf(background));
     std::memcpy(result.mutable_data(), bytes.data(), bytes.size());
     return result;
 }
@@ -187,7 +204,9 @@ PYBIND11_MODULE(_core, module)
     using namespace vdblic::python;
     openvdb::initialize();
     module.attr("__version__") = kVersion;
+    bindCameraFile(module);
     bindFiles(module);
+    bindGridHeaders(module);
     module.def("read", &readVolume);
     module.def("write", &writeVolume);
     module.def("synth", &synth);
@@ -203,11 +222,17 @@ PYBIND11_MODULE(_core, module)
         }))
         .def("next", &Textures::next);
     py::class_<Picture>(module, "Picture")
-        .def(py::init([](const py::dict& options) { return std::make_unique<Picture>(renderParams(options)); }))
+        .def(py::init([](const py::dict& options) { return std::make_unique<Picture>(options); }))
         .def_property_readonly("background",
                                [](const Picture& picture) {
-                                   const glm::dvec3& color = picture.params().background.color;
-                                   return std::array<double, 3>{color.x, color.y, color.z};
+                                   const Background& background = picture.params().background;
+                                   std::vector<double> numbers;
+                                   for (const double down : {1.0, 0.0}) {
+                                       const glm::dvec3 color = background.at(down);
+                                       if (down == 1 || background.top)
+                                           numbers.insert(numbers.end(), {color.x, color.y, color.z});
+                                   }
+                                   return numbers;
                                })
         .def_property_readonly("texture", [](const Picture& picture) { return picture.params().texture; })
         .def("render", &render);

@@ -16,9 +16,9 @@
 #include <vector>
 
 namespace vdblic::python {
-RenderParams renderParams(const pybind11::dict& keywords)
+RenderParams renderParams(const pybind11::dict& keywords, bool isSparse)
 {
-    RenderParams params = defaultRenderParams();
+    RenderParams params = defaultRenderParams(isSparse);
     setFrom(keywords, pictureParametersOf(params));
     params.output = "picture.exr"; // which is not written
     params.input.pattern = "-";
@@ -28,29 +28,29 @@ RenderParams renderParams(const pybind11::dict& keywords)
 
 Image Picture::of(const VdbFile& volume, std::int64_t frame)
 {
+    if (mOfSparse && isSparse(volume.metadata)) mParams = *mOfSparse;
+    mOfSparse.reset();
     RenderParams params = mParams;
     params.texture = textureName(volume.metadata, mParams.texture);
     const auto loaded = std::make_shared<const LoadedTexture>(loadFrame(params, volume, {frame, volume.path}));
     if (!mScene) {
         const glm::ivec2 size = params.scaledSize();
         if (loaded->volume.empty())
-            return {size, std::vector<glm::vec4>(std::size_t(size.x) * size.y, params.background.light())};
-        mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), true, {}, mAlone);
+            return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, params.background)};
+        mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
         if (!mParams.opacityBy.empty()) mParams.opacityBy = {mScene->opacityBy};
     }
     std::shared_ptr<const Solid> solid;
     if (!params.solid.source.empty())
         solid = std::make_shared<const Solid>(makeSolid(params.solid, *loaded->domain(), params.stretch, frame));
-    FramePicture picture(params, *mScene, *loaded, std::move(solid));
+    FramePicture picture(params, *mScene,
+                         std::make_shared<const ShownFrame>(params, mScene->look, loaded, std::move(solid), mAlone));
     for (int sample = 0; sample < params.samples; ++sample)
         picture.addSample();
     Image image = picture.image();
-    const glm::vec4 back = params.background.light();
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-        glm::vec4& pixel = image.pixels[i];
-        pixel += back * (1 - pixel.a);
-        if (!image.annotations.empty()) pixel = image.annotations[i] + pixel * (1 - image.annotations[i].a);
-    }
+    image.pixels = pixelsOver(image, params.background);
+    for (std::size_t i = 0; i < image.annotations.size(); ++i)
+        image.pixels[i] = image.annotations[i] + image.pixels[i] * (1 - image.annotations[i].a);
     return image;
 }
 

@@ -24,6 +24,14 @@ def skip(reason):
     sys.exit(77)
 
 
+def peer(name, module):
+    """The Python of a virtual environment that tests/peers.sh made, or None if it lacks the module."""
+    folder = pathlib.Path(os.environ.get("VDBLIC_PEERS", pathlib.Path.home() / ".cache/vdblic/peers"))
+    python = folder / name / "bin/python"
+    has = [python, "-c", f"import importlib.util as u, sys; sys.exit(u.find_spec('{module}') is None)"]
+    return python if python.exists() and subprocess.run(has).returncode == 0 else None
+
+
 class ToolTest(unittest.TestCase):
     """A test case whose tools run in a fresh folder `self.folder`, removed afterwards."""
 

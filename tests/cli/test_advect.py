@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import resource
 import unittest
 
 import numpy
@@ -202,9 +203,10 @@ class Advect(ToolTest):
     def test_memory_is_told_and_checked_before_the_start(self):
         run = self.run_tool("vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "3-3", "--refine", 2)
         self.assertRegex(run.stderr, r"864896 texture voxels: about \d+\.\d MiB of memory")
-        message = self.fails(3, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--refine", 6, "--max-memory", "600M")
-        self.assertRegex(message, "23352192 texture voxels would take .* 600.0 MiB may be used: lower --refine, or cut "
-                                  "the domain with --bbox or --mask, or raise --max-memory")
+        message = self.fails(4, "vdblic_advect", WAKE, "-o", "x.%04d.vdb", "--refine", 6, "--max-memory", "600M",
+                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20,) * 2))
+        self.assertRegex(message, r"\.: there is no room for a scratch file of .*: File too large; make room, or give "
+                                  "another folder with --scratch")
         self.assertEqual([name for name in self.files() if name.startswith("x.")], [])
 
     def test_work_and_time_as_json(self):
@@ -231,7 +233,7 @@ class Advect(ToolTest):
         self.assertEqual(self.files(), [])
 
     def test_same_voxels_for_any_number_of_threads(self):
-        for method in "auflic", "uflic":
+        for method in "auflic", "uflic", "ibfv":
             arrays = []
             for threads in 1, 2, 7:
                 path = self.outputs("vdblic_advect", WAKE, "-o", f"{method}.{threads}.%04d.vdb", "--frames", "1-3",
@@ -260,7 +262,8 @@ class Advect(ToolTest):
     def test_usage(self):
         output = ("-o", "lic.%04d.vdb")
         for arguments in (
-            (), (WAKE,), output, (WAKE, *output, "--no-such-option"), (WAKE, *output, "--method", "ibfv"),
+            (), (WAKE,), output, (WAKE, *output, "--no-such-option"), (WAKE, *output, "--alpha", "0.2"),
+            (WAKE, *output, "--method", "ibfv", "--alpha", "0"),
             (WAKE, *output, "--life", "0"), (WAKE, *output, "--life", "nan"), (WAKE, *output, "--dt", "0"),
             (WAKE, *output, "--dt", "nan"), (WAKE, *output, "--fps", "0"), (WAKE, *output, "--dt", "1", "--fps", "1"),
             (WAKE, *output, "--frames", "9-1"), (WAKE, *output, "--threads", "0"), (WAKE, *output, "--seed", "-1"),

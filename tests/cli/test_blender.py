@@ -20,7 +20,7 @@ import pyopenvdb as vdb
 from support import ToolTest, skip
 
 HERE = pathlib.Path(__file__).parent
-SAMPLE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/blender/flow_texture.py"
+SAMPLE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "tools/blender/flow_texture.py"
 UNIFORM = [[0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [0, 0, 0, 1]]
 
 
@@ -221,6 +221,19 @@ class Blender(ToolTest):
         self.assertIn(f"shown 12 14 {files[2]}", printed)
         self.assertGreater(pixels.std(axis=0).min(), 0.03)  # not blank: each colour varies
         self.assertLess(likeness(pixels[:, 0], pixels[:, 2]), 0.8)  # and the colours differ
+
+    def test_the_sample_shows_sparse_textures_with_their_material(self):
+        """Streaks begin where the texture does, and are seen."""
+        file, = self.velocities("swirl", UNIFORM)
+        self.outputs("vdblic_synth", "abc", "-o", "v.vdb", "--size", 24, 24, 24, "--frames", 1)
+        streaks, = self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--spacing", 3, "--refine", 4)
+        report = ("import bpy; nodes = bpy.data.materials['Flow texture'].node_tree.nodes; "
+                  "print('begin', *(round(node.inputs['From Min'].default_value, 3) for node in nodes "
+                  "if node.label == 'Streaks: contrast'))")
+        for texture, begin in (file, "begin 0.62"), (streaks, "begin 0.1"):
+            done = blender(SAMPLE, texture, options=("--python-expr", report))
+            self.assertIn(begin, done.stdout.splitlines(), done.stdout + done.stderr)
+        self.assertGreater(self.sample(streaks, frame=1)[0].std(axis=0).min(), 0.01)
 
     def test_a_preview_is_small(self):
         file, = self.velocities("swirl", UNIFORM)

@@ -19,7 +19,7 @@ from support import BIN, ToolTest
 
 SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 DOCUMENTS = [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]
-FLOW_TEXTURE = SOURCE / "samples/blender/flow_texture.py"
+FLOW_TEXTURE = SOURCE / "tools/blender/flow_texture.py"
 OURS = sorted([path.stem for path in (SOURCE / "tools").glob("vdblic_*.cpp")] +
               [f"vdblic_{path.stem.removesuffix('_tool')}" for path in (SOURCE / "tools/python").glob("*/*_tool.py")])
 
@@ -59,6 +59,7 @@ def runnable(command):
     """The command on small data: sizes are 8, long ranges 1-4, placeholders files; a mention of options is completed."""
     command = re.sub(r"--size( \d+)+", lambda size: "--size" + " 8" * (len(size[0].split()) - 1), command)
     command = re.sub(r"--frames 1-\d+", "--frames 1-4", command)
+    command = re.sub(r"^vdblic_film \S+", r"\g<0> --size 16 16", command)
     command = re.sub(r"(?<= )[A-Z]+(?= |$)", lambda word: PLACEHOLDERS[word[0]], command)
     tool, *words = command.split()
     command = f"{command} {REQUIRED[tool]}" if words[0].startswith("-") else command
@@ -128,7 +129,7 @@ class Documents(ToolTest):
             for code in inline_code(document) + shell_lines(document):
                 code = re.sub(r"(^|\s)#( |SBATCH).*", "", code)
                 code = re.sub(r"^([A-Z_a-z]+=\w+ )*(mpirun|srun) .*?(?=vdblic_|$)", "", code)  # their own options
-                if not code or code.split()[0] in ("cmake", "ctest"):
+                if not code or code.split()[0] in ("cmake", "ctest", "c++", "pip"):
                     continue
                 program = SOURCE / code.split()[0]
                 known = options_in(program.read_text(encoding="utf-8")) if program.is_file() else ours

@@ -1,6 +1,7 @@
 """vdblic_export: textures and velocities as VTK and NumPy read them back."""
 
 import os
+import resource
 import unittest
 import xml.etree.ElementTree
 
@@ -37,6 +38,11 @@ def dense(path, name, low, shape):
     values = numpy.zeros(shape, numpy.float32)
     vdb.read(str(path), name).copyToArray(values, low)
     return values
+
+
+def limited(size):
+    """For a process: limits its data."""
+    return lambda: resource.setrlimit(resource.RLIMIT_DATA, (size, size))
 
 
 class Export(ToolTest):
@@ -148,6 +154,35 @@ class Export(ToolTest):
             voxel = tuple(2 * i + 1 for i in cell)
             self.assertEqual(accessor.isValueOn(voxel), whole(cell), cell)
 
+    def test_sparse_textures(self):
+        """What is empty is 0 and not hidden; a message tells how much that is, once."""
+        self.outputs("vdblic_synth", "ring", "-o", "v.%04d.vdb", "--size", 24, 16, 16, "--frames", "1-2")
+        paths = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "s.%04d.vdb", "--method", "streaks", "--spacing", 3,
+                             "--refine", 4)
+        done = self.run_tool("vdblic_export", "s.%04d.vdb", "-o", "s_%04d.vti")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stderr, r"s.0001.vdb: [\d.]+% of the 0\.\d+ million voxels of the texture's box are active")
+        self.assertEqual(done.stderr.count("are active"), 1)
+        arrays, *_ = image_of(self.folder / "s_0001.vti")
+        self.assertNotIn("vtkGhostType", arrays)
+        active = arrays["active"][..., 0] > 0
+        self.assertEqual(active.sum(), vdb.read(str(paths[0]), "density").activeVoxelCount())
+        self.assertTrue((arrays["density"][..., 0][~active] == 0).all())
+        self.assertGreater(arrays["magnitude"][..., 0][~active].max(), 0)
+
+    def test_what_takes_too_much_memory_is_refused_before_it_is_read(self):
+        grid = vdb.FloatGrid()
+        for corner in ((0, 0, 0), (1200, 1200, 1200)):
+            grid.fill(corner, corner, 1)
+        grids = [grid.deepCopy() for _ in range(3)]
+        for name, one in zip(("density", "a", "b"), grids):
+            one.name = name
+        vdb.write(str(self.folder / "s.vdb"), grids)
+        # The box of each takes 8 GiB of memory.
+        message = self.fails(3, "vdblic_export", "s.vdb", "-o", "s.vti", preexec_fn=limited(20 << 30))
+        self.assertIn("and 2 others: the box of its voxels, of whose 1.73e+03 million", message)
+        self.assertIn("choose fewer with --grids", message)
+
     def test_names_of_lists(self):
         self.outputs("vdblic_noise", "-o", "n.1.vdb", "--size", 4, 4, 4)
         for pattern, name in ("exp %d.vti", "exp.pvd"), ("a_%04d.vti", "a.pvd"), ("%d.vti", "frames.pvd"):
@@ -165,10 +200,10 @@ class Export(ToolTest):
         for status, words, *arguments in (
                 (3, "no grid 'p' of numbers or vectors; present: noise", "n.vdb", "-o", "n.vti", "--grids", "p"),
                 (3, "broken.vdb: cannot be read", "broken.vdb", "-o", "n.vti"),
-                (3, "huge.vdb: grid 'huge': the box of its voxels would take", "huge.vdb", "-o", "n.vti"),
+                (3, "huge.vdb: grid 'huge': the box of its voxels, of whose 1e+09 million 2e-13 % are active, would take", "huge.vdb", "-o", "n.vti"),
                 (3, "no such file", "nothing.vdb", "-o", "n.vti"),
                 (3, "names no files", "-", "-o", "n.vti"),
-                (2, "must end in .vti or .npz", "n.vdb", "-o", "n.vtk"),
+                (2, "must end in .vti or .npz or .usda or .vdb", "n.vdb", "-o", "n.vtk"),
                 (2, "would replace an input", "n.vdb", "-o", "link.vti"),
                 (4, "make it first", "n.vdb", "-o", "nowhere/n.vti")):
             with self.subTest(words):

@@ -25,6 +25,7 @@ COMMANDS = {  # valid without the tried option
     "vdblic_diff": ["n.vdb", "n.vdb", "-o", "out.vdb"],
     "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
     "vdblic_info": ["v.0001.vdb"],
+    "vdblic_film": ["v.0001.vdb", "-o", "out.png", "--size", "8", "8"],
     "vdblic_import": ["v.npy", "-o", "out.vdb"],
     "vdblic_export": ["n.vdb", "-o", "out.vti"],
 }
@@ -32,6 +33,7 @@ COMMANDS = {  # valid without the tried option
 LEGAL = {
     "--threads": set(),
     "--max-memory": set(),
+    "--scratch": set(),
     "--seed": {"0"},
     "--dt": set(),
     "--velocity-scale": {"-1"},
@@ -47,8 +49,10 @@ LEGAL = {
     "--eye": {"0", "-1"},
     "--target": {"0", "-1"},
     "--up": {"-1", "0"},  # but not three zeros
+    "vdblic_export --up": set(),  # an axis
     "--modulate": {"0"},
     "--background": {"0"},
+    "--background-top": {"0"},
     "--fail": {"0", "99999999999999999999"},
     "--relative": {"0", "99999999999999999999"},
     "--fail-percent": {"0"},
@@ -61,8 +65,12 @@ LEGAL = {
     "--port": {"0"},
     "--limb-darkening": {"0"},
     "--depth-cue": {"0"},
+    "--exposure": {"0", "-1"},
     "--shadows": {"0"},
+    "--occlusion": {"0"},
     "--solid-color": {"0"},
+    "--ground-color": {"0"},
+    "--aperture": {"0"},
     "--ambient": {"0"},
     "--diffuse": {"0"},
     "--specular": {"0"},
@@ -92,6 +100,10 @@ def options(help_text):
             continue
         found[name] = (words[0], len(words))
     return found
+
+
+def legal_values(tool, option):
+    return LEGAL.get(f"{tool} {option}", LEGAL.get(option, ()))
 
 
 class HostileParameters(ToolTest):
@@ -137,7 +149,7 @@ class HostileParameters(ToolTest):
                 if tool == "vdblic_view" and name in of_pictures:
                     continue  # the same code reads them
                 for value in self.values(name, kind):
-                    if value in LEGAL.get(name, ()):
+                    if value in legal_values(tool, name):
                         continue
                     with self.subTest(tool=tool, option=name, value=value[:30]):
                         self.assert_refused(self.command(tool, name, [value] * count))
@@ -155,7 +167,7 @@ class HostileParameters(ToolTest):
     def test_what_is_legal_is_taken(self):
         for tool in COMMANDS.keys() - {"vdblic_view"}:  # it would go on; its options are those of vdblic_render
             for name, (_, count) in options(self.run_tool(tool, "--help").stdout).items():
-                for value in LEGAL.get(name, ()):
+                for value in legal_values(tool, name):
                     with self.subTest(tool=tool, option=name, value=value):
                         # The other values are 0, because both ends of a range must differ.
                         done = self.run_tool(*self.command(tool, name, ["0"] * (count - 1) + [value]), timeout=20)

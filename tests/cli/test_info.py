@@ -1,7 +1,10 @@
 """vdblic_info: what a sequence holds, and what it advises."""
 
 import json
+import os
+import pathlib
 import re
+import resource
 import time
 import unittest
 
@@ -61,6 +64,22 @@ class Info(ToolTest):
         self.assertRegex(text, r"vdblic_advect takes about .* MiB of memory and .* s of processor time")
         for options, source in ((("--dt", 2), "as given"), (("--fps", 8), "as given")):
             self.assertEqual(self.info("v.0001.vdb", *options)[0]["velocity"]["interval_source"], source)
+
+    def test_streaks(self):
+        """The command for streaks is one that vdblic_advect takes, and what it takes is as told."""
+        pattern = str(pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/wake/wake.%04d.vdb")
+        info, text = self.info(pattern, "--values", "--frames", "1-3")
+        told = re.search(r"vdblic_advect (--method streaks --spacing 1.5 --tail \S+ --refine 11) takes about (\S+) MiB", text)
+        streaks = info["velocity"]["streaks"]
+        self.assertEqual((streaks["spacing"], streaks["refine"]), ([1.5] * 3, [11] * 3))
+        self.assertAlmostEqual(streaks["memory"] / 2**20, float(told[2]), delta=0.1)
+        self.outputs("vdblic_advect", pattern, "-o", "s.%04d.vdb", "--frames", "1-3", *told[1].split(), "--json", "s.json",
+                     "--lead-in", 0, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_DATA,
+                                                                          (int(1.35 * streaks["memory"]),) * 2))
+        seconds = sum(sum(frame["seconds"][stage] for stage in ("scatter", "convolve"))
+                      for frame in json.loads(self.contents("s.json"))["frames"])
+        self.assertGreater(streaks["processor_seconds"], 0.3 * seconds)
+        self.assertNotIn("--tail", self.info(pattern)[1])  # headers do not tell how fast the flow is
 
     def test_advice(self):
         self.write(1, self.constant(200, (70, 70, 4)), dt=0.1)

@@ -3,7 +3,9 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
+import tempfile
 import unittest
 
 import numpy
@@ -16,6 +18,13 @@ DOCUMENT = (SOURCE / "docs/library.md").read_text(encoding="utf-8")
 
 
 class Library(ToolTest):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="vdblic-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.installed = pathlib.Path(folder.name)
+        subprocess.run(["cmake", "--install", BIN.parent, "--prefix", cls.installed], check=True, capture_output=True)
+
     def run_command(self, *command):
         done = subprocess.run(list(map(str, command)), cwd=self.folder, text=True, capture_output=True, timeout=600)
         self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}\n{done.stderr}")
@@ -23,14 +32,13 @@ class Library(ToolTest):
 
     @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a program of its own has no sanitizer")
     def test_programs(self):
-        self.run_command("cmake", "--install", BIN.parent, "--prefix", self.folder / "installed")
         lists, = re.findall(r"^```cmake\n(.*?)^```", DOCUMENT, re.MULTILINE | re.DOTALL)
         (self.folder / "CMakeLists.txt").write_text(lists)
         programs = re.findall(r"^`(\w+\.cpp)`.*?^```cpp\n(.*?)^```", DOCUMENT, re.MULTILINE | re.DOTALL)
         self.assertEqual([name for name, _ in programs], ["sequence.cpp", "field.cpp"])
         for name, text in programs:
             (self.folder / name).write_text(text)
-        self.run_command("cmake", "-S", ".", "-B", "build", "-DCMAKE_PREFIX_PATH=" + str(self.folder / "installed"),
+        self.run_command("cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={self.installed}",
                          "-DCMAKE_BUILD_TYPE=Release")
         self.run_command("cmake", "--build", "build")
 
@@ -43,6 +51,43 @@ class Library(ToolTest):
         vdb.read(str(self.folder / "field.vdb"), "density").copyToArray(values)
         self.assertTrue(0 <= values.min() < values.max() <= 1)
         self.assertGreater(values.std(), 0.05)
+
+    @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a program of its own has no sanitizer")
+    @unittest.skipUnless(shutil.which("pkg-config"), "pkg-config is not installed")
+    def test_pkg_config(self):
+        """One compiler call makes a program that uses folders from the top to the bottom."""
+        (self.folder / "film.cpp").write_text("""
+            #include <vdblic/compare/compare.h>
+            #include <vdblic/coherence/coherence_sequence.h>
+            #include <vdblic/core/version.h>
+            #include <vdblic/film/film.h>
+            #include <vdblic/render/render_sequence.h>
+            #include <iostream>
+            int main(int count, char**)
+            {
+                if (count > 1) {
+                    std::istringstream none;
+                    vdblic::Reporter reporter;
+                    vdblic::renderSequence(vdblic::defaultRenderParams(), none, reporter);
+                }
+                std::cout << vdblic::kVersion << '\\n';
+            }
+        """)
+        os.environ["PKG_CONFIG_PATH"] = ":".join(map(str, self.installed.glob("lib*/**/pkgconfig")))
+        self.run_command("bash", "-c", "c++ film.cpp -o film $(pkg-config --cflags --libs vdblic)")
+        version = self.run_command("pkg-config", "--modversion", "vdblic")
+        self.assertEqual(self.run_command("./film"), version)
+        self.assertEqual(self.run_tool("vdblic_advect", "--version").stdout.split()[-1], version.strip())
+
+    def test_installed_headers_are_whole_and_portable(self):
+        headers = list((self.installed / "include").rglob("*.h"))
+        self.assertGreater(len(headers), 50)
+        for header in headers:
+            text = header.read_text(encoding="utf-8")
+            with self.subTest(header=header.name):
+                self.assertNotRegex(text, r"vector_size|__builtin_|target_clones|\b(Float|Int|Double)[248]\b")
+                for name in re.findall(r'#include "(vdblic/[^"]+)"', text):
+                    self.assertTrue((self.installed / "include" / name).is_file(), name)
 
     def test_headers_are_installed(self):
         lists = (SOURCE / "lib/CMakeLists.txt").read_text(encoding="utf-8")

@@ -10,10 +10,10 @@ import unittest
 from support import BIN, ToolTest
 
 SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
-TOOLS = "synth", "noise", "advect", "render", "info", "coherence", "diff", "view"
+TOOLS = "synth", "noise", "advect", "render", "info", "coherence", "film", "diff", "view"
 # Arguments that are no member of a parameter struct.
-OWN = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--parameters", "--list",
-       "--json", "--port", "--host", "--open"}
+OWN = {"--help", "--version", "--threads", "--max-memory", "--scratch", "--quiet", "--verbose", "--verify",
+       "--parameters", "--list", "--json", "--port", "--host", "--open"}
 
 
 class Parameters(ToolTest):

@@ -311,9 +311,18 @@ class Pictures(ToolTest):
         self.outputs("vdblic_advect", "v.vdb", "-o", "lic.vdb", "--refine", 2)
         return vdblic.read(self.folder / "lic.vdb")
 
+    def test_streaks_have_their_look(self):
+        self.outputs("vdblic_synth", "ring", "-o", "v.vdb", "--size", *SIZE, "--frames", 1)
+        self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--spacing", 3, "--refine", 4)
+        texture = vdblic.read(self.folder / "s.vdb")
+        picture = vdblic.Renderer(size=(48, 32))(texture)
+        numpy.testing.assert_array_equal(picture, vdblic.Renderer(size=(48, 32), look="streaks")(texture))
+        self.assertGreater(abs(picture - vdblic.Renderer(size=(48, 32), look="flow")(texture)).max(), 0.01)
+
     def test_a_picture_shows_itself_in_a_notebook(self):
         texture = self.texture()
-        for look, options in ("flow", {}), ("ink", {}), ("flow", {"annotate": ["box", "axes"], "background": (0.5, 0, 1)}):
+        for look, options in (("flow", {}), ("ink", {}), ("paper", {}),
+                              ("flow", {"annotate": ["box", "axes"], "background": (0.5, 0, 1)})):
             arguments = ["--annotate", "box,axes", "--background", 0.5, 0, 1] if options else []
             self.outputs("vdblic_render", "lic.vdb", "-o", "i.png", "--size", 48, 32, "--look", look, *arguments)
             picture = vdblic.Renderer(size=(48, 32), look=look, **options)(texture)

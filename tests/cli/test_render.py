@@ -86,8 +86,9 @@ class Render(RenderTest):
         z = (corners @ camera)[:, 2]
         self.assertGreater(depth[seen].min(), z.min())
         self.assertLess(depth[seen].max(), z.max())
-        for values in self.pixels("aov.exr", "magnitude", "texture"):
-            self.assertTrue((values[seen] > 0).all() and (values[seen] < 1).all())
+        # Textures go on past the rim along straight lines: at most by half of a step between two voxels.
+        for values, most in zip(self.pixels("aov.exr", "magnitude", "texture"), (1, 1.5)):
+            self.assertTrue((values[seen] > 0).all() and (values[seen] < most).all())
         self.assertGreater(samples[seen].min(), 0)
         self.renders("-o", "one.exr", "--aov", "depth,samples", *base)  # the option does not swallow the input
         self.assertNotIn("texture,", self.header("one.exr"))
@@ -125,7 +126,7 @@ class Render(RenderTest):
         for name, options in {"one": [], "by": ["--by", "vorticity"], "color": ["--color-by", "vorticity"],
                               "opacity": ["--opacity-by", "vorticity"],
                               "both": ["--color-by", "vorticity", "--opacity-by", "vorticity"],
-                              "vortex": ["--look", "vortex", "--shadows", 0], "range": ["--opacity-range", 0.5, 2]}.items():
+                              "vortex": ["--look", "vortex", "--shadows", 0, "--occlusion", 0], "range": ["--opacity-range", 0.5, 2]}.items():
             self.renders(*base, "-o", f"{name}.exr", *options)
             red[name], alpha[name] = self.pixels(f"{name}.exr", "R", "A")
         self.assertTrue((red["by"] == red["both"]).all())
@@ -198,8 +199,10 @@ class Render(RenderTest):
         self.assertEqual(right, 0)
 
     def test_png_is_the_exr_over_the_background(self):
+        # Nothing is so bright that the tone curve would change it.
         for ending in ("exr", "png"):
-            self.renders("lic.0003.vdb", "-o", f"a.{ending}", "--size", 40, 30, "--background", 0.2, 0.4, 0.6)
+            self.renders("lic.0003.vdb", "-o", f"a.{ending}", "--size", 40, 30, "--background", 0.2, 0.4, 0.6,
+                         "--exposure", -1)
         self.run_peer("oiiotool", "a.exr", "--ch", "R,G,B", "--colorconvert", "linear", "sRGB", "-d", "uint8", "-o",
                       "b.png")
         self.run_peer("idiff", "-fail", 1.1 / 255, "-warn", 1.1 / 255, "a.png", "b.png")

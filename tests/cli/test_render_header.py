@@ -14,9 +14,9 @@ import pyopenvdb as vdb
 from support import ToolTest
 
 # Options of input, output and execution, which do not affect the picture.
-NOT_OF_THE_PICTURE = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--frames",
-                      "--clamp-frames", "--renumber", "--skip-existing", "--keep-going", "--output", "--histogram",
-                      "--transfer-out", "--film", "--fps", "--parameters"}
+NOT_OF_THE_PICTURE = {"--help", "--version", "--threads", "--max-memory", "--scratch", "--quiet", "--verbose",
+                      "--verify", "--frames", "--clamp-frames", "--renumber", "--skip-existing", "--keep-going",
+                      "--output", "--histogram", "--transfer-out", "--film", "--fps", "--parameters"}
 ORTHOGRAPHIC = ["--projection", "orthographic"]
 # For each option: the options that it needs, and a value other than its default.
 VALUES = {
@@ -31,10 +31,12 @@ VALUES = {
     "--projection": ([], "orthographic"),
     "--fov": ([], 50),
     "--view-height": (ORTHOGRAPHIC, 5),
+    "--aperture": ([], 0.1),
     "--orbit": ([], 1),
     "--orbit-frames": (["--orbit", 0.25], 10),
     "--camera": ([], "keys.json"),
     "--step": ([], 0.25),
+    "--interpolation": ([], "cubic"),
     "--look": ([], "smoke"),
     "--transfer": ([], "function.json"),
     "--colormap": ([], "viridis"),
@@ -54,9 +56,12 @@ VALUES = {
     "--light": ([], 1, 2, 3),
     "--halo": ([], 1),
     "--depth-cue": ([], 0.5),
+    "--exposure": ([], 2.5),
     "--clip-plane": ([], 0.5, 0, 0, 1, 0, 0),
     "--clip-box": ([], 0, 0, 0, 0.5, 0.5, 0.5),
+    "--clip-solid": ([],),
     "--background": ([], 1, 1, 1),
+    "--background-top": ([], 1, 1, 1),
     "--background-alpha": ([], 0.5),
     "--by": ([], "density"),
     "--color-by": ([], "density"),
@@ -64,7 +69,10 @@ VALUES = {
     "--opacity-range": ([], 0, 2),
     "--solid": ([], "domain"),
     "--solid-color": (["--solid", "domain"], 1, 0, 0),
+    "--ground": ([], "below"),
+    "--ground-color": (["--ground", "below"], 1, 0, 0),
     "--shadows": ([], 0.5),
+    "--occlusion": ([], 0.5),
     "--annotate": ([], "box"),
     "--roi": ([], "lic.0001.vdb:magnitude"),
     "--roi-box": ([], 0, 0, 0, 0.5, 0.5, 0.5),
@@ -113,6 +121,13 @@ class Header(ToolTest):
                      "stretch (type v3f): (1 1 2)", 'region (type string): "lic.0001.vdb:magnitude"',
                      'shading (type string): "phong"', "frame (type int): 1"):
             self.assertIn(line, header)
+
+    def test_wide_voxels_are_interpolated_by_cubics(self):
+        # Of 12 voxels each covers a pixel or two, then many; whatever else is asked for.
+        self.assertIn('interpolation (type string): "linear"', self.header("--size", 16, 16))
+        self.assertIn('interpolation (type string): "cubic"', self.header("--size", 160, 160))
+        self.assertIn('interpolation (type string): "linear"',
+                      self.header("--size", 160, 160, "--interpolation", "linear"))
 
 
 if __name__ == "__main__":

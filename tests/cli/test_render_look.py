@@ -21,7 +21,7 @@ VIEW = ("--eye", -50, 0.75, 0.55, "--target", 0, 0.75, 0.55, "--projection", "or
         "--size", 16, 12, "--precision", "float")
 # The driver's grey, opacity 0.2 a voxel, and nothing else.
 PLAIN = {"--range": (0, 1), "--colormap": "gray", "--opacity": "0:0.2", "--modulate": 0, "--limb-darkening": 0,
-         "--shading": "none", "--halo": 0, "--depth-cue": 0}
+         "--shading": "none", "--halo": 0, "--depth-cue": 0, "--exposure": 0, "--step": 0.5}
 OPAQUE = 1 - 0.8 ** SHAPE[0]
 GREY = numpy.where(numpy.arange(16) < 8, 0.75, 0.25)
 GREY = ((GREY + 0.055) / 1.055) ** 2.4  # linear, by the picture's column
@@ -139,6 +139,22 @@ class RenderLook(RenderTest):
         half, _ = self.seen("ramp", depth_cue=0.5, background=(0, 0, 0))
         self.assert_near(half, GREY * (near + OPAQUE) / 2)
 
+    def test_halos_and_distance_fade_to_what_is_behind_them(self):
+        # The background's red rises from the bottom, 0, to the top, 1, as displayed; what has faded has its colours.
+        options = dict(background=(0, 0, 0), background_top=(1, 1, 1), exposure=0.5)
+        rows = (12 - numpy.arange(12) - 0.5)[:, None] / 12
+        rows = numpy.where(rows <= 0.04045, rows / 12.92, ((rows + 0.055) / 1.055) ** 2.4)
+        _, alpha = self.seen("ramp", "--clip-box", 50, 50, 50, 60, 60, 60, **options)
+        red, _ = self.seen("ramp", "--clip-box", 50, 50, 50, 60, 60, 60, **options)
+        self.assert_near(red, numpy.broadcast_to(rows, red.shape))
+        self.assert_near(alpha, 1)
+        # A picture is linear in what is behind it.
+        dark, _ = self.seen("bars", modulate=1, halo=1, depth_cue=0.8, background=(0, 0, 0), exposure=0.5)
+        light, _ = self.seen("bars", modulate=1, halo=1, depth_cue=0.8, background=(1, 1, 1), exposure=0.5)
+        both, _ = self.seen("bars", modulate=1, halo=1, depth_cue=0.8, **options)
+        self.assertGreater((light - dark).min(), 0.05)
+        self.assert_near(both, dark + (light - dark) * rows)
+
     def test_halos_hide_what_is_behind_flanks(self):
         # Of the background's colour, here black; a picture without colour tells what they hide.
         pictures = [self.seen("bars", modulate=1, opacity="0:0.02", halo=halo, background=(0, 0, 0), background_alpha=0)
@@ -152,6 +168,34 @@ class RenderLook(RenderTest):
         self.assert_near(less[crest], red[crest])
         self.assertTrue((less[flank] < 0.7 * red[flank]).all() and (more[flank] > 0.6).all())
         self.assertEqual((less[dark].max()), 0)
+
+    def test_exposure_multiplies_light_but_not_the_background(self):
+        for exposure in 1, -2:
+            for halo, cue, background in (0, 0, 0.0), (0, 1, 0.6), (1, 0.5, 1.0):
+                options = dict(modulate=1, halo=halo, depth_cue=cue, background=(background,) * 3, background_alpha=1)
+                plain, _ = self.seen("bars", **options)
+                more, _ = self.seen("bars", **options, exposure=exposure)
+                # Of light alone, without a background, the factor is known.
+                light, alpha = self.seen("bars", **(options | {"background": (0, 0, 0)}))
+                self.assert_near(more - plain, light * (2 ** exposure - 1), 5e-3)
+                self.assert_near(alpha, 1)
+
+    def test_the_automatic_exposure_makes_up_for_light_and_not_for_data(self):
+        def chosen(*options):
+            self.renders("rods.vdb", "-o", "a.exr", *VIEW, *options)
+            return float(self.run_peer("exrheader", "a.exr").split("exposure (type float): ")[1].split()[0])
+
+        plain = ("--limb-darkening", 0, "--shading", "none")
+        self.assertEqual(chosen(*plain), 0)
+        self.assertAlmostEqual(chosen(*plain, "--shadows", 1), -numpy.log2(0.35), delta=0.06)
+        self.assertAlmostEqual(chosen("--limb-darkening", 0, "--ambient", 0.25, "--diffuse", 0), -numpy.log2(0.475),
+                               delta=0.06)
+        self.assertEqual(chosen("--limb-darkening", 0, "--ambient", 0, "--diffuse", 0, "--shadows", 1), 3)
+        self.assertEqual(chosen("--exposure", -0.75), -0.75)
+        # Cameras, backgrounds and colours have no part in it.
+        usual = chosen()
+        self.assertGreater(usual, 0)
+        self.assertEqual(chosen("--background", 1, 1, 1, "--colormap", "gray", "--orbit", 0.5, "--orbit-frames", 4), usual)
 
     def test_cuts(self):
         # The plane cuts at a voxel's middle, in the middle between two pixels; of the rays along x 10.5 voxels are left.

@@ -88,6 +88,26 @@ class RenderScene(RenderTest):
                          "domain", "--shadows", 0.7, "--annotate", "box,axes,colorbar,time", "--film", f"t{threads}.mp4")
         for name in ("0001.png", "0003.png", "mp4"):
             self.assertEqual(self.contents(f"t1.{name}"), self.contents(f"t5.{name}"))
+        for threads in (1, 2, 5):
+            self.renders("lic.%04d.vdb", "-o", f"g{threads}.%04d.exr", "--size", 90, 70, "--threads", threads,
+                         "--ground", "below", "--aperture", 0.1, "--samples", 3, "--solid", "domain", "--orbit", 0.2,
+                         "--aov", "depth")
+        for threads in (2, 5):
+            self.assertEqual(self.contents("g1.0003.exr"), self.contents(f"g{threads}.0003.exr"))
+
+    def test_ground(self):
+        view = *self.thin, "--eye", 4, -5, 3
+        self.renders(*view, "-o", "none.%04d.exr", "--ground", "none")
+        self.renders(*view, "-o", "plain.%04d.exr")
+        self.assertEqual(self.contents("none.0001.exr"), self.contents("plain.0001.exr"))
+        for side in "below", "low-z", "high-y", "low-x":
+            self.renders(*view, "-o", f"{side}.%04d.exr", "--ground", side)
+            self.assertGreater(self.alpha(f"{side}.0001.exr"), self.alpha("none.0001.exr") + 0.05, side)
+        subprocess.run(["idiff", "-fail", "0", "-warn", "0", "below.0001.exr", "low-z.0001.exr"], cwd=self.folder,
+                       check=True)
+        self.renders(*view, "-o", "away.%04d.exr", "--ground", "low-y")  # between the eye and the domain
+        self.assertEqual(self.alpha("away.0001.exr"), self.alpha("none.0001.exr"))
+        self.assertIn("low-x", self.refuses(2, *view, "-o", "a.%04d.exr", "--ground", "left"))
 
     def probe(self, name):
         done = subprocess.run(["ffprobe", "-loglevel", "error", "-count_frames", "-show_entries",

@@ -173,14 +173,14 @@ class Resume(ToolTest):
     def test_kills_with_other_methods_and_parameters(self):
         for seed, arguments in enumerate((("--method", "uflic"), ("--method", "lic"), ("--life", 1), ("--life", 9),
                                           ("--method", "auflic-2004", "--with", "vorticity"),
-                                          ("--method", "streaks", "--refine", 2))):
+                                          ("--method", "streaks", "--refine", 2), ("--method", "ibfv"))):
             expected = self.whole(self.flow(), *arguments)
             self.assertGreater(self.kill_often(4, random.Random(seed), self.flow(), *arguments), 2)
             self.finish(expected, self.flow(), *arguments)
             self.clear()
 
     def test_kills_while_the_domain_changes(self):
-        for method in ("auflic",), ("uflic",), ("streaks", "--refine", 2):
+        for method in ("auflic",), ("uflic",), ("streaks", "--refine", 2), ("ibfv",):
             arguments = (*self.moving_ball(), "--method", *method)
             expected = self.whole(*arguments)
             self.assertGreater(self.kill_often(6, random.Random(5), *arguments), 4)
@@ -310,7 +310,8 @@ class Resume(ToolTest):
     def test_finer_textures(self):
         """Refined and with substeps: stopped between frames, inside an interval, and in the preroll."""
         for options in (("--refine", 2), ("--substeps", 3), ("--substeps", 4, "--refine", 1, 2, 1, "--method", "uflic"),
-                        ("--substeps", 2, "--method", "lic"), ("--substeps", 3, "--refine", 2, "--method", "streaks")):
+                        ("--substeps", 2, "--method", "lic"), ("--substeps", 3, "--refine", 2, "--method", "streaks"),
+                        ("--substeps", 3, "--refine", 2, "--method", "ibfv")):
             arguments, frames = (self.flow(), *options), "1-20"
             whole = self.whole(*arguments, frames=frames)
             for after in 6, 7:
@@ -359,12 +360,13 @@ class Resume(ToolTest):
             "--interpolation": "cubic", "--finish": 1, "--motion": 0.5, "--voxels-per-frame": 2}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--parameters",
-                "--steady-frames"}
+                "--steady-frames", "--scratch"}
         of_streaks = {"--spacing": 3, "--tail": 2.5, "--emit": mask, "--emit-box": (0, 0, 0, 9, 9, 9), "--source": f"air={mask}"}
+        of_ibfv = {"--alpha": 0.2}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
-        self.assertEqual(listed, set(changes) | set(of_streaks) | free)
+        self.assertEqual(listed, set(changes) | set(of_streaks) | set(of_ibfv) | free)
 
-        for base, changed in (("--method", "streaks", "--refine", 2), of_streaks), ((), changes):
+        for base, changed in (("--method", "streaks", "--refine", 2), of_streaks), (("--method", "ibfv"), of_ibfv), ((), changes):
             self.interrupted(self.flow(), *base)
             for option, value in changed.items():
                 values = value if isinstance(value, tuple) else (value,)
@@ -477,7 +479,7 @@ class Resume(ToolTest):
         self.finish(self.whole(self.flow(), "--life", 2), self.flow(), "--life", 2)
 
     def test_a_finished_run_is_extended(self):
-        for options in (), ("--substeps", 3), ("--method", "lic"), ("--method", "uflic", "--preroll", 0), ("--method", "streaks", "--refine", 2):
+        for options in (), ("--substeps", 3), ("--method", "lic"), ("--method", "uflic", "--preroll", 0), ("--method", "streaks", "--refine", 2), ("--method", "ibfv"):
             for frames in "1", "1-2", "1-9", f"1-{FRAMES}":
                 whole = self.whole(self.flow(), *options, frames=frames)
                 run = self.start(self.flow(), *options, "--keep-checkpoint", "--resume", frames=frames)

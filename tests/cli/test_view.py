@@ -19,6 +19,9 @@ class Pictures(ViewerTest):
         states = [
             {},
             {"look": "vortex", "eye": [3.1, -4.2, 3.3], "target": [0.5, 0.4, 0.3], "fov": 50.25},
+            {"look": "vortex", "eye": [-2.1, -4.2, 2.3], "target": [0.5, 0.4, 0.3]},  # the same from elsewhere, then cut
+            {"look": "vortex", "eye": [-2.1, -4.2, 2.3], "target": [0.5, 0.4, 0.3], "solid": "domain",
+             "clip-plane": [[0.5, 0.5, 0.5, 1, 0.2, 0]]},
             {"look": "smoke", "projection": "orthographic", "annotate": "axes,colorbar,time,title=It's a title"},
             {"color-by": "q", "opacity-by": "magnitude", "opacity": "0:0,0.5:0.123,1:0.8", "range": [-1.5, 2],
              "clip-plane": [[0.5, 0.5, 0.5, 1, 0.2, 0]], "light": [[1, 0, 2]], "solid": "domain", "stretch": [1, 1, 2]},
@@ -41,6 +44,32 @@ class Pictures(ViewerTest):
                     words[words.index("-o") + 1] = image
                     self.outputs(tool, *words, "--frames", 2)
                     self.assertEqual(self.contents(image), shown, command)
+
+    def test_streaks_have_their_look(self):
+        """As in vdblic_render, unless a state names another one."""
+        self.outputs("vdblic_synth", "abc", "-o", "v.vdb", "--size", 24, 16, 12, "--frames", 1)
+        self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--dt", 0.04, "--spacing", 3,
+                     "--refine", 4)
+        self.start("s.vdb")
+        for state, look in ({}, "streaks"), ({"look": "smoke"}, "smoke"):
+            state = {"size": [64, 40], **state}
+            self.assertEqual(self.ask("scene", {"state": state, "frame": 1})["look"], look)
+            _, *words = shlex.split(self.ask("command", {"state": state})["command"])
+            words[words.index("-o") + 1] = "image.png"
+            self.outputs("vdblic_render", *words)
+            self.assertEqual(self.contents("image.png"), self.picture(state, 1))
+
+    @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "sanitizers hold more memory than there is")
+    def test_a_texture_larger_than_the_memory(self):
+        self.outputs("vdblic_noise", "--size", 192, 192, 192, "-o", "noise.0001.vdb")
+        shown = []
+        for limit in (), ("--max-memory", "128M"):
+            self.start("noise.%04d.vdb", "--texture", "noise", *limit)
+            shown.append(self.picture({}))
+            peak = self.most_resident()
+            self.stop()
+        self.assertEqual(shown[1], shown[0])
+        self.assertLess(peak, 1.1 * (128 << 20))
 
     def test_a_start_state_comes_from_the_command_line(self):
         (self.folder / "keys.json").write_text('{"keys": [{"frame": 1, "fov": 20}]}', encoding="utf-8")

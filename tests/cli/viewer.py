@@ -65,10 +65,14 @@ class ViewerTest(ToolTest):
         enough = spent() + os.sysconf("SC_CLK_TCK") // 4
         self.wait_until(lambda: spent() >= enough, "the viewer does nothing")
 
-    def resident(self):
+    def resident(self, line="VmRSS"):
         """The memory that the viewer holds [bytes]."""
         with open(f"/proc/{self.viewer.pid}/status", encoding="utf-8") as status:
-            return 1024 * int(re.search(r"VmRSS:\s+(\d+)", status.read())[1])
+            return 1024 * int(re.search(line + r":\s+(\d+)", status.read())[1])
+
+    def most_resident(self):
+        """The most that it held so far [bytes]."""
+        return self.resident("VmHWM")
 
     def request(self, path, body=None, method=None, headers=None, token=None, timeout=120):
         """One request. @return status, headers and body of the answer"""

@@ -2,8 +2,11 @@
 
 #include "cli/exit_status.h"
 #include "vdblic/core/hazard.h"
+#include "vdblic/core/paging.h"
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
@@ -64,9 +67,33 @@ bool isMemoryUsedUp()
            pages * std::uint64_t(::sysconf(_SC_PAGESIZE)) + kNear > limit.rlim_cur;
 }
 
-void say(const char* text)
+/// A message put together without allocation; what does not fit is cut off.
+class Line {
+  public:
+    void add(const char* text)
+    {
+        const std::size_t length = std::min(std::strlen(text), mText.size() - mLength);
+        std::memcpy(mText.data() + mLength, text, length);
+        mLength += length;
+    }
+    void print() const { (void)!::write(STDERR_FILENO, mText.data(), mLength); }
+
+  private:
+    std::array<char, 4600> mText{};
+    std::size_t mLength = 0;
+};
+
+/// Several threads may run out of memory together: the first one speaks and ends the process, the others wait for that.
+std::atomic_flag gSpoken{};
+static_assert(std::atomic<bool>::is_always_lock_free); // in a signal handler
+thread_local volatile sig_atomic_t tSpeaks = 0;
+
+void speakFirst()
 {
-    (void)!::write(STDERR_FILENO, text, std::strlen(text));
+    if (tSpeaks) ::_exit(static_cast<int>(ExitStatus::kBadInput)); // a crash in the handler itself
+    while (gSpoken.test_and_set())
+        ::pause();
+    tSpeaks = 1;
 }
 
 extern "C" void onCrash(int signal)
@@ -77,20 +104,26 @@ extern "C" void onCrash(int signal)
         (void)std::raise(signal);
         return;
     }
-    if (::isatty(STDERR_FILENO)) say("\r\033[K");
-    say(gTool.data());
-    say(": error: ");
-    if (tParsing.active) {
-        say(tParsing.file.data());
-        say(": cannot be read as a .vdb file: it is damaged");
-        say(memory              ? ", or takes more memory than may be used: raise --max-memory"
-            : signal == SIGXCPU ? "; reading it does not come to an end"
-                                : "; OpenVDB crashed on it");
+    speakFirst();
+    const char* const scratch = memory ? paging::problem() : nullptr;
+    Line line;
+    if (::isatty(STDERR_FILENO)) line.add("\r\033[K");
+    line.add(gTool.data());
+    line.add(": error: ");
+    if (scratch) {
+        line.add(scratch);
+    } else if (tParsing.active) {
+        line.add(tParsing.file.data());
+        line.add(": cannot be read as a .vdb file: it is damaged");
+        line.add(memory              ? ", or takes more memory than may be used: raise --max-memory"
+                 : signal == SIGXCPU ? "; reading it does not come to an end"
+                                     : "; OpenVDB crashed on it");
     } else {
-        say("this takes more memory than may be used: cut the domain, use fewer threads, or raise --max-memory");
+        line.add("this takes more memory than may be used: cut the domain, use fewer threads, or raise --max-memory");
     }
-    say("\n");
-    ::_exit(static_cast<int>(ExitStatus::kBadInput));
+    line.add("\n");
+    line.print();
+    ::_exit(static_cast<int>(scratch ? ExitStatus::kCannotWrite : ExitStatus::kBadInput));
 }
 
 void startTimer(std::uint64_t seconds) noexcept

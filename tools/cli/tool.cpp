@@ -6,6 +6,7 @@
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
 #include "vdblic/io/pattern_advice.h"
@@ -71,6 +72,12 @@ std::uint64_t dataHeld()
     return pages * std::uint64_t(::sysconf(_SC_PAGESIZE));
 }
 
+std::filesystem::path temporaryFolder()
+{
+    std::error_code none;
+    return std::filesystem::temp_directory_path(none); // of TMPDIR, or /tmp
+}
+
 } // namespace
 
 Tool::Tool(std::string name, const std::string& description)
@@ -123,6 +130,29 @@ void Tool::limitMemory() const
     if (limit <= held || limit >= data.rlim_cur) return; // sanitizers reserve more memory than exists
     data.rlim_cur = limit;
     ::setrlimit(RLIMIT_DATA, &data);
+}
+
+void Tool::usesScratch(double inFiles, std::function<std::string()> output)
+{
+    mInFiles = inFiles;
+    mOutput = std::move(output);
+    mApp.add_option("--scratch", mScratch,
+                    fmt::format("Folder for a file that holds what is taken beyond --max-memory; {} by default.",
+                                mOutput ? "that of the outputs" : "that for temporary files"))
+        ->type_name("DIR");
+}
+
+void Tool::offerScratch() const
+{
+    std::error_code error;
+    if (!mScratch.empty() && !std::filesystem::is_directory(mScratch, error))
+        throw ParameterError(fmt::format("--scratch {}: no such folder", mScratch));
+    if (mIsShared && !mScratch.empty())
+        throw ParameterError("--scratch is of a single process: leave it out, and take more ranks");
+    if (mInFiles == 0 || mIsShared) return; // ranks divide the work instead
+    std::filesystem::path folder = mScratch;
+    if (folder.empty()) folder = mOutput ? std::filesystem::path(mOutput()).parent_path() : temporaryFolder();
+    paging::offer(folder.empty() ? "." : folder, memoryLimit(), mInFiles);
 }
 
 void Tool::verify(Reporter& reporter) const
@@ -234,6 +264,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
     try {
         mOptions->apply();
         limitMemory();
+        offerScratch();
         if (mVerify) verify(console);
         return status(job(console));
     } catch (const ClosedPipe&) {
@@ -251,10 +282,22 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         console.error(error.what());
         return status(ExitStatus::kCannotWrite);
     } catch (const std::bad_alloc&) {
+        if (const char* const scratch = paging::problem()) {
+            console.error(scratch);
+            return status(ExitStatus::kCannotWrite);
+        }
         console.error(fmt::format("this takes more than the {} of memory that may be used: cut the domain, use fewer "
                                   "threads, or raise --max-memory",
                                   memoryText(double(memoryLimit()))));
         return status(ExitStatus::kBadInput);
+    } catch (const std::system_error& error) {
+        if (error.code() == std::errc::resource_unavailable_try_again) { // a thread's stack
+            console.error(fmt::format("no thread can be started within the {} of memory that may be used: use fewer "
+                                      "threads, or raise --max-memory",
+                                      memoryText(double(memoryLimit()))));
+            return status(ExitStatus::kBadInput);
+        }
+        console.error(fmt::format("internal error, please report it: {}", error.what()));
     } catch (const std::exception& error) {
         console.error(fmt::format("internal error, please report it: {}", error.what()));
     }

@@ -33,6 +33,12 @@ class Tool {
     /// `--verify`. @param inputs returns the .vdb files that the job will read; called once all options are parsed
     void verifies(std::function<std::vector<SequenceParams>()> inputs);
 
+    /// `--scratch`: let what the job takes beyond the memory lie in a file on disk (core/paging.h).
+    /// @param inFiles what the job holds at a time, in files that it reads
+    /// @param output  returns a path of the job's output, in whose folder the file lies by default; called once all
+    ///                options are parsed. Without it that is the folder for temporary files.
+    void usesScratch(double inFiles, std::function<std::string()> output = {});
+
     /// Share the job with other processes, and this machine's memory with some of them. After a signal all of them end
     /// by the status 128 and its number: a process that dies by a signal would end the others before they could. Only
     /// rank 0 prints, but for crashes.
@@ -49,6 +55,7 @@ class Tool {
 
   private:
     void limitMemory() const;
+    void offerScratch() const;
     void verify(Reporter& reporter) const;
     [[nodiscard]] std::string expandedPattern() const;
     [[nodiscard]] int endBy(int signal) const;
@@ -60,7 +67,9 @@ class Tool {
     std::function<std::vector<SequenceParams>()> mInputs;
     int mThreads = 0, mProcesses = 1; // processes on this machine
     bool mIsShared = false, mPrints = true;
-    std::string mMaxMemory;
+    std::string mMaxMemory, mScratch;
+    double mInFiles = 0; // 0: without a scratch file
+    std::function<std::string()> mOutput;
     bool mQuiet = false, mVerbose = false, mVerify = false;
 };
 

@@ -115,8 +115,8 @@ Json toJson(const Histogram& histogram)
             {"counts", histogram.counts}};
 }
 
-/// The numbers of a look as the options that set them, for controls to show.
-Json valuesOf(const RenderParams& params)
+/// The numbers of a look as the options that set them, for controls to show. @param exposure that was chosen
+Json valuesOf(const RenderParams& params, double exposure)
 {
     const LookParams& look = params.look;
     const Shading& shading = look.shading;
@@ -124,7 +124,9 @@ Json valuesOf(const RenderParams& params)
             {"limb-darkening", look.limbDarkening},
             {"halo", look.halo},
             {"shadows", look.shadows},
+            {"occlusion", look.occlusion},
             {"depth-cue", look.depthCue},
+            {"exposure", exposure},
             {"shading", nameOf(shading.model)},
             {"ambient", shading.ambient},
             {"diffuse", shading.diffuse},
@@ -132,7 +134,8 @@ Json valuesOf(const RenderParams& params)
             {"shininess", shading.shininess},
             {"head-light", shading.headLight},
             {"step", params.rays.step},
-            {"background", listOf(params.background.color)}};
+            {"background", listOf(params.background.color)},
+            {"background-top", listOf(params.background.at(0))}};
 }
 
 } // namespace
@@ -232,20 +235,21 @@ Json Interface::scene(const Json& state, std::int64_t frame)
     for (const glm::dvec3& corner : view.scene.box)
         corners.push_back(listOf(corner));
     return {{"settled", view.settled},
-            {"time", view.frame->clock.time ? Json(*view.frame->clock.time) : Json()},
+            {"time", view.shown->frame().clock.time ? Json(*view.shown->frame().clock.time) : Json()},
             {"camera", toJson(view.scene.cameras.at(frame))},
             {"box", corners},
             {"stretch", listOf(view.params.stretch)},
-            {"colorBy", view.frame->hasColor ? view.params.colorBy : mViewer.texture()},
+            {"colorBy", view.shown->frame().hasColor ? view.params.colorBy : mViewer.texture()},
             {"opacityBy", view.scene.opacityBy},
             {"range", transfer.range()},
             {"opacityRange", transfer.opacityRange()},
             {"colorScale", nameOf(transfer.colorAxis().scale)},
             {"opacityScale", nameOf(transfer.opacityAxis().scale)},
             {"opacity", points},
+            {"look", view.params.lookName},
             {"colorMap", transfer.colorMapName()},
             {"colors", colors},
-            {"values", valuesOf(view.params)}};
+            {"values", valuesOf(view.params, view.scene.look.exposure)}};
 }
 
 Json Interface::keep(const Json& asked)

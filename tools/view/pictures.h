@@ -68,7 +68,7 @@ class Pictures {
         FramePicture picture;
 
         Cast(std::string k, View v)
-            : key(std::move(k)), view(std::move(v)), picture(view.params, view.scene, *view.frame, view.solid)
+            : key(std::move(k)), view(std::move(v)), picture(view.params, view.scene, view.shown)
         {
         }
     };

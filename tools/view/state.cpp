@@ -3,6 +3,7 @@
 #include "vdblic/camera/camera_keys.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/json_file.h"
+#include "vdblic/io/texture_name.h"
 
 #include <fmt/format.h>
 
@@ -102,7 +103,7 @@ std::string quoted(const std::string& word)
 Start startOf(const std::map<std::string, Words>& given, const SequenceParams& input)
 {
     RenderParams params;
-    Start start{input, {}, Json::object(), {}};
+    Start start{input, {}, Json::object(), {}, isSparse(input)};
     for (const Parameter& parameter : pictureParametersOf(params)) {
         const auto words = given.find(std::string(parameter.key));
         if (words == given.end()) continue;
@@ -142,7 +143,7 @@ std::vector<std::string> argumentsOf(const Start& start, const Json& state)
 
 RenderParams paramsOf(const Start& start, const Json& state)
 {
-    RenderParams params = defaultRenderParams();
+    RenderParams params = defaultRenderParams(start.isSparse);
     const Parameters parameters = pictureParametersOf(params);
     set(parameters, givenBy(start, state, parameters));
     try {

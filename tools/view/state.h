@@ -19,7 +19,8 @@ struct Start {
     SequenceParams input;
     std::map<std::string, Words> fixed; ///< parameters that name files, by key: no state changes them
     nlohmann::json state;
-    std::string solid; ///< the file that the state may name as `solid`; or empty
+    std::string solid;     ///< the file that the state may name as `solid`; or empty
+    bool isSparse = false; ///< of the sequence's textures: they have another look where a state names none
 };
 
 /// @param given parameters of a picture, by key. @throws ParameterError; InputError naming the file of key frames

@@ -32,9 +32,9 @@ std::string loadKey(const RenderParams& params)
 {
     const glm::dvec3& stretch = params.stretch;
     const std::string region = params.regionBox ? fmt::format("{}", fmt::join(*params.regionBox, " ")) : std::string();
-    return fmt::format("{}|{}|{} {} {}|{}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
+    return fmt::format("{}|{}|{} {} {}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
                        stretch.y, stretch.z, params.look.shading.model == ShadingModel::kLine,
-                       params.look.transfer.sharesRange(), needsGradients(params), region);
+                       params.look.transfer.sharesRange(), region);
 }
 
 /// A state without what its camera and sampling are.
@@ -260,7 +260,7 @@ Viewer::Choice Viewer::choiceFor(const RenderParams& params, const Json& state,
             }
         }
         OneProcess alone;
-        choice.subject = sceneSubject(params, choice.look, frames, source.box, source.steady, alone);
+        choice.subject = sceneSubject(params, choice.look, frames, source.box, alone);
     }
     const std::lock_guard lock(mMutex);
     keepFirst(mChoices, key, std::pair(basis, choice), kMostChoices);
@@ -283,6 +283,24 @@ std::shared_ptr<const Solid> Viewer::solidFor(const RenderParams& params, const 
     return made;
 }
 
+/// The frame with a look, for all cameras.
+std::shared_ptr<const ShownFrame> Viewer::shownFor(const RenderParams& params, const Json& state, const Look& look,
+                                                   const FrameCache::Frame& frame,
+                                                   const std::shared_ptr<const Basis>& basis)
+{
+    const std::string key = choiceKey(state);
+    {
+        const std::lock_guard lock(mMutex);
+        const bool isSame = mShown.frame && &mShown.frame->frame() == frame.get();
+        if (isSame && mShown.key == key && mShown.basis == basis) return mShown.frame;
+    }
+    OneProcess alone;
+    const auto shown = std::make_shared<const ShownFrame>(params, look, frame, solidFor(params, *frame), alone);
+    const std::lock_guard lock(mMutex);
+    mShown = {key, basis, shown};
+    return shown;
+}
+
 View Viewer::view(const Json& state, std::int64_t frame, bool settle)
 {
     const RenderParams params = paramsFor(state);
@@ -293,8 +311,10 @@ View Viewer::view(const Json& state, std::int64_t frame, bool settle)
     const CameraPath cameras(params.camera, params.motion, known.box, params.scaledSize(), known.span, choice.subject);
     const double bytes = basis->look.volumeBytes + params.imageBytes();
     const FrameCache::Frame loaded = load(params, file);
-    return {params, Scene{choice.look, basis->look.opacityBy, cameras, known.box, bytes}, loaded,
-            solidFor(params, *loaded), basis->settled};
+    return {params,
+            Scene{choice.look, basis->look.opacityBy, cameras, known.box, bytes, basis->look.lastFrame,
+                  basis->look.longest},
+            shownFor(params, state, choice.look, loaded, basis), basis->settled};
 }
 
 Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& up)

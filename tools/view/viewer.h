@@ -3,6 +3,7 @@
 #include "vdblic/cast/solid.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/render/scene.h"
+#include "vdblic/render/shown_frame.h"
 #include "view/frame_cache.h"
 #include "view/state.h"
 #include "view/worker.h"
@@ -25,8 +26,7 @@ namespace vdblic::view {
 struct View {
     RenderParams params;
     Scene scene;
-    FrameCache::Frame frame;
-    std::shared_ptr<const Solid> solid;
+    std::shared_ptr<const ShownFrame> shown;
     bool settled; ///< whether the automatic choices are made from all the frames that vdblic_render takes
 };
 
@@ -81,6 +81,12 @@ class Viewer {
         bool hasSubject = false;
     };
 
+    struct ShownLook { // a frame in a state without its camera
+        std::string key;
+        std::shared_ptr<const Basis> basis;
+        std::shared_ptr<const ShownFrame> frame;
+    };
+
     [[nodiscard]] RenderParams paramsFor(const nlohmann::json& state) const;
     [[nodiscard]] FrameFile fileOf(std::int64_t frame);
     [[nodiscard]] std::vector<FileSeen> filesOnDisk() const;
@@ -91,6 +97,9 @@ class Viewer {
     [[nodiscard]] Choice choiceFor(const RenderParams& params, const nlohmann::json& state,
                                    const std::shared_ptr<const Basis>& basis, const SceneSource& source);
     [[nodiscard]] std::shared_ptr<const Solid> solidFor(const RenderParams& params, const LoadedTexture& frame);
+    [[nodiscard]] std::shared_ptr<const ShownFrame> shownFor(const RenderParams& params, const nlohmann::json& state,
+                                                             const Look& look, const FrameCache::Frame& frame,
+                                                             const std::shared_ptr<const Basis>& basis);
     [[nodiscard]] SceneSource source(const glm::dvec3& stretch);
     void readSource();
 
@@ -108,6 +117,7 @@ class Viewer {
     std::list<std::pair<std::string, std::shared_ptr<const Basis>>> mBases;                      // the newest first
     std::list<std::pair<std::string, std::pair<std::shared_ptr<const Basis>, Choice>>> mChoices; // the newest first
     std::pair<std::string, std::shared_ptr<const Solid>> mSolid;
+    ShownLook mShown; // the newest one: a camera that moves shows the same
 
     Worker mBackground; // ends before what it uses
 };

@@ -22,7 +22,7 @@ _OF_FILES = "frames", "clamp_frames", "lead_in"
 
 
 def advect(
-    velocities: str | os.PathLike | Iterable[Frame], /, *, voxel_size: float | Sequence[float] = 1.0, **parameters
+    velocities: str | os.PathLike | Iterable[Frame], /, *, voxel_size: float | Sequence[float] = 1.0, **parameters: Any
 ) -> Iterator[Volume]:
     """Yield the flow texture of every frame as it is finished: a Volume with `density`, `magnitude` and metadata.
 

@@ -70,7 +70,7 @@ def _of_xarray(data, voxel_size):
         arrays = [array for array in data.data_vars.values() if _axes(array).keys() == set("xyz")]
         if not arrays:
             raise ValueError(f"no variable of the Dataset has the dimensions x, y and z; {_about(data)}")
-    metadata: dict = {}
+    metadata = {}
     grids = [_grid_of_array(array, voxel_size, metadata) for array in arrays]
     if time in data.coords:
         metadata |= clock(_moment(data, time))
@@ -108,7 +108,7 @@ def _about(data):
 
 def _axes(data):
     """The dimensions along x, y and z, by the attribute `axis` of their coordinates or by their names."""
-    found: dict = {}
+    found = {}
     for dimension in data.dims:
         for axis in _axis_of(data, dimension), str(dimension).lower():
             if axis in ("x", "y", "z"):
@@ -177,7 +177,7 @@ def _of_vtk(data):
             f"a {data.GetClassName()} has no even voxels; resample it to a vtkImageData, as vtkResampleToImage does "
             "(vdblic_import reads files of it)"
         )
-    from vtkmodules.util.numpy_support import vtk_to_numpy  # pylint: disable=import-outside-toplevel
+    from vtkmodules.util.numpy_support import vtk_to_numpy  # type: ignore  # pylint: disable=import-outside-toplevel
 
     points = numpy.array(data.GetDimensions())
     axes = numpy.array([[data.GetDirectionMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from typing import Any
 
 from . import _core
 from .parameters import checked, described
@@ -12,7 +13,7 @@ from .volumes import Volume, as_dictionaries
 Source = str | os.PathLike | Volume
 
 
-def diff(a: Source, b: Source, /, **options) -> dict:
+def diff(a: Source, b: Source, /, **options: Any) -> dict[str, Any]:
     """Compare two files, patterns or volumes as `vdblic_diff` does; a volume with a volume or with one file.
 
     Returns its report (docs/diff.md), in which volumes are called a and b; report["verdict"] is same, warning or
@@ -25,7 +26,7 @@ def diff(a: Source, b: Source, /, **options) -> dict:
     return json.loads(compare(_source(a), _source(b), options))
 
 
-def coherence(velocity: str | os.PathLike, texture: str | os.PathLike, /, **options) -> dict:
+def coherence(velocity: str | os.PathLike, texture: str | os.PathLike, /, **options: Any) -> dict[str, Any]:
     """Measure how a texture sequence moves with its flow, as `vdblic_coherence` does. Returns its report
     (docs/quality.md).
 

@@ -16,15 +16,16 @@ from .volumes import Grid, Volume, as_dictionaries, as_volume
 class Picture(numpy.ndarray):
     """A picture, (height, width, 4): rows from the top, linear light, premultiplied alpha.
 
-    A notebook shows it over its `background`: red, green and blue as displayed, 0 to 1.
+    A notebook shows it over its `background`: red, green and blue as displayed, 0 to 1; six numbers are those at the
+    bottom and those at the top.
     """
 
     background: Sequence[float] = (0.04, 0.05, 0.07)
 
-    def __array_finalize__(self, source) -> None:
+    def __array_finalize__(self, source: Any) -> None:
         self.background = getattr(source, "background", Picture.background)
 
-    def __array_wrap__(self, computed, *_) -> Any:
+    def __array_wrap__(self, computed: Any, *_: Any) -> Any:
         """What is computed from a picture is a plain array or number."""
         return numpy.asarray(computed)[()]
 
@@ -47,7 +48,7 @@ class Renderer:
     Raises ValueError naming the option that cannot be used.
     """
 
-    def __init__(self, **options):
+    def __init__(self, **options: Any) -> None:
         self._picture = _core.Picture(checked("Renderer", options, OPTIONS))
 
     def __call__(self, texture: Volume | Grid | numpy.ndarray | Any, frame: int | None = None) -> Picture:
@@ -64,7 +65,7 @@ class Renderer:
         picture.background = tuple(self._picture.background)
         return picture
 
-    def _volume(self, data):
+    def _volume(self, data: Any) -> Volume:
         volume = as_volume(data)
         if len(volume.grids) > 1:
             return volume
@@ -83,7 +84,10 @@ OPTIONS = described(Renderer, _core.parameters("picture"), others=_core.paramete
 def displayed(picture: numpy.ndarray, background: Sequence[float] | None = None) -> numpy.ndarray:
     """A picture over a background as screens show it: (height, width, 3), sRGB in bytes, for Pillow or Matplotlib.
 
-    background   red, green and blue as displayed, 0 to 1; by default that of the picture's look
+    Light that is brighter than a screen follows a tone curve, as in `.png` files (docs/render-reference.md). It takes
+    annotations along, which are drawn into the picture.
+
+    background   red, green and blue as displayed, 0 to 1, or those at the bottom and at the top; by default the picture's
     """
     if picture.ndim != 3 or picture.shape[2] != 4:
         raise ValueError(f"`picture` has the shape {picture.shape}; a picture has (height, width, 4)")

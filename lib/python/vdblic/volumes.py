@@ -54,7 +54,7 @@ class Grid:
 
     def positions(self) -> Array:
         """The world positions of the voxels' centres, (x, y, z, 3)."""
-        indices = numpy.stack(numpy.indices(self.values.shape[:3]), axis=-1) + self.origin
+        indices = numpy.stack(tuple(numpy.indices(self.values.shape[:3])), axis=-1) + self.origin
         return indices @ self.transform[:3, :3].T + self.transform[:3, 3]
 
     @property

@@ -69,6 +69,10 @@ Parameters parametersOf(CameraParams& params)
             {.unit = "degrees", .group = "Camera", .limits = {kLeastFieldOfView, 180}, .attribute = "fieldOfView"}),
         parameter("view_height", "Height of an orthographic picture; by default all is seen.", params.viewHeight,
                   {.unit = "world", .group = "Camera", .limits = {0, 1e18, true}}),
+        parameter("aperture",
+                  "Diameter of the lens: what lies before or behind the target's distance is blurred. 0: all is sharp; "
+                  "else give 16 `samples` or more.",
+                  params.aperture, {.unit = "world", .group = "Camera", .limits = {0, 1e18}}),
     };
 }
 
@@ -99,7 +103,7 @@ void CameraParams::validate() const
 Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2& size,
                std::span<const glm::dvec3> subject)
     : mSize(size), mProjection(params.projection), mUp(params.up.value_or(glm::dvec3(0, 0, 1))),
-      mFieldOfView(params.fieldOfView), mArea{glm::ivec2(0), size}
+      mFieldOfView(params.fieldOfView), mLensRadius(params.aperture / 2), mArea{glm::ivec2(0), size}
 {
     params.validate();
     const bool perspective = mProjection == Projection::kPerspective;
@@ -161,6 +165,12 @@ Camera Camera::cropped(const PictureArea& area) const
     return result;
 }
 
+double Camera::pixelSize(const glm::dvec3& point) const
+{
+    const double distance = mProjection == Projection::kPerspective ? (mWorldToCamera * glm::dvec4(point, 1)).z : 1;
+    return 2 * mHalfExtent.y / mSize.y * std::max(distance, 0.0);
+}
+
 PictureRays Camera::rays() const
 {
     const glm::dmat3 axes(mCameraToWorld);
@@ -172,6 +182,13 @@ PictureRays Camera::rays() const
         return {{mEye + offset.corner, offset.perX, offset.perY}, {axes[2], none, none}};
     }
     return {{mEye, none, none}, {axes[2] + offset.corner, offset.perX, offset.perY}};
+}
+
+std::optional<Lens> Camera::lens() const
+{
+    if (!(mLensRadius > 0)) return std::nullopt;
+    const glm::dmat3 axes(mCameraToWorld);
+    return Lens{axes[0] * mLensRadius, axes[1] * mLensRadius, 1 / glm::dot(mTarget - mEye, axes[2])};
 }
 
 Ray Camera::ray(const glm::dvec2& pixel) const

@@ -25,6 +25,7 @@ struct CameraParams {
     std::optional<glm::dvec3> up{};     ///< unset: +z, or +y when looking along z
     double fieldOfView = 35;            ///< of a perspective, vertical [degrees]
     std::optional<double> viewHeight{}; ///< of an orthographic picture [world]; unset: such that all is seen
+    double aperture = 0;                ///< diameter of the lens [world]; 0: a pinhole, all is sharp
 
     /// @throws ParameterError
     void validate() const;
@@ -55,6 +56,13 @@ struct PictureRays {
     PictureGradient<glm::dvec3> origin, direction;
 };
 
+/// A thin lens, through which a ray may pass anywhere: at (a, b) of the unit disc its origin moves by a · right + b ·
+/// up, and its direction by −perDepth times that. All rays of a point of the picture thus meet in the focal plane.
+struct Lens {
+    glm::dvec3 right, up; ///< as long as the lens's radius [world]
+    double perDepth;      ///< 1 over the depth of the focal plane, that of the target
+};
+
 /// A rectangle of a picture [pixels].
 struct PictureArea {
     glm::ivec2 low, high; ///< the upper bound is excluded
@@ -83,6 +91,9 @@ class Camera {
     /// Half the width and height of the picture at distance 1; of an orthographic one at any distance.
     [[nodiscard]] const glm::dvec2& halfExtent() const { return mHalfExtent; }
 
+    /// The length that a pixel's height covers at a point; 0 behind the eye. @return [world]
+    [[nodiscard]] double pixelSize(const glm::dvec3& point) const;
+
     [[nodiscard]] const glm::dmat4& worldToCamera() const { return mWorldToCamera; }
     /// World space to the picture, (0, 0) its top left and (1, 1) its bottom right corner, after division by w.
     [[nodiscard]] const glm::dmat4& worldToNdc() const { return mWorldToNdc; }
@@ -95,7 +106,10 @@ class Camera {
     [[nodiscard]] Camera cropped(const PictureArea& area) const;
     [[nodiscard]] const PictureArea& area() const { return mArea; } ///< the whole picture unless it is cropped
 
+    /// The rays through the middle of the lens.
     [[nodiscard]] PictureRays rays() const;
+    /// Nothing if the camera is a pinhole.
+    [[nodiscard]] std::optional<Lens> lens() const;
     /// The ray through a point of the picture [pixels].
     [[nodiscard]] Ray ray(const glm::dvec2& pixel) const;
 
@@ -103,7 +117,7 @@ class Camera {
     glm::ivec2 mSize;
     Projection mProjection;
     glm::dvec3 mEye, mTarget, mUp;
-    double mFieldOfView;
+    double mFieldOfView, mLensRadius;
     glm::dmat4 mWorldToCamera, mCameraToWorld, mWorldToNdc;
     glm::dvec2 mHalfExtent;
     glm::dvec2 mShift{0};

@@ -74,6 +74,8 @@ class CameraPath {
 
     /// @throws ParameterError naming the frame if key frames leave the camera nowhere to look
     [[nodiscard]] Camera at(std::int64_t frame) const;
+    /// Of the sequence's first frame. @throws ParameterError
+    [[nodiscard]] Camera first() const { return at(mSpan.first); }
 
   private:
     CameraParams mParams;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -58,7 +59,22 @@ Parameters parametersOf(ClipParams& params)
             return words;
         },
         {.unit = "world", .words = "X Y Z X Y Z", .group = "Cuts"});
-    return {plane, box};
+    return {plane, box,
+            parameter("clip_solid", "Cut the solid, too, by `clip_plane` and `clip_box`.", params.solid,
+                      {.group = "Cuts"})};
+}
+
+double ClipPlane::height(const glm::dvec3& at) const
+{
+    return glm::dot(at - point, normal);
+}
+
+bool isCutAway(const std::array<glm::dvec3, 8>& corners, std::span<const ClipPlane> planes)
+{
+    return std::any_of(planes.begin(), planes.end(), [&](const ClipPlane& plane) {
+        return std::all_of(corners.begin(), corners.end(),
+                           [&](const glm::dvec3& corner) { return plane.height(corner) <= 0; });
+    });
 }
 
 void ClipParams::validate() const
@@ -89,6 +105,11 @@ std::vector<ClipPlane> ClipParams::allPlanes() const
         all.push_back({(*box)[1], -inward});
     }
     return all;
+}
+
+std::vector<ClipPlane> ClipParams::solidPlanes() const
+{
+    return solid ? allPlanes() : std::vector<ClipPlane>{};
 }
 
 ClipParams ClipParams::stretched(const glm::dvec3& factors) const

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace vdblic {
@@ -13,17 +14,26 @@ namespace vdblic {
 /// A plane in world space; what lies on the side its normal points to is kept.
 struct ClipPlane {
     glm::dvec3 point, normal;
+
+    /// Distance above the plane, times the length of the normal; negative where it cuts away.
+    [[nodiscard]] double height(const glm::dvec3& at) const;
 };
+
+/// Whether one of the planes leaves nothing of a box.
+[[nodiscard]] bool isCutAway(const std::array<glm::dvec3, 8>& corners, std::span<const ClipPlane> planes);
 
 /// Cuts by planes, in world space. The remaining space is convex.
 struct ClipParams {
     std::vector<ClipPlane> planes{};
     std::optional<std::array<glm::dvec3, 2>> box{}; ///< low and high corner; what lies inside is kept
+    bool solid = false;                             ///< whether they cut the solid, too
 
     /// @throws ParameterError
     void validate() const;
     /// The planes and the sides of the box.
     [[nodiscard]] std::vector<ClipPlane> allPlanes() const;
+    /// Those of allPlanes() that cut the solid: all or none.
+    [[nodiscard]] std::vector<ClipPlane> solidPlanes() const;
     /// The same cuts in a space that is stretched along its axes. @param factors above 0
     [[nodiscard]] ClipParams stretched(const glm::dvec3& factors) const;
 };

@@ -15,7 +15,7 @@
 namespace vdblic {
 namespace {
 
-constexpr double kMargin = 1.04;
+constexpr double kMargin = 1.08;   // the picture's size over the subject's
 constexpr double kClearance = 0.1; // in front of the nearest point, in sizes of the whole
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

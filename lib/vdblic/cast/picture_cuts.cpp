@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 
 namespace vdblic {
@@ -119,6 +120,10 @@ glm::dvec3 middleOf(const openvdb::Coord& origin)
 
 PictureCuts::PictureCuts(const Camera& camera, const Corners& box, int ranks)
 {
+    if (const std::optional<Lens> lens = camera.lens()) {
+        mLens = glm::length(lens->right);
+        mDepth = glm::transpose(camera.worldToCamera())[2] * lens->perDepth;
+    }
     const TileCuts tiles(camera, box);
     for (int rank = 0; rank < ranks; ++rank) {
         TileArea area{glm::ivec2(0), tiles.tiles()};
@@ -140,7 +145,8 @@ PictureCuts::PictureCuts(const Camera& camera, const Corners& box, int ranks)
 }
 
 ViewShare::ViewShare(const PictureCuts& cuts, int rank, const glm::dmat4& indexToWorld)
-    : LeafShare(cuts.ranks()), mCuts(cuts.cuts(rank))
+    : LeafShare(cuts.ranks()), mCuts(cuts.cuts(rank)), mLens(cuts.lens()),
+      mDepth(glm::transpose(indexToWorld) * cuts.depth())
 {
     for (PictureCut& cut : mCuts)
         cut.plane = glm::transpose(indexToWorld) * cut.plane;
@@ -156,10 +162,13 @@ bool ViewShare::owns(const openvdb::Coord& origin) const
 bool ViewShare::needs(const openvdb::Coord& origin, int rim) const
 {
     const double reach = LeafVoxel::kDim / 2.0 + rim + 1; // of the leaf with its rim; a voxel more against rounding
+    const glm::dvec3 deepening = glm::abs(glm::dvec3(mDepth));
+    const double stray = mLens * (std::abs(heightAbove(mDepth, middleOf(origin)) - 1) +
+                                  reach * (deepening.x + deepening.y + deepening.z));
     return std::all_of(mCuts.begin(), mCuts.end(), [&](const PictureCut& cut) {
         const glm::dvec3 normal = glm::abs(glm::dvec3(cut.plane));
         const double height = heightAbove(cut.plane, middleOf(origin));
-        return (cut.isAfter ? height : -height) + reach * (normal.x + normal.y + normal.z) >= 0;
+        return (cut.isAfter ? height : -height) + reach * (normal.x + normal.y + normal.z) + stray >= 0;
     });
 }
 

@@ -27,10 +27,16 @@ class PictureCuts {
     [[nodiscard]] const PictureArea& area(int rank) const { return mAreas[std::size_t(rank)]; }
     /// The cuts around a rank's part. The parts fill space, also outside of the picture.
     [[nodiscard]] const std::vector<PictureCut>& cuts(int rank) const { return mCuts[std::size_t(rank)]; }
+    /// How far the lens moves rays from those through its middle: at most lens() · |depth − 1|, with the depth in that
+    /// of the focal plane, depth() · (x, y, z, 1). In the unit of the cuts' heights.
+    [[nodiscard]] double lens() const { return mLens; }
+    [[nodiscard]] const glm::dvec4& depth() const { return mDepth; }
 
   private:
     std::vector<PictureArea> mAreas;
     std::vector<std::vector<PictureCut>> mCuts;
+    double mLens = 0;
+    glm::dvec4 mDepth{0};
 };
 
 /// The leaves of a volume that the rays of a part of a picture see, and those that lie in that part of space.
@@ -43,6 +49,8 @@ class ViewShare final : public LeafShare {
 
   private:
     std::vector<PictureCut> mCuts; // in index space
+    double mLens;
+    glm::dvec4 mDepth; // as PictureCuts has it, of a position in index space
 };
 
 } // namespace vdblic

@@ -1,14 +1,17 @@
 #include "vdblic/cast/ray_caster.h"
 
 #include "vdblic/camera/camera.h"
+#include "vdblic/cast/ground.h"
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/ray_kernel.h"
 #include "vdblic/cast/ray_setup.h"
 #include "vdblic/cast/sample_shader.h"
 #include "vdblic/cast/solid_caster.h"
+#include "vdblic/cast/surface_picture.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/look/look.h"
-#include "vdblic/volume/visible_leaves.h"
+#include "vdblic/volume/visible_space.h"
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -19,6 +22,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -48,42 +53,65 @@ PixelLayers layersOf(const RaySum& sum, const RayTask& task)
     return layers;
 }
 
-/// Blend a solid into an image of what is in front of it.
-void addBehind(const SolidPicture& solid, Image& image)
+/// Blend surfaces into the wanted pixels of an image of what is in front of them.
+void addBehind(const SurfacePicture& surfaces, const std::uint8_t* only, Image& image)
 {
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-        if (!std::isfinite(solid.depths[i])) continue;
+        if (!std::isfinite(surfaces.depths[i]) || (only && !only[i])) continue;
         glm::vec4& pixel = image.pixels[i];
-        const float alpha = pixel.a, rest = 1 - alpha;
-        pixel += glm::vec4(solid.colors[i], 1) * rest;
-        pixel.a = 1;
-        if (image.layers.empty()) continue;
+        const glm::vec4& color = surfaces.colors[i];
+        const float alpha = pixel.a, rest = 1 - alpha, behind = rest * color.a;
+        pixel += color * rest;
+        if (color.a == 1) pixel.a = 1;
+        if (image.layers.empty() || !(pixel.a > 0)) continue;
         PixelLayers& layers = image.layers[i];
-        layers.depth = (alpha > 0 ? alpha * layers.depth : 0) + rest * solid.depths[i];
-        const glm::vec3 normal = alpha * layers.normal + rest * solid.normals[i];
+        layers.depth = ((alpha > 0 ? alpha * layers.depth : 0) + behind * surfaces.depths[i]) / pixel.a;
+        const glm::vec3 normal = alpha * layers.normal + behind * surfaces.normals[i];
         if (const float length = glm::length(normal); length > 0) layers.normal = normal / length;
     }
+}
+
+/// Solid and ground; nothing if there is neither.
+std::optional<SurfacePicture> surfacesOf(const Scenery& scenery, const TextureVolume& volume, const Look& look,
+                                         const Camera& camera, const ClipParams& clip, int ray)
+{
+    if (!scenery.solid && !scenery.ground) return std::nullopt;
+    SurfacePicture surfaces;
+    if (scenery.solid) {
+        const std::vector<ClipPlane> cuts = clip.solidPlanes();
+        surfaces = castSolid(*scenery.solid, scenery.solidColor, cuts, volume, look, camera, scenery.light, ray);
+    } else {
+        const auto count = std::size_t(camera.size().x) * std::size_t(camera.size().y);
+        surfaces.depths.assign(count, std::numeric_limits<float>::infinity());
+        surfaces.colors.resize(count);
+        surfaces.normals.resize(count);
+    }
+    if (scenery.ground) scenery.ground->addTo(surfaces, volume, look, camera, ray);
+    return surfaces;
 }
 
 } // namespace
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-               const VisibleLeaves& visible, int ray, const Scenery& scenery, const std::stop_token& stop)
+               const VisibleSpace& visible, int ray, const Scenery& scenery, const std::uint8_t* only,
+               const std::stop_token& stop)
 {
     params.validate();
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());
-    std::optional<SolidPicture> solid;
-    if (scenery.solid) solid = castSolid(*scenery.solid, scenery.solidColor, volume, look, camera, scenery.light);
+    const std::optional<SurfacePicture> surfaces = surfacesOf(scenery, volume, look, camera, params.clip, ray);
     const glm::vec3 origin(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
     const SampleShader shader(volume, look, camera, params, origin, scenery.light);
-    const RaySetup setup(volume, visible, camera, params, shader, ray, solid ? solid->depths.data() : nullptr);
+    const RaySetup setup(volume, visible, camera, params, shader, ray, surfaces ? surfaces->depths.data() : nullptr,
+                         only);
     const RayKernel kernel(volume, look, params, visible, shader);
+    const std::vector<glm::vec3> background = look.backgroundRows(size.y);
     constexpr int kTile = RaySetup::kTile;
     const glm::ivec2 low = camera.area().low, tiles = (camera.area().high - low + kTile - 1) / kTile;
     tbb::parallel_for(0, tiles.x * tiles.y, [&](int tile) {
         if (stop.stop_requested()) return;
+        paging::breathe(RaySetup::kRays * paging::kLeafBytes);
         std::array<RayTask, RaySetup::kRays> tasks;
         const int count = setup.rays(low.x + tile % tiles.x * kTile, low.y + tile / tiles.x * kTile, tasks.data());
         std::array<RaySum, RaySetup::kRays> sums{};
@@ -94,18 +122,21 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
             const float part = shadedAlpha(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;
             const glm::vec3 color = glm::vec3(sum.color[0], sum.color[1], sum.color[2]) * whole;
             const auto pixel = std::size_t(tasks[i].pixel);
-            image.pixels[pixel] = glm::vec4(color + look.background * sum.halo, sum.alpha);
+            const glm::vec3& behind = background[pixel / std::size_t(size.x)];
+            const glm::vec4 surface = surfaces ? surfaces->colors[pixel] : glm::vec4(0);
+            const glm::vec3 gaps = (glm::vec3(surface) + behind * (1 - surface.a)) * sum.halo;
+            image.pixels[pixel] = glm::vec4(color + behind * (sum.color[3] * whole) + gaps, sum.alpha);
             if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);
         }
     });
     if (stop.stop_requested()) throw Stopped{};
-    if (solid) addBehind(*solid, image);
+    if (surfaces) addBehind(*surfaces, only, image);
     return image;
 }
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params)
 {
-    return castRays(volume, look, camera, params, VisibleLeaves(volume, look));
+    return castRays(volume, look, camera, params, VisibleSpace(volume, look));
 }
 
 } // namespace vdblic

@@ -4,14 +4,16 @@
 
 #include <glm/vec3.hpp>
 
+#include <cstdint>
 #include <stop_token>
 
 namespace vdblic {
 
 class Camera;
+class Ground;
 class LightGrid;
 class TextureVolume;
-class VisibleLeaves;
+class VisibleSpace;
 struct Look;
 struct RayCastParams;
 struct Solid;
@@ -21,6 +23,7 @@ struct Scenery {
     const Solid* solid = nullptr;
     glm::vec3 solidColor{0}; ///< linear light
     const LightGrid* light = nullptr;
+    const Ground* ground = nullptr;
 };
 
 /// Cast a ray through each pixel's centre, front to back, with early termination.
@@ -33,12 +36,14 @@ struct Scenery {
 /// on the number of threads. Thread-safe.
 /// @param visible leaves that are sampled; the others are skipped
 /// @param ray     index among the pixel's rays, for sampleShift() (ray_setup.h)
-/// @param scenery what else is in the picture: rays end at the solid, which is seen through what they have left
+/// @param scenery what else is in the picture: rays end at its surfaces, which are seen through what they have left
+/// @param only    by pixel: whether it is wanted, the others stay 0; or null: all are
 /// @param stop    asks for the end before the picture is complete
 /// @throws ParameterError; Stopped if a stop was requested
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
-                             const RayCastParams& params, const VisibleLeaves& visible, int ray = 0,
-                             const Scenery& scenery = {}, const std::stop_token& stop = {});
+                             const RayCastParams& params, const VisibleSpace& visible, int ray = 0,
+                             const Scenery& scenery = {}, const std::uint8_t* only = nullptr,
+                             const std::stop_token& stop = {});
 /// The same with the leaves that the look makes visible; an empty volume gives an empty picture.
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& params);

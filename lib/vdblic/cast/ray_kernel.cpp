@@ -9,25 +9,24 @@
 #include "vdblic/volume/texture_volume.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
 namespace vdblic {
 namespace {
 
-struct Steps {
-    Float8 middle, length;
-};
+constexpr int kEnoughLanes = 3;
+constexpr float kMostBack = 0.499f; // voxels, from a sample to where its scalar, gradient and light are taken
 
-/// The steps that samples represent, in steps from their rays' entries.
+/// The middles of steps, in steps from their rays' entries.
 ///
-/// The first step is as long as the shift, the last one is what remains of the span. Samples lie in the middle of their
-/// steps, so a uniform medium is integrated exactly, and shifts 0 and 1 give the same.
-VDBLIC_INLINE Steps stepsOf(Int8 sample, Float8 shift, Float8 span)
+/// The first step is as long as the shift, the last one is what remains of the span.
+VDBLIC_INLINE Float8 middleOf(Int8 step, Float8 shift, Float8 span)
 {
-    const Float8 after = __builtin_convertvector(sample, Float8) + shift;
+    const Float8 after = __builtin_convertvector(step, Float8) + shift;
     const Float8 begin = positive(after - 1), end = after < span ? after : span;
-    return {(begin + end) * 0.5f, end - begin};
+    return (begin + end) * 0.5f;
 }
 
 } // namespace
@@ -36,35 +35,40 @@ VDBLIC_INLINE Steps stepsOf(Int8 sample, Float8 shift, Float8 span)
 struct alignas(32) RayKernel::Lanes {
     Float8 entry[3], direction[3], inverse[3];
     Float8 view[3]; // direction in world space
+    Float8 reach;   // steps in which a ray moves a voxel along the axis where it moves fastest
     Float8 shift, span;
+    Float8 before;                            // stretched texture at the sample before; negative: there is none
     Float8 transmittance, halo, haloDistance; // the last two as RaySum has them
     Float8 waiting;                           // weight of samples that were too faint to be shaded
     Int8 sample, last;                        // indices of the next and of the last sample
     Int8 task;                                // index of the ray
-    Int8 since;                               // the turn in which the ray began
+    Int8 taken;                               // samples of the ray so far
     // Transmittance was below the limit before the sample just taken. Testing one sample late is deliberate: the newest
     // value would stall the loop.
     Int8 spent;
     Int8 blockOrigin[3], block; // block of the sample before, and its table's offset
-    int turn;                   // samples that each lane has taken so far, of all its rays
     unsigned busy;              // lanes that have a ray
 };
 
 /// The lanes' samples.
 struct alignas(32) RayKernel::Sample {
-    Float8 distance, length; // along the ray [steps]
-    Float8 position[3];      // relative to VisibleLeaves::origin(), as voxel
+    Int8 index;         // of the sample on its ray
+    Float8 distance;    // along the ray [steps]
+    Float8 position[3]; // relative to VisibleSpace::origin(), as voxel
     Int8 voxel[3];
-    Unsigned8 leaf;     // entry of VisibleLeaves
-    Float8 fraction[3]; // position in the cell, 0 to 1
-    Unsigned8 record;   // index of the record at the cell's lowest corner
-    Float8 values[2];   // texture and driver
+    Float8 place[3]; // position relative to the first voxel of its leaf
+    Unsigned8 entry; // of the leaf in VisibleSpace
+    Int8 distant;    // distance of the cell from what is visible
+    Unsigned8 leaf;  // number
+    Float8 texture;
 };
 
 RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params,
-                     const VisibleLeaves& visible, const SampleShader& shader)
-    : mVolume(volume), mLook(look), mVisible(visible), mShader(shader), mStep(float(params.step)),
-      mPerStep(float(1 / params.step)), mLeastTransmittance(float(params.leastTransmittance))
+                     const VisibleSpace& visible, const SampleShader& shader)
+    : mVolume(volume), mTexture(volume.texture()), mLook(look), mVisible(visible), mShader(shader),
+      mStep(float(params.step)), mPerStep(float(1 / params.step)),
+      mLeastTransmittance(float(params.leastTransmittance)), mHidden(std::max(look.hiddenStretched(), 0.0f)),
+      mIsCubic(params.isCubic())
 {
     mPowers.assign(look.transfer.extinctions(), look.transfer.extinctions() + TransferFunction::kEntries);
     for (float& power : mPowers)
@@ -76,18 +80,27 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
     mMargin = float(1e-5 + reach * 0x1p-20);
 }
 
-/// Find the positions of the lanes' next samples, and their leaves if the samples have not left their blocks.
+/// Find the positions of the lanes' next samples, and how far they are from what is visible if the samples have not
+/// left their blocks.
 VDBLIC_INLINE void RayKernel::locate(const Lanes& lanes, Sample& result) const
 {
-    const Steps steps = stepsOf(lanes.sample, lanes.shift, lanes.span);
-    result.distance = steps.middle;
-    result.length = steps.length;
-    const Float8 distance = steps.middle * mStep;
+    result.index = lanes.sample;
+    result.distance = middleOf(lanes.sample, lanes.shift, lanes.span);
+    const Float8 distance = result.distance * mStep;
     for (int axis = 0; axis < 3; ++axis) {
         result.position[axis] = lanes.entry[axis] + lanes.direction[axis] * distance; // not negative
         result.voxel[axis] = __builtin_convertvector(result.position[axis] + 0.5f, Int8);
+        const Int8 origin = result.voxel[axis] & -LeafVoxel::kDim;
+        result.place[axis] = result.position[axis] - __builtin_convertvector(origin, Float8);
     }
-    result.leaf = mVisible.findLeaves(lanes.block, result.voxel);
+    findEmpty(lanes, result);
+}
+
+/// Find how far the lanes' samples are from what is visible.
+VDBLIC_INLINE void RayKernel::findEmpty(const Lanes& lanes, Sample& result) const
+{
+    result.entry = mVisible.findLeaves(lanes.block, result.voxel);
+    result.distant = mVisible.findDistances(result.entry, Cells(result.place).low);
 }
 
 /// Negative in lanes whose ray is at its end or opaque.
@@ -96,35 +109,51 @@ VDBLIC_INLINE Int8 RayKernel::isOver(const Lanes& lanes) const
     return (lanes.last - lanes.sample) | lanes.spent;
 }
 
-/// The lanes whose ray is over, leaves its block, or is where nothing is visible.
+/// The lanes whose ray is over or leaves its block.
 VDBLIC_INLINE unsigned RayKernel::leaving(const Lanes& lanes, const Sample& sample) const
 {
     const Int8 apart = (sample.voxel[0] ^ lanes.blockOrigin[0]) | (sample.voxel[1] ^ lanes.blockOrigin[1]) |
                        (sample.voxel[2] ^ lanes.blockOrigin[2]);
-    const Int8 elsewhere = -Int8(Unsigned8(apart) / VisibleLeaves::kBlockDim);
-    const Int8 nothing = VisibleLeaves::flagged(sample.leaf, VisibleLeaves::kNothingBit);
-    return laneBits(elsewhere | nothing | isOver(lanes)) & lanes.busy;
+    const Int8 elsewhere = -Int8(Unsigned8(apart) / VisibleSpace::kBlockDim);
+    return laneBits(elsewhere | isOver(lanes)) & lanes.busy;
 }
 
-/// Move lanes to the first sample behind their leaf, or behind their block if that has no visible leaf.
+/// Move lanes to the next sample that may lie in a visible cell. @param which lanes whose samples do not
 VDBLIC_INLINE void RayKernel::skip(Lanes& lanes, const Sample& sample, unsigned which) const
 {
-    // Samples at least the margin before the ray's exit are inside the box for certain.
-    const Int8 dim =
-        lanes.block == VisibleLeaves::kNoBlock ? broadcastInt8(VisibleLeaves::kBlockDim) : broadcastInt8(8);
-    const Float8 depth = __builtin_convertvector(dim, Float8) - mMargin;
+    // The samples on the way lie less than so many voxels from this one, along each axis.
+    const Float8 nearby = __builtin_convertvector(sample.distant - 1, Float8) * lanes.reach;
+    Int8 next = sample.index + __builtin_convertvector(nearby, Int8) + 1;
+    const Int8 nothing = VisibleSpace::flagged(sample.entry, VisibleSpace::kNothingBit);
+    if ((laneBits(nothing) & which) != 0) skipLeaves(lanes, sample, next);
+    lanes.sample = maskOf(which) ? next : lanes.sample;
+    lanes.before = maskOf(which) ? broadcast8(mHidden) : lanes.before;
+}
+
+/// The first sample behind the leaf and the empty space around it, or behind the block, of lanes that have no visible
+/// leaf.
+VDBLIC_KERNEL
+void RayKernel::skipLeaves(const Lanes& lanes, const Sample& sample, Int8& next) const
+{
+    const Int8 isNowhere = lanes.block == VisibleSpace::kNoBlock;
     Float8 nearest = broadcast8(std::numeric_limits<float>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
-        const Float8 low = __builtin_convertvector(sample.voxel[axis] & -dim, Float8) - 0.5f;
-        const Float8 exit = low + (lanes.inverse[axis] > 0 ? depth : broadcast8(mMargin));
+        const Int8 leaf = sample.voxel[axis] & -LeafVoxel::kDim, block = sample.voxel[axis] & -VisibleSpace::kBlockDim;
+        // The outermost cells may be visible in the next leaf: at a distance of 1 only the leaf's voxels are empty.
+        const Float8 low = __builtin_convertvector(leaf - sample.distant, Float8) + 0.5f;
+        const Float8 high = __builtin_convertvector(leaf + LeafVoxel::kDim - 1 + sample.distant, Float8) - 0.5f;
+        const Float8 least = __builtin_convertvector(block, Float8) - 0.5f, most = least + VisibleSpace::kBlockDim;
+        // Samples at least the margin before the ray's exit are inside for certain.
+        const Float8 exit = lanes.inverse[axis] > 0 ? ((isNowhere | (high > most)) ? most : high) - mMargin
+                                                    : ((isNowhere | (low < least)) ? least : low) + mMargin;
         const Float8 distance = (exit - lanes.entry[axis]) * lanes.inverse[axis];
         nearest = distance < nearest ? distance : nearest;
     }
     const Float8 last = nearest * mPerStep - lanes.shift + 0.5f;
     const Float8 end = __builtin_convertvector(lanes.last, Float8);
     const Int8 inside = __builtin_convertvector(last < end ? last : end, Int8);
-    const Int8 next = (inside > lanes.sample ? inside : lanes.sample) + 1;
-    lanes.sample = maskOf(which) ? next : lanes.sample;
+    const Int8 nothing = VisibleSpace::flagged(sample.entry, VisibleSpace::kNothingBit);
+    next = nothing < 0 ? (inside > sample.index ? inside : sample.index) + 1 : next;
 }
 
 /// Give a lane a ray.
@@ -136,14 +165,19 @@ VDBLIC_INLINE void RayKernel::load(const RayTask& ray, int task, Lanes& lanes, i
         setLane(lanes.inverse[axis], lane, ray.inverse[axis]);
         setLane(lanes.view[axis], lane, ray.shading[kViewX + axis]);
     }
+    float slowest = std::abs(ray.inverse[0]);
+    for (int axis = 1; axis < 3; ++axis)
+        slowest = std::min(slowest, std::abs(ray.inverse[axis]));
+    setLane(lanes.reach, lane, slowest * mPerStep * (1 - 0x1p-16f));
     setLane(lanes.shift, lane, ray.shift);
     setLane(lanes.span, lane, ray.span);
+    setLane(lanes.before, lane, -1);
     setLane(lanes.last, lane, ray.samples - 1);
     setLane(lanes.transmittance, lane, 1);
     for (Float8* sum : {&lanes.halo, &lanes.haloDistance, &lanes.waiting})
         setLane(*sum, lane, 0);
     setLane(lanes.sample, lane, 0);
-    setLane(lanes.since, lane, lanes.turn);
+    setLane(lanes.taken, lane, 0);
     setLane(lanes.spent, lane, 0);
     setLane(lanes.task, lane, task);
     lanes.busy |= 1u << lane;
@@ -156,59 +190,60 @@ VDBLIC_INLINE void RayKernel::park(Lanes& lanes, int lane) const
         setLane(lanes.entry[axis], lane, 0);
         setLane(lanes.direction[axis], lane, 0);
     }
-    setLane(lanes.block, lane, VisibleLeaves::kNoBlock);
+    setLane(lanes.block, lane, VisibleSpace::kNoBlock);
     setLane(lanes.transmittance, lane, 0);
     lanes.busy &= ~(1u << lane);
 }
 
-/// Move lanes to the next sample in a visible leaf, on their ray or, if that is over, on the next ray.
+/// Give lanes whose ray is over the next ray, and find the blocks of all lanes that are leaving.
 VDBLIC_KERNEL
 void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes, Sample& sample,
                         RaySum* sums) const
 {
-    do {
-        for (unsigned left = leaving & laneBits(isOver(lanes)); left != 0; left &= left - 1) {
-            const int lane = __builtin_ctz(left);
-            RaySum& sum = sums[lanes.task[lane]];
-            sum.alpha = 1 - lanes.transmittance[lane];
-            sum.halo = lanes.halo[lane];
-            sum.haloDistance = lanes.haloDistance[lane];
-            sum.waiting = lanes.waiting[lane];
-            sum.samples = lanes.turn - lanes.since[lane];
-            if (next < count) {
-                load(tasks[next], next, lanes, lane);
-                ++next;
-            } else {
-                park(lanes, lane);
-                leaving &= ~(1u << lane);
-            }
+    for (unsigned left = leaving & laneBits(isOver(lanes)); left != 0; left &= left - 1) {
+        const int lane = __builtin_ctz(left);
+        RaySum& sum = sums[lanes.task[lane]];
+        sum.alpha = 1 - lanes.transmittance[lane];
+        sum.halo = lanes.halo[lane];
+        sum.haloDistance = lanes.haloDistance[lane];
+        sum.waiting = lanes.waiting[lane];
+        sum.samples = lanes.taken[lane];
+        if (next < count) {
+            load(tasks[next], next, lanes, lane);
+            ++next;
+        } else {
+            park(lanes, lane);
+            leaving &= ~(1u << lane);
         }
-        locate(lanes, sample);
-        for (unsigned left = leaving; left != 0; left &= left - 1) {
-            const int lane = __builtin_ctz(left);
-            const auto& [x, y, z] = sample.voxel;
-            setLane(lanes.block, lane, mVisible.findBlock(x[lane], y[lane], z[lane]));
-        }
-        for (int axis = 0; axis < 3; ++axis) {
-            const Int8 origin = sample.voxel[axis] & -VisibleLeaves::kBlockDim;
-            lanes.blockOrigin[axis] = maskOf(leaving) ? origin : lanes.blockOrigin[axis];
-        }
-        sample.leaf = mVisible.findLeaves(lanes.block, sample.voxel);
-        leaving &= laneBits(VisibleLeaves::flagged(sample.leaf, VisibleLeaves::kNothingBit));
-        if (leaving != 0) skip(lanes, sample, leaving);
-    } while (leaving != 0);
+    }
+    locate(lanes, sample);
+    for (unsigned left = leaving; left != 0; left &= left - 1) {
+        const int lane = __builtin_ctz(left);
+        const auto& [x, y, z] = sample.voxel;
+        setLane(lanes.block, lane, mVisible.findBlock(x[lane], y[lane], z[lane]));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const Int8 origin = sample.voxel[axis] & -VisibleSpace::kBlockDim;
+        lanes.blockOrigin[axis] = maskOf(leaving) ? origin : lanes.blockOrigin[axis];
+    }
+    findEmpty(lanes, sample);
 }
 
-/// Texture and driver at the lanes' samples.
+/// The texture at the lanes' samples.
 VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
 {
-    Int8 cell[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        cell[axis] = __builtin_convertvector(result.position[axis], Int8);
-        result.fraction[axis] = result.position[axis] - __builtin_convertvector(cell[axis], Float8);
+    result.leaf = VisibleSpace::leafOf(result.entry);
+    if (mIsCubic) {
+        interpolateCubic(result);
+    } else {
+        result.texture = mTexture.at(result.leaf, Cells(result.place));
     }
-    result.record = VisibleLeaves::findRecords(result.leaf, cell);
-    sampleValues(mVolume.values(), result.record, result.fraction, result.values);
+}
+
+VDBLIC_KERNEL
+void RayKernel::interpolateCubic(Sample& result) const
+{
+    result.texture = mTexture.cubicAt(result.leaf, Cells(result.place));
 }
 
 /// Those of the given lanes whose voxels are not shown.
@@ -219,7 +254,7 @@ unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
         const int lane = __builtin_ctz(lanes);
         const auto& [x, y, z] = sample.voxel;
         const int offset = LeafVoxel::offset(x[lane], y[lane], z[lane]);
-        const bool shown = mVolume.shown(sample.record[lane] / kPaddedSize).isOn(unsigned(offset));
+        const bool shown = mVolume.shown(sample.leaf[lane]).isOn(unsigned(offset));
         hidden |= unsigned(!shown) << lane;
     }
     return hidden;
@@ -230,60 +265,82 @@ unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
 VDBLIC_KERNEL
 void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& result) const
 {
-    Float8 gradient[3];
-    sampleGradients(mVolume.gradients(), sample.record, sample.fraction, gradient);
+    Float8 slopes[3];
+    mTexture.slopes(sample.leaf, Cells(sample.place), slopes);
+    const glm::mat3& toWorld = mVolume.gradientToWorld();
     Float8 square{}, along{};
     for (int axis = 0; axis < 3; ++axis) {
-        square += gradient[axis] * gradient[axis];
-        along += gradient[axis] * view[axis];
+        const Float8 gradient =
+            toWorld[0][axis] * slopes[0] + toWorld[1][axis] * slopes[1] + toWorld[2][axis] * slopes[2];
+        square += gradient * gradient;
+        along += gradient * view[axis];
     }
     const Float8 aside = square > 0 ? 1 - along * along / square : Float8{};
     result = aside * aside;
 }
 
-/// Composite the lanes' samples, and queue those that are visible.
-VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, const Sample& sample, ShadeQueue& queue) const
+/// Composite what lies between the given lanes' samples and those before them, and queue what is visible.
+///
+/// The texture changes evenly between two samples; everything else is taken in the middle, or half a voxel before the
+/// later sample where steps are longer than a voxel. A ray's first and last sample stand for what is before and behind
+/// them, too.
+VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, unsigned which, const Sample& sample, ShadeQueue& queue) const
 {
-    lanes.spent = lanes.transmittance < mLeastTransmittance;
-    const Int8 entries = mLook.transfer.entries(sample.values[1]);
+    // Of these lanes alone: a picture must not depend on what a ray's neighbours do.
+    lanes.spent = maskOf(which) ? lanes.transmittance < mLeastTransmittance : lanes.spent;
+    // Empty space has at most the largest texture without opacity.
+    const Int8 isEmpty = sample.distant > 0;
+    const Float8 stretched = isEmpty ? broadcast8(mHidden) : mLook.texture.stretched(sample.texture);
+    const Float8 before = lanes.before < 0 ? stretched : lanes.before;
+    lanes.before = maskOf(which) ? stretched : lanes.before;
+    const Float8 density = mLook.texture.meanDensity(before, stretched), texture = (before + stretched) * 0.5f;
+    Float8 halo{};
+    if (mLook.halo.strength > 0) halo = mLook.halo.density(mLook.texture, texture);
+    if (!anyOf((density + halo > 0) & maskOf(which))) return;
+
+    const Float8 previous = sample.index > 0 ? middleOf(sample.index - 1, lanes.shift, lanes.span) : Float8{};
+    const Float8 end = sample.index < lanes.last ? sample.distance : lanes.span;
+    // A sample's leaf holds what lies half a voxel before it, no more.
+    const Float8 half = (sample.distance - previous) * 0.5f, most = broadcast8(kMostBack * mPerStep);
+    const Float8 distance = sample.distance - (half < most ? half : most), back = (distance - sample.distance) * mStep;
+    const Float8 place[] = {sample.place[0] + lanes.direction[0] * back, sample.place[1] + lanes.direction[1] * back,
+                            sample.place[2] + lanes.direction[2] * back};
+    const Int8 entries = mLook.transfer.entries(mVolume.drivers().at(sample.leaf, place));
     Float8 power;
     for (int lane = 0; lane < kLanes; ++lane)
         power[lane] = mPowers[unsigned(entries[lane])];
-    const Int8 partly = VisibleLeaves::flagged(sample.leaf, VisibleLeaves::kPartlyBit);
-    if (const unsigned doubtful = laneBits(partly) & lanes.busy) {
+    const Int8 hasRecords = VisibleSpace::flagged(sample.entry, VisibleSpace::kNothingBit) >= 0;
+    power = maskOf(which) & hasRecords ? power : Float8{};
+    const Int8 partly = VisibleSpace::flagged(sample.entry, VisibleSpace::kPartlyBit) & hasRecords;
+    if (const unsigned doubtful = laneBits(partly) & which) {
         power = maskOf(findHidden(doubtful, sample)) ? Float8{} : power;
     }
-    const Float8 stretched = mLook.texture.stretched(sample.values[0]);
-    const Float8 density = mLook.texture.density(stretched);
-    Float8 halo{};
-    if (mLook.halo.strength > 0) {
-        const Float8 most = mLook.halo.density(mLook.texture, stretched);
-        if (anyOf((most > 0) & (power < 0))) {
-            findFlanks(sample, lanes.view, halo);
-            halo *= most;
-        }
+    if (anyOf((halo > 0) & (power < 0))) {
+        Float8 flank;
+        findFlanks(sample, lanes.view, flank);
+        halo *= flank;
     }
     const Float8 all = density + halo;
-    const Float8 left = lanes.transmittance * powerOfTwo(power * all * sample.length);
+    const Float8 left = lanes.transmittance * powerOfTwo(power * all * (end - previous));
     const Float8 taken = lanes.transmittance - left;
     lanes.transmittance = left;
     Float8 weight = taken;
     if (mLook.halo.strength > 0) {
         weight = all > 0 ? taken * density / all : Float8{};
         lanes.halo += taken - weight;
-        lanes.haloDistance += (taken - weight) * sample.distance;
+        lanes.haloDistance += (taken - weight) * distance;
     }
 
     // Faint samples wait for further ones of their ray.
     weight += lanes.waiting;
     const Int8 enough = weight > (1 - left) * mLeastTransmittance;
     lanes.waiting = enough ? Float8{} : weight;
-    queue.push({.fraction = {sample.fraction[0], sample.fraction[1], sample.fraction[2]},
-                .record = sample.record,
+    queue.push({.position = {place[0], place[1], place[2]},
+                .leaf = sample.leaf,
                 .task = lanes.task,
-                .distance = sample.distance,
+                .distance = distance,
                 .weight = weight,
-                .stretched = stretched,
+                .stretched = texture,
                 .entry = entries},
                laneBits(enough));
 }
@@ -309,10 +366,18 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
         locate(lanes, sample);
         if (const unsigned left = leaving(lanes, sample)) advance(tasks, count, next, left, lanes, sample, sums);
         if (lanes.busy == 0) break;
+        // A ray leaves what is visible with one sample more.
+        const Int8 isBehind = lanes.before > mHidden;
+        const unsigned empty = laneBits(-sample.distant & ~isBehind) & lanes.busy, seen = lanes.busy & ~empty;
+        if (empty != 0) {
+            skip(lanes, sample, empty);
+            // A sample costs more than a skip: most lanes should have one.
+            if (__builtin_popcount(seen) < kEnoughLanes) continue;
+        }
         interpolate(sample);
-        absorb(lanes, sample, queue);
-        lanes.sample += 1;
-        ++lanes.turn;
+        absorb(lanes, seen, sample, queue);
+        lanes.sample -= maskOf(seen);
+        lanes.taken -= maskOf(seen);
         if (queue.isFull()) {
             for (; queue.hasEight(); queue.pop())
                 mShader.shade(queue, tasks, sums);

@@ -2,10 +2,11 @@
 
 #include "vdblic/camera/clipping.h"
 #include "vdblic/cast/blue_noise.h"
+#include "vdblic/cast/pixel_rays.h"
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/sample_shader.h"
 #include "vdblic/volume/texture_volume.h"
-#include "vdblic/volume/visible_leaves.h"
+#include "vdblic/volume/visible_space.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -66,6 +67,26 @@ VDBLIC_INLINE void toRows(const Double4& a, const Double4& b, const Double4& c, 
     rows[3] = __builtin_shufflevector(abEnd, cdEnd, 2, 3, 6, 7);
 }
 
+/// The points of the lens that the rays of a square of pixels pass through.
+void lensPoints(int left, int top, int ray, Double4& x, Double4& y)
+{
+    for (int lane = 0; lane < kSquare; ++lane) {
+        const glm::dvec2 point = lensPoint(left + lane % 2, top + lane / 2, ray);
+        x[lane] = point.x;
+        y[lane] = point.y;
+    }
+}
+
+/// Move rays from the middle of the lens to points of it.
+VDBLIC_INLINE void throughLens(const Lens& lens, Double4 x, Double4 y, Double4* origin, Double4* direction)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const Double4 aside = lens.right[axis] * x + lens.up[axis] * y;
+        origin[axis] += aside;
+        direction[axis] -= aside * lens.perDepth;
+    }
+}
+
 Float4 toFloat4(const glm::dvec3& v)
 {
     return Float4{float(v.x), float(v.y), float(v.z), 0};
@@ -82,9 +103,11 @@ float sampleShift(int x, int y, int ray)
     return float(int(fraction >> 8)) * 0x1p-24f;
 }
 
-RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
-                   const RayCastParams& params, const SampleShader& shader, int ray, const float* ends)
-    : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mEnds(ends), mWorld(camera.rays())
+RaySetup::RaySetup(const TextureVolume& volume, const VisibleSpace& visible, const Camera& camera,
+                   const RayCastParams& params, const SampleShader& shader, int ray, const float* ends,
+                   const std::uint8_t* only)
+    : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mEnds(ends), mOnly(only),
+      mWorld(camera.rays())
 {
     const glm::dvec3 zero(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
     mLow = volume.low() - zero;
@@ -95,6 +118,8 @@ RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, co
     };
     mIndex = {linear(mWorld.origin), linear(mWorld.direction)};
     mIndex.origin.corner += glm::dvec3(volume.worldToIndex()[3]) - zero;
+    if (const std::optional<Lens> lens = camera.lens())
+        mLens = {*lens, {toIndex * lens->right, toIndex * lens->up, lens->perDepth}};
 
     const glm::dmat3 gradients = glm::transpose(toIndex); // of the index, by axis
     for (int axis = 0; axis < 3; ++axis) {
@@ -107,7 +132,11 @@ RaySetup::RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, co
             return PictureGradient<double>{glm::dot(world.corner, normal), glm::dot(world.perX, normal),
                                            glm::dot(world.perY, normal)};
         };
-        Cut cut{along(mWorld.origin), along(mWorld.direction)};
+        Cut cut{along(mWorld.origin), along(mWorld.direction), 0, 0};
+        if (mLens) {
+            cut.lensRight = glm::dot(mLens->world.right, normal);
+            cut.lensUp = glm::dot(mLens->world.up, normal);
+        }
         cut.above.corner = glm::dot(mWorld.origin.corner - plane.point, normal);
         mCuts.push_back(cut);
         mOutward.push_back(toFloat4(-normal));
@@ -126,6 +155,11 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
         Double4 origin[3], direction[3], inverse[3];
         evaluate(mIndex.origin, pixelX, pixelY, origin);
         evaluate(mIndex.direction, pixelX, pixelY, direction);
+        Double4 lensX{}, lensY{};
+        if (mLens) {
+            lensPoints(left, top, mRay, lensX, lensY);
+            throughLens(mLens->index, lensX, lensY, origin, direction);
+        }
         const Double4 voxelsPerDepth = length(direction), depthPerVoxel = 1 / voxelsPerDepth;
 
         Double4 enter{}, leave = enter + std::numeric_limits<double>::infinity(); // in voxels from the origin
@@ -141,8 +175,15 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
             leave = last < leave ? last : leave;
         }
         for (std::size_t cut = 0; cut < mCuts.size(); ++cut) {
-            const Double4 slope = notZero(evaluate(mCuts[cut].slope, pixelX, pixelY));
-            const Double4 crossing = -evaluate(mCuts[cut].above, pixelX, pixelY) / slope * voxelsPerDepth;
+            Double4 growth = evaluate(mCuts[cut].slope, pixelX, pixelY);
+            Double4 above = evaluate(mCuts[cut].above, pixelX, pixelY);
+            if (mLens) {
+                const Double4 aside = mCuts[cut].lensRight * lensX + mCuts[cut].lensUp * lensY;
+                above += aside;
+                growth -= aside * mLens->world.perDepth;
+            }
+            const Double4 slope = notZero(growth);
+            const Double4 crossing = -above / slope * voxelsPerDepth;
             const Long4 in = slope > 0, later = in & (crossing > enter);
             face = later ? Long4{} + (6 + std::int64_t(cut)) : face;
             enter = later ? crossing : enter;
@@ -159,6 +200,10 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
 
         Double4 view[3], entry[3];
         evaluate(mWorld.direction, pixelX, pixelY, view);
+        if (mLens) {
+            Double4 at[3]{};
+            throughLens(mLens->world, lensX, lensY, at, view);
+        }
         const Double4 perView = 1 / length(view), none{};
         for (int axis = 0; axis < 3; ++axis)
             entry[axis] = origin[axis] + direction[axis] * enter;
@@ -171,7 +216,8 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
         toRows(none, enter * depthPerVoxel, mStep * depthPerVoxel, none, depths);
         for (int lane = 0; lane < kSquare; ++lane) {
             if (hit[lane] == 0) continue;
-            const int pixel[] = {left + lane % 2, top + lane / 2};
+            const int pixel[] = {left + lane % 2, top + lane / 2}, index = pixel[1] * mSize.x + pixel[0];
+            if (mOnly && !mOnly[index]) continue;
             const double start = double(sampleShift(pixel[0], pixel[1], mRay)) - enterSteps[lane];
             RayTask& task = tasks[count];
             task.entry = entries[lane];
@@ -181,7 +227,7 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
             task.shift = float(start - std::floor(start));
             task.span = float(span[lane]);
             task.samples = std::max(int(std::ceil(span[lane] - double(task.shift))), 0) + 1;
-            task.pixel = pixel[1] * mSize.x + pixel[0];
+            task.pixel = index;
             outward[count] = face[lane] < 0 ? Float4{} : mOutward[std::size_t(face[lane])] + Float4{0, 0, 0, 1};
             ++count;
         }

@@ -7,13 +7,15 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
 
 class SampleShader;
 class TextureVolume;
-class VisibleLeaves;
+class VisibleSpace;
 struct RayCastParams;
 
 /// The share of a step by which the steps of a pixel's ray are shifted along it, so that shells of samples leave no
@@ -29,9 +31,11 @@ class RaySetup {
     static constexpr int kRays = kTile * kTile; ///< of a tile
 
     /// @param ray  index among each pixel's rays
-    /// @param ends depths at which the pixels' rays end, as SolidPicture has them; or null
-    RaySetup(const TextureVolume& volume, const VisibleLeaves& visible, const Camera& camera,
-             const RayCastParams& params, const SampleShader& shader, int ray, const float* ends);
+    /// @param ends depths at which the pixels' rays end, as SurfacePicture has them; or null
+    /// @param only by pixel: whether it has a ray; or null: all have
+    RaySetup(const TextureVolume& volume, const VisibleSpace& visible, const Camera& camera,
+             const RayCastParams& params, const SampleShader& shader, int ray, const float* ends,
+             const std::uint8_t* only);
 
     /// The rays through the centres of a tile's pixels that meet the volume, in an order that keeps neighbours
     /// together.
@@ -44,6 +48,11 @@ class RaySetup {
     /// A plane that cuts the rays of a picture.
     struct Cut {
         PictureGradient<double> above, slope; // height of a ray's origin above the plane, and its growth along the ray
+        double lensRight, lensUp;             // change of the height along the lens's axes
+    };
+    /// The lens's axes, in world space and in index space.
+    struct LensAxes {
+        Lens world, index;
     };
 
     const SampleShader& mShader;
@@ -51,8 +60,10 @@ class RaySetup {
     double mStep;
     int mRay;
     const float* mEnds;
-    PictureRays mWorld, mIndex; // in world space, and in index space relative to VisibleLeaves::origin()
+    const std::uint8_t* mOnly;
+    PictureRays mWorld, mIndex; // in world space, and in index space relative to VisibleSpace::origin()
     glm::dvec3 mLow, mHigh;     // the volume's bounds, as mIndex
+    std::optional<LensAxes> mLens;
     std::vector<Cut> mCuts;
     std::vector<Float4> mOutward; // normals of the bounds' low and high faces, axis by axis, and of the cuts
 };

@@ -6,7 +6,7 @@ namespace vdblic {
 
 /// What the samples of a ray add up to. Weights are shares of the pixel's alpha.
 struct alignas(16) RaySum {
-    Float4 color{};   ///< red, green, blue, premultiplied
+    Float4 color{};   ///< red, green, blue, premultiplied; and the weight of the background that is seen in samples
     Float4 normal{};  ///< times weight
     Float4 numbers{}; ///< depth, driver, texture, each times weight
     float alpha = 0;

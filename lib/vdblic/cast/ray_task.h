@@ -4,7 +4,7 @@
 
 namespace vdblic {
 
-/// A ray to trace. Positions are in index space relative to VisibleLeaves::origin(); distances along the ray are in
+/// A ray to trace. Positions are in index space relative to VisibleSpace::origin(); distances along the ray are in
 /// steps from the entry. The size is a power of two, so that indexing needs no multiplication.
 struct alignas(128) RayTask {
     Float4 entry, direction; ///< the direction has length 1; fourth lanes 0

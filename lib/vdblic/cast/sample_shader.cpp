@@ -25,16 +25,16 @@ VDBLIC_INLINE Float8 load8(const float* values)
     return result;
 }
 
-/// The cells of the first eight samples of a queue.
-struct Cells {
-    Float8 fraction[3];
-    Unsigned8 record;
+/// Where the first eight samples of a queue are.
+struct SamplePlaces {
+    Float8 position[3];
+    Unsigned8 leaf;
 
-    VDBLIC_INLINE explicit Cells(const ShadeQueue& queue)
+    VDBLIC_INLINE explicit SamplePlaces(const ShadeQueue& queue)
     {
         for (int axis = 0; axis < 3; ++axis)
-            fraction[axis] = load8(queue.columns().fraction[axis] + queue.begin());
-        std::memcpy(&record, queue.columns().record + queue.begin(), sizeof record);
+            position[axis] = load8(queue.columns().position[axis] + queue.begin());
+        std::memcpy(&leaf, queue.columns().leaf + queue.begin(), sizeof leaf);
     }
 };
 
@@ -47,8 +47,8 @@ VDBLIC_INLINE const Float4& asFloat4(const TransferFunction::Entry& entry)
 
 SampleShader::SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera,
                            const RayCastParams& params, const glm::vec3& origin, const LightGrid* light)
-    : mVolume(volume), mLook(look), mStep(float(params.step)), mLayers(params.layers), mCue(volume, look, camera),
-      mOrigin(origin), mLightGrid(light)
+    : mVolume(volume), mLook(look), mStep(float(params.step)), mLayers(params.layers), mIsCubic(params.isCubic()),
+      mCue(volume, look, camera), mOrigin(origin), mLightGrid(light)
 {
     for (const DirectionalLight& distant : look.shading.lights)
         mLights.emplace_back(glm::vec3(glm::normalize(distant.direction)), float(distant.intensity));
@@ -81,12 +81,15 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightSurface(const Float8* norma
 
 VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queue, const Float8* view) const
 {
-    const int first = queue.begin();
-    const auto& record = queue.columns().record;
-    const auto& [u, v, w] = queue.columns().fraction;
+    const SamplePlaces places(queue);
+    const Cells cells(places.position);
+    const Int8 corner = ScalarLeaf::index(cells.low[0], cells.low[1], cells.low[2]);
+    const auto& [u, v, w] = cells.fraction;
     Float8 rows[kLanes], line[kLanes];
-    for (int i = 0; i < kLanes; ++i)
-        rows[i] = sampleLine(mVolume.lines() + record[first + i], u[first + i], v[first + i], w[first + i]);
+    for (int i = 0; i < kLanes; ++i) {
+        const std::size_t leaf = std::size_t(places.leaf[i]) * ScalarLeaf::kSize;
+        rows[i] = sampleLine(mVolume.lines() + leaf + corner[i], u[i], v[i], w[i]);
+    }
     transpose(rows, line);
     // t (t·d) of the line's direction t and another one, d: independent of the sign of t.
     const auto along = [&](auto x, auto y, auto z, Float8* result) {
@@ -122,11 +125,13 @@ VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8
     const Float8 weight = load8(samples.weight + first);
     const Float8 normals[] = {normal[0] * weight * surface, normal[1] * weight * surface, normal[2] * weight * surface,
                               Float8{}};
-    const Cells cells(queue);
-    Float8 values[2];
-    sampleValues(mVolume.values(), cells.record, cells.fraction, values);
-    if (mVolume.colors()) values[1] = sampleNumbers(mVolume.colors(), cells.record, cells.fraction);
-    const Float8 numbers[] = {depth * weight, values[1] * weight, values[0] * weight, Float8{}};
+    const SamplePlaces places(queue);
+    const ScalarRecords& scalar = mVolume.colors() ? *mVolume.colors() : mVolume.drivers();
+    const Cells cells(places.position);
+    const TextureSampler& sampler = mVolume.texture();
+    const Float8 texture = mIsCubic ? sampler.cubicAt(places.leaf, cells) : sampler.at(places.leaf, cells);
+    const Float8 numbers[] = {depth * weight, scalar.at(places.leaf, places.position) * weight, texture * weight,
+                              Float8{}};
     Float4 rows[kLanes];
     transposeBack(normals, rows);
     for (int i = 0; i < kLanes; ++i)
@@ -136,8 +141,8 @@ VDBLIC_INLINE void SampleShader::addLayers(const ShadeQueue& queue, const Float8
         sums[samples.task[first + i]].numbers += rows[i];
 }
 
-/// The shares of the key light that reach the first eight samples of a queue.
-void SampleShader::findShadows(const ShadeQueue& queue, const RayTask* tasks, Float8& result) const
+/// Factors on the light of the first eight samples of a queue.
+VDBLIC_INLINE Float8 SampleShader::arrivingLight(const ShadeQueue& queue, const RayTask* tasks) const
 {
     Float8 position[3];
     for (int i = 0; i < kLanes; ++i) {
@@ -146,7 +151,7 @@ void SampleShader::findShadows(const ShadeQueue& queue, const RayTask* tasks, Fl
         for (int axis = 0; axis < 3; ++axis)
             position[axis][i] = task.entry[axis] + task.direction[axis] * distance + mOrigin[axis];
     }
-    mLightGrid->at(position, result);
+    return mLightGrid->at(position);
 }
 
 VDBLIC_KERNEL
@@ -164,9 +169,13 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     const bool surfaces = mLook.shading.model == ShadingModel::kSurface;
     Float8 normal[3] = {}, surface = {};
     if (surfaces || mLayers) {
-        const Cells cells(queue);
-        Float8 gradient[3];
-        sampleGradients(mVolume.gradients(), cells.record, cells.fraction, gradient);
+        const SamplePlaces places(queue);
+        Float8 inIndex[3], gradient[3];
+        mVolume.texture().gradients(places.leaf, Cells(places.position), inIndex);
+        const glm::mat3& toWorld = mVolume.gradientToWorld();
+        for (int axis = 0; axis < 3; ++axis)
+            gradient[axis] =
+                toWorld[0][axis] * inIndex[0] + toWorld[1][axis] * inIndex[1] + toWorld[2][axis] * inIndex[2];
         const Float8 length =
             squareRoots(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
         const Float8 along = gradient[0] * view[0] + gradient[1] * view[1] + gradient[2] * view[2];
@@ -190,8 +199,7 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     light = {mix(light.lit, ray[kFaceLit], face), mix(light.white, ray[kFaceWhite], face)};
 
     if (mLightGrid) {
-        Float8 arriving;
-        findShadows(queue, tasks, arriving);
+        const Float8 arriving = arrivingLight(queue, tasks);
         light = {light.lit * arriving, light.white * arriving};
     }
 
@@ -199,8 +207,8 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     Int8 entry;
     std::memcpy(&entry, samples.entry + first, sizeof entry);
     if (mVolume.colors()) {
-        const Cells cells(queue);
-        entry = mLook.transfer.colorEntries(sampleNumbers(mVolume.colors(), cells.record, cells.fraction));
+        const SamplePlaces places(queue);
+        entry = mLook.transfer.colorEntries(mVolume.colors()->at(places.leaf, places.position));
     }
     Float4 rows[kLanes];
     for (int i = 0; i < kLanes; ++i)
@@ -213,8 +221,9 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     const Float8 weight = load8(samples.weight + first);
     for (int channel = 0; channel < 3; ++channel) {
         const Float8 seen = color[channel] * tint + light.white;
-        color[channel] = mix(seen, broadcast8(mLook.background[channel]), far) * weight;
+        color[channel] = seen * (1 - far) * weight;
     }
+    color[3] = far * weight;
     transposeBack(color, rows);
     for (int i = 0; i < kLanes; ++i)
         sums[samples.task[first + i]].color += rows[i];

@@ -40,14 +40,14 @@ class SampleShader {
     };
     Light lightSurface(const Float8* normal, const Float8* view) const;
     Light lightLine(const ShadeQueue& queue, const Float8* view) const;
-    void findShadows(const ShadeQueue& queue, const RayTask* tasks, Float8& result) const;
+    Float8 arrivingLight(const ShadeQueue& queue, const RayTask* tasks) const;
     Float8 highlight(Float8 cosine) const;
     void addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
 
     const TextureVolume& mVolume;
     const Look& mLook;
     float mStep;
-    bool mLayers;
+    bool mLayers, mIsCubic;
     DepthCue mCue;
     glm::vec3 mOrigin;
     const LightGrid* mLightGrid;

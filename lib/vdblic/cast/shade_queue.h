@@ -14,8 +14,8 @@ namespace vdblic {
 /// A further number is one more member here, set where samples are queued: the queue treats all members alike.
 template<typename Of>
 struct ShadeColumns {
-    typename Of::Floats fraction[3]; ///< position in the cell, 0 to 1
-    typename Of::Unsigneds record;   ///< index of the record at the cell's lowest corner
+    typename Of::Floats position[3]; ///< relative to the first voxel of its leaf
+    typename Of::Unsigneds leaf;     ///< its number
     typename Of::Ints task;          ///< index of the ray
     typename Of::Floats distance;    ///< along the ray [steps]
     typename Of::Floats weight;      ///< in the pixel

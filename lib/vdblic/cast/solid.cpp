@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/affine_transform.h"
 #include "vdblic/cast/solid_mesh.h"
+#include "vdblic/cast/terrain.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/image/vector_text.h"
@@ -91,6 +92,7 @@ openvdb::FloatGrid::Ptr complementOf(const openvdb::FloatGrid& texture)
         rest->fill(box, true, true);
         rest->topologyDifference(openvdb::MaskTree(texture.tree(), false, true, openvdb::TopologyCopy()));
     }
+    if (openvdb::FloatGrid::Ptr terrain = terrainOf(*rest, box, kBand)) return terrain;
     return levelSetOf(rest);
 }
 
@@ -213,6 +215,15 @@ Solid makeSolid(const SolidParams& params, const openvdb::FloatGrid& texture, co
     solid.levelSet->setTransform(openvdb::math::Transform::createLinearTransform());
     solid.levelSet->setGridClass(openvdb::GRID_LEVEL_SET);
     return solid;
+}
+
+openvdb::CoordBBox boundsOf(const Solid& solid)
+{
+    openvdb::CoordBBox box;
+    for (auto value = solid.levelSet->cbeginValueOn(); value; ++value) {
+        if (*value < 0) box.expand(value.getCoord());
+    }
+    return box;
 }
 
 } // namespace vdblic

@@ -26,4 +26,7 @@ struct Solid {
 [[nodiscard]] Solid makeSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
                               std::int64_t frame);
 
+/// The box around the voxels inside a solid, in its index space.
+[[nodiscard]] openvdb::CoordBBox boundsOf(const Solid& solid);
+
 } // namespace vdblic

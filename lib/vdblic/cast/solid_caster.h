@@ -1,8 +1,11 @@
 #pragma once
 
+#include "vdblic/camera/clipping.h"
+#include "vdblic/cast/surface_picture.h"
+
 #include <glm/vec3.hpp>
 
-#include <vector>
+#include <span>
 
 namespace vdblic {
 
@@ -12,16 +15,12 @@ class TextureVolume;
 struct Look;
 struct Solid;
 
-/// What is seen of a solid through each pixel's centre, the volume taken away.
-struct SolidPicture {
-    std::vector<float> depths;     ///< along the view axis from the eye's plane [world]; infinite where nothing is seen
-    std::vector<glm::vec3> colors; ///< linear light, lit
-    std::vector<glm::vec3> normals; ///< world space, of length 1
-};
-
-/// Find the first surface of a solid along each pixel's ray, and light it by the look's lights.
-/// @param color linear light  @param light shadows of the volume, or null
-[[nodiscard]] SolidPicture castSolid(const Solid& solid, const glm::vec3& color, const TextureVolume& volume,
-                                     const Look& look, const Camera& camera, const LightGrid* light);
+/// Find the first surface of a solid along each pixel's ray, and light it by the look's lights. Where a cut opens the
+/// solid its face is a surface.
+/// @param color linear light  @param cuts in world space  @param light shadows of the volume, or null
+/// @param ray   index among each pixel's rays
+[[nodiscard]] SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, std::span<const ClipPlane> cuts,
+                                       const TextureVolume& volume, const Look& look, const Camera& camera,
+                                       const LightGrid* light, int ray);
 
 } // namespace vdblic

@@ -14,7 +14,7 @@ struct SolidParams {
     /// file or a sequence with the input's frame numbers: a closed mesh (.obj, .stl, .ply), or the level set, fog
     /// volume or mask of a .vdb.
     std::string source;
-    glm::dvec3 color{0.62, 0.64, 0.67}; ///< display (sRGB) values
+    glm::dvec3 color{0.7, 0.72, 0.75}; ///< display (sRGB) values
 
     /// Whether each frame has a solid of its own.
     [[nodiscard]] bool changes() const;

@@ -3,15 +3,18 @@
 #include "vdblic/camera/camera.h"
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/ray_caster.h"
+#include "vdblic/cast/ray_setup.h"
 #include "vdblic/look/look.h"
 #include "vdblic/volume/texture_volume.h"
-#include "vdblic/volume/visible_leaves.h"
+#include "vdblic/volume/visible_space.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <stop_token>
 #include <utility>
@@ -52,11 +55,61 @@ void divideLayers(PixelLayers& sum, float alpha)
     if (const float length = glm::length(sum.normal); length > 0) sum.normal /= length;
 }
 
+constexpr int kRaysOfAll = 2;
+
+/// A pixel as it is seen: in about even steps.
+glm::vec4 seen(const glm::vec4& pixel)
+{
+    return glm::sqrt(glm::max(pixel, glm::vec4(0)));
+}
+
+bool differ(const glm::vec4& a, const glm::vec4& b)
+{
+    constexpr float kMost = 1 / 20.0f;
+    const glm::vec4 difference = glm::abs(a - b);
+    return std::max({difference.r, difference.g, difference.b, difference.a}) > kMost;
+}
+
+/// The pixels of an image that need further rays. @param first image of the first ray  @param sum of the first two
+std::vector<std::uint8_t> pixelsToRefine(const Image& first, const Image& sum, const PictureArea& area)
+{
+    std::vector<std::uint8_t> result(sum.pixels.size());
+    constexpr int kTile = RaySetup::kTile;
+    const glm::ivec2 tiles = (area.high - area.low + kTile - 1) / kTile;
+    tbb::parallel_for(0, tiles.x * tiles.y, [&](int tile) {
+        const glm::ivec2 low = area.low + glm::ivec2(tile % tiles.x, tile / tiles.x) * kTile;
+        const glm::ivec2 high = glm::min(low + kTile, area.high);
+        const auto index = [&](int x, int y) { return std::size_t(y) * std::size_t(sum.size.x) + std::size_t(x); };
+        glm::vec4 means[kTile][kTile];
+        for (int y = low.y; y < high.y; ++y) {
+            for (int x = low.x; x < high.x; ++x) {
+                const std::size_t i = index(x, y);
+                means[y - low.y][x - low.x] = seen(sum.pixels[i] * 0.5f);
+                result[i] = differ(seen(first.pixels[i]), seen(sum.pixels[i] - first.pixels[i]));
+            }
+        }
+        const auto compare = [&](int x, int y, int nextX, int nextY) {
+            if (nextX < low.x || nextX >= high.x || nextY >= high.y) return;
+            if (!differ(means[y - low.y][x - low.x], means[nextY - low.y][nextX - low.x])) return;
+            result[index(x, y)] = 1;
+            result[index(nextX, nextY)] = 1;
+        };
+        for (int y = low.y; y < high.y; ++y) {
+            for (int x = low.x; x < high.x; ++x) {
+                compare(x, y, x + 1, y);
+                for (const int across : {-1, 0, 1})
+                    compare(x, y, x + across, y + 1);
+            }
+        }
+    });
+    return result;
+}
+
 } // namespace
 
-SampleSum::SampleSum(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-                     const Scenery& scenery)
-    : mVolume(volume), mLook(look), mCamera(camera), mParams(params), mScenery(scenery), mVisible(volume, look)
+SampleSum::SampleSum(const TextureVolume& volume, const Look& look, const VisibleSpace& visible, const Camera& camera,
+                     const RayCastParams& params, const Scenery& scenery)
+    : mVolume(volume), mLook(look), mVisible(visible), mCamera(camera), mParams(params), mScenery(scenery)
 {
 }
 
@@ -64,8 +117,10 @@ void SampleSum::add(const std::stop_token& stop)
 {
     constexpr glm::dvec2 kStep(0.7548776662466927, 0.5698402909980532); // inverse powers of the plastic number
     const glm::dvec2 offset = glm::fract(0.5 + double(mCount) * kStep) - 0.5;
-    Image image = castRays(mVolume, mLook, mCamera.shifted(offset), mParams, mVisible, mCount, mScenery, stop);
+    const std::uint8_t* const only = mCount < kRaysOfAll ? nullptr : mRefined.data();
+    Image image = castRays(mVolume, mLook, mCamera.shifted(offset), mParams, mVisible, mCount, mScenery, only, stop);
     if (mCount++ == 0) {
+        mFirst = {image.size, image.pixels};
         mSum = std::move(image);
         return;
     }
@@ -74,6 +129,11 @@ void SampleSum::add(const std::stop_token& stop)
         if (mParams.layers) addLayers(mSum.layers[i], image.layers[i], image.pixels[i].a);
         mSum.pixels[i] += image.pixels[i];
     }
+    if (mCount != kRaysOfAll) return;
+    // Two points of a lens do not tell what the others see.
+    mRefined = mCamera.lens() ? std::vector<std::uint8_t>(mSum.pixels.size(), 1)
+                              : pixelsToRefine(mFirst, mSum, mCamera.area());
+    mFirst = {};
 }
 
 Image SampleSum::mean() const
@@ -82,7 +142,8 @@ Image SampleSum::mean() const
     if (mCount == 1) return result;
     for (std::size_t i = 0; i < result.pixels.size(); ++i) {
         if (mParams.layers) divideLayers(result.layers[i], result.pixels[i].a);
-        result.pixels[i] /= float(mCount);
+        const int rays = mCount <= kRaysOfAll || mRefined[i] ? mCount : kRaysOfAll;
+        result.pixels[i] /= float(rays);
     }
     return result;
 }
@@ -90,7 +151,8 @@ Image SampleSum::mean() const
 Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
                   int samples, const Scenery& scenery)
 {
-    SampleSum sum(volume, look, camera, params, scenery);
+    const VisibleSpace visible(volume, look);
+    SampleSum sum(volume, look, visible, camera, params, scenery);
     for (int sample = 0; sample < samples; ++sample)
         sum.add();
     return sum.mean();

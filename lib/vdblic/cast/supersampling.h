@@ -4,22 +4,27 @@
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/ray_caster.h"
 #include "vdblic/image/image.h"
-#include "vdblic/volume/visible_leaves.h"
 
+#include <cstdint>
 #include <stop_token>
+#include <vector>
 
 namespace vdblic {
 
+class VisibleSpace;
+
 inline constexpr int kMostSamples = 4096; ///< rays per pixel
 
-/// A picture that is cast ray by ray of its pixels.
+/// A picture that is cast ray by ray of its pixels: two rays for each, further ones only where those two differ or a
+/// neighbour differs, in the same tile of RaySetup. Elsewhere they would change nothing that is seen. Through a lens
+/// every pixel has all rays.
 class SampleSum {
   public:
-    /// @param volume, look, scenery must outlive this
-    SampleSum(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-              const Scenery& scenery);
+    /// @param volume, look, visible, scenery must outlive this
+    SampleSum(const TextureVolume& volume, const Look& look, const VisibleSpace& visible, const Camera& camera,
+              const RayCastParams& params, const Scenery& scenery);
 
-    /// Cast the next ray of every pixel. @throws Stopped, with the sum as it was, if a stop is requested
+    /// Cast the next ray of every pixel that needs one. @throws Stopped, with the sum as it was, if a stop is requested
     void add(const std::stop_token& stop = {});
     [[nodiscard]] int count() const { return mCount; }
     /// The picture of the rays so far, at least one; that of castSamples().
@@ -28,15 +33,17 @@ class SampleSum {
   private:
     const TextureVolume& mVolume;
     const Look& mLook;
+    const VisibleSpace& mVisible;
     Camera mCamera;
     RayCastParams mParams;
     Scenery mScenery;
-    VisibleLeaves mVisible;
-    Image mSum; // of the first ray alone its layers are not weighted yet
+    Image mSum, mFirst; // of the first ray alone the sum's layers are not weighted yet; colours of the first ray
+    std::vector<std::uint8_t> mRefined; // by pixel: whether it needs more than two rays; empty before that is known
     int mCount = 0;
 };
 
-/// As castRays(), with several rays per pixel. A pixel is the mean of its rays, a layer their mean weighted by alpha.
+/// As castRays(), with several rays per pixel as SampleSum casts them. A pixel is the mean of its rays, a layer their
+/// mean weighted by alpha.
 ///
 /// The rays of every pixel start at the same points of it: the first ones of a low-discrepancy sequence (Roberts' R2)
 /// that begins at the centre. With one ray the picture is that of castRays().

@@ -5,6 +5,8 @@
 #include "vdblic/coherence/smoothed_texture.h"
 #include "vdblic/coherence/successor.h"
 #include "vdblic/coherence/texture_cube.h"
+#include "vdblic/core/paging.h"
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/pathline.h"
 
@@ -117,11 +119,12 @@ VDBLIC_KERNEL void measureClasses(const Measured& measured, std::size_t block, S
     TextureCube cube;
     const std::size_t first = block * kPointsOfBlock;
     for (std::size_t i = first; i < std::min(first + kPointsOfBlock, measured.samples); ++i) {
+        paging::breathe(paging::kPointBytes);
         ClassPoint point;
         point.position = measured.voxels.centreInPart(i, measured.samples);
         const Int4 voxel = voxelOf(point.position);
         const openvdb::Coord coarse = domain.refinement.coarse({voxel[0], voxel[1], voxel[2]});
-        if (!domain.velocity->contains(Float4{float(coarse[0]), float(coarse[1]), float(coarse[2]), 0})) continue;
+        if (!covers(*domain.velocity, Float4{float(coarse[0]), float(coarse[1]), float(coarse[2]), 0})) continue;
         point.velocity = measured.field.sample(point.position, 0, Float4{0, 0, 0, 0});
         const auto displacementClass = classOf(pathline::length(point.velocity));
         if (!displacementClass || !copyAround(measured.texture, voxel, cube)) continue;

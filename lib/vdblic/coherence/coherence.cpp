@@ -5,6 +5,8 @@
 #include "vdblic/coherence/random_voxels.h"
 #include "vdblic/coherence/smoothed_texture.h"
 #include "vdblic/coherence/successor.h"
+#include "vdblic/core/paging.h"
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/pathline.h"
 
@@ -88,7 +90,7 @@ std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
     point.turn = unit(mixBits(~hash));
     point.here = scene.texture.sample(point.position);
     if (!point.here.inside) return std::nullopt;
-    if (!scene.field.fieldDomain().velocity->contains(point.position * scene.scale + scene.shift)) return std::nullopt;
+    if (!covers(*scene.field.fieldDomain().velocity, point.position * scene.scale + scene.shift)) return std::nullopt;
     point.velocity = scene.field.sample(point.position, 0, Float4{0, 0, 0, 0});
     if (!(pathline::length(point.velocity * scene.scale) >= scene.params.leastMotion)) return std::nullopt;
     return point;
@@ -159,10 +161,13 @@ VDBLIC_KERNEL void measureBlock(const Scene& scene, std::size_t block, BlockSums
     std::vector<Point> points;
     const std::size_t first = block * kBlockPoints;
     for (std::size_t i = first; i < std::min(first + kBlockPoints, std::size_t(scene.params.samples)); ++i) {
+        paging::breathe(paging::kPointBytes);
         if (const auto point = pointOf(scene, i)) points.push_back(*point);
     }
-    for (const Point& point : points)
+    for (const Point& point : points) {
+        paging::breathe(paging::kPointBytes);
         addSpatial(scene, point, sums);
+    }
     if (scene.next) addTemporal(scene, points, sums);
 }
 

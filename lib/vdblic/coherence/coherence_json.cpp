@@ -86,6 +86,22 @@ Json ofFrame(const FrameCoherence& frame)
     return result;
 }
 
+Json ofSparse(const SparseCoherence& frame)
+{
+    Json result = {{"frame", frame.frame}, {"points", frame.points}, {"heads", frame.heads}};
+    for (const NamedSparseFigure& figure : kSparseFigures)
+        result[figure.name] = finiteOrNull(frame.figures.*figure.value);
+    return result;
+}
+
+Json ofSparseMeans(const std::array<Estimate, kSparseFigures.size()>& means)
+{
+    Json result;
+    for (std::size_t i = 0; i < means.size(); ++i)
+        result[kSparseFigures[i].name] = ofEstimate(means[i]);
+    return result;
+}
+
 Json ofMeans(const MeanFigures& means)
 {
     Json result;
@@ -103,16 +119,24 @@ std::string toJson(const SequenceCoherence& coherence, const SequenceCoherencePa
     Json frames = Json::array();
     for (const FrameCoherence& frame : coherence.frames)
         frames.push_back(ofFrame(frame));
+    for (const SparseCoherence& frame : coherence.sparse)
+        frames.push_back(ofSparse(frame));
     Json report = {{"velocity", params.flow.input.pattern}, {"texture", params.texture}};
     if (coherence.refine != std::array{1, 1, 1}) report["refine"] = coherence.refine;
     report["parameters"] = {{"texture_name", params.textureName.empty() ? "by metadata" : params.textureName},
                             {"samples", params.coherence.samples},
                             {"least_motion", params.coherence.leastMotion}};
-    report["lags"] = coherence.lags;
-    report["frames"] = frames;
-    report["mean"] = {{"raw", ofMeans(coherence.raw)},
-                      {"smoothed", ofMeans(coherence.smoothed)},
-                      {"by_displacement", ofMeans(coherence.byDisplacement)}};
+    if (!coherence.sparse.empty()) {
+        report["parameters"].erase("least_motion");
+        report["frames"] = frames;
+        report["mean"] = ofSparseMeans(coherence.sparseMeans);
+    } else {
+        report["lags"] = coherence.lags;
+        report["frames"] = frames;
+        report["mean"] = {{"raw", ofMeans(coherence.raw)},
+                          {"smoothed", ofMeans(coherence.smoothed)},
+                          {"by_displacement", ofMeans(coherence.byDisplacement)}};
+    }
     // File names need not be valid UTF-8, JSON must be.
     return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

@@ -17,6 +17,11 @@ namespace vdblic {
 /// The means by class of displacement, line by line.
 [[nodiscard]] std::vector<std::string> displacementLines(const SequenceCoherence& coherence);
 
+/// The same of sparse textures.
+[[nodiscard]] std::string sparseHeading();
+[[nodiscard]] std::string sparseLine(const SparseCoherence& frame);
+[[nodiscard]] std::vector<std::string> sparseMeanLines(const SequenceCoherence& coherence);
+
 /// Everything that was measured, as JSON with two spaces of indentation (docs/quality.md); unknown figures are null.
 [[nodiscard]] std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params);
 

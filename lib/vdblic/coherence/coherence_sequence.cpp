@@ -3,16 +3,18 @@
 #include "vdblic/coherence/coherence.h"
 #include "vdblic/coherence/coherence_report.h"
 #include "vdblic/coherence/smoothed_texture.h"
+#include "vdblic/coherence/sparse_coherence.h"
+#include "vdblic/coherence/texture_files.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/io/vdb_header.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -20,13 +22,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
-#include <system_error>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -105,7 +105,8 @@ SmoothedTexture smoothedTexture(const openvdb::FloatGrid& grid, const std::strin
     constexpr double kBytes = 40; // a voxel: values, smoothed values, bricks of both
     const double voxels =
         std::max(double(grid.activeVoxelCount()), double(grid.tree().leafCount()) * Domain::kLeafVoxels);
-    checkMemory(kBytes * voxels, fmt::format("{}: {} voxels", where, voxels), "take a smaller texture");
+    if (!paging::makeRoom(kBytes * voxels))
+        checkMemory(kBytes * voxels, fmt::format("{}: {} voxels", where, voxels), "take a smaller texture");
     try {
         return SmoothedTexture(grid.tree());
     } catch (const InputError& error) {
@@ -130,88 +131,32 @@ MeasuredTexture readTexture(const std::filesystem::path& path, const std::string
     return loaded;
 }
 
-/// Finds the texture file of a velocity's frame. Textures with substeps have numbers of their own, from the sequence's
-/// first frame on.
-class TextureFiles {
-  public:
-    explicit TextureFiles(const SequenceCoherenceParams& params) : mPattern(params.texture)
-    {
-        const FramePattern velocity(params.flow.input.pattern);
-        if (velocity.hasField() != mPattern.hasField()) {
-            const auto& [file, pattern] = velocity.hasField() ? std::tie(mPattern.text(), velocity.text())
-                                                              : std::tie(velocity.text(), mPattern.text());
-            throw ParameterError(fmt::format("'{}' is one file and '{}' is a pattern; give a file with a file and a "
-                                             "sequence with a sequence",
-                                             file, pattern));
-        }
-        readFirst();
-        const std::vector<FrameFile> velocities = selectFrames(params.flow.input);
-        for (const FrameFile& file : velocities) {
-            std::error_code ignored;
-            if (std::filesystem::exists(path(file.frame), ignored)) continue;
-            throw InputError(
-                fmt::format("{}: the texture of frame {} is missing, its velocity is {}; choose frames that "
-                            "both have with `frames`",
-                            path(file.frame).string(), file.frame, file.path.string()));
-        }
-        if (!mPattern.hasField() || !params.flow.input.frames.empty()) return;
-        for (const std::int64_t number : mPattern.framesOnDisk()) {
-            if ((number - mFirst) % mSubsteps != 0) continue; // between two frames
-            const std::int64_t frame = mFirst + (number - mFirst) / mSubsteps;
-            std::error_code ignored;
-            if (std::filesystem::exists(velocity.path(frame), ignored)) continue;
-            throw InputError(
-                fmt::format("{}: the velocity of frame {} is missing, its texture is {}; choose frames that "
-                            "both have with `frames`",
-                            velocity.path(frame).string(), frame, path(frame).string()));
-        }
-    }
+/// The refinement of a texture. @throws InputError if its transform is not that of the velocity or a refined one
+Refinement refinementOf(const VelocityFrame& velocity, const openvdb::math::Transform& texture,
+                        const std::filesystem::path& path, const std::string& gridName)
+{
+    if (const auto refinement = Refinement::between(velocity.values->transform(), texture)) return *refinement;
+    throw InputError(fmt::format("{}: grid {}: its transform is neither that of grid {} of {} nor a refinement of it; "
+                                 "give the velocity that the texture was made from",
+                                 path.string(), gridName, velocity.gridName, velocity.file.path.string()));
+}
 
-    [[nodiscard]] std::filesystem::path path(std::int64_t frame) const
-    {
-        return mPattern.hasField() ? mPattern.path(mFirst + (frame - mFirst) * mSubsteps)
-                                   : std::filesystem::path(mPattern.text());
-    }
-
-    /// VelocityParams::motion that the textures were made with.
-    [[nodiscard]] double motion() const { return mMotion; }
-
-  private:
-    /// Read from some texture how the textures are numbered, and how far their flow moves.
-    void readFirst()
-    {
-        const std::vector<std::int64_t> numbers =
-            mPattern.hasField() ? mPattern.framesOnDisk() : std::vector<std::int64_t>{1};
-        std::error_code ignored;
-        if (numbers.empty() || !std::filesystem::exists(mPattern.path(numbers.front()), ignored)) return;
-        const openvdb::MetaMap metadata = readVdbHeader(mPattern.path(numbers.front())).metadata;
-        mMotion = numericMetadata(metadata, "motion").value_or(1);
-        const double substeps = numericMetadata(metadata, "substeps").value_or(1);
-        const auto source = numericMetadata(metadata, "source_frame"), number = numericMetadata(metadata, "frame");
-        constexpr double kMost = 64;
-        if (!(substeps > 1 && substeps <= kMost) || !source || !number) return;
-        mSubsteps = std::int64_t(substeps);
-        mFirst = std::llround((double(mSubsteps) * *source - *number) / double(mSubsteps - 1));
-    }
-
-    FramePattern mPattern;
-    std::int64_t mSubsteps = 1, mFirst = 0; // textures to a frame; the frame whose texture has the same number
-    double mMotion = 1;
-};
+[[noreturn]] void refuseRefinement(const std::filesystem::path& path, const std::string& gridName,
+                                   const Refinement& refinement, const std::filesystem::path& before,
+                                   const Refinement& beforeRefinement)
+{
+    throw InputError(fmt::format("{}: grid {}: {} texture voxels fill a voxel of the velocity, in {} {}; make all "
+                                 "textures with one refinement",
+                                 path.string(), gridName, toString(refinement), before.string(),
+                                 toString(beforeRefinement)));
+}
 
 /// Read the texture of a velocity's frame, which must have the velocity's transform or a refined one.
 MeasuredTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
 {
     const VelocityFrame& velocity = frame.velocity;
     MeasuredTexture loaded = readTexture(files.path(velocity.file.frame), name);
-    const auto refinement = Refinement::between(velocity.values->transform(), *loaded.transform);
-    if (!refinement) {
-        throw InputError(
-            fmt::format("{}: grid {}: its transform is neither that of grid {} of {} nor a refinement of it; "
-                        "give the velocity that the texture was made from",
-                        loaded.path.string(), loaded.gridName, velocity.gridName, velocity.file.path.string()));
-    }
-    loaded.refinement = *refinement;
+    loaded.refinement = refinementOf(velocity, *loaded.transform, loaded.path, loaded.gridName);
     return loaded;
 }
 
@@ -221,10 +166,40 @@ MeasuredTexture successorOf(const MeasuredTexture& before, const LoadedFrame& fr
 {
     MeasuredTexture loaded = textureOf(frame, files, name);
     if (loaded.refinement == before.refinement) return loaded;
-    throw InputError(fmt::format("{}: grid {}: {} texture voxels fill a voxel of the velocity, in {} {}; make all "
-                                 "textures with one refinement",
-                                 loaded.path.string(), loaded.gridName, toString(loaded.refinement),
-                                 before.path.string(), toString(before.refinement)));
+    refuseRefinement(loaded.path, loaded.gridName, loaded.refinement, before.path, before.refinement);
+}
+
+/// A sparse texture read from a file.
+struct ReadSparse {
+    std::filesystem::path path;
+    SparseTexture texture;
+};
+
+/// Read the sparse texture of a velocity's frame. @param before the one before it, or null
+ReadSparse sparseTextureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& given,
+                           const ReadSparse* before)
+{
+    const std::filesystem::path path = files.path(frame.velocity.file.frame);
+    const VdbFile file = readVdb(path);
+    if (!isSparse(file.metadata)) {
+        throw InputError(fmt::format("{}: its texture is dense and that of the first file sparse; measure each kind "
+                                     "by itself",
+                                     path.string()));
+    }
+    const std::string name = textureName(file.metadata, given);
+    const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
+    auto active = std::make_shared<openvdb::MaskTree>(grid->tree(), false, true, openvdb::TopologyCopy());
+    active->voxelizeActiveTiles();
+    ReadSparse read{path,
+                    {grid->treePtr(), std::make_shared<const Domain>(active),
+                     refinementOf(frame.velocity, grid->transform(), path, name)}};
+    if (const auto spacing = file.metadata.getMetadata<openvdb::Vec3SMetadata>("spacing")) {
+        const openvdb::Vec3s& given3 = spacing->value();
+        if (given3[0] > 0 && given3[1] > 0 && given3[2] > 0) read.texture.spacing = {given3[0], given3[1], given3[2]};
+    }
+    if (before && read.texture.refinement != before->texture.refinement)
+        refuseRefinement(path, name, read.texture.refinement, before->path, before->texture.refinement);
+    return read;
 }
 
 void checkFurtherOutput(const std::string& output, const SequenceCoherenceParams& params, const TextureFiles& textures)
@@ -237,6 +212,51 @@ void checkFurtherOutput(const std::string& output, const SequenceCoherenceParams
     }
 }
 
+void measureSparseSequence(const SequenceCoherenceParams& params, const TextureFiles& files, FlowSequence& flow,
+                           std::size_t total, Reporter& reporter, SequenceCoherence& result)
+{
+    reporter.say(sparseHeading());
+    std::optional<LoadedFrame> current = flow.next(), next;
+    std::optional<ReadSparse> texture, nextTexture;
+    if (current) {
+        texture = sparseTextureOf(*current, files, params.textureName, nullptr);
+        result.refine = texture->texture.refinement.factors;
+    }
+    for (; current; current = std::move(next), texture = std::move(nextTexture)) {
+        reporter.checkStop();
+        next = flow.next();
+        nextTexture = std::nullopt;
+        if (next) nextTexture = sparseTextureOf(*next, files, params.textureName, &*texture);
+        const VelocityFrame &start = current->velocity, &end = next ? next->velocity : start;
+        const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
+        if (result.sparse.empty()) flow.describe(*current, interval, start.largestDisplacement(interval.seconds));
+        const openvdb::Mat3d ofStart = start.toVoxelsPerStep(interval.seconds);
+        const openvdb::Mat3d ofEnd = end.toVoxelsPerStep(interval.seconds);
+        VelocityField forward, backward;
+        forward.build(current->domain.velocity, {start.values->tree(), ofStart}, {end.values->tree(), ofEnd});
+        if (next) backward.build(next->domain.velocity, {end.values->tree(), -ofEnd}, {start.values->tree(), -ofStart});
+        const SparseCoherence frame =
+            measureSparse(texture->texture, nextTexture ? &nextTexture->texture : nullptr, forward,
+                          next ? &backward : nullptr, params.coherence, start.file.frame);
+        reporter.say(sparseLine(frame));
+        if (frame.points == 0) {
+            reporter.warn(fmt::format("frame {}: no streak that can be seen moves by a voxel of the texture a step; "
+                                      "check unit and frame spacing",
+                                      frame.frame));
+        }
+        result.sparse.push_back(frame);
+        reporter.progress(result.sparse.size(), total);
+    }
+    for (std::size_t i = 0; i < kSparseFigures.size(); ++i) {
+        std::vector<double> values;
+        for (const SparseCoherence& frame : result.sparse)
+            values.push_back(frame.figures.*kSparseFigures[i].value);
+        result.sparseMeans[i] = estimateMean(values);
+    }
+    for (const std::string& line : sparseMeanLines(result))
+        reporter.say(line);
+}
+
 } // namespace
 
 SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter)
@@ -246,6 +266,11 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     checkFurtherOutput(params.json, params, files);
     checkFurtherOutput(params.plot, params, files);
     if (!params.json.empty() && !params.plot.empty()) checkDistinct(params.json, params.plot);
+    if (files.areSparse() && !params.plot.empty()) {
+        throw ParameterError(fmt::format("'{}' cannot be made: sparse textures have no autocorrelations; leave out "
+                                         "`plot`",
+                                         params.plot));
+    }
     std::istringstream noLines;
     const OneProcess alone;
     std::size_t total = 0;
@@ -253,6 +278,11 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     flow.setMotion(files.motion());
 
     SequenceCoherence result;
+    if (files.areSparse()) {
+        measureSparseSequence(params, files, flow, total, reporter, result);
+        if (!params.json.empty() && writeReport(params.json, toJson(result, params))) reporter.finished(params.json);
+        return result;
+    }
     std::optional<LoadedFrame> current = flow.next(), next;
     std::optional<MeasuredTexture> texture, nextTexture;
     if (current) {

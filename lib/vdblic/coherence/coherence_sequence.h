@@ -3,6 +3,7 @@
 #include "vdblic/coherence/coherence_figures.h"
 #include "vdblic/coherence/coherence_params.h"
 #include "vdblic/coherence/estimate.h"
+#include "vdblic/coherence/sparse_figures.h"
 #include "vdblic/core/reporter.h"
 
 #include <array>
@@ -23,21 +24,25 @@ struct MeanCleanness {
     std::array<Estimate, kCleannessFigures.size()> figures; ///< in the order of kCleannessFigures
 };
 
+/// Of sparse textures only `refine` and `sparse` are measured, of others all but `sparse`.
 struct SequenceCoherence {
     std::array<int, 3> refine{1, 1, 1}; ///< texture voxels in a voxel of the velocity, along each axis
     std::vector<double> lags;           ///< of every autocorrelation: coherenceLags()
     std::vector<FrameCoherence> frames;
     MeanFigures raw, smoothed;
     std::array<MeanCleanness, kDisplacementClasses.size()> byDisplacement;
+    std::vector<SparseCoherence> sparse;
+    std::array<Estimate, kSparseFigures.size()> sparseMeans{}; ///< in the order of kSparseFigures
 };
 
 /// Measure every frame of a texture sequence, and report each one as soon as its figures are known.
 ///
 /// The successor of a frame is the next one selected; the last frame has no successor and no temporal figures. The
 /// texture may be finer than the velocity; their transforms show the refinement. Of textures with substeps, those at
-/// the velocity's frames are measured.
+/// the velocity's frames are measured. Textures whose inactive voxels are empty have figures of their own.
 /// @throws ParameterError; InputError if the velocity or the texture of a frame is missing, if the texture's transform
-///         is not a refinement of the velocity's, the same in every frame;
+///         is not a refinement of the velocity's, the same in every frame; if
+///         some textures are sparse and others not;
 ///         OutputError
 SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Reporter& reporter);
 

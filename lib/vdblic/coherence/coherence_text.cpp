@@ -52,6 +52,30 @@ std::vector<std::string> meanLines(const SequenceCoherence& coherence)
     return lines;
 }
 
+std::string sparseHeading()
+{
+    std::string heading = fmt::format("{:>7} {:>7} {:>7}", "frame", "points", "heads");
+    for (const NamedSparseFigure& figure : kSparseFigures)
+        heading += fmt::format(" {:>11}", figure.name);
+    return heading;
+}
+
+std::string sparseLine(const SparseCoherence& frame)
+{
+    std::string line = fmt::format("{:7} {:7} {:7}", frame.frame, frame.points, frame.heads);
+    for (const NamedSparseFigure& figure : kSparseFigures)
+        line += " " + number(frame.figures.*figure.value, 11, 3);
+    return line;
+}
+
+std::vector<std::string> sparseMeanLines(const SequenceCoherence& coherence)
+{
+    std::vector<std::string> lines = {"mean, 95 %"};
+    for (std::size_t i = 0; i < kSparseFigures.size(); ++i)
+        lines.push_back(fmt::format("{:<14} {}", kSparseFigures[i].name, estimateText(coherence.sparseMeans[i])));
+    return lines;
+}
+
 std::vector<std::string> displacementLines(const SequenceCoherence& coherence)
 {
     std::vector<std::string> lines = {"by displacement a step [texture voxels], means of raw textures:",

@@ -1,5 +1,6 @@
 #include "vdblic/coherence/smoothed_texture.h"
 
+#include "vdblic/core/paging.h"
 #include "vdblic/lic/neighbourhood.h"
 
 #include <tbb/parallel_for.h>
@@ -18,6 +19,7 @@ LeafValues<float> valuesOf(const openvdb::FloatTree& texture, const Domain& doma
 {
     LeafValues<float> values(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        paging::breathe(paging::kLeafBytes);
         const auto* source = texture.probeConstLeaf(domain.origin(leaf));
         const float tile = source ? 0 : texture.getValue(domain.origin(leaf));
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
@@ -30,6 +32,7 @@ LeafValues<float> smoothed(const Domain& domain, const LeafValues<float>& values
 {
     LeafValues<float> result(domain, 0.0f);
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        paging::breathe(paging::kLeafBytes);
         const NeighbourSums sums = sumNeighbours(domain, values, leaf, 2);
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
             result[leaf][voxel.pos()] = sums.value[voxel.pos()] / sums.weight[voxel.pos()];
@@ -45,6 +48,7 @@ Contrast contrastOf(const Domain& domain, const LeafValues<float>& values)
     };
     std::vector<Sums> sums(domain.leafCount());
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+        paging::breathe(paging::kLeafBytes);
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const double value = double(values[leaf][voxel.pos()]) - 0.5;
             sums[leaf].sum += value;

@@ -1,6 +1,7 @@
 #include "vdblic/core/memory.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/paging.h"
 
 #include <fmt/format.h>
 
@@ -93,9 +94,11 @@ void checkMemory(double needed, const std::string& what, const std::string& mend
                                  what, memoryText(needed), memoryText(limit), mend));
 }
 
-void checkVoxels(std::uint64_t count, const std::string& where, int ranks)
+void checkVoxels(std::uint64_t count, const std::string& where, int ranks, std::uint64_t stored)
 {
     constexpr double kLeast = 16; // bytes a voxel
+    if (kLeast * double(count - stored) / ranks <= double(memoryLimit()) && paging::mayHold(kLeast * double(count)))
+        return;
     checkMemory(double(count) / ranks * kLeast, fmt::format("{}{}{} voxels", where, where.empty() ? "" : ": ", count),
                 "cut the domain with `box` or `mask`");
 }

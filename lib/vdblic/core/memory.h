@@ -23,7 +23,9 @@ namespace vdblic {
 void checkMemory(double needed, const std::string& what, const std::string& mend);
 
 /// Check that tiles can be expanded to so many voxels, at the least memory that any work on voxels takes.
-/// @param where prefix of the message; may be empty  @param ranks that share the voxels. @throws InputError
-void checkVoxels(std::uint64_t count, const std::string& where = "", int ranks = 1);
+/// @param where  prefix of the message; may be empty  @param ranks that share the voxels
+/// @param stored those of them that files hold one by one: they may lie in a scratch file (paging.h). What tiles of a
+///               few bytes expand to must fit into the memory. @throws InputError
+void checkVoxels(std::uint64_t count, const std::string& where = "", int ranks = 1, std::uint64_t stored = 0);
 
 } // namespace vdblic

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/paging.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
@@ -72,6 +73,7 @@ class BricksOf {
     void fill(const Leaves& leaves, const Fill& fill)
     {
         tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+            paging::breathe(paging::kLeafBytes);
             const std::size_t leaf = leaves[i];
             mBricks[leaf].reset(new Record[kSize]);
             fill(leaf, mBricks[leaf].get());

@@ -171,7 +171,7 @@ CentredVelocity joined(const Components& components, const std::string& where,
 {
     const Sampling sampling = samplingOf(components, where);
     openvdb::MaskTree topology = topologyOf(components, sampling.staggered);
-    if (!box) checkVoxels(topology.activeVoxelCount(), where);
+    if (!box) checkVoxels(topology.activeVoxelCount(), where, 1, topology.activeLeafVoxelCount());
     topology.voxelizeActiveTiles();
     const auto vectors = zeros(topology, box);
     vectors->setTransform(sampling.centres);
@@ -191,7 +191,7 @@ CentredVelocity joined(const Components& components, const std::string& where,
 Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where,
                           const std::optional<openvdb::CoordBBox>& box)
 {
-    if (!box) checkVoxels(faces.tree().activeVoxelCount(), where);
+    if (!box) checkVoxels(faces.tree().activeVoxelCount(), where, 1, faces.tree().activeLeafVoxelCount());
     auto centres = faces.deepCopy();
     centres->setGridClass(openvdb::GRID_UNKNOWN);
     centres->tree().voxelizeActiveTiles();

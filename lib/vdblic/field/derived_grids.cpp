@@ -55,8 +55,9 @@ void checkDerivedNames(const std::vector<std::string>& names)
 {
     for (auto name = names.begin(); name != names.end(); ++name) {
         if (std::find(std::begin(kDerivedNames), std::end(kDerivedNames), *name) == std::end(kDerivedNames)) {
-            throw ParameterError(fmt::format("'{}' cannot be computed from a velocity; known are {}", *name,
-                                             fmt::join(kDerivedNames, ", ")));
+            throw ParameterError(
+                fmt::format("'{}' cannot be computed from a velocity; known are {}, and velocity itself", *name,
+                            fmt::join(kDerivedNames, ", ")));
         }
         if (std::find(names.begin(), name, *name) != name) {
             throw ParameterError(fmt::format("'{}' is asked for twice", *name));

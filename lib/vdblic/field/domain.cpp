@@ -23,7 +23,7 @@ constexpr int kMaxCoordinate = 1 << 17;
 
 Domain::Domain(openvdb::MaskTree::Ptr topology, int ranks) : mTopology(std::move(topology))
 {
-    checkVoxels(mTopology->activeVoxelCount(), "", ranks);
+    checkVoxels(mTopology->activeVoxelCount(), "", ranks, mTopology->activeLeafVoxelCount());
     mTopology->voxelizeActiveTiles();
     // Leaves without an active voxel need no computation, and nodes without a leaf would be in every output.
     openvdb::tools::pruneInactive(*mTopology);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "vdblic/field/inlined.h"
 #include "vdblic/field/leaf_box.h"
 #include "vdblic/field/leaf_voxel.h"
-#include "vdblic/field/vector.h"
 
 #include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
@@ -56,7 +56,9 @@ class Domain {
     [[nodiscard]] std::uint64_t firstVoxelNumber(std::size_t leaf) const;
 
     /// The number of the local leaf that covers a voxel, active or not; −1 if there is none.
-    [[nodiscard]] VDBLIC_INLINE int findLeaf(Int4 voxel) const
+    /// @param voxel an openvdb::Coord, or what else has three coordinates
+    template<typename Voxel>
+    [[nodiscard]] VDBLIC_INLINE int findLeaf(const Voxel& voxel) const
     {
         const auto x = unsigned((voxel[0] >> LeafBlock::kLog2Voxels) - mFirstBlock[0]);
         const auto y = unsigned((voxel[1] >> LeafBlock::kLog2Voxels) - mFirstBlock[1]);
@@ -69,7 +71,8 @@ class Domain {
     }
 
     /// Index of a voxel among its leaf's values.
-    [[nodiscard]] VDBLIC_INLINE static unsigned offset(Int4 voxel)
+    template<typename Voxel>
+    [[nodiscard]] VDBLIC_INLINE static unsigned offset(const Voxel& voxel)
     {
         return unsigned(LeafVoxel::offset(voxel[0], voxel[1], voxel[2]));
     }
@@ -77,20 +80,6 @@ class Domain {
     [[nodiscard]] VDBLIC_INLINE bool isActive(int leaf, unsigned offset) const
     {
         return mask(std::size_t(leaf)).isOn(offset);
-    }
-
-    /// A comparison's result that is true in a row's active voxels. @param mask of the leaf
-    [[nodiscard]] VDBLIC_INLINE static Int8 activeRow(const Mask& mask, int row)
-    {
-        return maskOf(mask.getWord<std::uint8_t>(openvdb::Index(row)));
-    }
-
-    /// Whether a position, in index space, lies in an active voxel.
-    [[nodiscard]] VDBLIC_INLINE bool contains(Float4 position) const
-    {
-        const Int4 voxel = voxelOf(position);
-        const int leaf = findLeaf(voxel);
-        return leaf >= 0 && isActive(leaf, offset(voxel));
     }
 
   private:

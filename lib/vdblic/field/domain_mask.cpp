@@ -51,7 +51,7 @@ openvdb::CoordBBox indexBox(const std::array<double, 6>& world, const openvdb::m
 void cutByWorldBox(openvdb::MaskTree& topology, const std::array<double, 6>& world,
                    const openvdb::math::Transform& transform, int ranks)
 {
-    checkVoxels(topology.activeVoxelCount(), "", ranks);
+    checkVoxels(topology.activeVoxelCount(), "", ranks, topology.activeLeafVoxelCount());
     topology.voxelizeActiveTiles();
     filterVoxels(topology, [&] {
         return [&](const Coord& voxel) {
@@ -83,7 +83,7 @@ using MaskTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, ope
 void cutByMask(openvdb::MaskTree& topology, const openvdb::math::Transform& transform, const openvdb::GridBase& mask,
                const std::string& where, int ranks)
 {
-    checkVoxels(topology.activeVoxelCount(), "", ranks);
+    checkVoxels(topology.activeVoxelCount(), "", ranks, topology.activeLeafVoxelCount());
     topology.voxelizeActiveTiles();
     const bool levelSet = mask.getGridClass() == openvdb::GRID_LEVEL_SET;
     const bool known = mask.apply<MaskTypes>([&](const auto& typed) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/paging.h"
 #include "vdblic/field/domain.h"
 
 #include <tbb/parallel_for.h>
@@ -8,11 +9,14 @@
 
 namespace vdblic {
 
-/// Call work(leaf) for each of some leaves, in parallel.
+/// Call work(leaf) for each of some leaves, in parallel. Keeps to the memory (core/paging.h).
 template<typename Work>
 void forLeaves(Domain::Leaves leaves, const Work& work)
 {
-    tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) { work(std::size_t(leaves[i])); });
+    tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+        paging::breathe(paging::kLeafBytes);
+        work(std::size_t(leaves[i]));
+    });
 }
 
 } // namespace vdblic

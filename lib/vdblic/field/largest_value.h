@@ -1,6 +1,8 @@
 #pragma once
 
+#include "vdblic/core/paging.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 
@@ -35,11 +37,11 @@ VDBLIC_INLINE Vector8 larger(const Vector8& a, const Vector8& b)
 /// The values of a row, 0 where they are not active. @param mask of the leaf
 VDBLIC_INLINE NumberRow activeValues(const Domain::Mask& mask, const float* values, int row)
 {
-    return {Domain::activeRow(mask, row) ? loadRow(values, row) : Float8{}};
+    return {activeRow(mask, row) ? loadRow(values, row) : Float8{}};
 }
 VDBLIC_INLINE Vector8 activeValues(const Domain::Mask& mask, const openvdb::Vec3f* values, int row)
 {
-    return select(Domain::activeRow(mask, row), loadVectors(values[row * LeafVoxel::kDim].asPointer()), Vector8{});
+    return select(activeRow(mask, row), loadVectors(values[row * LeafVoxel::kDim].asPointer()), Vector8{});
 }
 /// A row of one value.
 VDBLIC_INLINE NumberRow rowOf(float value)
@@ -73,8 +75,10 @@ template<typename TreeT, typename Measure>
     Row largest = tbb::parallel_reduce(
         leaves.leafRange(), Row{},
         [&](const auto& range, Row most) {
-            for (auto leaf = range.begin(); leaf; ++leaf)
+            for (auto leaf = range.begin(); leaf; ++leaf) {
+                paging::breathe(paging::kLeafBytes);
                 addRows(leaf->valueMask(), leaf->buffer().data(), measure, most);
+            }
             return most;
         },
         [](const Row& a, const Row& b) { return larger(a, b); });

@@ -1,9 +1,6 @@
 #pragma once
 
-#include "vdblic/field/vector.h"
-
-#include <cstddef>
-#include <cstdint>
+#include "vdblic/field/inlined.h"
 
 namespace vdblic {
 
@@ -53,34 +50,6 @@ struct LeafVoxel {
         return local(x) << 2 * kLog2Dim | local(y) << kLog2Dim | local(z);
     }
 };
-
-/// The centres of a row's eight voxels. @param x, y, z of the first
-[[nodiscard]] VDBLIC_INLINE Vector8 rowCentres(int x, int y, int z)
-{
-    return {broadcast8(float(x)), broadcast8(float(y)), Float8{0, 1, 2, 3, 4, 5, 6, 7} + float(z)};
-}
-
-/// The numbers of a leaf's voxels in one row. @param values of the leaf, x slowest
-[[nodiscard]] VDBLIC_INLINE Float8 loadRow(const float* values, int row)
-{
-    Float8 numbers;
-    __builtin_memcpy(&numbers, values + row * std::ptrdiff_t(LeafVoxel::kDim), sizeof numbers);
-    return numbers;
-}
-[[nodiscard]] VDBLIC_INLINE Int8 loadRow(const std::int32_t* values, int row)
-{
-    Int8 numbers;
-    __builtin_memcpy(&numbers, values + row * std::ptrdiff_t(LeafVoxel::kDim), sizeof numbers);
-    return numbers;
-}
-VDBLIC_INLINE void storeRow(Float8 numbers, float* values, int row)
-{
-    __builtin_memcpy(values + row * std::ptrdiff_t(LeafVoxel::kDim), &numbers, sizeof numbers);
-}
-VDBLIC_INLINE void storeRow(Int8 numbers, std::int32_t* values, int row)
-{
-    __builtin_memcpy(values + row * std::ptrdiff_t(LeafVoxel::kDim), &numbers, sizeof numbers);
-}
 
 /// A cube of 16³ leaves, as OpenVDB's lower internal nodes.
 struct LeafBlock {

@@ -132,7 +132,8 @@ std::optional<Refinement> Refinement::between(const openvdb::math::Transform& ve
 
 MaskTree::Ptr Refinement::refined(const MaskTree& velocity, int ranks) const
 {
-    checkVoxels(velocity.activeVoxelCount() * std::uint64_t(voxels()), "", ranks);
+    const auto each = std::uint64_t(voxels());
+    checkVoxels(velocity.activeVoxelCount() * each, "", ranks, velocity.activeLeafVoxelCount() * each);
     MaskTree expanded(velocity);
     expanded.voxelizeActiveTiles();
     const openvdb::tree::LeafManager<const MaskTree> leaves(expanded);

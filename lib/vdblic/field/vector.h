@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/field/inlined.h"
+
 #include <cstdint>
 
 namespace vdblic {
@@ -22,9 +24,6 @@ using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
 
 /// Particles or rays processed side by side: enough loads in flight to hide the memory's latency.
 inline constexpr int kLanes = 8;
-
-/// For functions called in hot loops: always inlined, so that they are compiled for their caller's instruction set.
-#define VDBLIC_INLINE [[gnu::always_inline]] inline
 
 /// For functions that hold a hot loop: compiled for AVX2 and AVX-512 besides the baseline; the version is chosen when
 /// the program is loaded. All versions give equal bits, because nothing in this project is contracted or reassociated.

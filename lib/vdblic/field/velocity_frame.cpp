@@ -1,6 +1,7 @@
 #include "vdblic/field/velocity_frame.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/field/centred_velocity.h"
 #include "vdblic/field/index_axes.h"
 #include "vdblic/field/largest_value.h"
@@ -63,6 +64,7 @@ std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
         [&](const tbb::blocked_range<std::size_t>& range, bool finite) {
             for (std::size_t i = range.begin(); finite && i < range.end(); ++i) {
                 const auto& leaf = *leaves[i];
+                paging::breathe(paging::kLeafBytes);
                 finite = leaf.buffer().empty() || isFinite(leaf.valueMask(), leaf.buffer().data());
             }
             return finite;

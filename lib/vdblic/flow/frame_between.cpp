@@ -1,5 +1,7 @@
 #include "vdblic/flow/frame_between.h"
 
+#include "vdblic/core/paging.h"
+
 #include <openvdb/tree/LeafManager.h>
 
 #include <cstddef>
@@ -54,6 +56,7 @@ LoadedFrame frameBetween(const LoadedFrame& before, const LoadedFrame& after, do
     tree->topologyUnion(second);
     openvdb::tree::LeafManager<Vec3STree> leaves(*tree);
     leaves.foreach ([&](Vec3STree::LeafNodeType& leaf, std::size_t) {
+        paging::breathe(paging::kLeafBytes);
         ValuesBetween values = between;
         for (auto voxel = leaf.beginValueOn(); voxel; ++voxel)
             voxel.setValue(values.at(voxel.getCoord()));

@@ -26,6 +26,7 @@
 #include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -127,11 +128,9 @@ std::string encode(const Image& image, Imf::Header& exr, const Background& backg
 {
     using Pixel = std::array<Value, 4>;
     std::vector<Pixel> pixels(image.pixels.size());
-    const glm::vec4 back = background.light();
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        const glm::vec4 pixel = image.pixels[i] + back * (1 - image.pixels[i].a);
-        pixels[i] = {pixel.r, pixel.g, pixel.b, pixel.a};
-    }
+    const std::vector<glm::vec4> over = pixelsOver(image, background);
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+        pixels[i] = {over[i].r, over[i].g, over[i].b, over[i].a};
     Channels channels{exr};
     constexpr const char* kColors[] = {"R", "G", "B", "A"};
     for (std::size_t i = 0; i < 4; ++i) {

@@ -9,6 +9,7 @@
 #include <glm/vec4.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,11 +33,14 @@ struct ImageHeader {
 
 /// A background as displayed (sRGB) with its own alpha, each 0 to 1.
 struct Background {
-    glm::dvec3 color{0.04, 0.05, 0.07};
+    glm::dvec3 color{0.04, 0.05, 0.07}; ///< at the bottom, from where it changes evenly to `top`
     double alpha = 0;
+    std::optional<glm::dvec3> top{}; ///< nothing: one colour all over
 
-    /// In linear light, premultiplied.
-    [[nodiscard]] glm::vec4 light() const;
+    /// As displayed. @param down share of the picture's height, 0 at its top to 1
+    [[nodiscard]] glm::dvec3 at(double down) const;
+    /// The same for the middle of each of a picture's rows, from the top, in linear light.
+    [[nodiscard]] std::vector<glm::vec3> rows(int count) const;
     /// @throws ParameterError
     void validate() const;
 };
@@ -63,12 +67,16 @@ struct ExrParams {
 /// OpenEXR's compressions, in its own spelling: none, rle, zips, zip, piz ...
 [[nodiscard]] std::vector<std::string> exrCompressions();
 
+/// The picture over the background with its alpha, without annotations: a copy of the pixels.
+[[nodiscard]] std::vector<glm::vec4> pixelsOver(const Image& image, const Background& background);
+
 /// The bytes of an .exr file: RGBA premultiplied, linear Rec. 709, over the background with its alpha, then layers and
 /// the annotations' channels annotation.R, .G, .B and .A.
 [[nodiscard]] std::string encodeExr(const Image& image, const ImageHeader& header, const Background& background,
                                     const ExrParams& params = {});
-/// The picture as displayed: 8-bit sRGB, annotations over it and the background's colour behind it; red, green and blue
-/// of each pixel, rows from the top.
+/// The picture as displayed: 8-bit sRGB, toneMapped(), annotations over it and the background's colour behind it; red,
+/// green and blue of each pixel, rows from the top. Background and annotations have their colours: the curve leaves
+/// what is no brighter than the background as it is.
 [[nodiscard]] std::string displayBytes(const Image& image, const Background& background);
 /// The bytes of a .png file that shows displayBytes().
 [[nodiscard]] std::string encodePng(const Image& image, const Background& background);

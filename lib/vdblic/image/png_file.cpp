@@ -1,9 +1,11 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/image/image_file.h"
+#include "vdblic/image/tone.h"
 
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <png.h>
 #include <tbb/parallel_for.h>
@@ -12,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -38,10 +41,14 @@ std::string encodeRgb(const glm::ivec2& imageSize, const std::string& bytes)
 
 std::string displayBytes(const Image& image, const Background& background)
 {
-    const glm::vec4 back(linearFromDisplay(background.color), 1);
+    const std::vector<glm::vec3> rows = background.rows(image.size.y);
+    float knee = kToneKnee;
+    for (const glm::vec3& row : rows)
+        knee = std::max({knee, row.r, row.g, row.b});
     std::string bytes(image.pixels.size() * 3, '\0');
     tbb::parallel_for(std::size_t(0), image.pixels.size(), [&](std::size_t i) {
-        glm::vec4 pixel = image.pixels[i] + back * (1 - image.pixels[i].a);
+        const glm::vec3 behind = rows[i / std::size_t(image.size.x)] * (1 - image.pixels[i].a);
+        glm::vec4 pixel(toneMapped(glm::vec3(image.pixels[i]) + behind, knee), 1);
         if (!image.annotations.empty()) pixel = image.annotations[i] + pixel * (1 - image.annotations[i].a);
         for (int channel = 0; channel < 3; ++channel) {
             const double value = displayFromLinear(std::clamp(double(pixel[channel]), 0.0, 1.0));

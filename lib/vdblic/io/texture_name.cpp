@@ -22,6 +22,17 @@ bool isSparse(const SequenceParams& sequence)
     }
 }
 
+std::vector<std::string> sourceNames(const openvdb::MetaMap& fileMetadata)
+{
+    std::vector<std::string> names;
+    const auto next = [&] {
+        return fileMetadata.getMetadata<openvdb::StringMetadata>(kSourceKey + std::to_string(names.size() + 1));
+    };
+    for (auto name = next(); name; name = next())
+        names.push_back(name->value());
+    return names;
+}
+
 std::string textureName(const openvdb::MetaMap& fileMetadata, const std::string& given)
 {
     if (!given.empty()) return given;

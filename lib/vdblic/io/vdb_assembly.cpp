@@ -1,5 +1,6 @@
 #include "vdblic/io/vdb_assembly.h"
 
+#include "vdblic/core/paging.h"
 #include "vdblic/io/leaf_record.h"
 
 #include <openvdb/io/DelayedLoadMetadata.h>
@@ -45,6 +46,7 @@ StoredLeaves storeLeaves(const GridT& grid, const std::vector<const Leaf*>& leav
         const std::size_t first = block * kLeavesPerBlock;
         const std::size_t last = std::min(first + kLeavesPerBlock, leaves.size());
         for (std::size_t i = first; i < last; ++i) {
+            paging::breathe(Leaf::SIZE * sizeof(typename Leaf::ValueType));
             const auto begin = std::size_t(stream.tellp());
             leaves[i]->writeBuffers(stream, half);
             const std::string_view record = stream.view().substr(begin);

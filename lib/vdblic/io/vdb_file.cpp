@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/hazard.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/core/version.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/checksum.h"
@@ -98,7 +99,10 @@ class GuardedFile {
             double memory = 0;
             for (const VdbLayout::Grid& grid : mLayout.grids)
                 memory += double(grid.memory);
-            checkMemory(memory, mPath.string(), "take a smaller file");
+            constexpr double kMostCompressed = 256; // a damaged file may announce anything
+            const bool canBeTrue = memory <= kMostCompressed * double(mSize);
+            if (!canBeTrue || !paging::mayHold(memory)) checkMemory(memory, mPath.string(), "take a smaller file");
+            if (canBeTrue) paging::expectFiles(memory);
         }
         initializeOnce();
         const Hazard parsing(mPath.string(), mSize);
@@ -113,6 +117,7 @@ class GuardedFile {
                  : failure.code() != std::io_errc::stream ? failure.code().message()
                                                           : "it is damaged");
         } catch (const std::bad_alloc&) {
+            paging::checkScratch();
             fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise `max_memory`",
                              memoryText(double(memoryLimit()))));
         } catch (const std::exception& e) {

@@ -1,5 +1,6 @@
 #include "vdblic/lic/along_flow.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/window_box.h"

@@ -1,5 +1,6 @@
 #include "vdblic/lic/convolve.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
@@ -22,7 +23,7 @@ VDBLIC_INLINE HitRow hitRow(const std::int64_t* hits, int row)
     Float4 count[2], mean[2];
     for (int half = 0; half < 2; ++half) {
         UnsignedLong4 words;
-        __builtin_memcpy(&words, hits + row * std::ptrdiff_t(LeafVoxel::kDim) + 4 * half, sizeof words);
+        __builtin_memcpy(&words, hits + row * std::ptrdiff_t(LeafVoxel::kDim) + std::ptrdiff_t(4) * half, sizeof words);
         const Double4 sums = toDoubles(words >> Hits::kCountBits), counts = toDoubles(words & Hits::kCountMask);
         count[half] = __builtin_convertvector(counts, Float4);
         mean[half] = __builtin_convertvector(sums / counts, Float4);
@@ -66,7 +67,7 @@ VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, 
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const HitRow of = hitRow(hits, row);
         const Float8 value = of.count > 0 ? of.mean : __builtin_convertvector(loadRow(input, row), Float8);
-        storeRow(Domain::activeRow(mask, row) ? value / float(kNoiseMax) : Float8{}, texture, row);
+        storeRow(activeRow(mask, row) ? value / float(kNoiseMax) : Float8{}, texture, row);
     }
 }
 
@@ -81,7 +82,7 @@ VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, 
         const Float8 mean = before.mean ? loadRow(before.mean, row)
                                         : __builtin_convertvector(loadRow(input, row), Float8) / float(kNoiseMax);
         const Float8 moved = mean + (of.mean / float(kNoiseMax) - mean) * (of.count / weight);
-        const Int8 on = Domain::activeRow(mask, row);
+        const Int8 on = activeRow(mask, row);
         storeRow(on ? of.count > 0 ? moved : mean : Float8{}, after.mean, row);
         storeRow(on ? weight : Float8{}, after.weight, row);
     }

@@ -1,5 +1,6 @@
 #include "vdblic/lic/feedback.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
@@ -11,8 +12,6 @@
 #include "vdblic/lic/release_turn.h"
 #include "vdblic/lic/sharp_texture.h"
 #include "vdblic/noise/noise.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,19 +43,8 @@ VDBLIC_INLINE Int8 toFixed(Float8 value)
 /// The domain's share of the trilinear weights at a position.
 float coverageAt(const Domain& domain, Float4 position)
 {
-    const Int4 base = floorToInt(position);
-    const Float4 fraction = position - __builtin_convertvector(base, Float4);
     float coverage = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
-        const auto voxel = Int4(Unsigned4(base) + Unsigned4(step)); // wraps around far outside
-        const int leaf = domain.findLeaf(voxel);
-        if (leaf < 0 || !domain.isActive(leaf, Domain::offset(voxel))) continue;
-        float weight = 1;
-        for (int axis = 0; axis < 3; ++axis)
-            weight *= step[axis] ? fraction[axis] : 1 - fraction[axis];
-        coverage += weight;
-    }
+    forCorners(domain, position, [&](std::size_t, unsigned, float weight) { coverage += weight; });
     return coverage;
 }
 
@@ -165,7 +153,7 @@ struct FeedForward {
                 const double time = double(step + 1) / double(substeps) - entry.age;
                 const float gain = kShareOfEntering * params.deviation / kUniformDeviation;
                 const float brought = 0.5f + gain * noise.entering(entry.voxel, time, kFramesOfEntering);
-                value[z] = int(std::clamp(brought, 0.0f, 1.0f) * kFullScale + 0.5f);
+                value[z] = int(std::lround(std::clamp(brought, 0.0f, 1.0f) * kFullScale));
             }
         }
     }
@@ -179,7 +167,7 @@ struct FeedForward {
     [[nodiscard]] Entry entryBetween(Float4 from, Float4 to) const
     {
         float inside = 0, outside = 1; // parts of a frame ago
-        if (domain.contains(from)) {
+        if (covers(domain, from)) {
             inside = 1;
         } else {
             const Float4 path = from - to;
@@ -187,7 +175,7 @@ struct FeedForward {
             constexpr float kResolution = 1.0f / 16; // voxels
             while ((outside - inside) * length > kResolution && outside - inside > 1e-6f) {
                 const float middle = 0.5f * (inside + outside);
-                (domain.contains(to + path * middle) ? inside : outside) = middle;
+                (covers(domain, to + path * middle) ? inside : outside) = middle;
             }
         }
         const Int4 voxel = voxelOf(to + (from - to) * inside);
@@ -229,12 +217,11 @@ LeafValues<std::int32_t> feedForward(VelocityField& field, const LeafValues<floa
             field.release(velocitySlabs[slab]);
         },
         [&](std::size_t slab) {
-            const Slabs::Leaves leaves = slabs[slab];
-            tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
-                const openvdb::Coord origin = domain.origin(leaves[i]);
-                if (!domain.isOwn(leaves[i]) || !isReleaseTurn(origin, step + 1, substeps)) return;
+            forLeaves(slabs[slab], [&](std::size_t leaf) {
+                const openvdb::Coord origin = domain.origin(leaf);
+                if (!domain.isOwn(leaf) || !isReleaseTurn(origin, step + 1, substeps)) return;
                 const int to = next.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-                if (to >= 0) filterLeaf(filter, leaves[i], input[std::size_t(to)]);
+                if (to >= 0) filterLeaf(filter, leaf, input[std::size_t(to)]);
             });
         });
     return input;

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointDataGrid.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -31,22 +30,6 @@ using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
 constexpr const char *kNoise = "noise", *kMean = "mean", *kWeight = "weight", *kParticles = "particles";
 constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kAlive = "alive", *kWords = "words";
 constexpr float kScale = 65536; // exact in a float, and leaves its low bytes empty for the compressor
-
-openvdb::FloatGrid::Ptr namedGrid(const LeafValues<float>& values, const char* name)
-{
-    auto grid = openvdb::FloatGrid::create(values.tree());
-    grid->setName(name);
-    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-    return grid;
-}
-
-/// A copy of the values on some leaves.
-LeafValues<float> valuesOn(const Domain& domain, Domain::Leaves leaves, const LeafValues<float>& values)
-{
-    const LeafValues<float> copy(domain, 0.0f, leaves);
-    forLeaves(leaves, [&](std::size_t leaf) { std::copy_n(values[leaf], LeafVoxel::kCount, copy[leaf]); });
-    return copy;
-}
 
 /// The voxel whose centre is nearest. Computed in double precision, so that the distance to it is always exact in a
 /// float: single precision rounds 0.49999997 to voxel 1, and that distance takes one bit too many. Both voxels lie in
@@ -203,37 +186,27 @@ void readParticles(const Domain& domain, const VdbFile& file, ParticleBins& bins
     }
 }
 
-InputError wrongVoxels(const std::string& grid)
+std::vector<std::string> namesOf(bool hasMean)
 {
-    return InputError(fmt::format("its grid '{}' does not have the voxels of the frame it is for", grid));
+    return hasMean ? std::vector<std::string>{kNoise, kMean, kWeight} : std::vector<std::string>{kNoise};
 }
 
 } // namespace
 
-/// An own leaf of the domain in a file.
-struct FlowStateReader::StoredLeaf {
-    std::size_t number;
-    const float* values;
-};
-
 FlowStateReader::FlowStateReader(const Domain& domain, std::size_t words, bool hasMean)
-    : mDomain(domain), mState{LeafValues<std::int32_t>(domain, 0, domain.own()), std::nullopt,
-                              ParticleBins(domain.leafCount(), words)}
+    : mDomain(domain), mGrids(domain, namesOf(hasMean)), mState{LeafValues<std::int32_t>(domain, 0, domain.own()),
+                                                                std::nullopt, ParticleBins(domain.leafCount(), words)}
 {
-    mFound[kNoise].resize(domain.leafCount());
-    if (hasMean) {
-        mFound[kMean] = mFound[kWeight] = mFound[kNoise];
+    if (hasMean)
         mState.mean = {LeafValues<float>(domain, 0.0f, domain.own()), LeafValues<float>(domain, 0.0f, domain.own())};
-    }
 }
 
 void FlowStateReader::add(const VdbFile& file)
 {
     const auto read = [&](const char* name, const auto& readVoxel) {
-        const std::vector<StoredLeaf> leaves = ownLeaves(file, name);
-        tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
-            for (auto voxel = mDomain.mask(leaves[i].number).beginOn(); voxel; ++voxel)
-                readVoxel(leaves[i].number, voxel.pos(), leaves[i].values[voxel.pos()]);
+        mGrids.read(file, name, [&](std::size_t leaf, const float* values) {
+            for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
+                readVoxel(leaf, voxel.pos(), values[voxel.pos()]);
         });
     };
     read(kNoise, [&](std::size_t leaf, openvdb::Index at, float noise) {
@@ -249,31 +222,8 @@ void FlowStateReader::add(const VdbFile& file)
 
 FlowState FlowStateReader::finish()
 {
-    for (const auto& [name, found] : mFound) {
-        const bool isWhole = std::all_of(mDomain.own().begin(), mDomain.own().end(),
-                                         [&](std::uint32_t leaf) { return found[leaf] != 0; });
-        if (!isWhole) throw wrongVoxels(name);
-    }
+    mGrids.finish();
     return std::move(mState);
-}
-
-/// The own leaves of the domain in a file's grid. @throws InputError if its voxels are not the domain's
-std::vector<FlowStateReader::StoredLeaf> FlowStateReader::ownLeaves(const VdbFile& file, const char* name)
-{
-    const auto grid = file.find<openvdb::FloatGrid>(name);
-    if (!grid) throw InputError(fmt::format("it has no float grid '{}'", name));
-    std::vector<std::uint8_t>& found = mFound.at(name);
-    std::vector<StoredLeaf> leaves;
-    for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf) {
-        const Coord origin = leaf->origin();
-        const int number = mDomain.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
-        const bool fits = number >= 0 ? leaf->getValueMask() == mDomain.mask(std::size_t(number)) : !mDomain.isWhole();
-        if (!fits) throw wrongVoxels(name);
-        if (number < 0 || !mDomain.isOwn(std::size_t(number))) continue;
-        found[std::size_t(number)] = 1;
-        leaves.push_back({std::size_t(number), leaf->buffer().data()});
-    }
-    return leaves;
 }
 
 openvdb::GridBase::Ptr inputGrid(const Domain& domain, Domain::Leaves leaves, const LeafValues<std::int32_t>& input)
@@ -283,13 +233,15 @@ openvdb::GridBase::Ptr inputGrid(const Domain& domain, Domain::Leaves leaves, co
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
             noise[leaf][voxel.pos()] = float(input[leaf][voxel.pos()]) / kScale;
     });
-    return namedGrid(noise, kNoise);
+    auto grid = openvdb::FloatGrid::create(noise.tree());
+    grid->setName(kNoise);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return grid;
 }
 
 openvdb::GridPtrVec meanGrids(const Domain& domain, Domain::Leaves leaves, const RunningMean& mean)
 {
-    return {namedGrid(valuesOn(domain, leaves, mean.mean), kMean),
-            namedGrid(valuesOn(domain, leaves, mean.weight), kWeight)};
+    return {stateGrid(domain, leaves, mean.mean, kMean), stateGrid(domain, leaves, mean.weight, kWeight)};
 }
 
 openvdb::GridBase::Ptr particleGrid(const Domain& domain, Domain::Leaves some, const std::vector<ParticleBins>& bins)

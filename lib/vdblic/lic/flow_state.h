@@ -3,19 +3,16 @@
 #include "vdblic/field/domain.h"
 #include "vdblic/lic/convolve.h"
 #include "vdblic/lic/particle_bins.h"
+#include "vdblic/lic/state_grids.h"
 
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace vdblic {
-
-struct VdbFile;
 
 /// \file
 /// The state between two steps as grids that other programs can open; a round trip preserves every bit.
@@ -62,12 +59,9 @@ class FlowStateReader {
     [[nodiscard]] FlowState finish();
 
   private:
-    struct StoredLeaf;
-    [[nodiscard]] std::vector<StoredLeaf> ownLeaves(const VdbFile& file, const char* name);
-
     const Domain& mDomain;
+    StateGridReader mGrids;
     FlowState mState;
-    std::map<std::string, std::vector<std::uint8_t>> mFound; // of each grid of floats, by leaf
 };
 
 } // namespace vdblic

@@ -1,5 +1,6 @@
 #include "vdblic/lic/local_contrast.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/leaf_window.h"
 
 #include <cstddef>
@@ -15,7 +16,7 @@ VDBLIC_KERNEL void LocalContrast::sumBlocks(const Domain::Mask& mask, const floa
             Float8 ones[4], numbers[4]; // first the rows of the four blocks at z = 0, each beside the next block's
             for (int block = 0; block < 4; ++block) {
                 const int row = LeafVoxel::row(x + block / kBlocks * kBlock, y + block % kBlocks * kBlock);
-                const Int8 on = Domain::activeRow(mask, row);
+                const Int8 on = activeRow(mask, row);
                 ones[block] = on ? broadcast8(1) : Float8{};
                 numbers[block] = on ? loadRow(values, row) : Float8{};
             }

@@ -39,7 +39,8 @@ class LocalContrast {
             std::array<Float4, kAround> along; // the moments at this x and y, of each block along z
             for (int k = 0; k < kAround; ++k) {
                 const auto at = [&](int i, int j) {
-                    return mMoments[std::size_t(((inX.first + i) * kAround + inY.first + j) * kAround + k)];
+                    const int block = ((inX.first + i) * kAround + inY.first + j) * kAround + k;
+                    return mMoments[std::size_t(block)];
                 };
                 along[std::size_t(k)] =
                     mix(mix(at(0, 0), at(0, 1), inY.weight), mix(at(1, 0), at(1, 1), inY.weight), inX.weight);

@@ -1,5 +1,6 @@
 #include "vdblic/lic/neighbourhood.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/vector.h"
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/field/velocity_field.h"
@@ -123,7 +124,7 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window
                     nextDuration[i] = std::max(wanted, pathline::kMinDuration);
                 } else if (!unfinished[i]) {
                     batch.arrived |= lane;
-                } else if (field.domain().contains(end.lane(i))) {
+                } else if (covers(field.domain(), end.lane(i))) {
                     next |= lane;
                     nextTime[i] = time[i] + duration[i];
                     nextDuration[i] =

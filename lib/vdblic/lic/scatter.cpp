@@ -1,6 +1,7 @@
 #include "vdblic/lic/scatter.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
@@ -93,6 +94,13 @@ std::array<float, 3> longestPaths(const ScatterScene& scene)
     return longest;
 }
 
+template<typename Carried>
+void scatterTile(TileScatter<Carried>& worker, std::uint32_t leaf, bool isShared)
+{
+    paging::breathe(4 * paging::kLeafBytes); // with particles, hits and input
+    worker.run(leaf, isShared);
+}
+
 /// Scatter the tiles of a slab, in parallel. Integer additions commute, so the order of tiles is free.
 template<typename Carried>
 void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach,
@@ -104,20 +112,20 @@ void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coor
     constexpr int kFarReach = 3; // in leaves; with a longer reach too few tiles could be at work together
     if (workers.size() == 1) {
         for (const std::uint32_t leaf : leaves)
-            workers[0].run(leaf, false);
+            scatterTile(workers[0], leaf, false);
     } else if (std::max({reach[0], reach[1], reach[2]}) <= kFarReach) {
         TileSchedule schedule(domain, leaves, reach, workers.size());
         onEveryThread([&](std::size_t thread) {
             while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
                 for (const std::uint32_t leaf : group->leaves)
-                    workers[thread].run(leaf, false);
+                    scatterTile(workers[thread], leaf, false);
             }
         });
     } else {
         std::atomic<std::size_t> next = 0;
         onEveryThread([&](std::size_t thread) {
             for (std::size_t i = next++; i < leaves.size(); i = next++)
-                workers[thread].run(leaves[i], true);
+                scatterTile(workers[thread], leaves[i], true);
         });
     }
 }

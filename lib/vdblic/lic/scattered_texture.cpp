@@ -3,7 +3,9 @@
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/flow_state.h"
+#include "vdblic/lic/hand_over.h"
 #include "vdblic/lic/path_reach.h"
+#include "vdblic/lic/state_grids.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -24,24 +26,6 @@ FeedbackParams feedbackOf(const TextureParams& params)
         feedback.taps = 0;
     }
     return feedback;
-}
-
-/// Values on own leaves, handed over to the ranks that own the leaves in another partition. Collective.
-/// @param from, to the same domain before and in that partition
-template<typename T>
-LeafValues<T> handedOver(const LeafOwners& owners, const Domain& from, const Domain& to, const LeafValues<T>& values)
-{
-    LeafValues<T> result(to, T(0), to.own());
-    for (const std::uint32_t leaf : from.own()) {
-        if (to.isOwn(leaf)) std::copy_n(values[leaf], LeafVoxel::kCount, result[leaf]);
-    }
-    owners.send(
-        to,
-        [&](std::size_t leaf, Exchange::Bytes& message) {
-            if (from.isOwn(leaf)) put(message, values[leaf], LeafVoxel::kCount);
-        },
-        [&](std::size_t leaf, MessageReader& message) { message.get(result[leaf], LeafVoxel::kCount); });
-    return result;
 }
 
 } // namespace
@@ -126,23 +110,18 @@ void ScatteredTexture::handOver(const LeafOwners& owners, std::shared_ptr<const 
 
 std::size_t ScatteredTexture::parts() const
 {
-    constexpr std::size_t kLeaves = 4096, kMost = 8;
-    return std::clamp((mDomain->own().size() + kLeaves - 1) / kLeaves, std::size_t(1), kMost);
+    return statePartCount(*mDomain);
 }
 
 FlowTexture::Saved ScatteredTexture::save(std::size_t part) const
 {
-    const Domain::Leaves own = mDomain->own();
-    const std::size_t begin = own.size() * part / parts(), end = own.size() * (part + 1) / parts();
-    const Domain::Leaves leaves = own.subspan(begin, end - begin);
-    Saved saved{{inputGrid(*mDomain, leaves, *mInput)}, {}};
+    const Domain::Leaves leaves = statePart(*mDomain, part);
+    Saved saved{{inputGrid(*mDomain, leaves, *mInput)}, boxOf(*mDomain, leaves)};
     if (mMean) {
         const openvdb::GridPtrVec mean = meanGrids(*mDomain, leaves, *mMean);
         saved.grids.insert(saved.grids.end(), mean.begin(), mean.end());
     }
     saved.grids.push_back(particleGrid(*mDomain, leaves, mScatter.particles()));
-    for (const std::uint32_t leaf : leaves)
-        saved.box.expand(mDomain->origin(leaf), LeafVoxel::kDim);
     return saved;
 }
 

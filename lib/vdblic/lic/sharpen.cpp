@@ -1,5 +1,6 @@
 #include "vdblic/lic/sharpen.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
@@ -19,7 +20,7 @@ VDBLIC_KERNEL void sharpenLeaf(const NeighbourSums& sums, const Domain::Mask& ma
         Float8 value = centre + strength * (centre - mean);
         value = value < range.least ? broadcast8(range.least) : value;
         value = value > range.most ? broadcast8(range.most) : value;
-        storeRow(Domain::activeRow(mask, row) ? value : Float8{}, result, row);
+        storeRow(activeRow(mask, row) ? value : Float8{}, result, row);
     }
 }
 

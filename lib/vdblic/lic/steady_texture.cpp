@@ -1,5 +1,6 @@
 #include "vdblic/lic/steady_texture.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"

@@ -11,15 +11,22 @@ enum class TextureMethod {
     kUflic,      ///< a seed for every voxel and frame (Shen & Kao 1998)
     kLic,        ///< each frame on its own (Cabral & Leedom 1993)
     kStreaks,    ///< sparse: particles that live for many frames, with tails (docs/streaks.md)
+    kIbfv,       ///< the texture before, pulled back and blended with noise (van Wijk 2002)
 };
 template<>
 inline constexpr auto kNames<TextureMethod> = std::to_array<std::string_view>({"auflic", "auflic-2004", "uflic", "lic",
-                                                                               "streaks"});
+                                                                               "streaks", "ibfv"});
 
 /// Whether a texture is of its frame alone, and not of those before.
 [[nodiscard]] constexpr bool isSteady(TextureMethod method)
 {
     return method == TextureMethod::kLic;
+}
+
+/// Whether values come back along pathlines, and are not scattered along them (docs/methods.md).
+[[nodiscard]] constexpr bool looksBack(TextureMethod method)
+{
+    return method == TextureMethod::kIbfv;
 }
 
 } // namespace vdblic

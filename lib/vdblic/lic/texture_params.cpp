@@ -9,10 +9,12 @@ namespace vdblic {
 Parameters parametersOf(TextureParams& params)
 {
     const Parameters own = {
-        parameter("method",
-                  "auflic: accelerated UFLIC; auflic-2004: the same as published; uflic: a seed for every voxel and "
-                  "frame; lic: each frame on its own; streaks: sparse, with a head and a tail.",
-                  params.method, {.words = "METHOD", .group = "Texture"}),
+        parameter(
+            "method",
+            "auflic: accelerated UFLIC; auflic-2004: the same as published; uflic: a seed for every voxel and "
+            "frame; lic: each frame on its own; streaks: sparse, with a head and a tail; ibfv: the texture before, "
+            "pulled back and blended with noise.",
+            params.method, {.words = "METHOD", .group = "Texture"}),
         parameter("life_span", "Life span of a seed, with lic the length of the kernel.", params.lifeSpan,
                   {.option = "--life", .unit = "frames", .group = "Texture", .limits = {1, 1000}}),
         parameter("substeps", "Textures for each interval between frames.", params.substeps,

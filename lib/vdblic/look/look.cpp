@@ -1,6 +1,7 @@
 #include "vdblic/look/look.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/look/kinds.h"
 
 #include <fmt/format.h>
 
@@ -9,13 +10,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <vector>
 
 namespace vdblic {
 namespace {
-
-constexpr double kMostChosenOpacity = 0.95; // of a voxel, where chosen automatically
 
 constexpr double kMostRatio = 1e4; // of the ends of a logarithmic range, where chosen automatically
 
@@ -109,7 +109,57 @@ std::vector<OpacityPoint> chooseOpacity(const VolumeSamples& samples, double vox
     return points;
 }
 
+/// The share of its colour's light that two thirds of what is visible exceed: an estimate from the texture's part in
+/// the colour, the lights on surfaces in all directions, and shadows.
+double lightShare(const Look& look, const VolumeSamples& samples)
+{
+    constexpr double kArriving = 0.35; // of the light in shadows, in the mean
+    constexpr double kFacing = 0.5;    // mean cosine between a light and normals in all directions
+    constexpr double kSurface = 0.7;   // share of what is lit as a surface
+    constexpr int kSteps = 256;
+    constexpr double kUnit = 0x1p32; // sums of integers do not depend on the order of the samples
+    std::array<std::uint64_t, kSteps> visible{};
+    for (std::size_t i = 0; i < samples.texture.size(); ++i) {
+        const Float8 stretched = look.texture.stretched(broadcast8(samples.texture[i]));
+        const int entry = look.transfer.entries(broadcast8(samples.driver[i]))[0];
+        const double extinction =
+            double(look.transfer.extinctions()[entry]) * double(look.texture.density(stretched)[0]);
+        visible[std::size_t(look.texture.brightness(stretched)[0] * (kSteps - 1))] +=
+            std::uint64_t(std::min(extinction, 1.0) * kUnit);
+    }
+    const std::uint64_t all = std::accumulate(visible.begin(), visible.end(), std::uint64_t(0));
+    if (all == 0) return 1;
+    std::uint64_t darker = 0;
+    int third = 0;
+    while (third < kSteps - 1 && (darker += visible[std::size_t(third)]) < all / 3)
+        ++third;
+    const Shading& shading = look.shading;
+    auto light = double(shading.headLight);
+    for (const DirectionalLight& distant : shading.lights)
+        light += distant.intensity;
+    const double full = double(shading.ambient) + double(shading.diffuse) * kFacing * light;
+    const double lit = shading.model == ShadingModel::kNone      ? 1
+                       : shading.model == ShadingModel::kSurface ? 1 + kSurface * (full - 1)
+                                                                 : full;
+    return (third + 0.5) / kSteps * lit * (1 - double(look.shadows) * (1 - kArriving));
+}
+
+/// Stops that make a share of the light the whole, in tenths; never fewer than none.
+double exposureFor(double share)
+{
+    constexpr double kMost = 3;
+    return std::round(10 * std::clamp(-std::log2(share), 0.0, kMost)) / 10;
+}
+
 } // namespace
+
+std::vector<glm::vec3> Look::backgroundRows(int count) const
+{
+    std::vector<glm::vec3> rows = background.rows(count);
+    for (glm::vec3& row : rows)
+        row *= float(std::exp2(-exposure));
+    return rows;
+}
 
 bool Look::contributes(const LeafRange& range) const
 {
@@ -127,6 +177,7 @@ Look chooseLook(const LookParams& params, const VolumeSamples& samples, double t
         throw InputError("no active voxel that is shown holds a finite number; check the grid, `roi` and `roi_box`");
     TransferParams transfer = params.transfer;
     const bool one = samples.color.empty();
+    if (!transfer.kinds.empty()) colorByKind(transfer);
     const ValueScale opacityScale = transfer.opacityScale.value_or(one ? transfer.colorScale : ValueScale::kLinear);
     // Values below a given range are hidden.
     std::optional<double> still;
@@ -134,17 +185,22 @@ Look chooseLook(const LookParams& params, const VolumeSamples& samples, double t
     if (!transfer.range) transfer.range = rangeOf(one ? samples.driver : samples.color, transfer.colorScale);
     if (!one && !transfer.opacityRange) transfer.opacityRange = opacityRangeOf(samples.driver, opacityScale);
     const TextureModulation texture = stretch(samples.texture, params);
-    if (transfer.opacity.empty()) {
-        transfer.opacity =
-            chooseOpacity(samples, params.opticalDepth / thickness,
-                          {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture, still);
+    const double voxelDepth = params.opticalDepth / thickness;
+    if (transfer.opacity.empty() && one && !transfer.kinds.empty()) {
+        transfer.opacity = opacityOfKinds(samples, voxelDepth, texture, transfer.kinds.size());
+    } else if (transfer.opacity.empty()) {
+        transfer.opacity = chooseOpacity(
+            samples, voxelDepth, {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture, still);
     }
-    return {.transfer = TransferFunction(transfer),
-            .texture = texture,
-            .shading = params.shading,
-            .halo = {float(params.halo)},
-            .depthCue = float(params.depthCue),
-            .shadows = float(params.shadows)};
+    Look look{.transfer = TransferFunction(transfer),
+              .texture = texture,
+              .shading = params.shading,
+              .halo = {float(params.halo)},
+              .depthCue = float(params.depthCue),
+              .shadows = float(params.shadows),
+              .occlusion = float(params.occlusion)};
+    look.exposure = params.exposure ? *params.exposure : exposureFor(lightShare(look, samples));
+    return look;
 }
 
 } // namespace vdblic

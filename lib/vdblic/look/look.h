@@ -1,12 +1,16 @@
 #pragma once
 
 #include "vdblic/field/vector.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/look/look_params.h"
 #include "vdblic/look/shading.h"
 #include "vdblic/look/transfer_function.h"
 #include "vdblic/look/volume_values.h"
 
 #include <glm/vec3.hpp>
+
+#include <limits>
+#include <vector>
 
 namespace vdblic {
 
@@ -31,11 +35,31 @@ struct TextureModulation {
         const Float8 t = rise > 0 ? rise : Float8{};
         return 1 + (t * t * (3 - 2 * t) - 1) * strength;
     }
+    /// The mean of density() over textures that change evenly from one to another along a step: pre-integration (Engel,
+    /// Kraus & Ertl 2001), in closed form.
+    [[nodiscard]] VDBLIC_INLINE Float8 meanDensity(Float8 from, Float8 to) const
+    {
+        const Float8 change = to - from;
+        const Int8 isSmall = (change < kSmall) & (change > -kSmall);
+        const Float8 mean = (integral(to) - integral(from)) / (isSmall ? Float8{} + 1 : change);
+        return isSmall ? density((from + to) * 0.5f) : mean;
+    }
     /// Factor on the colour.
     [[nodiscard]] VDBLIC_INLINE Float8 brightness(Float8 stretched) const
     {
         constexpr float kDarkest = 0.3f;
         return 1 + (stretched - 1) * ((1 - kDarkest) * limbDarkening);
+    }
+
+  private:
+    static constexpr float kSmall = 1 / 256.0f; // change below which the difference of integrals would be too coarse
+
+    /// Of density(), up to a constant.
+    [[nodiscard]] VDBLIC_INLINE Float8 integral(Float8 stretched) const
+    {
+        const Float8 rise = (stretched - foot) * perRise;
+        const Float8 t = rise > 0 ? rise : Float8{};
+        return stretched * (1 - strength) + t * t * t * (1 - 0.5f * t) * ((1 - foot) * strength);
     }
 };
 
@@ -54,6 +78,8 @@ struct Halo {
     }
 };
 
+inline constexpr double kMostChosenOpacity = 0.95; ///< of a voxel, where chosen automatically
+
 /// All that determines a sample's colour and opacity.
 struct Look {
     TransferFunction transfer;
@@ -62,8 +88,25 @@ struct Look {
     Halo halo;
     float depthCue = 0;
     float shadows = 0;       ///< see LightGrid
-    glm::vec3 background{0}; ///< linear light; what halos and distance fade to
+    float occlusion = 0;     ///< see LightGrid
+    double exposure = 0;     ///< of the picture [stops], which is applied after the rays (exposed())
+    Background background{}; ///< what halos and distance fade to
 
+    /// The largest stretched texture that has no opacity, whatever the scalar is; negative: all have one.
+    [[nodiscard]] float hiddenStretched() const
+    {
+        if (texture.strength < 1) return -1;
+        return halo.strength > 0 ? texture.foot / 2 : texture.foot;
+    }
+    /// The same before it is stretched.
+    [[nodiscard]] float hiddenTexture() const
+    {
+        const float hidden = hiddenStretched();
+        return hidden < 0 ? -std::numeric_limits<float>::infinity()
+                          : texture.low + hidden * (texture.high - texture.low);
+    }
+    /// The background in linear light before the exposure, for the middle of each of a picture's rows.
+    [[nodiscard]] std::vector<glm::vec3> backgroundRows(int count) const;
     /// Whether any sample of a leaf can have an opacity above 0.
     [[nodiscard]] bool contributes(const LeafRange& range) const;
 };
@@ -73,7 +116,10 @@ struct Look {
 /// A scalar's range is its 2nd to 99th percentile; that of one that only opacity follows begins at 0 if it has both
 /// signs. Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is scaled so
 /// that a path as long as `thickness` has the mean optical depth asked for: the front is seen, and some of what lies
-/// behind, whatever the volume's size.
+/// behind, whatever the volume's size. Where colour tells kinds apart, each has a colour of its own (kinds.h). The
+/// exposure makes up for what rims, shadows and light take away, so that two thirds of what is seen are as bright as
+/// their colour in the colour bar or brighter. It is an estimate from samples and look, up to three stops, and depends
+/// neither on the camera nor on the frame.
 /// @param samples   of one frame or of several
 /// @param thickness [voxels]
 /// @throws ParameterError; InputError if there is no sample

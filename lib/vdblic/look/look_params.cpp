@@ -7,6 +7,11 @@
 #include <cmath>
 
 namespace vdblic {
+namespace {
+
+constexpr double kMostStops = 20;
+
+} // namespace
 
 Parameters parametersOf(LookParams& params)
 {
@@ -21,8 +26,15 @@ Parameters parametersOf(LookParams& params)
                   {.group = "Light", .limits = {0, 1e9}}),
         parameter("shadows", "How dark it is where the volume lets no light through.", params.shadows,
                   {.group = "Light", .limits = {0, 1}}),
+        parameter("occlusion", "How much darker than the rest it is where the volume is close all around.",
+                  params.occlusion, {.group = "Light", .limits = {0, 1}}),
         parameter("depth_cue", "How far the most distant samples fade into the background.", params.depthCue,
                   {.group = "Light", .limits = {0, 1}}),
+        parameter("exposure",
+                  "Stops that the picture is brighter than lit; one doubles the light. By default two thirds of what "
+                  "is seen are "
+                  "about as bright as their colours in the colour bar, or brighter.",
+                  params.exposure, {.unit = "stops", .group = "Light", .limits = {-kMostStops, kMostStops}}),
     };
     return joined({parametersOf(params.transfer), texture, parametersOf(params.shading), light});
 }

@@ -3,6 +3,8 @@
 #include "vdblic/look/shading.h"
 #include "vdblic/look/transfer_params.h"
 
+#include <optional>
+
 namespace vdblic {
 
 /// How a picture is to look. chooseLook() chooses what is left open.
@@ -15,7 +17,9 @@ struct LookParams {
     double halo = 0;         ///< strength of halos, at least 0
     double depthCue = 0;     ///< share of the background in the colour of the farthest sample, 0 to 1
 
-    double shadows = 0; ///< share of the light that full shadow takes away, 0 to 1
+    double shadows = 0;               ///< share of the light that full shadow takes away, 0 to 1
+    double occlusion = 0;             ///< strength of ambient occlusion, 0 to 1
+    std::optional<double> exposure{}; ///< of the picture [stops]: its light times 2^exposure
 
     /// @throws ParameterError
     void validate() const;

@@ -13,15 +13,18 @@ namespace vdblic {
 /// A look with a name, tuned to be good on unknown data.
 struct LookPreset {
     LookParams look;
-    glm::dvec3 background;                ///< display (sRGB) values
+    Background background;
     std::vector<std::string> opacityBy{}; ///< as RenderParams has it
 };
 
 /// The names lookPreset() knows.
 [[nodiscard]] std::vector<std::string> lookPresetNames();
 
+/// The look of a picture for which none is asked: `flow`, or of a sparse texture `streaks`.
+[[nodiscard]] std::string defaultLookName(bool isSparse);
+
 /// `flow`: coloured streaks, lit; `vortex`: the same, opaque where the flow turns; `streaks`: lit
-/// tubes, for sparse textures; `ink`: dark strokes on paper;
+/// tubes, for sparse textures; `paper`: lit streaks on a bright ground; `ink`: dark strokes on paper;
 /// `smoke`: soft and grey; `xray`: all depths at once.
 /// @throws ParameterError on an unknown name, listing the known ones
 [[nodiscard]] LookPreset lookPreset(std::string_view name);

@@ -94,6 +94,12 @@ bool TransferFunction::contributes(float low, float high) const
     return mVisibleBefore[last + 1] > mVisibleBefore[first];
 }
 
+bool TransferFunction::contributesThroughout(float low, float high) const
+{
+    const auto [first, last] = entriesBetween(low, high);
+    return mVisibleBefore[last + 1] - mVisibleBefore[first] == last + 1 - first;
+}
+
 float TransferFunction::mostExtinction(float low, float high) const
 {
     const auto [first, last] = entriesBetween(low, high);

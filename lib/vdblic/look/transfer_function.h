@@ -65,6 +65,8 @@ class TransferFunction {
 
     /// Whether any value between two bounds of the scalar that opacity follows has an opacity above 0.
     [[nodiscard]] bool contributes(float low, float high) const;
+    /// Whether all values between two bounds do.
+    [[nodiscard]] bool contributesThroughout(float low, float high) const;
     /// The largest extinction between the same bounds.
     [[nodiscard]] float mostExtinction(float low, float high) const;
 

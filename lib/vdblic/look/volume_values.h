@@ -4,7 +4,7 @@
 
 namespace vdblic {
 
-/// Bounds of the active values in a padded leaf, and so of all samples in the leaf.
+/// Bounds of all samples in a leaf.
 struct LeafRange {
     float lowDriver, highDriver, highTexture;
 };

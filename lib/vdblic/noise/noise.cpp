@@ -1,5 +1,6 @@
 #include "vdblic/noise/noise.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/leaf_voxel.h"
 
 #include <tbb/parallel_for.h>
@@ -15,7 +16,7 @@ VDBLIC_KERNEL void fillLeaf(const openvdb::Coord& origin, const Domain::Mask& ma
         const LeafVoxel first = LeafVoxel::ofRow(row);
         const std::uint64_t column = noiseColumn(origin.x() + first.x, origin.y() + first.y, seed);
         const Float8 noise = __builtin_convertvector(noiseRow(column, origin.z()), Float8) / float(kNoiseMax);
-        storeRow(Domain::activeRow(mask, row) ? noise : Float8{}, values, row);
+        storeRow(activeRow(mask, row) ? noise : Float8{}, values, row);
     }
 }
 

@@ -48,6 +48,18 @@ VDBLIC_INLINE std::uint16_t noiseValue(std::int32_t x, std::int32_t y, std::int3
     return noiseInColumn(noiseColumn(x, y, seed), z);
 }
 
+/// The values at the corners of a cube, z the fastest. @param x, y, z first corner  @param edge of the cube
+VDBLIC_INLINE Int8 noiseCorners(int x, int y, int z, int edge, std::uint32_t seed)
+{
+    UnsignedLong4 columns;
+    for (int i = 0; i < 4; ++i)
+        columns[i] = noiseColumn(x + edge * (i >> 1), y + edge * (i & 1), seed);
+    const auto atHeight = [&](int height) {
+        return __builtin_convertvector(mixBits(columns + std::uint64_t(std::uint32_t(height))) >> 48, Int4);
+    };
+    return __builtin_shufflevector(atHeight(z), atHeight(z + edge), 0, 4, 1, 5, 2, 6, 3, 7);
+}
+
 /// The noise on the active voxels of a domain, as a grid `noise` of noiseValue() / kNoiseMax; 0 elsewhere.
 ///
 /// @param transform of the grid; the noise itself depends on indices only

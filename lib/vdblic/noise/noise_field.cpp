@@ -1,5 +1,6 @@
 #include "vdblic/noise/noise_field.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 namespace vdblic {
 namespace {
@@ -38,6 +40,23 @@ void NoiseField::fill(const openvdb::Coord& origin, std::int32_t* values) const
     } else if (float constant = 0; mGrid->tree().probeValue(origin, constant)) {
         std::fill_n(values, LeafVoxel::kCount, noiseOf(constant));
     }
+}
+
+std::int32_t NoiseField::at(const openvdb::Coord& voxel) const
+{
+    if (float value = 0; mGrid && mGrid->tree().probeValue(voxel, value)) return noiseOf(value);
+    return noiseValue(voxel[0], voxel[1], voxel[2], mSeed);
+}
+
+VDBLIC_KERNEL void NoiseField::atCorners(const openvdb::Coord& first, int edge, std::int32_t* values) const
+{
+    if (!mGrid) {
+        const Int8 generated = noiseCorners(first[0], first[1], first[2], edge, mSeed);
+        std::memcpy(values, &generated, sizeof generated);
+        return;
+    }
+    for (int corner = 0; corner < 8; ++corner)
+        values[corner] = at(first.offsetBy(edge * (corner >> 2), edge * (corner >> 1 & 1), edge * (corner & 1)));
 }
 
 std::int32_t NoiseField::ofStep(const openvdb::Coord& voxel, std::uint64_t number) const

@@ -22,6 +22,11 @@ class NoiseField {
 
     /// Fill the 512 values of a leaf, x slowest. @param origin of the leaf
     void fill(const openvdb::Coord& origin, std::int32_t* values) const;
+    /// The value of a single voxel.
+    [[nodiscard]] std::int32_t at(const openvdb::Coord& voxel) const;
+    /// Those of the corners of a cube, z the fastest. @param first corner  @param edge of the cube [voxels]
+    /// @param values receives eight
+    void atCorners(const openvdb::Coord& first, int edge, std::int32_t* values) const;
 
     /// The noise that fluid brings which entered the domain through a voxel: white noise of the frames, averaged over
     /// `span` frames around the time of entry, as the noise farther upstream would be along pathlines.

@@ -172,46 +172,52 @@ void drawAxes(const CairoCanvas& canvas, Labels& labels, const Corners& box, con
     const double gap = 0.6 * textSize;
     const auto middle = seen(middleOf(box), camera);
     if (!middle) return;
-    const std::vector<BoxEdge> edges = edgesOf(box, camera);
+    const std::vector<BoxEdge> all = edgesOf(box, camera);
+    std::vector<AxisEdge> edges;
+    double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        const std::optional<AxisEdge> edge = axisEdge(edges, axis, box, stretch, camera, *middle);
+        const std::optional<AxisEdge> edge = axisEdge(all, axis, box, stretch, camera, *middle);
         // Beside a very short edge, a layer of voxels, numbers say nothing.
         if (!edge || glm::length(edge->end - edge->begin) < 2 * textSize) continue;
-        const auto [lowest, highest] = std::minmax(edge->low, edge->high);
-        const AxisUnit unit = axisUnit(std::max(std::abs(lowest), std::abs(highest)), lengthUnit);
+        edges.push_back(*edge);
+        largest = std::max({largest, std::abs(edge->low), std::abs(edge->high)});
+    }
+    const AxisUnit unit = axisUnit(largest, lengthUnit);
+    for (const AxisEdge& edge : edges) {
+        const auto [lowest, highest] = std::minmax(edge.low, edge.high);
         double widest = 0; // of the numbers, across the edge
         for (int wanted = kMostTicks; wanted > 0; --wanted) {
             double step = 0;
             std::vector<Label> numbers;
             std::vector<glm::dvec2> points;
             for (const double value : roundNumbers(lowest / unit.factor, highest / unit.factor, wanted, step)) {
-                const double share = (value * unit.factor - edge->low) / (edge->high - edge->low);
-                const auto point = seen(edge->from + edge->along * share, camera);
+                const double share = (value * unit.factor - edge.low) / (edge.high - edge.low);
+                const auto point = seen(edge.from + edge.along * share, camera);
                 if (!point) continue;
                 const std::string text = tickText(value, step);
                 const glm::dvec2 extent = labels.extent(text);
                 points.push_back(*point);
-                numbers.push_back({text, besidePoint(*point, edge->outward, gap, extent)});
-                widest = std::max(widest, glm::dot(glm::abs(edge->outward), extent));
+                numbers.push_back({text, besidePoint(*point, edge.outward, gap, extent)});
+                widest = std::max(widest, glm::dot(glm::abs(edge.outward), extent));
             }
             if (!labels.write(numbers)) continue;
             for (const glm::dvec2& point : points)
-                canvas.drawLine(point, point + edge->outward * 0.4 * textSize);
+                canvas.drawLine(point, point + edge.outward * 0.4 * textSize);
             break;
         }
-        if (edge->world < 0) continue;
-        const std::string title = scalarTitle(std::string(1, "xyz"[edge->world]), unit.text);
-        const glm::dvec2 extent = labels.extent(title), along = glm::normalize(edge->end - edge->begin);
+        if (edge.world < 0) continue;
+        const std::string title = scalarTitle(std::string(1, "xyz"[edge.world]), unit.text);
+        const glm::dvec2 extent = labels.extent(title), along = glm::normalize(edge.end - edge.begin);
         const auto beside = [&](double share) {
             return Label{title,
-                         besidePoint(glm::mix(edge->begin, edge->end, share), edge->outward, 2 * gap + widest, extent)};
+                         besidePoint(glm::mix(edge.begin, edge.end, share), edge.outward, 2 * gap + widest, extent)};
         };
         // Where there is no room beside the numbers there may be some at an end of the edge.
         const auto beyond = [&](const glm::dvec2& end, const glm::dvec2& direction) {
-            return Label{title, besidePoint(end + edge->outward * gap, direction, gap, extent)};
+            return Label{title, besidePoint(end + edge.outward * gap, direction, gap, extent)};
         };
         for (const Label& label :
-             {beside(0.5), beside(0.75), beside(0.25), beyond(edge->end, along), beyond(edge->begin, -along)}) {
+             {beside(0.5), beside(0.75), beside(0.25), beyond(edge.end, along), beyond(edge.begin, -along)}) {
             std::vector<Label> one{label};
             if (labels.write(one)) break;
         }

@@ -29,9 +29,15 @@ AnnotationParams parseAnnotations(std::string_view text)
             params.colorBar = true;
         } else if (part == "time") {
             params.time = true;
+        } else if (part == "scalebar") {
+            params.scaleBar = true;
+        } else if (part == "triad") {
+            params.triad = true;
         } else {
             throw ParameterError(
-                fmt::format("'{:.60}' is no annotation; known are box, axes, colorbar, time and title=TEXT", part));
+                fmt::format("'{:.60}' is no annotation; known are box, axes, colorbar, time, scalebar, "
+                            "triad and title=TEXT",
+                            part));
         }
     }
     return params;
@@ -47,6 +53,8 @@ std::string annotationText(const AnnotationParams& params)
     add(params.axes, "axes");
     add(params.colorBar, "colorbar");
     add(params.time, "time");
+    add(params.scaleBar, "scalebar");
+    add(params.triad, "triad");
     add(!params.title.empty(), "title=" + params.title);
     return text;
 }

@@ -6,9 +6,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <map>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -42,20 +44,33 @@ std::string dateText(Seconds date, bool withSeconds)
     return withSeconds ? text + fmt::format(":{:02}", second % 60) : text;
 }
 
-/// Whole minutes as days, hours and minutes.
-std::string minutesText(std::int64_t minutes)
+/// Whole minutes as days, hours and minutes. @param longest of the sequence  @param wholeHours all of the sequence's
+/// are
+std::string minutesText(std::int64_t minutes, std::int64_t longest, bool wholeHours)
 {
-    const std::int64_t days = minutes / 1440, hours = minutes / 60;
-    if (days > 1) return fmt::format("{} d {:02} h {:02} min", days, hours % 24, minutes % 60);
-    return hours > 0 ? fmt::format("{} h {:02} min", hours, minutes % 60) : fmt::format("{} min", minutes);
+    const std::int64_t days = longest / 1440, hours = longest / 60;
+    const std::string rest = wholeHours ? "" : fmt::format(" {:02} min", minutes % 60);
+    if (days > 1) return fmt::format("{} d {:02} h{}", paddedText(minutes / 1440, days), minutes / 60 % 24, rest);
+    if (hours > 0 || wholeHours) return fmt::format("{} h{}", paddedText(minutes / 60, hours), rest);
+    return paddedText(minutes, longest) + " min";
 }
 
 /// With the decimals that multiples of a spacing need, one more than its first digit's at most.
+/// @param width digits before the point, with zeros before the number
 std::string secondsText(double value, double spacing, int width)
 {
     int decimals = std::max(0, -int(std::floor(std::log10(spacing) + 1e-9)));
     if (!isWhole(spacing * std::pow(10, decimals))) ++decimals;
     return fmt::format("{:0{}.{}f}", value, decimals > 0 ? width + decimals + 1 : width, decimals);
+}
+
+/// Spaces as wide as digits.
+std::string spaces(std::size_t count)
+{
+    std::string text;
+    while (count-- > 0)
+        text += "\u2007";
+    return text;
 }
 
 struct Prefix {
@@ -77,12 +92,16 @@ std::string clockText(const FrameClock& clock)
         return dateText(date, !wholeMinutes || (*start - Seconds()).count() % 60 != 0);
     }
     const std::string sign = time < 0 ? "-" : "";
-    const double size = std::abs(time);
-    if (wholeMinutes && spacing >= 60) return sign + minutesText(std::llround(size / 60));
-    if (size >= 120) {
+    const double size = std::abs(time), longest = std::min(std::max(clock.longest, size), 1e12);
+    if (wholeMinutes && spacing >= 60) {
+        const bool wholeHours = isWhole(spacing / 3600) && isWhole(time / 3600);
+        return sign + minutesText(std::llround(size / 60), std::llround(longest / 60), wholeHours);
+    }
+    if (longest >= 120) {
         const double shown = spacing >= 1 ? std::round(size) : size;
         const double minutes = std::floor(shown / 60);
-        return fmt::format("{}{} {} s", sign, minutesText(std::int64_t(minutes)),
+        return fmt::format("{}{} {} s", sign,
+                           minutesText(std::int64_t(minutes), std::int64_t(std::floor(longest / 60)), false),
                            secondsText(shown - 60 * minutes, std::clamp(spacing, 0.01, 1.0), 2));
     }
     constexpr Prefix kPrefixes[] = {{1, "s"}, {1e-3, "ms"}, {1e-6, "µs"}, {1e-9, "ns"}};
@@ -90,27 +109,63 @@ std::string clockText(const FrameClock& clock)
     const Prefix* prefix = std::begin(kPrefixes);
     while (spacing < 0.999e-3 * prefix->seconds && prefix + 1 != std::end(kPrefixes))
         ++prefix;
-    return fmt::format("{}{} {}", sign, secondsText(size / prefix->seconds, spacing / prefix->seconds, 1),
+    const std::string text = secondsText(size / prefix->seconds, spacing / prefix->seconds, 1);
+    const std::string widest = secondsText(longest / prefix->seconds, spacing / prefix->seconds, 1);
+    return fmt::format("{}{}{} {}", spaces(widest.size() - std::min(widest.size(), text.size())), sign, text,
                        prefix->unit);
+}
+
+bool isGeographic(const FrameClock& clock, const std::string& lengthUnit, const glm::dvec3& stretch)
+{
+    const bool isSlow = clock.dt && *clock.dt >= 600;
+    const bool isRaised = stretch.x == stretch.y && stretch.z > stretch.x;
+    return (parseDate(clock.start) && lengthUnit == "m") || (isRaised && isSlow);
+}
+
+std::string paddedText(std::int64_t number, std::int64_t largest)
+{
+    const std::string text = std::to_string(number), widest = std::to_string(largest);
+    return spaces(widest.size() - std::min(widest.size(), text.size())) + text;
+}
+
+std::string lengthText(double length, const std::string& unit)
+{
+    constexpr std::pair<double, const char*> kUnits[] = {{1e3, "km"}, {1, "m"}, {1e-3, "mm"}, {1e-6, "µm"}};
+    if (unit == "m") {
+        for (const auto& [factor, name] : kUnits) {
+            if (length >= factor * (1 - 1e-9)) return fmt::format("{:.6g} {}", length / factor, name);
+        }
+    }
+    const AxisUnit shown = axisUnit(length, unit);
+    return fmt::format("{:.6g}{}{}{}", length / shown.factor, shown.factor == 1 ? "" : " ×",
+                       shown.text.empty() ? "" : " ", shown.text);
+}
+
+std::string scalarUnit(const std::string& name, const std::string& unit)
+{
+    static const std::map<std::string, std::string> kUnits = {{"vorticity", "1/s"}, {"q", "1/s²"}};
+    const auto known = kUnits.find(name);
+    return unit.empty() && known != kUnits.end() ? known->second : unit;
 }
 
 std::string scalarTitle(const std::string& name, const std::string& unit)
 {
-    static const std::map<std::string, std::string> kUnits = {{"vorticity", "1/s"}, {"q", "1/s²"}};
-    const auto known = kUnits.find(name);
-    const std::string& shown = unit.empty() && known != kUnits.end() ? known->second : unit;
-    const std::string title = name == "magnitude" ? "speed" : name;
-    return shown.empty() ? title : fmt::format("{} [{}]", title, shown);
+    static const std::map<std::string, std::string> kTerms = {{"magnitude", "speed"}, {"q", "Q criterion"}};
+    const auto term = kTerms.find(name);
+    const std::string& title = term != kTerms.end() ? term->second : name;
+    return unit.empty() ? title : fmt::format("{} [{}]", title, unit);
 }
 
 AxisUnit axisUnit(double largest, const std::string& unit)
 {
     constexpr double kLong = 1e4, kShort = 1e-2; // numbers beyond have many digits
-    if (!(largest > 0) || (largest < kLong && largest >= kShort)) return {1, unit};
+    if (!(largest > 0)) return {1, unit};
     if (unit == "m") {
         if (largest >= kLong) return {1e3, "km"};
-        return largest >= 1e-5 ? AxisUnit{1e-3, "mm"} : AxisUnit{1e-6, "µm"};
+        if (largest >= 1) return {1, unit};
+        return largest >= 1e-3 ? AxisUnit{1e-3, "mm"} : AxisUnit{1e-6, "µm"};
     }
+    if (largest < kLong && largest >= kShort) return {1, unit};
     const double digits = std::log10(largest);
     const int thousands = largest >= kLong ? std::max(1, int(std::ceil((digits - std::log10(kLong)) / 3 - 1e-9)))
                                            : int(std::floor(digits / 3 + 1e-9));

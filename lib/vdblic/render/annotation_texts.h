@@ -1,5 +1,8 @@
 #pragma once
 
+#include <glm/vec3.hpp>
+
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,21 +15,34 @@ struct FrameClock {
     std::optional<double> time; ///< [s]
     std::optional<double> dt;   ///< to the next frame [s]; times are shown as finely as that
     std::string start{};        ///< date of time 0, ISO 8601
+    double longest = 0;         ///< time of the sequence [s], without sign: all its times are written alike
 };
 
-/// A date and time of day where the file has a start, else hours, minutes and seconds, or a part of a second; empty
-/// without a time. What a second is divided into is the same for all frames of one spacing.
+/// A date and time of day where the file has a start, else days, hours, minutes and seconds as far as the spacing needs
+/// them, or a part of a second; empty without a time. All frames of a sequence have the same units and as many digits.
 [[nodiscard]] std::string clockText(const FrameClock& clock);
 
-/// The name of a scalar with its unit: "speed [m/s]". @param unit empty: by the name, if that has one
+/// Whether the axes are east, north and up, as far as can be told: a date and metres, as vdblic_import writes them for
+/// weather and oceans, or heights that are exaggerated and ten minutes or more between frames.
+[[nodiscard]] bool isGeographic(const FrameClock& clock, const std::string& lengthUnit, const glm::dvec3& stretch);
+
+/// A whole number with spaces as wide as digits before it. @param largest number that is to have no space
+[[nodiscard]] std::string paddedText(std::int64_t number, std::int64_t largest);
+
+/// A length with its unit: "200 km", "5 mm". @param unit of it; empty: unknown
+[[nodiscard]] std::string lengthText(double length, const std::string& unit);
+
+/// The unit of a scalar: as given, else by its name, if that has one; empty: unknown.
+[[nodiscard]] std::string scalarUnit(const std::string& name, const std::string& unit);
+/// The field's term for a scalar, with a unit if there is one: "speed [m/s]".
 [[nodiscard]] std::string scalarTitle(const std::string& name, const std::string& unit);
 
-/// A factor that numbers on an axis are shown in, so that they stay short.
+/// A factor that numbers on axes are shown in, so that they stay short.
 struct AxisUnit {
     double factor = 1;
     std::string text; ///< "km", "10³"; empty: none
 };
-/// @param largest magnitude of a number on the axis  @param unit of the numbers; empty: unknown
+/// @param largest magnitude of a number on them  @param unit of the numbers; empty: unknown
 [[nodiscard]] AxisUnit axisUnit(double largest, const std::string& unit);
 
 /// Round numbers between two bounds, about `wanted` of them. @param step receives their distance

@@ -6,6 +6,8 @@
 #include "vdblic/look/look.h"
 #include "vdblic/render/annotated_box.h"
 #include "vdblic/render/annotation_font.h"
+#include "vdblic/render/annotation_legend.h"
+#include "vdblic/render/annotation_scale.h"
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -32,11 +34,17 @@ constexpr double kBarRoom = 6.5; // a bar with its numbers and margin
 
 constexpr glm::dvec3 kLightInk(0.88), kDarkInk(0.12);
 
-/// An upright scale with numbers at its left and its title above.
+/// A scalar's name and unit.
+struct ScaleName {
+    std::string name, unit;
+};
+
+/// An upright scale with numbers at its left and its title above. Very large and very small numbers have a power of
+/// ten in the title.
 /// @param corner top right  @param paint sets the colour at a share of the range
 template<typename Paint>
-void drawScale(const CairoCanvas& canvas, const glm::dvec2& corner, double height, double textSize,
-               const ScalarAxis& axis, const std::string& title, const glm::dvec3& ink, const Paint& paint)
+void drawScale(const CairoCanvas& canvas, Labels& labels, const glm::dvec2& corner, double height, double textSize,
+               const ScalarAxis& axis, const ScaleName& name, const glm::dvec3& ink, const Paint& paint)
 {
     constexpr int kSteps = 128;
     const double width = 0.9 * textSize, left = corner.x - width;
@@ -52,12 +60,18 @@ void drawScale(const CairoCanvas& canvas, const glm::dvec2& corner, double heigh
     cairo_rectangle(canvas.context(), left, corner.y, width, height);
     cairo_stroke(canvas.context());
     const int wanted = int(std::clamp(height / (1.5 * textSize), 1.0, 5.0));
-    for (const auto& [value, text] : ticks(axis, wanted)) {
-        const double y = corner.y + height * (1 - axis.position(value));
+    const auto [low, high] = axis.range;
+    const AxisUnit unit = axis.scale == ValueScale::kLinear
+                              ? axisUnit(std::max(std::abs(low), std::abs(high)), name.unit)
+                              : AxisUnit{1, name.unit};
+    for (const auto& [value, text] : ticks({{low / unit.factor, high / unit.factor}, axis.scale}, wanted)) {
+        const double y = corner.y + height * (1 - axis.position(value * unit.factor));
         canvas.drawLine({left - 0.3 * textSize, y}, {left, y});
         canvas.drawText({left - 0.5 * textSize, y + 0.35 * textSize}, 1, text);
     }
+    const std::string title = scalarTitle(name.name, unit.text);
     canvas.drawText({corner.x, corner.y - 0.8 * textSize}, 1, title);
+    labels.keepFree({{corner.x - labels.extent(title).x, corner.y - 2 * textSize}, corner});
 }
 
 const std::string& either(const std::string& given, const std::string& known)
@@ -74,25 +88,32 @@ void selectFont(const CairoCanvas& canvas, const std::string& text, double textS
 }
 
 /// @return the lower end of what is drawn
-double drawColorBars(const CairoCanvas& canvas, const AnnotationContent& content, const TransferFunction& transfer,
-                     const glm::dvec2& size, double textSize, const glm::dvec3& ink)
+double drawColorBars(const CairoCanvas& canvas, Labels& labels, const AnnotationContent& content,
+                     const TransferFunction& transfer, const glm::dvec2& size, double textSize, const glm::dvec3& ink)
 {
     const bool one = content.colorBy == content.opacityBy && transfer.range() == transfer.opacityRange() &&
                      transfer.colorAxis().scale == transfer.opacityAxis().scale;
     const double height = size.y * (one ? 0.4 : 0.3), right = size.x - kMargin * textSize;
     const double top = kBarTop * textSize;
-    drawScale(canvas, {right, top}, height, textSize, transfer.colorAxis(),
-              scalarTitle(content.colorBy, either(transfer.params().unit, content.colorUnit)), ink,
-              [&](double share) { canvas.setColor(transfer.displayColor(share)); });
-    if (one) return top + height;
+    const ScaleName name{content.colorBy,
+                         scalarUnit(content.colorBy, either(transfer.params().unit, content.colorUnit))};
+    double end = top + height;
+    if (transfer.params().kinds.empty()) {
+        drawScale(canvas, labels, {right, top}, height, textSize, transfer.colorAxis(), name, ink,
+                  [&](double share) { canvas.setColor(transfer.displayColor(share)); });
+    } else {
+        end = drawLegend(canvas, {right, top}, textSize, scalarTitle(name.name, name.unit), transfer, ink);
+    }
+    if (one) return end;
     // Opacity as ink on the picture: full where a voxel is most opaque.
     double most = 1e-9;
     for (int i = 0; i <= 64; ++i)
         most = std::max(most, transfer.opacityAt(i / 64.0));
-    drawScale(canvas, {right, top + height + 3 * textSize}, height, textSize, transfer.opacityAxis(),
-              scalarTitle(content.opacityBy, either(transfer.params().opacityUnit, content.opacityUnit)), ink,
-              [&](double share) { canvas.setColor(ink, transfer.opacityAt(share) / most); });
-    const double bottom = top + 2 * height + 4.4 * textSize;
+    drawScale(
+        canvas, labels, {right, end + 3 * textSize}, height, textSize, transfer.opacityAxis(),
+        {content.opacityBy, scalarUnit(content.opacityBy, either(transfer.params().opacityUnit, content.opacityUnit))},
+        ink, [&](double share) { canvas.setColor(ink, transfer.opacityAt(share) / most); });
+    const double bottom = end + height + 4.4 * textSize;
     canvas.drawText({right, bottom}, 1, "opacity");
     return bottom;
 }
@@ -164,15 +185,29 @@ void annotate(Image& image, const AnnotationParams& params, const AnnotationCont
     }
     Labels labels(front, size, textSize);
     const double margin = kMargin * textSize;
+    double bottom = size.y - margin; // of what comes next at the left
     if (params.colorBar) {
-        const double bottom = drawColorBars(front, content, look.transfer, size, textSize, ink);
-        labels.keepFree({{size.x - kBarRoom * textSize, 0}, {size.x, bottom + textSize}});
+        const double end = drawColorBars(front, labels, content, look.transfer, size, textSize, ink);
+        labels.keepFree({{size.x - kBarRoom * textSize, 0}, {size.x, end + textSize}});
     }
     if (params.time) {
         const std::string clock = clockText(content.clock);
-        const std::string text = fmt::format("frame {}{}{}", content.frame, clock.empty() ? "" : ", ", clock);
+        const std::string text =
+            fmt::format("frame {}{}{}", paddedText(content.frame, content.lastFrame), clock.empty() ? "" : ", ", clock);
         front.drawText({margin, size.y - margin}, 0, text);
         labels.keepFree({{0, size.y - margin - textSize}, {margin + labels.extent(text).x, size.y}});
+        bottom -= 1.6 * textSize;
+    }
+    if (params.scaleBar) {
+        const ScaleBar bar = scaleBar(camera, content.stretch);
+        const double top = drawScaleBar(front, {margin, bottom}, textSize, bar, content.lengthUnit);
+        labels.keepFree({{0, top}, {margin + bar.width + textSize, bottom}});
+        bottom = top - 0.4 * textSize;
+    }
+    if (params.triad) {
+        const AxisNames names = content.isGeographic ? AxisNames{"E", "N", "up"} : AxisNames{"x", "y", "z"};
+        const double top = drawTriad(front, {margin, bottom}, textSize, camera, names);
+        labels.keepFree({{0, top}, {margin + (bottom - top), bottom}});
     }
     if (!params.title.empty()) {
         selectFont(front, params.title, 1.5 * textSize);

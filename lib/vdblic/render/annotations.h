@@ -23,8 +23,10 @@ struct AnnotationContent {
     std::string opacityBy;
     std::int64_t frame;
     FrameClock clock{};
+    std::int64_t lastFrame = 0;             ///< of the sequence
     std::string colorUnit{}, opacityUnit{}; ///< of the grids; empty: unknown
     std::string lengthUnit{};               ///< of the world, the same
+    bool isGeographic = false;              ///< whether x, y and z are east, north and up
 };
 
 /// The points of a picture's subject, and some room beside them for axes and colour bars.

@@ -1,6 +1,8 @@
 #include "vdblic/render/frame_picture.h"
 
+#include "vdblic/cast/ground_plane.h"
 #include "vdblic/image/color_map.h"
+#include "vdblic/image/tone.h"
 #include "vdblic/render/annotations.h"
 #include "vdblic/render/image_attributes.h"
 #include "vdblic/render/nothing_seen.h"
@@ -13,37 +15,80 @@
 
 namespace vdblic {
 
-FramePicture::FramePicture(const RenderParams& params, const Scene& scene, const LoadedTexture& frame,
-                           std::shared_ptr<const Solid> solid, const PictureShare* share)
-    : mParams(params), mScene(scene), mFrame(frame), mSolid(std::move(solid)), mShare(share),
-      mExchange(share ? share->exchange : mAlone), mRays(params.rays), mCamera(scene.cameras.at(frame.file.frame))
+namespace {
+
+/// Cubic where linear interpolation would be seen as a pattern of voxels. One choice for all frames of a film.
+Interpolation interpolationFor(const Scene& scene, const TextureVolume& volume)
+{
+    constexpr double kWidePixels = 3;
+    const double pixel = scene.cameras.first().pixelSize(middleOf(scene.box));
+    return volume.voxelSize() > kWidePixels * pixel ? Interpolation::kCubic : Interpolation::kLinear;
+}
+
+} // namespace
+
+FramePicture::FramePicture(const RenderParams& params, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
+                           const PictureShare* share)
+    : mParams(params), mScene(scene), mShown(std::move(shown)), mShare(share),
+      mExchange(share ? share->exchange : mAlone), mRays(params.rays),
+      mCamera(scene.cameras.at(mShown->frame().file.frame))
 {
     mRays.clip = params.rays.clip.stretched(params.stretch);
+    if (!mRays.interpolation) mRays.interpolation = interpolationFor(scene, mShown->volume());
     const Look& look = scene.look;
-    if (look.shadows > 0)
-        mLight.emplace(frame.volume, look, keyLight(look, mCamera), double(look.shadows), mSolid.get(), mExchange);
-    const Scenery scenery{.solid = mSolid.get(),
+    const TextureVolume& volume = mShown->volume();
+    const Solid* const solid = mShown->solid();
+    const glm::dvec3 light = keyLight(look, mCamera);
+    if (mShown->ambient()) mLight.emplace(*mShown->extinctions(), *mShown->ambient(), volume, look, light);
+    if (params.ground.side != GroundSide::kNone) {
+        const std::vector<ClipPlane> cuts = mRays.clip.allPlanes(), solidCuts = mRays.clip.solidPlanes();
+        // Automatic cameras may look along up and then have another one.
+        const glm::dvec3 up =
+            params.motion.keys.empty() ? params.camera.up.value_or(glm::dvec3(0, 0, 1)) : mCamera.up();
+        const GroundPlane plane = groundPlane(params.ground.side, up, scene.box, solid);
+        std::optional<glm::vec3> color;
+        if (params.ground.color) color = glm::vec3(linearFromDisplay(*params.ground.color));
+        mGround.emplace(plane, ShadowCasters{*mShown->extinctions(), volume, cuts, solid, solidCuts}, light, color);
+    }
+    const Scenery scenery{.solid = solid,
                           .solidColor = glm::vec3(linearFromDisplay(params.solid.color)),
-                          .light = mLight ? &*mLight : nullptr};
-    mSum.emplace(frame.volume, look, share ? mCamera.cropped(share->area()) : mCamera, mRays, scenery);
+                          .light = mLight ? &*mLight : nullptr,
+                          .ground = mGround ? &*mGround : nullptr};
+    mSum.emplace(volume, look, mShown->visible(), share ? mCamera.cropped(share->area()) : mCamera, mRays, scenery);
 }
 
 Image FramePicture::image() const
 {
-    Image image = mSum->mean();
+    const LoadedTexture& frame = mShown->frame();
+    Image image = exposed(mSum->mean(), mScene.look.exposure);
     if (mShare) mShare->assemble(image);
     if (mParams.annotations.any() && mExchange.isFirst()) {
-        const AnnotationContent content{mScene.box,       mParams.stretch,    mParams.colorBy,
-                                        mScene.opacityBy, mFrame.file.frame,  mFrame.clock,
-                                        mFrame.colorUnit, mFrame.opacityUnit, mFrame.lengthUnit};
-        annotate(image, mParams.annotations, content, mScene.look, mCamera, mParams.background.color);
+        const auto shown = [&](const std::string& name) { // the texture stands in for the speed
+            return !frame.hasColor && name == mParams.colorBy ? mParams.texture : name;
+        };
+        FrameClock clock = frame.clock;
+        clock.longest = mScene.longest;
+        const AnnotationContent content{mScene.box,
+                                        mParams.stretch,
+                                        shown(mParams.colorBy),
+                                        shown(mScene.opacityBy),
+                                        frame.file.frame,
+                                        clock,
+                                        mScene.lastFrame,
+                                        frame.colorUnit,
+                                        frame.opacityUnit,
+                                        frame.lengthUnit,
+                                        isGeographic(clock, frame.lengthUnit, mParams.stretch)};
+        annotate(image, mParams.annotations, content, mScene.look, mCamera, mParams.background.at(0.5));
     }
     return image;
 }
 
 ImageHeader FramePicture::header() const
 {
-    return imageHeader(mParams, mScene.look, mCamera, mFrame.file);
+    RenderParams params = mParams;
+    params.rays.interpolation = mRays.interpolation;
+    return imageHeader(params, mScene.look, mCamera, mShown->frame().file);
 }
 
 std::string FramePicture::whyNothingIsSeen(const Image& image)
@@ -51,7 +96,7 @@ std::string FramePicture::whyNothingIsSeen(const Image& image)
     const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
     const bool anySeen = std::any_of(image.pixels.begin(), image.pixels.end(), isSeen);
     if (mExchange.any(anySeen)) return {};
-    return vdblic::whyNothingIsSeen(mFrame.volume, mScene.look, mCamera, mRays, mExchange);
+    return vdblic::whyNothingIsSeen(mShown->volume(), mScene.look, mCamera, mRays, mExchange);
 }
 
 } // namespace vdblic

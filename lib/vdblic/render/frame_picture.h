@@ -1,14 +1,15 @@
 #pragma once
 
+#include "vdblic/cast/ground.h"
 #include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/ray_cast_params.h"
-#include "vdblic/cast/solid.h"
 #include "vdblic/cast/supersampling.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/render/picture_share.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/render/scene.h"
+#include "vdblic/render/shown_frame.h"
 
 #include <memory>
 #include <optional>
@@ -20,11 +21,11 @@ namespace vdblic {
 /// The picture of a frame, which gets better with every sample. Everything that an image of a sequence shows.
 class FramePicture {
   public:
-    /// @param params, scene, frame, share must outlive this
-    /// @param solid  or null
+    /// @param params, scene, share must outlive this
+    /// @param shown  the frame with the scene's look
     /// @param share  of the ranks that cast this picture together, for which the frame was loaded; or null. Collective
-    FramePicture(const RenderParams& params, const Scene& scene, const LoadedTexture& frame,
-                 std::shared_ptr<const Solid> solid, const PictureShare* share = nullptr);
+    FramePicture(const RenderParams& params, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
+                 const PictureShare* share = nullptr);
     FramePicture(const FramePicture&) = delete;
     FramePicture& operator=(const FramePicture&) = delete;
 
@@ -43,14 +44,14 @@ class FramePicture {
   private:
     const RenderParams& mParams;
     const Scene& mScene;
-    const LoadedTexture& mFrame;
-    std::shared_ptr<const Solid> mSolid;
+    std::shared_ptr<const ShownFrame> mShown;
     const PictureShare* mShare;
     OneProcess mAlone;
     Exchange& mExchange; // of the share, else this process alone
     RayCastParams mRays; // with the cuts in the volume's space
     Camera mCamera;
     std::optional<LightGrid> mLight;
+    std::optional<Ground> mGround;
     std::optional<SampleSum> mSum;
 };
 

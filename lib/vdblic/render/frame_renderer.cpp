@@ -68,7 +68,9 @@ FrameImage FrameRenderer::render(const FrameFile& file, const Scene* scene,
         if (mParams.rays.layers) result.image.layers.resize(result.image.pixels.size());
         return result;
     }
-    FramePicture picture(mParams, *scene, *frame, solidOf(*frame), share ? &share->picture : nullptr);
+    FramePicture picture(mParams, *scene,
+                         std::make_shared<const ShownFrame>(mParams, scene->look, frame, solidOf(*frame), mExchange),
+                         share ? &share->picture : nullptr);
     for (int sample = 0; sample < mParams.samples; ++sample) {
         mReporter.checkStop();
         picture.addSample();

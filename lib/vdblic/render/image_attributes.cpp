@@ -70,6 +70,7 @@ RenderParams chosen(const RenderParams& params, const Look& look, const Camera& 
     result.look.transfer.opacityRange = {low, high};
     result.look.transfer.opacityScale = look.transfer.opacityAxis().scale;
     result.look.shading = look.shading;
+    result.look.exposure = look.exposure;
     return result;
 }
 

@@ -3,7 +3,6 @@
 #include "vdblic/core/exchange.h"
 
 #include <fmt/format.h>
-#include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
 #include <algorithm>
@@ -36,14 +35,6 @@ bool isBesidePicture(const Corners& box, const Camera& camera)
 std::string textOf(const glm::dvec3& v)
 {
     return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
-}
-
-bool isCutAway(const Corners& box, const std::vector<ClipPlane>& planes)
-{
-    return std::any_of(planes.begin(), planes.end(), [&](const ClipPlane& plane) {
-        return std::all_of(box.begin(), box.end(),
-                           [&](const glm::dvec3& corner) { return glm::dot(corner - plane.point, plane.normal) < 0; });
-    });
 }
 
 } // namespace

@@ -27,16 +27,16 @@ void setLook(RenderParams& params, const std::string& name)
     const LookPreset preset = lookPreset(name);
     params.lookName = name;
     params.look = preset.look;
-    params.background = {preset.background, 0};
+    params.background = preset.background;
     params.opacityBy = preset.opacityBy;
 }
 
 } // namespace
 
-RenderParams defaultRenderParams()
+RenderParams defaultRenderParams(bool isSparse)
 {
     RenderParams params;
-    setLook(params, params.lookName);
+    setLook(params, defaultLookName(isSparse));
     return params;
 }
 
@@ -81,12 +81,12 @@ Parameters pictureParametersOf(RenderParams& params)
                   {.unit = "world", .words = "X Y Z X Y Z", .group = "Cuts", .attribute = "regionBox"}),
     };
     const Parameters annotate = {
-        parameter("annotate",
-                  "Explanations over the picture: box, axes, colorbar, time, title=TEXT. In .exr channels of their "
-                  "own, annotation.R and so on.",
-                  WordType::kText, 1,
-                  [&params](const Words& words) { params.annotations = parseAnnotations(words[0]); }, annotations,
-                  {.words = "NAME,NAME", .group = "Picture", .attribute = "annotations"}),
+        parameter(
+            "annotate",
+            "Explanations over the picture: box, axes, colorbar, time, scalebar, triad, title=TEXT. In .exr channels "
+            "of their own, annotation.R and so on.",
+            WordType::kText, 1, [&params](const Words& words) { params.annotations = parseAnnotations(words[0]); },
+            annotations, {.words = "NAME,NAME", .group = "Picture", .attribute = "annotations"}),
     };
     const Parameters scalars = {
         parameter("by", "Float grid that colour and opacity follow; magnitude by default.", WordType::kText, 1, setBy,
@@ -102,13 +102,13 @@ Parameters pictureParametersOf(RenderParams& params)
             {.words = "FILE", .group = "Colour and opacity", .isFile = true, .attribute = "-"}),
     };
     return joined({picture, parametersOf(params.camera), parametersOf(params.motion), scalars,
-                   parametersOf(params.look), parametersOf(params.rays), shown, parametersOf(params.solid), annotate,
-                   parametersOf(params.background)});
+                   parametersOf(params.look), parametersOf(params.rays), shown, parametersOf(params.solid),
+                   parametersOf(params.ground), annotate, parametersOf(params.background)});
 }
 
 namespace {
 
-/// The textures to render. Sparse ones ask for the look `streaks`, unless another one is given.
+/// The textures to render, which choose the look that all other parameters are set on top of.
 Parameters inputParameters(RenderParams& params)
 {
     Parameters input = parametersOf(params.input, "TEXTURE",
@@ -118,7 +118,7 @@ Parameters inputParameters(RenderParams& params)
         if (parameter.key != "input") continue;
         parameter.set = [&params, set = parameter.set](const Words& words) {
             set(words);
-            if (isSparse(params.input)) setLook(params, "streaks");
+            setLook(params, defaultLookName(isSparse(params.input)));
         };
     }
     return input;
@@ -178,6 +178,7 @@ void RenderParams::validatePicture() const
     motion.validate();
     look.validate();
     solid.validate();
+    ground.validate();
     rays.validate();
     background.validate();
     exr.validate();
@@ -207,10 +208,12 @@ double RenderParams::imageBytes() const
 {
     // The sum over the samples, one sample, the file's pixels, and the file.
     const double layerBytes = rays.layers ? 2 * sizeof(PixelLayers) : 0;
-    const double solidBytes = solid.source.empty() ? 0 : sizeof(float) + 2 * sizeof(glm::vec3);
+    const bool hasSurface = !solid.source.empty() || ground.side != GroundSide::kNone;
+    const double surfaceBytes = hasSurface ? sizeof(float) + sizeof(glm::vec4) + sizeof(glm::vec3) : 0;
     // Two drawings of 32 bits, and both in linear light.
     const double annotationBytes = annotations.any() ? 2 * (sizeof(float) + sizeof(glm::vec4)) : 0;
-    const double perPixel = sizeof(glm::vec4) * 4 + layerBytes + solidBytes + annotationBytes + (film.empty() ? 0 : 3);
+    const double perPixel =
+        sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + annotationBytes + (film.empty() ? 0 : 3);
     return double(scaledSize().x) * scaledSize().y * perPixel;
 }
 

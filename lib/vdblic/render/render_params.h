@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/camera/camera_path.h"
+#include "vdblic/cast/ground_params.h"
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/solid_params.h"
 #include "vdblic/image/image_file.h"
@@ -38,6 +39,7 @@ struct RenderParams {
     /// Lower and upper corner in world space: only voxels with their centre inside are shown.
     std::optional<std::array<double, 6>> regionBox{};
     SolidParams solid;
+    GroundParams ground{};
     /// Factors on the axes of world space for all that is shown, such as 1 1 20 for weather. Camera and lights are in
     /// the stretched space, cuts and region in the grids' own.
     glm::dvec3 stretch{1};
@@ -62,8 +64,8 @@ struct RenderParams {
     void validatePicture() const;
 };
 
-/// As the look `flow` has it.
-[[nodiscard]] RenderParams defaultRenderParams();
+/// As the look of textures has it for which none is asked, sparse ones or others (defaultLookName()).
+[[nodiscard]] RenderParams defaultRenderParams(bool isSparse = false);
 /// Those that determine a picture: not the files that it comes from and goes to. The look comes first, so that others
 /// are set on top of it.
 [[nodiscard]] Parameters pictureParametersOf(RenderParams& params);

@@ -206,7 +206,7 @@ class SequenceRenderer {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
                 if (!task.loaded->volume.empty()) {
                     OneProcess alone;
-                    setScene(chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), true, {}, alone));
+                    setScene(chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), {}, alone));
                 }
             }
             if (mScene) task.scene = &*mScene;
@@ -306,11 +306,13 @@ class SequenceRenderer {
         mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, nameOf(camera.projection()),
                                      vectorText(camera.eye()), vectorText(camera.target()), vectorText(camera.up())));
         const TransferFunction& transfer = look.transfer;
-        mReporter.detail(fmt::format("{} {} to {} ({}), opacity by {} {} to {} ({}): {}, texture {} to {}",
+        mReporter.detail(fmt::format("{} {} to {} ({}), opacity by {} {} to {} ({}): {}, texture {} to {}, "
+                                     "exposure {}",
                                      mParams.colorBy, transfer.range()[0], transfer.range()[1],
                                      nameOf(transfer.colorAxis().scale), scene.opacityBy, transfer.opacityRange()[0],
                                      transfer.opacityRange()[1], nameOf(transfer.opacityAxis().scale),
-                                     opacityText(transfer.opacity()), look.texture.low, look.texture.high));
+                                     opacityText(transfer.opacity()), look.texture.low, look.texture.high,
+                                     look.exposure));
         const std::string which = mExchange.isAlone()
                                       ? fmt::format("{} frames at once", framesInFlight(scene.frameBytes))
                                       : fmt::format("each frame by {} ranks", mExchange.size());

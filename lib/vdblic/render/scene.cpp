@@ -1,11 +1,13 @@
 #include "vdblic/render/scene.h"
 
+#include "vdblic/cast/ground_plane.h"
+#include "vdblic/cast/solid.h"
+#include "vdblic/cast/solid_extent.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
-#include "vdblic/image/color_map.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/annotations.h"
@@ -14,10 +16,12 @@
 #include "vdblic/volume/coarse_scalar.h"
 #include "vdblic/volume/leaf_share.h"
 #include "vdblic/volume/visible_extent.h"
+#include "vdblic/volume/visible_space.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
@@ -70,6 +74,23 @@ std::string unitOf(const openvdb::FloatGrid& scalar, const std::string& lengthUn
     return lengthUnit + "/s";
 }
 
+/// Names of the values of a scalar that tells the sources of streaks apart; empty for others.
+std::vector<std::string> kindsOf(const openvdb::FloatGrid& scalar, const openvdb::MetaMap& metadata)
+{
+    if (scalar.getName() != kSourceGrid) return {};
+    std::vector<std::string> kinds = sourceNames(metadata);
+    if (!kinds.empty()) kinds.insert(kinds.begin(), "no source");
+    return kinds;
+}
+
+/// Of a sparse texture's file, a grid whose active voxels are the flow's. Sources have the streaks' voxels.
+/// @param color what colour follows; or null
+openvdb::FloatGrid::Ptr flowVoxelsOf(const VdbFile& file, const openvdb::FloatGrid::Ptr& color)
+{
+    if (color && color->getName() != kSourceGrid) return color;
+    return file.find<openvdb::FloatGrid>(RenderParams{}.colorBy);
+}
+
 openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
 {
     const bool together = grid->transform() == texture.transform() || !grid->transform().isLinear();
@@ -82,15 +103,10 @@ int rimOf(const RenderParams& params)
     return params.look.shading.model == ShadingModel::kLine ? LeafVoxel::kDim : 0;
 }
 
-/// Estimate of the memory that a leaf takes, by what records it has.
-double bytesPerLeaf(bool gradients, bool lines, bool colors)
-{
-    constexpr double kGridLeaf =
-        2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float));
-    const auto record = double(sizeof(ValueRecord) + (gradients ? sizeof(GradientRecord) : 0) +
-                               (lines ? sizeof(LineRecord) : 0) + (colors ? sizeof(float) : 0));
-    return kGridLeaf + kPaddedSize * record;
-}
+/// The memory that a leaf of a frame's two grids takes, and the tables of its picture.
+constexpr double kLeafBytes =
+    2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float)) +
+    double(VisibleSpace::kBytesPerLeaf);
 
 } // namespace
 
@@ -113,18 +129,15 @@ openvdb::FloatGrid::ConstPtr LoadedTexture::domain() const
 
 double LoadedTexture::bytes() const
 {
-    return double(volume.leafCount()) * bytesPerLeaf(volume.gradients(), volume.lines(), volume.colors());
+    return double(volume.leafCount()) * (kLeafBytes + volume.bytesPerLeaf());
 }
 
 double bytesPerVoxel(const RenderParams& params)
 {
     const bool hasLines = params.look.shading.model == ShadingModel::kLine;
-    return bytesPerLeaf(needsGradients(params), hasLines, !params.opacityBy.empty()) / LeafVoxel::kCount;
-}
-
-bool needsGradients(const RenderParams& params)
-{
-    return params.look.shading.model != ShadingModel::kNone || params.look.halo > 0 || params.rays.layers;
+    const int scalars = params.opacityBy.empty() ? 1 : 2;
+    const double records = TextureVolume::bytesPerLeaf(hasLines, scalars * double(ScalarLeaf::kSize * sizeof(float)));
+    return (kLeafBytes + records) / LeafVoxel::kCount;
 }
 
 LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look, const LeafShare* share)
@@ -165,11 +178,8 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
         const bool hasLines = params.look.shading.model == ShadingModel::kLine;
         const std::string lengthUnit = textOf(file.metadata, "length_unit");
         // The lines at a leaf's rim are those of its neighbours.
-        const RecordUse use{.gradients = needsGradients(params),
-                            .look = hasLines ? nullptr : look,
-                            .share = share,
-                            .rim = rimOf(params),
-                            .isSparse = isSparse};
+        const RecordUse use{
+            .look = hasLines ? nullptr : look, .share = share, .rim = rimOf(params), .isSparse = isSparse};
         LoadedTexture loaded{frame,
                              texture,
                              color,
@@ -181,8 +191,9 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
                              unitOf(*color, lengthUnit),
                              unitOf(*opacity, lengthUnit),
                              lengthUnit,
+                             kindsOf(*color, file.metadata),
                              isSparse,
-                             isSparse ? storedColor : nullptr};
+                             isSparse ? flowVoxelsOf(file, storedColor) : nullptr};
         if (opacity != color || !params.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
         if (!params.region.empty() || params.regionBox) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
@@ -209,53 +220,90 @@ void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
     voxels = std::max(voxels, active * share * share);
     narrowest = std::max(narrowest, share * double(box.dim()[int(box.minExtent())]));
     volumeBytes = std::max(volumeBytes, frame.bytes());
+    lastFrame = std::max(lastFrame, frame.file.frame);
+    longest = std::max(longest, std::abs(frame.clock.time.value_or(0)));
     if (!first.empty()) return;
     first = frame.file.path;
     opacityBy = frame.opacityBy;
+    kinds = frame.kinds;
 }
 
 Look LookBasis::choose(const RenderParams& params) const
 {
     try {
         constexpr double kOblique = 2; // how much longer a path through a plate may be than the plate is thick
-        Look look = chooseLook(params.look, samples, std::min(std::cbrt(voxels), kOblique * narrowest));
-        look.background = glm::vec3(linearFromDisplay(params.background.color));
+        LookParams open = params.look;
+        open.transfer.kinds = kinds;
+        Look look = chooseLook(open, samples, std::min(std::cbrt(voxels), kOblique * narrowest));
+        look.background = params.background;
         return look;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", first.string(), error.what()));
     }
 }
 
+namespace {
+
+/// Points around the solids of the frames.
+std::vector<glm::dvec3> solidPoints(const RenderParams& params,
+                                    std::span<const std::shared_ptr<const LoadedTexture>> frames)
+{
+    std::vector<glm::dvec3> points;
+    for (const auto& frame :
+         frames.first(params.solid.changes() ? frames.size() : std::min<std::size_t>(1, frames.size()))) {
+        try {
+            const auto more = solidExtent(makeSolid(params.solid, *frame->domain(), params.stretch, frame->file.frame));
+            points.insert(points.end(), more.begin(), more.end());
+        } catch (const InputError&) { // is reported at the frame's turn
+        }
+    }
+    return points;
+}
+
+/// Add the points of the ground that lie below the points of a subject, where most of its shadow falls.
+void addOnGround(const RenderParams& params, const Corners& box, std::vector<glm::dvec3>& subject)
+{
+    const glm::dvec3 up = params.camera.up.value_or(glm::dvec3(0, 0, 1));
+    const GroundPlane plane = groundPlane(params.ground.side, up, box, nullptr);
+    for (std::size_t i = 0, count = subject.size(); i < count; ++i)
+        subject.push_back(subject[i] + plane.normal * (plane.height - glm::dot(subject[i], plane.normal)));
+}
+
+} // namespace
+
 std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
                                      std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                     bool steady, Exchange& exchange)
+                                     Exchange& exchange)
 {
     std::vector<glm::dvec3> subject;
     if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject;
-    if (params.annotations.box || params.annotations.axes || !params.solid.source.empty() || !steady) {
+    const AnnotationParams& annotations = params.annotations;
+    if (annotations.box || annotations.axes) {
         subject.assign(box.begin(), box.end());
     } else {
+        if (!params.solid.source.empty()) subject = solidPoints(params, frames);
         for (const auto& frame : frames) {
             const auto more = visibleExtent(frame->volume, look, params.rays.clip.stretched(params.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());
         }
+        if (params.ground.side != GroundSide::kNone) addOnGround(params, box, subject);
     }
-    const AnnotationParams& annotations = params.annotations;
     if (!annotations.axes && !annotations.colorBar) return subject;
     const Camera view(params.camera, box, params.scaledSize(), subject);
     return withRoom(std::move(subject), annotations, view);
 }
 
 Scene chooseScene(const RenderParams& params, std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                  const Corners& box, bool steady, const FrameSpan& span, Exchange& exchange)
+                  const Corners& box, const FrameSpan& span, Exchange& exchange)
 {
     LookBasis basis;
     for (const auto& frame : frames)
         basis.add(*frame, exchange);
     Look look = basis.choose(params);
-    std::vector<glm::dvec3> subject = sceneSubject(params, look, frames, box, steady, exchange);
+    std::vector<glm::dvec3> subject = sceneSubject(params, look, frames, box, exchange);
     const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span, std::move(subject));
-    return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + params.imageBytes()};
+    return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + params.imageBytes(),
+            basis.lastFrame, basis.longest};
 }
 
 namespace {
@@ -293,7 +341,7 @@ std::optional<SceneSource> sceneSource(const RenderParams& params)
         const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
         if (file.frame != bounds->firstFilled.frame) lookFrames.push_back(file);
     }
-    return SceneSource{files.size(), span, bounds->box, bounds->steady, std::move(lookFrames)};
+    return SceneSource{files.size(), span, bounds->box, std::move(lookFrames)};
 }
 
 std::optional<SequenceScene> sceneOfSequence(const RenderParams& params, Exchange& exchange)
@@ -319,7 +367,7 @@ std::optional<SequenceScene> sceneOfSequence(const RenderParams& params, Exchang
     }
     std::erase_if(frames, [](const auto& frame) { return frame->volume.empty(); });
     if (frames.empty()) return std::nullopt;
-    SequenceScene result{chooseScene(params, frames, source->box, source->steady, source->span, exchange), nullptr};
+    SequenceScene result{chooseScene(params, frames, source->box, source->span, exchange), nullptr};
     if (source->frameCount == 1 && exchange.isAlone()) result.onlyFrame = frames.front();
     return result;
 }

@@ -10,6 +10,7 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -33,6 +34,7 @@ struct LoadedTexture {
     TextureVolume volume;
     FrameClock clock;                                 ///< of the file's metadata
     std::string colorUnit, opacityUnit, lengthUnit{}; ///< of the scalars and of the world, as far as the file tells
+    std::vector<std::string> kinds{};                 ///< as TransferParams has them, where sources colour
     bool isSparse = false;                            ///< whether inactive voxels are empty
     openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture: a grid whose active voxels are the flow's
 
@@ -41,10 +43,6 @@ struct LoadedTexture {
 
     [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };
-
-/// Whether a picture reads the gradients of its volume. A frame that was loaded without them serves only parameters of
-/// which this is false.
-[[nodiscard]] bool needsGradients(const RenderParams& params);
 
 /// Estimate of the memory that a voxel of a frame takes.
 [[nodiscard]] double bytesPerVoxel(const RenderParams& params);
@@ -64,7 +62,10 @@ struct LookBasis {
     double voxels = 0, volumeBytes = 0; ///< the most of a frame
     double narrowest = 0;               ///< the shortest side of a frame's voxels [voxels]; the most of a frame
     std::string opacityBy;              ///< name of the grid that opacity follows
+    std::vector<std::string> kinds;     ///< of the first frame
     std::filesystem::path first;        ///< of the files
+    std::int64_t lastFrame = 0;         ///< the largest number of a frame
+    double longest = 0;                 ///< FrameClock::longest
 
     /// @param frame    not empty
     /// @param exchange of the ranks that share it: collective
@@ -73,36 +74,36 @@ struct LookBasis {
     [[nodiscard]] Look choose(const RenderParams& params) const;
 };
 
-/// What fills the picture: all that is visible of the frames, or the box around it if that is in the picture; nothing
-/// if the camera leaves nothing to choose. @param exchange of the ranks that share the frames: collective
+/// What fills the picture: all that is visible of the frames and their solids, or the box around them if that is in the
+/// picture; nothing if the camera leaves nothing to choose. @param exchange of the ranks that share the frames:
+/// collective
 [[nodiscard]] std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
                                                    std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                                                   const Corners& box, bool steady, Exchange& exchange);
+                                                   const Corners& box, Exchange& exchange);
 
 /// What stays the same for the whole animation.
 struct Scene {
     Look look;
     std::string opacityBy; ///< name of the grid that opacity follows, in every frame
     CameraPath cameras;
-    Corners box;       ///< around all frames, as far as is known
-    double frameBytes; ///< estimate of the memory that a frame takes
+    Corners box;                ///< around all frames, as far as is known
+    double frameBytes;          ///< estimate of the memory that a frame takes
+    std::int64_t lastFrame = 0; ///< of those that the scene is chosen from, as LookBasis has it
+    double longest = 0;
 };
 
 /// @param frames at least one, none empty
 /// @param box    around all frames, as far as is known
-/// @param steady whether every frame has these bounds: then what is visible of the frames fills the picture, else the
-/// box
 /// @param exchange of the ranks that share the frames: collective
 [[nodiscard]] Scene chooseScene(const RenderParams& params,
                                 std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                bool steady, const FrameSpan& span, Exchange& exchange);
+                                const FrameSpan& span, Exchange& exchange);
 
 /// What the scene of a sequence is chosen from.
 struct SceneSource {
     std::size_t frameCount; ///< on disk
     FrameSpan span;
     Corners box;                       ///< around all frames, stretched
-    bool steady;                       ///< whether every frame has these bounds
     std::vector<FrameFile> lookFrames; ///< a few of them, the first one with an active voxel
 };
 /// By the headers of all files on disk, whichever are selected; nothing if none has an active voxel.

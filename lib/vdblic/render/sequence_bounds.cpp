@@ -50,7 +50,6 @@ std::optional<SequenceBounds> sequenceBounds(const std::vector<FrameFile>& files
             transform = header->transform;
             low = high = corners[0];
         }
-        bounds->steady = bounds->steady && corners == bounds->box;
         shared = shared && *header->transform == *transform;
         indices.expand(header->box);
         for (const glm::dvec3& corner : corners) {

@@ -14,7 +14,6 @@ namespace vdblic {
 struct SequenceBounds {
     Corners box; ///< around all frames' voxels, in world space; along the grid's axes if all share a transform
     FrameFile firstFilled; ///< the first frame that has any
-    bool steady = true;    ///< every frame has the same bounds
 };
 
 /// The header of a frame's grid, its box computed from the voxels if the file does not hold it; nothing if the grid

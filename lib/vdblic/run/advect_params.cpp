@@ -6,6 +6,7 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/finish.h"
+#include "vdblic/run/velocity_output.h"
 
 #include <fmt/format.h>
 
@@ -39,8 +40,7 @@ Parameters parametersOf(AdvectParams& params)
         parameter("seed", "Seed of the generated noise.", params.seed, {.group = "Texture"}),
         parameter("preroll",
                   "Frames that the first one stands still for before it is written; the life span by default, 0 with "
-                  "lic, 2 with "
-                  "streaks.",
+                  "lic, 2 with streaks, with ibfv until a fifth of the first texture is left.",
                   params.preroll,
                   {.unit = "frames", .group = "Texture", .limits = {0, kMostPreroll}, .isExpert = true}),
         parameter("lead_in",
@@ -70,7 +70,8 @@ Parameters parametersOf(AdvectParams& params)
         parameter("carry", "Other grids of the files to copy into the outputs.", params.flow.velocity.carry,
                   {.words = "NAME,NAME", .group = "Output"}),
         parameter("derived",
-                  "Further grids computed from the velocity: vorticity (|curl v|, 1/s) and q (Q criterion, 1/s2).",
+                  "Further grids computed from the velocity: vorticity (|curl v|, 1/s), q (Q criterion, 1/s2), and "
+                  "velocity: the grid vel, world units per second, for motion blur.",
                   params.derived, {.option = "--with", .words = "NAME,NAME", .group = "Output"}),
         parameter("texture_name", "Name of the texture grid.", params.textureName,
                   {.words = "NAME", .group = "Output"}),
@@ -94,8 +95,9 @@ Parameters parametersOf(AdvectParams& params)
     return joined({parametersOf(params.flow.input, "VELOCITY",
                                 "Velocity sequence: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), "
                                 "or - for paths on standard input."),
-                   steady, first, parametersOf(params.texture), parametersOf(params.streaks), parametersOf(params.flow),
-                   parametersOf(params.flow.domain), motion, start, outputs, parametersOf(params.format), run});
+                   steady, first, parametersOf(params.texture), parametersOf(params.backward),
+                   parametersOf(params.streaks), parametersOf(params.flow), parametersOf(params.flow.domain), motion,
+                   start, outputs, parametersOf(params.format), run});
 }
 
 void AdvectParams::validate() const
@@ -106,6 +108,8 @@ void AdvectParams::validate() const
     checkExtension(output, {".vdb"});
     texture.validate();
     streaks.validate();
+    backward.validate();
+    if (backward.alpha && texture.method != TextureMethod::kIbfv) throw ParameterError("`alpha` is of `method` ibfv");
     if (isSparse()) {
         if (!noise.empty()) throw ParameterError("`noise`: streaks begin without noise; leave it out");
         if (flow.domain.refinement.interpolation == Interpolation::kCubic)
@@ -124,9 +128,12 @@ void AdvectParams::validate() const
     if (keepCheckpoint && checkpointEvery == 0) {
         throw ParameterError("`keep_checkpoint` needs checkpoints; leave out `checkpoint_every` 0");
     }
-    checkDerivedNames(derived);
+    const std::vector<std::string> scalars = derivedScalars();
+    checkDerivedNames(scalars);
+    if (derived.size() - scalars.size() > 1) throw ParameterError("'velocity' is asked for twice");
     const auto isOutput = [&](const std::string& name) {
-        return name == "magnitude" || std::find(derived.begin(), derived.end(), name) != derived.end();
+        return name == "magnitude" || std::find(scalars.begin(), scalars.end(), name) != scalars.end() ||
+               (writesVelocity() && name == kVelocityGrid);
     };
     if (textureName.empty() || isOutput(textureName)) {
         throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
@@ -139,10 +146,23 @@ void AdvectParams::validate() const
     }
 }
 
+bool AdvectParams::writesVelocity() const
+{
+    return std::find(derived.begin(), derived.end(), kVelocityName) != derived.end();
+}
+
+std::vector<std::string> AdvectParams::derivedScalars() const
+{
+    std::vector<std::string> scalars = derived;
+    std::erase(scalars, kVelocityName);
+    return scalars;
+}
+
 int AdvectParams::prerollFrames() const
 {
     constexpr int kSettling = 2; // streaks begin with whole tails; then the controller thins them
-    return preroll.value_or(isSteady(texture.method) ? 0 : isSparse() ? kSettling : texture.lifeSpan);
+    const int settling = looksBack(texture.method) ? backward.settlingFrames(texture.lifeSpan) : texture.lifeSpan;
+    return preroll.value_or(isSteady(texture.method) ? 0 : isSparse() ? kSettling : settling);
 }
 
 std::uint64_t AdvectParams::prerollSteps() const
@@ -162,7 +182,8 @@ int AdvectParams::leadInFrames() const
 
 int AdvectParams::finishTaps() const
 {
-    const bool isPublished = isSparse() || isSteady(texture.method) || texture.method == TextureMethod::kAuflic2004;
+    const bool isPublished = isSparse() || isSteady(texture.method) || looksBack(texture.method) ||
+                             texture.method == TextureMethod::kAuflic2004;
     return finish.value_or(isPublished ? 0 : FinishParams{}.taps);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/backward/backward_params.h"
 #include "vdblic/flow/flow_sequence_params.h"
 #include "vdblic/lic/texture_params.h"
 #include "vdblic/run/texture_format.h"
@@ -19,6 +20,7 @@ struct AdvectParams {
     std::string output; ///< pattern of the texture files
     TextureParams texture;
     StreakParams streaks;        ///< with the method streaks
+    BackwardParams backward;     ///< with the methods that look back
     std::optional<int> finish{}; ///< FinishParams::taps; nothing: finishTaps()
     std::string noise;           ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;      ///< of the generated noise
@@ -33,7 +35,7 @@ struct AdvectParams {
     std::optional<double> voxelsPerFrame{};
     int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
     std::string textureName = "density";
-    std::vector<std::string> derived{}; ///< further grids computed from the velocity: of kDerivedNames
+    std::vector<std::string> derived{}; ///< further grids from the velocity: of kDerivedNames, and kVelocityName
     TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
     bool resume = false;                  ///< go on from the checkpoint that an earlier run left, if there is one
@@ -45,10 +47,12 @@ struct AdvectParams {
 
     /// Whether textures are sparse: drawn into voxels of their own, and not computed on refined voxels of the velocity.
     [[nodiscard]] bool isSparse() const { return texture.method == TextureMethod::kStreaks; }
-    [[nodiscard]] int prerollFrames() const;          ///< as given, else the default
-    [[nodiscard]] std::uint64_t prerollSteps() const; ///< with their substeps
-    [[nodiscard]] int leadInFrames() const;           ///< as given, else the default
-    [[nodiscard]] int finishTaps() const;             ///< as given, else the default: none for what is as published
+    [[nodiscard]] bool writesVelocity() const;                     ///< whether `derived` asks for the velocity
+    [[nodiscard]] std::vector<std::string> derivedScalars() const; ///< the other names of `derived`
+    [[nodiscard]] int prerollFrames() const;                       ///< as given, else the default
+    [[nodiscard]] std::uint64_t prerollSteps() const;              ///< with their substeps
+    [[nodiscard]] int leadInFrames() const;                        ///< as given, else the default
+    [[nodiscard]] int finishTaps() const; ///< as given, else the default: none for what is as published
     [[nodiscard]] std::uint64_t
     warmUpSteps() const; ///< the steps of preroll and lead-in, whose textures are not written
     /// The number of intervals between frames that are computed after so many steps, without the preroll.

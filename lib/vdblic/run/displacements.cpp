@@ -1,6 +1,7 @@
 #include "vdblic/run/displacements.h"
 
 #include "vdblic/core/exchange.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/field/velocity_frame.h"
 
 #include <openvdb/openvdb.h>
@@ -32,6 +33,7 @@ void Displacements::add(const VelocityFrame& frame, double interval)
                                  leaves.leafRange(kGrain), Counts{},
                                  [&](const auto& range, Counts counts) {
                                      for (auto leaf = range.begin(); leaf; ++leaf) {
+                                         paging::breathe(paging::kLeafBytes);
                                          for (auto value = leaf->cbeginValueOn(); value; ++value)
                                              count(*value, 1, counts);
                                      }
@@ -52,7 +54,7 @@ void Displacements::join(Exchange& exchange)
 double Displacements::ofFasterHalf() const
 {
     const auto lengthOf = [](std::size_t step) {
-        const float middle = std::bit_cast<float>(std::uint32_t(step << kDroppedBits | 1u << (kDroppedBits - 1)));
+        const auto middle = std::bit_cast<float>(std::uint32_t(step << kDroppedBits | 1u << (kDroppedBits - 1)));
         return step == 0 ? 0.0 : std::sqrt(double(middle));
     };
     double all = 0;

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace vdblic {
 
@@ -27,20 +26,29 @@ double shareInBricks(double leaves)
     return std::min(1.0, kSlabs * (double(Slabs::fewestLeaves()) + layer / 2) / std::max(leaves, 1.0));
 }
 
-/// Of streaks with tails of some spacings, and of what is drawn of them.
-double streakBytes(const AdvectParams& params, const Domain& velocity)
+} // namespace
+
+StreakCost streakCost(const StreakShape& shape, double voxels, double leaves, const openvdb::CoordBBox& box)
 {
-    constexpr double kVoxel = 90; // for the square of the texture voxels in a spacing
-    const StreakShape shape = streakShape(params.streaks, params.flow.domain.refinement, velocity, 0);
-    double cells = double(velocity.voxelCount()), voxels = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        cells /= double(shape.spacing[axis]);
-        voxels *= double(shape.spacing[axis]) * shape.refinement.factors[axis];
+    constexpr double kDrawn = 90, kSeconds = 1.86e-7; // for the square of the texture voxels in a spacing, a streak
+    double cells = voxels, inCell = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = std::size_t(axis);
+        const double spacing = std::min(double(shape.spacing[at]), double(box.dim()[axis]));
+        cells /= spacing;
+        inCell *= spacing * shape.refinement.factors[at];
     }
-    return kVoxel * cells * std::pow(voxels, 2.0 / 3);
+    const double drawn = cells * std::pow(inCell, 2.0 / 3);
+    return {kProcess + (kVelocity * Domain::kLeafVoxels + kVelocityBrick) * leaves + kDrawn * drawn, kSeconds * drawn};
 }
 
-} // namespace
+double backwardBytes(double velocity, double texture)
+{
+    constexpr double kCarried = 12, kBrick = sizeof(float) * 4 * BricksOf<4>::kSize;
+    const double leaves = texture / Domain::kLeafVoxels;
+    return kProcess + kVelocity * velocity + kCarried * texture +
+           shareInBricks(leaves) * (velocity / Domain::kLeafVoxels * kVelocityBrick + leaves * kBrick);
+}
 
 double advectBytes(double voxels)
 {
@@ -53,9 +61,13 @@ double advectBytes(const AdvectParams& params, const FieldDomain& first)
 {
     const double velocity = double(first.velocity->local().size()), texture = double(first.texture->local().size());
     if (params.isSparse()) {
-        return kProcess + (kVelocity * Domain::kLeafVoxels + kVelocityBrick) * velocity +
-               streakBytes(params, *first.velocity);
+        openvdb::CoordBBox box;
+        (void)first.velocity->topology().evalActiveVoxelBoundingBox(box);
+        const StreakShape shape = streakShape(params.streaks, params.flow.domain.refinement, *first.velocity, 0);
+        return streakCost(shape, double(first.velocity->voxelCount()), velocity, box).bytes;
     }
+    if (looksBack(params.texture.method))
+        return backwardBytes(velocity * Domain::kLeafVoxels, texture * Domain::kLeafVoxels);
     double voxel = kTexture;
     if (params.texture.method == TextureMethod::kUflic) voxel += kParticle * (params.texture.lifeSpan - 1);
     if (params.texture.method == TextureMethod::kAuflic2004) voxel += kParticle + 4 * params.texture.lifeSpan;

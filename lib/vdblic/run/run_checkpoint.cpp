@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/distributed/partition.h"
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/io/atomic_file.h"
@@ -175,6 +176,7 @@ void RunCheckpoint::write(const FlowTexture& texture)
             writeParts(texture, unsaved, std::move(checkpoint));
         }
     } catch (const std::bad_alloc&) {
+        paging::checkScratch();
         throw InputError(fmt::format("{}: takes more than the {} of memory that may be used: raise `max_memory`, or "
                                      "give `checkpoint_every` 0 to do without",
                                      mOutputs.checkpoint().string(), memoryText(double(memoryLimit()))));

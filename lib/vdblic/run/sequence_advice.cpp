@@ -15,26 +15,6 @@
 namespace vdblic {
 namespace {
 
-const GridInfo* gridOf(const SequenceInfo& info, const std::string& name)
-{
-    // The name of three scalars lists them.
-    const auto found = std::find_if(info.grids.begin(), info.grids.end(),
-                                    [&](const GridInfo& grid) { return grid.name == name.substr(0, name.find(',')); });
-    return found == info.grids.end() ? nullptr : &*found;
-}
-
-/// The axis along which a box has a single layer of voxels; −1: none, or several.
-int layerAxis(const openvdb::CoordBBox& box)
-{
-    int layer = -1;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (box.dim()[axis] > 1) continue;
-        if (layer >= 0) return -1;
-        layer = axis;
-    }
-    return layer;
-}
-
 constexpr double kLeast = 0.25; // voxels a step: streaks of a voxel
 constexpr double kGood = 4;
 
@@ -70,27 +50,59 @@ void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vec
                                  velocity.voxels, factors[0], factors[1], factors[2], voxels * factor * factor / 1e6));
 }
 
+openvdb::Vec3d worldSize(const GridInfo& grid)
+{
+    const openvdb::BBoxd index(grid.box.min().asVec3d(), grid.box.max().asVec3d() + 1.0);
+    return grid.transform->indexToWorld(index).extents();
+}
+
 void adviseOnShape(const GridInfo& grid, std::vector<std::string>& advice)
 {
+    const auto factors = stretchOf(grid);
+    if (!factors) return;
+    const openvdb::Vec3d size = worldSize(grid);
+    advice.push_back(fmt::format("the domain is flat, {:.4g} x {:.4g} x {:.4g}: vdblic_render shows it better with "
+                                 "--stretch {} {} {}",
+                                 size[0], size[1], size[2], (*factors)[0], (*factors)[1], (*factors)[2]));
+}
+
+} // namespace
+
+const GridInfo* velocityGridOf(const SequenceInfo& info)
+{
+    if (!info.velocity) return nullptr;
+    const std::string& name = info.velocity->grid; // of three scalars it lists them
+    const auto found = std::find_if(info.grids.begin(), info.grids.end(),
+                                    [&](const GridInfo& grid) { return grid.name == name.substr(0, name.find(',')); });
+    return found == info.grids.end() ? nullptr : &*found;
+}
+
+int layerAxis(const openvdb::CoordBBox& box)
+{
+    int layer = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (box.dim()[axis] > 1) continue;
+        if (layer >= 0) return -1;
+        layer = axis;
+    }
+    return layer;
+}
+
+std::optional<std::array<double, 3>> stretchOf(const GridInfo& grid)
+{
     constexpr double kFlat = 8, kGoodShape = 4; // longest side over the shortest
-    if (grid.box.empty() || !grid.transform || !grid.transform->isLinear()) return;
-    if (layerAxis(grid.box) >= 0) return; // a layer is flat at any height
-    const openvdb::BBoxd box =
-        grid.transform->indexToWorld(openvdb::BBoxd(grid.box.min().asVec3d(), grid.box.max().asVec3d() + 1.0));
-    const openvdb::Vec3d size = box.extents();
+    if (grid.box.empty() || !grid.transform || !grid.transform->isLinear()) return std::nullopt;
+    if (layerAxis(grid.box) >= 0) return std::nullopt; // a layer is flat at any height
+    const openvdb::Vec3d size = worldSize(grid);
     const double longest = std::max({size[0], size[1], size[2]}), shortest = std::min({size[0], size[1], size[2]});
-    if (!(shortest > 0 && longest > kFlat * shortest)) return;
+    if (!(shortest > 0 && longest > kFlat * shortest)) return std::nullopt;
     std::array<double, 3> factors{1, 1, 1};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (size[int(axis)] < longest / kFlat)
             factors[axis] = std::max(1.0, std::round(longest / kGoodShape / size[int(axis)]));
     }
-    advice.push_back(fmt::format("the domain is flat, {:.4g} x {:.4g} x {:.4g}: vdblic_render shows it better with "
-                                 "--stretch {} {} {}",
-                                 size[0], size[1], size[2], factors[0], factors[1], factors[2]));
+    return factors;
 }
-
-} // namespace
 
 bool makesStreaks(double moves)
 {
@@ -162,7 +174,7 @@ std::vector<std::string> adviceFor(const SequenceInfo& info)
                         "it is",
                         kFrames));
     }
-    const GridInfo* grid = gridOf(info, info.velocity->grid);
+    const GridInfo* grid = velocityGridOf(info);
     adviseOnVoxels(*info.velocity, grid, advice);
     if (grid) adviseOnShape(*grid, advice);
     return advice;

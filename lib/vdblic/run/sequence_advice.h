@@ -2,6 +2,7 @@
 
 #include "vdblic/run/sequence_info.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,15 @@ namespace vdblic {
 
 /// What a sequence needs before its texture is worth computing or looking at, each with the option that gives it.
 [[nodiscard]] std::vector<std::string> adviceFor(const SequenceInfo& info);
+
+/// The grid of the velocity, or the first of three scalars; null if there is none.
+[[nodiscard]] const GridInfo* velocityGridOf(const SequenceInfo& info);
+
+/// The axis along which a box has a single layer of voxels; −1: none, or several.
+[[nodiscard]] int layerAxis(const openvdb::CoordBBox& box);
+
+/// Factors on the world's axes that give a flat domain, such as weather, a height; nothing if it is not flat.
+[[nodiscard]] std::optional<std::array<double, 3>> stretchOf(const GridInfo& grid);
 
 /// Whether a flow makes streaks that can be seen and stay in place. @param moves displacement of its faster half
 /// [voxels a step]

@@ -10,6 +10,7 @@
 #include "vdblic/run/displacements.h"
 #include "vdblic/run/memory_estimate.h"
 #include "vdblic/run/sequence_advice.h"
+#include "vdblic/streaks/streak_shape.h"
 
 #include <fmt/format.h>
 
@@ -190,8 +191,8 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     }
 }
 
-/// What a run with default parameters takes. @param frames to compute
-void estimateRun(const SequenceInfo& info, std::size_t frames, VelocityInfo& velocity)
+/// What a run takes whose other parameters are the defaults. @param frames to compute
+void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std::size_t frames, VelocityInfo& velocity)
 {
     constexpr double kSeconds = 0.22e-6; // of processor time for a voxel and frame (docs/reports/performance.md)
     constexpr double kPreroll = 4;
@@ -201,9 +202,48 @@ void estimateRun(const SequenceInfo& info, std::size_t frames, VelocityInfo& vel
         velocity.voxels = std::max(velocity.voxels, grid.mostVoxels);
         memory += double(grid.mostMemory);
     }
-    // Voxels of whole leaves, at three floats each.
-    velocity.memory = advectBytes(std::max(double(velocity.voxels), memory / (3 * sizeof(float))));
-    velocity.seconds = double(velocity.voxels) * (double(frames) + kPreroll) * kSeconds;
+    // Voxels of whole leaves, at three floats each. What is not active in them lies at the rim, and refined leaves that
+    // hold nothing are not there.
+    const double refine = params.refine.value_or(1), refined = refine * refine * refine;
+    const double rim = std::max(0.0, memory / (3 * sizeof(float)) - double(velocity.voxels));
+    constexpr double kIbfvShare = 0.6; // of the time
+    const double ofTexture = refined * double(velocity.voxels) + refine * refine * rim;
+    velocity.memory = advectBytes(ofTexture);
+    velocity.seconds = refined * double(velocity.voxels) * (double(frames) + kPreroll) * kSeconds;
+    velocity.ibfvMemory = backwardBytes(ofTexture / std::pow(refine, 3), ofTexture);
+    velocity.ibfvSeconds = kIbfvShare * velocity.seconds;
+}
+
+/// What a run of streaks takes. @param frames to compute
+void estimateStreaks(const SequenceInfoParams& params, const SequenceInfo& info, std::size_t frames,
+                     VelocityInfo& velocity)
+{
+    constexpr double kSettling = 0.25; // frames that tracing the first tails takes
+    openvdb::CoordBBox box;
+    double memory = 0;
+    for (const GridInfo& grid : info.grids) {
+        if (velocity.grid.find(grid.name) == std::string::npos) continue;
+        box.expand(grid.box);
+        memory += double(grid.mostMemory);
+    }
+    if (velocity.voxels == 0 || box.empty()) return;
+    const double moves = velocity.motion ? velocity.motion->fasterHalf : 0;
+    StreakParams streaks;
+    if (params.spacing) streaks.spacing.emplace().fill(float(*params.spacing));
+    Refinement refinement;
+    if (params.refine) {
+        refinement.factors.fill(*params.refine);
+        refinement.isGiven = true;
+    }
+    const StreakShape shape = streakShape(streaks, refinement, velocity.voxels, box, moves);
+    const auto voxels = double(velocity.voxels);
+    const double leaves = std::max(voxels, memory / (3 * sizeof(float))) / Domain::kLeafVoxels;
+    const StreakCost cost = streakCost(shape, voxels, leaves, box);
+    velocity.streaks = {.spacing = shape.spacing,
+                        .refine = shape.refinement.factors,
+                        .memory = cost.bytes,
+                        .seconds = (double(frames) + kSettling) * cost.secondsPerFrame};
+    if (moves > 0) velocity.streaks->tail = shape.tail;
 }
 
 } // namespace
@@ -215,6 +255,10 @@ Parameters parametersOf(SequenceInfoParams& params)
                   params.flow.input.frames),
         parameter("values", "Read the voxels too: their range, those that are not finite, displacements, checksums.",
                   params.values),
+        parameter("refine", "Refinement of the textures whose memory and time are told.", params.refine,
+                  {.limits = {1, double(Refinement::kMost)}}),
+        parameter("spacing", "Spacing of the streaks whose memory and time are told.", params.spacing,
+                  {.unit = "voxels of the velocity", .limits = {0.01, 1e6}}),
     };
     return joined({own, parametersOf(params.flow)});
 }
@@ -255,7 +299,7 @@ SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& r
     }
     if (info.velocity) {
         setInterval(params, readable, times, *info.velocity);
-        estimateRun(info, files.size(), *info.velocity);
+        estimateRun(params, info, files.size(), *info.velocity);
     }
     Displacements displacements;
     for (std::size_t i = 0; params.values && i < readable.size(); ++i) {
@@ -267,6 +311,7 @@ SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& r
             info.damaged.emplace_back(error.what());
         }
     }
+    if (info.velocity) estimateStreaks(params, info, files.size(), *info.velocity);
     info.advice = adviceFor(info);
     return info;
 }

@@ -17,7 +17,9 @@ namespace vdblic {
 /// Which sequence to inspect, and how its velocity is understood.
 struct SequenceInfoParams {
     FlowSequenceParams flow;
-    bool values = false; ///< read the voxels too, not only the headers
+    bool values = false;             ///< read the voxels too, not only the headers
+    std::optional<int> refine{};     ///< of the textures whose cost is told; nothing: 1, of streaks what suits them
+    std::optional<double> spacing{}; ///< of streaks, the same [voxels of the velocity]; nothing: what suits them
 
     void validate() const; ///< @throws ParameterError
 };
@@ -50,16 +52,26 @@ struct MotionInfo {
     std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": those that would move its faster half by some voxels
 };
 
+/// The streaks of a run that takes its defaults from the largest frame, and what it takes.
+struct StreaksInfo {
+    std::array<float, 3> spacing{}; ///< [voxels of the velocity]
+    std::array<int, 3> refine{};
+    std::optional<float> tail{};    ///< [frames], from the values
+    double memory = 0, seconds = 0; ///< as VelocityInfo has them
+};
+
 /// How vdblic_advect would understand and compute the sequence's velocity.
 struct VelocityInfo {
     std::string grid;
     VelocityUnit unit = VelocityUnit::kWorldPerSecond;
     double scale = 1;
-    double interval = 0;                ///< seconds between frames
-    std::string intervalSource;         ///< "by the files' times"
-    std::uint64_t voxels = 0;           ///< in the largest frame
-    double memory = 0, seconds = 0;     ///< estimates: bytes, and seconds of processor time
-    std::optional<MotionInfo> motion{}; ///< from the values
+    double interval = 0;                    ///< seconds between frames
+    std::string intervalSource;             ///< "by the files' times"
+    std::uint64_t voxels = 0;               ///< in the largest frame
+    double memory = 0, seconds = 0;         ///< estimates: bytes, and seconds of processor time
+    double ibfvMemory = 0, ibfvSeconds = 0; ///< the same with the method ibfv
+    std::optional<MotionInfo> motion{};     ///< from the values
+    std::optional<StreaksInfo> streaks{};
 };
 
 /// What is known of a sequence before anything is computed.

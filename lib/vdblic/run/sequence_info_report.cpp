@@ -39,6 +39,14 @@ void addGrid(const GridInfo& grid, std::size_t files, std::vector<std::string>& 
                     grid.values->notFinite == 0 ? "" : fmt::format(", {} not finite", grid.values->notFinite)));
 }
 
+/// One number where three are the same.
+template<typename Number>
+std::string shortText(const std::array<Number, 3>& numbers)
+{
+    const bool isOne = numbers[0] == numbers[1] && numbers[1] == numbers[2];
+    return isOne ? fmt::format("{}", numbers[0]) : fmt::format("{}", fmt::join(numbers, " "));
+}
+
 void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
 {
     lines.push_back(fmt::format("  velocity: grid {}; unit {} x {}; {:.6g} s between frames ({})", velocity.grid,
@@ -51,6 +59,14 @@ void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
     }
     lines.push_back(fmt::format("    vdblic_advect takes about {} of memory and {:.2g} s of processor time",
                                 memoryText(velocity.memory), velocity.seconds));
+    lines.push_back(fmt::format("    vdblic_advect `method` ibfv takes about {} and {:.2g} s",
+                                memoryText(velocity.ibfvMemory), velocity.ibfvSeconds));
+    if (!velocity.streaks) return;
+    const StreaksInfo& streaks = *velocity.streaks;
+    const std::string tail = streaks.tail ? fmt::format(" `tail` {}", *streaks.tail) : "";
+    lines.push_back(fmt::format(
+        "    vdblic_advect `method` streaks `spacing` {}{} `refine` {} takes about {} and {:.2g} s",
+        shortText(streaks.spacing), tail, shortText(streaks.refine), memoryText(streaks.memory), streaks.seconds));
 }
 
 nlohmann::json ofGrid(const GridInfo& grid)
@@ -81,7 +97,16 @@ nlohmann::json ofVelocity(const VelocityInfo& velocity)
                              {"interval", velocity.interval},
                              {"interval_source", velocity.intervalSource},
                              {"memory", velocity.memory},
-                             {"processor_seconds", velocity.seconds}};
+                             {"processor_seconds", velocity.seconds},
+                             {"ibfv", {{"memory", velocity.ibfvMemory}, {"processor_seconds", velocity.ibfvSeconds}}}};
+    if (velocity.streaks) {
+        const StreaksInfo& streaks = *velocity.streaks;
+        result["streaks"] = {{"spacing", streaks.spacing},
+                             {"refine", streaks.refine},
+                             {"memory", streaks.memory},
+                             {"processor_seconds", streaks.seconds}};
+        if (streaks.tail) result["streaks"]["tail"] = *streaks.tail;
+    }
     if (velocity.motion) {
         result["largest_displacement"] = velocity.motion->largest;
         result["largest_displacement_frame"] = velocity.motion->frame;

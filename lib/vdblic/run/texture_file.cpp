@@ -1,7 +1,9 @@
 #include "vdblic/run/texture_file.h"
 
+#include "vdblic/core/errors.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/resample.h"
@@ -11,6 +13,7 @@
 #include "vdblic/lic/finish.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/texture_run.h"
+#include "vdblic/run/velocity_output.h"
 
 #include <array>
 #include <cstddef>
@@ -26,7 +29,7 @@ VDBLIC_KERNEL void fillMagnitudes(const Domain::Mask& mask, const VelocityLeaf& 
 {
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const Float8 magnitude = squareRoots(squaredLength(velocities.row(row).velocities));
-        storeRow(Domain::activeRow(mask, row) ? magnitude : Float8{}, magnitudes, row);
+        storeRow(activeRow(mask, row) ? magnitude : Float8{}, magnitudes, row);
     }
 }
 
@@ -76,7 +79,9 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement&
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
     metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));
-    if (!isSteady(texture.method) && !params.isSparse()) {
+    if (looksBack(texture.method)) {
+        metadata.insertMeta("alpha", openvdb::FloatMetadata(float(params.backward.shareFor(texture.lifeSpan))));
+    } else if (!isSteady(texture.method) && !params.isSparse()) {
         metadata.insertMeta("sharpen", openvdb::FloatMetadata(texture.feedback.sharpen));
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(texture.feedback.noiseShare));
     }
@@ -106,7 +111,7 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
                                                 .tree();
     const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
     std::vector<openvdb::FloatGrid::Ptr> scalars =
-        derivedGrids(params.derived, *frame.domain.velocity, *velocity.values, toWorldPerSecond);
+        derivedGrids(params.derivedScalars(), *frame.domain.velocity, *velocity.values, toWorldPerSecond);
     scalars.insert(scalars.begin(),
                    fogVolume(magnitudeOf(*frame.domain.velocity, velocity.values->tree(), toWorldPerSecond),
                              "magnitude", velocity.values->transform()));
@@ -119,8 +124,16 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
             if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) grid = resampled(*scalar, *like);
         }
     }
+    if (params.writesVelocity()) {
+        if (!frame.domain.velocity->isWhole())
+            throw ParameterError("`derived` velocity: only a run by one process writes it; use vdblic_advect");
+        const bool onTexture = params.format.scalars == ScalarVoxels::kTexture && !made.step.refinement.isNone();
+        carried.insert(carried.begin(),
+                       velocityGrid(*frame.domain.velocity, *velocity.values, toWorldPerSecond * velocity.motion,
+                                    onTexture ? textureGrid.get() : nullptr, params.format.precision));
+    }
     if (made.step.source.tree())
-        scalars.insert(scalars.begin(), fogVolume(made.step.source.tree(), "source", transform));
+        scalars.insert(scalars.begin(), fogVolume(made.step.source.tree(), kSourceGrid, transform));
     if (params.format.precision == GridPrecision::kHalf) {
         textureGrid->setSaveFloatAsHalf(true);
         for (const openvdb::FloatGrid::Ptr& scalar : scalars)

@@ -21,8 +21,9 @@ struct TextureFile {
     openvdb::MetaMap metadata;
 };
 
-/// Assemble a texture file: the texture, `magnitude` (|v| [world units per second]), the derived grids that the
-/// parameters name, grids carried along from the velocity's file, and the parameters as metadata.
+/// Assemble a texture file: the texture, `magnitude` (|v| [world units per second]), the derived grids and the
+/// velocity where the parameters name them, grids carried along from the velocity's file, and the parameters as
+/// metadata.
 ///
 /// Textures are finished for display (finish()). Grids other than the texture have the velocity's transform, unless
 /// scalars are to have the texture's voxels: then the float grids are interpolated there.

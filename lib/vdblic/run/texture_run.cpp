@@ -1,7 +1,9 @@
 #include "vdblic/run/texture_run.h"
 
+#include "vdblic/backward/make_backward.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/flow/frame_between.h"
 #include "vdblic/noise/noise_field.h"
 #include "vdblic/noise/noise_file.h"
@@ -24,8 +26,9 @@ std::unique_ptr<FlowTexture> makeTexture(const AdvectParams& params)
         return std::make_unique<StreakTexture>(params.texture, params.streaks, params.flow.domain.refinement,
                                                params.seed);
     }
-    return makeFlowTexture(params.texture,
-                           NoiseField(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise)));
+    NoiseField noise(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise));
+    if (looksBack(params.texture.method)) return makeBackwardTexture(params.texture, params.backward, std::move(noise));
+    return makeFlowTexture(params.texture, std::move(noise));
 }
 
 /// The flow as the textures need it: streaks are traced on the velocity's own voxels.
@@ -124,7 +127,16 @@ void TextureRun::checkMemoryFor(const LoadedFrame& first) const
     const std::string text = fmt::format("{}: about {} of memory{}", voxels, memoryText(bytes), each);
     first.domain.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
     constexpr double kLeast = 0.75; // of the estimate
-    checkMemory(kLeast * bytes, voxels, "lower `refine`, or cut the domain with `box` or `mask`");
+    // Tiles take no bytes of a file: a damaged one may have any number of them.
+    const openvdb::Vec3STree& values = first.velocity.values->tree();
+    const auto stored = double(values.activeLeafVoxelCount()), all = double(values.activeVoxelCount());
+    const bool isStored = bytes * (all - stored) <= double(memoryLimit()) * all;
+    if (isStored && paging::makeRoom(bytes)) {
+        mReporter.say(fmt::format("{} take about {}, and {} of memory may be used: the rest lies in a scratch file",
+                                  voxels, memoryText(bytes), memoryText(double(memoryLimit()))));
+    } else {
+        checkMemory(kLeast * bytes, voxels, "lower `refine`, or cut the domain with `box` or `mask`");
+    }
 }
 
 std::optional<LoadedFrame> TextureRun::nextFrame()

@@ -2,7 +2,7 @@
 
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/mix_bits.h"
-#include "vdblic/streaks/neighbourhood_grid.h"
+#include "vdblic/field/neighbourhood_grid.h"
 
 #include <openvdb/openvdb.h>
 #include <tbb/blocked_range.h>

@@ -1,31 +1,31 @@
 #include "vdblic/streaks/streak_drawing.h"
 
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/streaks/streak_pieces.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <utility>
+#include <span>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-/// A piece, and a leaf of the texture that it may reach.
+/// A piece, and a leaf of the texture that it may reach: its number among those over a leaf of the velocity.
 struct PieceInLeaf {
-    std::uint64_t leaf; ///< number of the velocity's leaf, and of the texture's leaf in it
-    std::uint32_t piece;
+    std::uint32_t inside, piece;
 };
 
 /// The texture's leaves over the velocity's leaves, by number.
@@ -33,8 +33,9 @@ class TextureLeaves {
   public:
     TextureLeaves(const Domain& domain, const Refinement& refinement) : mDomain(domain), mRefinement(refinement) {}
 
-    /// Add the own leaves that a box of texture voxels reaches.
-    void addReached(const openvdb::CoordBBox& box, std::uint32_t piece, std::vector<PieceInLeaf>& reached) const
+    /// Visit the own leaves that a box of texture voxels reaches: number of the velocity's leaf, and of the leaf in it.
+    template<typename Visit>
+    void forReached(const openvdb::CoordBBox& box, const Visit& visit) const
     {
         const openvdb::Coord first = leafOf(box.min()), last = leafOf(box.max());
         for (openvdb::CoordBBox::Iterator<true> leaf(openvdb::CoordBBox(first, last)); leaf; ++leaf) {
@@ -47,21 +48,19 @@ class TextureLeaves {
                 coarse[axis] *= LeafVoxel::kDim;
             }
             const int number = mDomain.findLeaf(coarse);
-            if (number < 0 || !mDomain.isOwn(std::size_t(number))) continue;
-            reached.push_back(
-                {std::uint64_t(number) * std::uint64_t(mRefinement.voxels()) + std::uint64_t(inside), piece});
+            if (number >= 0 && mDomain.isOwn(std::size_t(number))) visit(std::size_t(number), std::uint32_t(inside));
         }
     }
 
-    /// The velocity's leaf under a leaf.
-    [[nodiscard]] std::size_t coarse(std::uint64_t leaf) const { return leaf / std::uint64_t(mRefinement.voxels()); }
-    [[nodiscard]] openvdb::Coord origin(std::uint64_t leaf) const
+    [[nodiscard]] std::size_t coarseCount() const { return mDomain.leafCount(); }
+    /// @param coarse the velocity's leaf  @param inside number of the leaf in it
+    [[nodiscard]] openvdb::Coord origin(std::size_t coarse, std::uint32_t inside) const
     {
         const auto& [x, y, z] = mRefinement.factors;
-        const int inside = int(leaf % std::uint64_t(mRefinement.voxels()));
-        const openvdb::Coord origin = mDomain.origin(coarse(leaf));
-        return {origin[0] * x + inside / (y * z) * LeafVoxel::kDim, origin[1] * y + inside / z % y * LeafVoxel::kDim,
-                origin[2] * z + inside % z * LeafVoxel::kDim};
+        const openvdb::Coord origin = mDomain.origin(coarse);
+        const int i = int(inside);
+        return {origin[0] * x + i / (y * z) * LeafVoxel::kDim, origin[1] * y + i / z % y * LeafVoxel::kDim,
+                origin[2] * z + i % z * LeafVoxel::kDim};
     }
 
   private:
@@ -128,6 +127,9 @@ bool reachedRows(const StreakPiece& piece, int axis, int origin, float scale, in
     return first <= last;
 }
 
+/// How much steeper a streak ends ahead of its head than it does sideways: where the value falls downstream.
+constexpr float kHeadSlope = 2;
+
 VDBLIC_KERNEL void drawPiece(const StreakPiece& piece, const openvdb::Coord& origin, const std::array<float, 3>& scale,
                              float* values, std::int32_t* owners, std::int32_t owner, const Streak* streaks)
 {
@@ -135,21 +137,23 @@ VDBLIC_KERNEL void drawPiece(const StreakPiece& piece, const openvdb::Coord& ori
     for (int axis = 0; axis < 3; ++axis) {
         if (!reachedRows(piece, axis, origin[axis], scale[std::size_t(axis)], first[axis], last[axis])) return;
     }
-    const auto along = [&](std::size_t axis) { return (piece.end[axis] - piece.start[axis]) * scale[axis]; };
-    const float dx = along(0), dy = along(1), dz = along(2);
+    const auto chord = [&](std::size_t axis) { return (piece.end[axis] - piece.start[axis]) * scale[axis]; };
+    const float dx = chord(0), dy = chord(1), dz = chord(2);
     const float length2 = dx * dx + dy * dy + dz * dz;
     const float inverse = length2 > 0 ? 1 / length2 : 0;
+    const float ahead = piece.isHead ? length2 * (kHeadSlope * kHeadSlope - 1) : 0;
     const Float8 pz = (Float8{0, 1, 2, 3, 4, 5, 6, 7} + (float(origin[2]) - piece.start[2])) * scale[2];
     for (int x = first[0]; x <= last[0]; ++x) {
         const float px = (float(origin[0] + x) - piece.start[0]) * scale[0];
         for (int y = first[1]; y <= last[1]; ++y) {
             const float py = (float(origin[1] + y) - piece.start[1]) * scale[1];
-            Float8 t = (pz * dz + (px * dx + py * dy)) * inverse;
-            t = t < 0 ? Float8{} : t;
-            t = t > 1 ? broadcast8(1) : t;
+            const Float8 along = (pz * dz + (px * dx + py * dy)) * inverse;
+            const Float8 t = along < 0 ? Float8{} : (along > 1 ? broadcast8(1) : along);
+            const Float8 over = along > 1 ? along - 1 : Float8{};
             const Float8 ex = px - t * dx, ey = py - t * dy, ez = pz - t * dz;
             const Float8 width = piece.startWidth + t * (piece.endWidth - piece.startWidth);
-            const Float8 rest = 1 - (ex * ex + ey * ey + ez * ez) / (width * width);
+            const Float8 distance2 = ex * ex + ey * ey + ez * ez + over * over * ahead;
+            const Float8 rest = 1 - distance2 / (width * width);
             if (!anyOf(rest > 0)) continue;
             const Float8 value = (piece.startValue + t * (piece.endValue - piece.startValue)) * rest * rest;
             const int row = LeafVoxel::row(x, y);
@@ -175,33 +179,56 @@ void LeafCanvas::draw(std::uint32_t number)
               std::int32_t(piece.streak), mStreaks.data());
 }
 
-/// The leaves that pieces reach, leaf by leaf.
-std::vector<PieceInLeaf> reachedLeaves(const std::vector<StreakPiece>& pieces, const StreakShape& shape,
-                                       const TextureLeaves& leaves)
+/// The texture voxels that a piece may reach.
+openvdb::CoordBBox boxOf(const StreakPiece& piece, const StreakShape& shape)
 {
-    tbb::enumerable_thread_specific<std::vector<PieceInLeaf>> ofThreads;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pieces.size()), [&](const auto& range) {
-        std::vector<PieceInLeaf>& reached = ofThreads.local();
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            openvdb::CoordBBox box;
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto at = std::size_t(axis);
-                const StreakPiece& piece = pieces[i];
-                const float width = std::max(piece.startWidth, piece.endWidth) * StreakShape::kRim * shape.radius(axis);
-                box.min()[axis] = int(std::ceil(std::min(piece.start[at], piece.end[at]) - width));
-                box.max()[axis] = int(std::floor(std::max(piece.start[at], piece.end[at]) + width));
-            }
-            if (!box.empty()) leaves.addReached(box, std::uint32_t(i), reached);
-        }
-    });
-    std::vector<PieceInLeaf> all;
-    for (const std::vector<PieceInLeaf>& reached : ofThreads)
-        all.insert(all.end(), reached.begin(), reached.end());
-    tbb::parallel_sort(all.begin(), all.end(), [](const PieceInLeaf& a, const PieceInLeaf& b) {
-        return std::pair(a.leaf, a.piece) < std::pair(b.leaf, b.piece);
-    });
-    return all;
+    openvdb::CoordBBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = std::size_t(axis);
+        const float width = std::max(piece.startWidth, piece.endWidth) * StreakShape::kRim * shape.radius(axis);
+        box.min()[axis] = int(std::ceil(std::min(piece.start[at], piece.end[at]) - width));
+        box.max()[axis] = int(std::floor(std::max(piece.start[at], piece.end[at]) + width));
+    }
+    return box;
 }
+
+/// The pieces in reach of each of the velocity's leaves, by a counting sort, in no particular order.
+class ReachedLeaves {
+  public:
+    ReachedLeaves(const std::vector<StreakPiece>& pieces, const StreakShape& shape, const TextureLeaves& leaves)
+        : mBegins(leaves.coarseCount() + 1)
+    {
+        std::vector<std::atomic<std::uint32_t>> counts(leaves.coarseCount());
+        const auto forPieces = [&](const auto& visit) {
+            tbb::parallel_for(std::size_t(0), pieces.size(), [&](std::size_t i) {
+                const openvdb::CoordBBox box = boxOf(pieces[i], shape);
+                if (box.empty()) return;
+                leaves.forReached(box, [&](std::size_t coarse, std::uint32_t inside) {
+                    visit(coarse, PieceInLeaf{inside, std::uint32_t(i)});
+                });
+            });
+        };
+        forPieces(
+            [&](std::size_t coarse, const PieceInLeaf&) { counts[coarse].fetch_add(1, std::memory_order_relaxed); });
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            mBegins[i + 1] = mBegins[i] + counts[i];
+            counts[i] = 0;
+        }
+        mPieces.resize(mBegins.back());
+        forPieces([&](std::size_t coarse, const PieceInLeaf& piece) {
+            mPieces[mBegins[coarse] + counts[coarse].fetch_add(1, std::memory_order_relaxed)] = piece;
+        });
+    }
+
+    [[nodiscard]] std::span<PieceInLeaf> in(std::size_t coarse)
+    {
+        return std::span(mPieces).subspan(mBegins[coarse], mBegins[coarse + 1] - mBegins[coarse]);
+    }
+
+  private:
+    std::vector<std::size_t> mBegins;
+    std::vector<PieceInLeaf> mPieces;
+};
 
 using Voxels = FloatLeaf::NodeMaskType;
 
@@ -230,7 +257,7 @@ void cutTo(const Domain::Mask& velocity, const Refinement& refinement, const ope
 VDBLIC_KERNEL void copyValues(const float* values, const Voxels& drawn, float* to)
 {
     for (int row = 0; row < LeafVoxel::kRows; ++row)
-        storeRow(Domain::activeRow(drawn, row) ? loadRow(values, row) : Float8{}, to, row);
+        storeRow(activeRow(drawn, row) ? loadRow(values, row) : Float8{}, to, row);
 }
 
 std::unique_ptr<FloatLeaf> makeLeaf(const openvdb::Coord& origin, const Voxels& drawn)
@@ -241,11 +268,14 @@ std::unique_ptr<FloatLeaf> makeLeaf(const openvdb::Coord& origin, const Voxels& 
     return leaf;
 }
 
-openvdb::FloatTree::Ptr treeOf(std::vector<std::unique_ptr<FloatLeaf>>& leaves)
+using FloatLeaves = std::vector<std::unique_ptr<FloatLeaf>>;
+
+openvdb::FloatTree::Ptr treeOf(std::vector<FloatLeaves>& leaves)
 {
     auto tree = std::make_shared<openvdb::FloatTree>(0.0f);
-    for (std::unique_ptr<FloatLeaf>& leaf : leaves) {
-        if (leaf) tree->addLeaf(leaf.release()); // takes it over
+    for (FloatLeaves& some : leaves) {
+        for (std::unique_ptr<FloatLeaf>& leaf : some)
+            tree->addLeaf(leaf.release()); // takes it over
     }
     return tree;
 }
@@ -257,30 +287,30 @@ DrawnStreaks drawStreaks(const std::vector<Streak>& streaks, const StreakShape& 
 {
     const std::vector<StreakPiece> pieces = piecesOf(streaks, shape, time);
     const TextureLeaves leaves(domain, shape.refinement);
-    const std::vector<PieceInLeaf> reached = reachedLeaves(pieces, shape, leaves);
-    std::vector<std::size_t> begins; // of each leaf in `reached`
-    for (std::size_t i = 0; i < reached.size(); ++i) {
-        if (i == 0 || reached[i].leaf != reached[i - 1].leaf) begins.push_back(i);
-    }
-    std::vector<std::unique_ptr<FloatLeaf>> textures(begins.size()), sources(hasSources ? begins.size() : 0);
+    ReachedLeaves reached(pieces, shape, leaves);
+    std::vector<FloatLeaves> textures(leaves.coarseCount()), sources(hasSources ? leaves.coarseCount() : 0);
     tbb::enumerable_thread_specific<LeafCanvas> canvases(pieces, streaks, shape, hasSources);
-    tbb::parallel_for(std::size_t(0), begins.size(), [&](std::size_t i) {
+    tbb::parallel_for(std::size_t(0), leaves.coarseCount(), [&](std::size_t coarse) {
         LeafCanvas& canvas = canvases.local();
-        const std::size_t end = i + 1 < begins.size() ? begins[i + 1] : reached.size();
-        const std::uint64_t leaf = reached[begins[i]].leaf;
-        const openvdb::Coord origin = leaves.origin(leaf);
-        canvas.begin(origin);
-        for (std::size_t j = begins[i]; j < end; ++j)
-            canvas.draw(reached[j].piece);
-        Voxels drawn = drawnVoxels(canvas.values());
-        cutTo(domain.mask(leaves.coarse(leaf)), shape.refinement, origin, drawn);
-        if (drawn.isOff()) return;
-        textures[i] = makeLeaf(origin, drawn);
-        copyValues(canvas.values(), drawn, textures[i]->buffer().data());
-        if (!hasSources) return;
-        sources[i] = makeLeaf(origin, drawn);
-        for (unsigned offset = 0; offset < unsigned(LeafVoxel::kCount); ++offset)
-            sources[i]->buffer().data()[offset] = drawn.isOn(offset) ? canvas.sourceAt(offset) : 0.0f;
+        const std::span<PieceInLeaf> all = reached.in(coarse);
+        std::sort(all.begin(), all.end(),
+                  [](const PieceInLeaf& a, const PieceInLeaf& b) { return a.inside < b.inside; });
+        for (std::size_t i = 0; i < all.size();) {
+            const std::uint32_t inside = all[i].inside;
+            const openvdb::Coord origin = leaves.origin(coarse, inside);
+            canvas.begin(origin);
+            for (; i < all.size() && all[i].inside == inside; ++i)
+                canvas.draw(all[i].piece);
+            Voxels drawn = drawnVoxels(canvas.values());
+            cutTo(domain.mask(coarse), shape.refinement, origin, drawn);
+            if (drawn.isOff()) continue;
+            FloatLeaf& texture = *textures[coarse].emplace_back(makeLeaf(origin, drawn));
+            copyValues(canvas.values(), drawn, texture.buffer().data());
+            if (!hasSources) continue;
+            FloatLeaf& source = *sources[coarse].emplace_back(makeLeaf(origin, drawn));
+            for (unsigned offset = 0; offset < unsigned(LeafVoxel::kCount); ++offset)
+                source.buffer().data()[offset] = drawn.isOn(offset) ? canvas.sourceAt(offset) : 0.0f;
+        }
     });
     DrawnStreaks result{treeOf(textures)};
     if (hasSources) result.source = treeOf(sources);

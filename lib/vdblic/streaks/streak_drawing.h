@@ -20,9 +20,9 @@ struct DrawnStreaks {
 /// Draw the last part of each streak's pathline, as a tube that is brightest and thickest at its head.
 ///
 /// The value falls linearly to 0 from the head to the tail, and across the streak as (1 − d²)², where d is 1 at the
-/// tube's rim: nothing is active that cannot be seen. Where streaks meet, the brighter one is drawn, so their order
-/// does not matter. Tubes are round in texture voxels, or ellipsoidal where the shape's radius differs from axis to
-/// axis.
+/// tube's rim: nothing is active that cannot be seen. Ahead of the head it falls twice as steeply. Where streaks meet,
+/// the brighter one is drawn, so their order does not matter. Tubes are round in texture voxels, or ellipsoidal where
+/// the shape's radius differs from axis to axis.
 ///
 /// @param domain   voxels of the velocity; what is drawn lies in its active voxels, and in its own leaves
 /// @param time     of the heads [frames since the run began]

@@ -70,7 +70,7 @@ class PieceCutter {
             const std::array<float, 3> next = i == count ? to : at(end);
             const float s0 = shareAt(begin, oldest), s1 = shareAt(end, oldest);
             pieces.push_back({from, next, bright * s0, bright * s1, kTailWidth + (1 - kTailWidth) * s0,
-                              kTailWidth + (1 - kTailWidth) * s1, number});
+                              kTailWidth + (1 - kTailWidth) * s1, number, i == count && last == mTime});
             from = next;
         }
     }

@@ -15,6 +15,7 @@ struct StreakPiece {
     float startValue, endValue;
     float startWidth, endWidth; ///< relative to the head's
     std::uint32_t streak;
+    bool isHead; ///< whether the streak ends here
 };
 
 /// Darker voxels cannot be seen, and are not drawn.

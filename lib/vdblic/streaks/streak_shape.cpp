@@ -24,13 +24,12 @@ float rounded(double number)
     return float(std::round(number / step) * step);
 }
 
-std::array<float, 3> chosenSpacing(const Domain& domain, const openvdb::CoordBBox& box)
+std::array<float, 3> chosenSpacing(double voxels, const openvdb::CoordBBox& box)
 {
     constexpr double kInVolume = 30e3, kInLayer = 6e3; // cells of one spacing
     constexpr double kLeast = 0.25, kThin = 4;
     const openvdb::Coord extent = box.dim();
     const int least = std::min({extent[0], extent[1], extent[2]});
-    const auto voxels = double(domain.voxelCount());
     const bool isLayer = least <= kThin && least * 8 <= std::max({extent[0], extent[1], extent[2]});
     const double spacing = isLayer ? std::sqrt(voxels / least / kInLayer) : std::cbrt(voxels / kInVolume);
     const float chosen = rounded(std::max(spacing, kLeast));
@@ -75,12 +74,18 @@ StreakShape streakShape(const StreakParams& params, const Refinement& refinement
 {
     openvdb::CoordBBox box;
     (void)domain.topology().evalActiveVoxelBoundingBox(box);
+    return streakShape(params, refinement, domain.voxelCount(), box, displacement);
+}
+
+StreakShape streakShape(const StreakParams& params, const Refinement& refinement, std::size_t voxels,
+                        const openvdb::CoordBBox& box, double displacement)
+{
     StreakShape shape{{2, 2, 2}, 3, refinement};
     if (params.spacing) {
         shape.spacing = *params.spacing;
-        if (domain.voxelCount() > 0) checkSpacing(shape.spacing, box);
-    } else if (domain.voxelCount() > 0) {
-        shape.spacing = chosenSpacing(domain, box);
+        if (voxels > 0) checkSpacing(shape.spacing, box);
+    } else if (voxels > 0) {
+        shape.spacing = chosenSpacing(double(voxels), box);
     }
     const float mean = std::cbrt(shape.spacing[0] * shape.spacing[1] * shape.spacing[2]);
     if (params.tail) {
@@ -92,7 +97,7 @@ StreakShape streakShape(const StreakParams& params, const Refinement& refinement
     if (!refinement.isGiven) {
         constexpr float kVoxels = 16;         // in a spacing: a thickness of 2.5 texture voxels
         constexpr double kMostVoxels = 2.5e8; // of the texture, empty ones included
-        const double most = std::cbrt(kMostVoxels / double(std::max<std::size_t>(domain.voxelCount(), 1)));
+        const double most = std::cbrt(kMostVoxels / double(std::max<std::size_t>(voxels, 1)));
         for (std::size_t axis = 0; axis < 3; ++axis)
             shape.refinement.factors[axis] = std::clamp(
                 int(std::min(std::round(double(kVoxels / shape.spacing[axis])), most)), 1, Refinement::kMost);

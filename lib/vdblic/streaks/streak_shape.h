@@ -4,7 +4,10 @@
 #include "vdblic/field/refinement.h"
 #include "vdblic/streaks/streak_params.h"
 
+#include <openvdb/openvdb.h>
+
 #include <array>
+#include <cstddef>
 #include <string>
 
 namespace vdblic {
@@ -37,5 +40,9 @@ struct StreakShape {
 /// @throws ParameterError if a given spacing is larger than the domain
 [[nodiscard]] StreakShape streakShape(const StreakParams& params, const Refinement& refinement, const Domain& domain,
                                       double displacement);
+
+/// The same for a domain of which only the size is known. @param voxels of the velocity, in `box`
+[[nodiscard]] StreakShape streakShape(const StreakParams& params, const Refinement& refinement, std::size_t voxels,
+                                      const openvdb::CoordBBox& box, double displacement);
 
 } // namespace vdblic

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/message.h"
 #include "vdblic/field/domain_mask.h"
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/lic/path_reach.h"
@@ -92,6 +93,9 @@ FlowTextureStep StreakTexture::advance(const FlowStep& step)
     result.metadata.insertMeta(kInactiveKey, openvdb::StringMetadata(kEmpty));
     result.metadata.insertMeta("spacing", openvdb::Vec3SMetadata({x, y, z}));
     result.metadata.insertMeta("tail", openvdb::FloatMetadata(mShape.tail));
+    const std::vector<StreakSource> sources = sourcesOf(mParams);
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        result.metadata.insertMeta(kSourceKey + std::to_string(i + 1), openvdb::StringMetadata(sources[i].name));
     if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
         const DrawnStreaks drawn =
@@ -181,7 +185,7 @@ void StreakTexture::markSources(const FlowFrame& frame, std::int64_t number)
             makeDomain(copyOf(frame.velocityDomain()->topology()), frame.velocities->transform(), cut, number);
         for (Streak& streak : mStreaks) {
             const auto& [x, y, z] = streak.path.back().position;
-            if (!streak.isStopped && region.velocity->contains(Float4{x, y, z, 0})) streak.source = std::uint8_t(i + 1);
+            if (!streak.isStopped && covers(*region.velocity, Float4{x, y, z, 0})) streak.source = std::uint8_t(i + 1);
         }
     }
 }

@@ -1,33 +1,14 @@
 #include "vdblic/volume/coarse_scalar.h"
 
+#include "vdblic/field/leaf_voxel.h"
+
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <cstdint>
+#include <vector>
 
 namespace vdblic {
-namespace {
-
-/// Where the voxels of a cube lie along one axis: the first coarse voxel, and for each voxel the cell and the fraction.
-struct AxisCells {
-    int first, count; // coarse voxels
-    int cell[CoarseScalar::kMostDim];
-    float fraction[CoarseScalar::kMostDim];
-
-    AxisCells(int firstVoxel, int dim, const Refinement& refinement, int axis)
-    {
-        const auto at = [&](int i) {
-            return double(firstVoxel + i) * double(refinement.scale(axis)) + double(refinement.shift(axis));
-        };
-        first = int(std::floor(at(0)));
-        count = int(std::floor(at(dim - 1))) + 2 - first;
-        for (int i = 0; i < dim; ++i) {
-            cell[i] = int(std::floor(at(i))) - first;
-            fraction[i] = float(at(i) - std::floor(at(i)));
-        }
-    }
-};
-
-} // namespace
 
 std::optional<CoarseScalar> CoarseScalar::of(const openvdb::FloatGrid& scalar, const openvdb::FloatGrid& texture)
 {
@@ -37,48 +18,60 @@ std::optional<CoarseScalar> CoarseScalar::of(const openvdb::FloatGrid& scalar, c
     return CoarseScalar(scalar, *refinement);
 }
 
-void CoarseScalar::sample(const openvdb::Coord& first, int dim, float* values) const
+std::array<int, 3> CoarseScalar::dim() const
 {
-    const AxisCells x(first[0], dim, mRefinement, 0), y(first[1], dim, mRefinement, 1),
-        z(first[2], dim, mRefinement, 2);
-    constexpr int kMost = kMostDim + 2;
-    float coarse[kMost][kMost][kMost], weight[kMost][kMost][kMost]; // values times weights, weights
+    // Samples lie up to a voxel outside of the leaf's voxels, and depend on the coarse voxels at both ends.
+    std::array<int, 3> result{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        result[axis] = (LeafVoxel::kDim + 1) / mRefinement.factors[axis] + 3;
+    return result;
+}
+
+CoarseScalar::Piece CoarseScalar::pieceOf(const openvdb::Coord& origin) const
+{
+    Piece piece{};
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = [&](int voxel) {
+            return double(voxel) * double(mRefinement.scale(axis)) + double(mRefinement.shift(axis));
+        };
+        piece.first[axis] = int(std::floor(at(origin[axis] - 1) - 1e-4)); // whatever a sample's position is rounded to
+        piece.offset[axis] = float(at(origin[axis]) - piece.first[axis]);
+    }
+    return piece;
+}
+
+std::optional<std::array<float, 2>> CoarseScalar::copy(const Piece& piece, float* values) const
+{
+    const std::array<int, 3> dim = this->dim();
+    const auto index = [&](const openvdb::Coord& c) { return std::size_t((c[0] * dim[1] + c[1]) * dim[2] + c[2]); };
+    const openvdb::CoordBBox box(openvdb::Coord(0), openvdb::Coord(dim[0] - 1, dim[1] - 1, dim[2] - 1));
+    std::vector<std::uint8_t> isActive(box.volume());
+    std::array<float, 2> range{};
+    bool any = false, whole = true;
     openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(mTree);
-    for (int i = 0; i < x.count; ++i) {
-        for (int j = 0; j < y.count; ++j) {
-            for (int k = 0; k < z.count; ++k) {
-                float value = 0;
-                const bool isActive =
-                    accessor.probeValue({x.first + i, y.first + j, z.first + k}, value) && std::isfinite(value);
-                weight[i][j][k] = isActive ? 1.0f : 0.0f;
-                coarse[i][j][k] = isActive ? value : 0;
-            }
-        }
+    for (const openvdb::Coord& c : box) {
+        float& value = values[index(c)];
+        const bool active = accessor.probeValue(piece.first + c, value) && std::isfinite(value);
+        isActive[index(c)] = active;
+        whole = whole && active;
+        if (!active) continue;
+        range = any ? std::array{std::min(range[0], value), std::max(range[1], value)} : std::array{value, value};
+        any = true;
     }
-    for (int i = 0; i < dim; ++i) {
-        for (int j = 0; j < dim; ++j) {
-            const float fx = x.fraction[i], fy = y.fraction[j];
-            const float shares[2][2] = {{(1 - fx) * (1 - fy), (1 - fx) * fy}, {fx * (1 - fy), fx * fy}};
-            float columnValues[kMost], columnWeights[kMost]; // along z, between the four columns of coarse voxels
-            for (int k = 0; k < z.count; ++k) {
-                columnValues[k] = columnWeights[k] = 0;
-                for (int a = 0; a < 2; ++a) {
-                    for (int b = 0; b < 2; ++b) {
-                        columnValues[k] += shares[a][b] * coarse[x.cell[i] + a][y.cell[j] + b][k];
-                        columnWeights[k] += shares[a][b] * weight[x.cell[i] + a][y.cell[j] + b][k];
-                    }
-                }
-            }
-            float* const row = values + std::ptrdiff_t(i * dim + j) * dim;
-            for (int k = 0; k < dim; ++k) {
-                const int cell = z.cell[k];
-                const float fz = z.fraction[k];
-                const float sum = (1 - fz) * columnValues[cell] + fz * columnValues[cell + 1];
-                const float share = (1 - fz) * columnWeights[cell] + fz * columnWeights[cell + 1];
-                row[k] = share > 0 ? sum / share : std::numeric_limits<float>::quiet_NaN();
-            }
+    if (whole) return range;
+    for (const openvdb::Coord& c : box) {
+        if (isActive[index(c)]) continue;
+        float sums[4] = {}, counts[4] = {}; // by the number of axes along which a neighbour differs
+        for (const openvdb::Coord& step : openvdb::CoordBBox(openvdb::Coord(-1), openvdb::Coord(1))) {
+            if (!box.isInside(c + step) || !isActive[index(c + step)]) continue;
+            const int distance = std::abs(step[0]) + std::abs(step[1]) + std::abs(step[2]);
+            sums[distance] += values[index(c + step)];
+            counts[distance] += 1;
         }
+        const auto* const nearest = std::find_if(counts, counts + 4, [](float count) { return count > 0; });
+        values[index(c)] = nearest == counts + 4 ? 0 : sums[nearest - counts] / *nearest;
     }
+    return any ? std::optional(range) : std::nullopt;
 }
 
 } // namespace vdblic

@@ -54,30 +54,36 @@ VDBLIC_INLINE Symmetric8 lineProjector(const Symmetric8& structure)
     return m;
 }
 
-/// The structure tensor of a padded leaf, smoothed by 1 2 1 along each axis; valid for the leaf's own voxels.
+/// The structure tensor around a leaf, smoothed by 1 2 1 along each axis; valid for the leaf's own voxels.
 class StructureBlock {
   public:
-    VDBLIC_INLINE void fill(const GradientRecord* gradients)
+    /// @param toWorld turns gradients into those in world space
+    VDBLIC_INLINE void fill(const TextureRecord* records, const glm::mat3& toWorld)
     {
-        static_assert(kPaddedSize % 8 == 0);
-        for (int i = 0; i < kPaddedSize; i += 8) {
-            Int8 front, back; // a word with x and y of a gradient, then one with z, and so on
-            std::memcpy(&front, gradients + i, sizeof front);
-            std::memcpy(&back, gradients + i + 4, sizeof back);
-            const Int8 xy = __builtin_shufflevector(front, back, 0, 2, 4, 6, 8, 10, 12, 14);
-            const auto x = __builtin_bit_cast(Float8, xy << 16);
-            const auto y = __builtin_bit_cast(Float8, xy & int(0xffff0000));
-            const auto z =
-                __builtin_bit_cast(Float8, __builtin_shufflevector(front, back, 1, 3, 5, 7, 9, 11, 13, 15) << 16);
-            const Float8 products[] = {x * x, y * y, z * z, x * y, x * z, y * z};
-            for (int k = 0; k < 6; ++k)
-                std::memcpy(mValues[k] + i, &products[k], sizeof products[k]);
+        constexpr int kRim = ScalarLeaf::kRim, kEnd = LeafVoxel::kDim + kRim;
+        constexpr int kStrides[] = {TextureLeaf::kX, TextureLeaf::kY, 1};
+        for (int x = -kRim; x < kEnd; ++x) {
+            for (int y = -kRim; y < kEnd; ++y) {
+                for (int z = -kRim; z < kEnd; ++z) {
+                    const TextureRecord* const at = records + TextureLeaf::index(x, y, z);
+                    float slopes[3], g[3];
+                    for (int axis = 0; axis < 3; ++axis)
+                        slopes[axis] = float(at[kStrides[axis]]) - float(at[-kStrides[axis]]);
+                    for (int axis = 0; axis < 3; ++axis)
+                        g[axis] =
+                            toWorld[0][axis] * slopes[0] + toWorld[1][axis] * slopes[1] + toWorld[2][axis] * slopes[2];
+                    const float products[] = {g[0] * g[0], g[1] * g[1], g[2] * g[2],
+                                              g[0] * g[1], g[0] * g[2], g[1] * g[2]};
+                    for (int k = 0; k < 6; ++k)
+                        mValues[k][ScalarLeaf::index(x, y, z)] = products[k];
+                }
+            }
         }
         for (float* value : mValues) {
-            float once[kPaddedSize], twice[kPaddedSize];
+            float once[ScalarLeaf::kSize], twice[ScalarLeaf::kSize];
             smooth(value, once, 1);
-            smooth(once, twice, kPaddedDim);
-            smooth(twice, value, kPaddedDim * kPaddedDim);
+            smooth(once, twice, ScalarLeaf::kY);
+            smooth(twice, value, ScalarLeaf::kX);
         }
     }
 
@@ -97,23 +103,23 @@ class StructureBlock {
     VDBLIC_INLINE static void smooth(const float* values, float* result, int stride)
     {
         std::copy(values, values + stride, result);
-        for (int i = stride; i < kPaddedSize - stride; ++i)
+        for (int i = stride; i < ScalarLeaf::kSize - stride; ++i)
             result[i] = values[i - stride] + 2 * values[i] + values[i + stride];
-        std::copy(values + kPaddedSize - stride, values + kPaddedSize, result + kPaddedSize - stride);
+        std::copy(values + ScalarLeaf::kSize - stride, values + ScalarLeaf::kSize, result + ScalarLeaf::kSize - stride);
     }
 
-    float mValues[6][kPaddedSize];
+    float mValues[6][ScalarLeaf::kSize];
 };
 
 /// Write the records of a leaf's own voxels.
 VDBLIC_KERNEL
-void writeLines(const GradientRecord* gradients, LineRecord* lines)
+void writeLines(const TextureRecord* records, const glm::mat3& gradientToWorld, LineRecord* lines)
 {
     StructureBlock block;
-    block.fill(gradients);
+    block.fill(records, gradientToWorld);
     for (int x = 0; x < LeafVoxel::kDim; ++x) {
         for (int y = 0; y < LeafVoxel::kDim; ++y) {
-            const int first = paddedIndex(x, y, 0);
+            const int first = ScalarLeaf::index(x, y, 0);
             const Symmetric8 line = lineProjector(block.row(first));
             Float8 rows[8] = {line.xx, line.yy, line.zz, line.xy, line.xz, line.yz};
             transpose(rows, rows);
@@ -130,28 +136,29 @@ void writeLines(const GradientRecord* gradients, LineRecord* lines)
 void TextureVolume::addLines()
 {
     const std::size_t leaves = leafCount();
-    mLines = std::make_unique_for_overwrite<LineRecord[]>(leaves * kPaddedSize);
+    mLines = std::make_unique_for_overwrite<LineRecord[]>(leaves * ScalarLeaf::kSize);
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
-        writeLines(mGradients.get() + leaf * kPaddedSize, mLines.get() + leaf * kPaddedSize);
+        writeLines(records(leaf), mGradientToWorld, mLines.get() + leaf * ScalarLeaf::kSize);
     });
     // The padding is copied from the neighbouring leaves, or where there is none from the leaf's own nearest voxels.
     tbb::parallel_for(std::size_t(0), leaves, [&](std::size_t leaf) {
         const openvdb::Coord first = origin(leaf);
-        LineRecord* const padded = mLines.get() + leaf * kPaddedSize;
+        LineRecord* const padded = mLines.get() + leaf * ScalarLeaf::kSize;
         const auto begin = [](int side) { return side < 0 ? -1 : side * LeafVoxel::kDim; };
         const auto end = [](int side) { return side < 0 ? 0 : LeafVoxel::kDim + side; };
         for (const openvdb::Coord& side : openvdb::CoordBBox(openvdb::Coord(-1), openvdb::Coord(1))) {
             if (side == openvdb::Coord(0)) continue;
             const int found = findLeaf(
                 first.offsetBy(side[0] * LeafVoxel::kDim, side[1] * LeafVoxel::kDim, side[2] * LeafVoxel::kDim));
-            const LineRecord* const source = found >= 0 ? mLines.get() + std::size_t(found) * kPaddedSize : padded;
+            const LineRecord* const source =
+                found >= 0 ? mLines.get() + std::size_t(found) * ScalarLeaf::kSize : padded;
             const auto inside = [&](int i) {
                 return found >= 0 ? LeafVoxel::local(i) : std::clamp(i, 0, LeafVoxel::kDim - 1);
             };
             for (int x = begin(side[0]); x < end(side[0]); ++x) {
                 for (int y = begin(side[1]); y < end(side[1]); ++y) {
                     for (int z = begin(side[2]); z < end(side[2]); ++z)
-                        padded[paddedIndex(x, y, z)] = source[paddedIndex(inside(x), inside(y), inside(z))];
+                        padded[ScalarLeaf::index(x, y, z)] = source[ScalarLeaf::index(inside(x), inside(y), inside(z))];
                 }
             }
         }

@@ -3,6 +3,7 @@
 #include "vdblic/field/vector.h"
 #include "vdblic/volume/texture_records.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -23,90 +24,204 @@ VDBLIC_INLINE Float8 mix(Float8 from, Float8 to, Float8 share)
     return from + (to - from) * share;
 }
 
-/// The records at a corner and at its neighbour along z, of two cells.
-template<typename Record>
-VDBLIC_INLINE Float8 loadPairs(const Record* a, const Record* b)
+/// The cells of a lattice that eight positions lie in.
+struct Cells {
+    Int8 low[3];        ///< lattice points at their lowest corners
+    Float8 fraction[3]; ///< positions in the cells, 0 to 1
+
+    /// @param position above −1, along each axis
+    VDBLIC_INLINE explicit Cells(const Float8* position)
+    {
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = __builtin_convertvector(position[axis] + 1, Int8) - 1;
+            fraction[axis] = position[axis] - __builtin_convertvector(low[axis], Float8);
+        }
+    }
+};
+
+/// Two numbers that are neighbours along z, for each of eight lanes.
+struct ZPair {
+    Float8 first, second;
+
+    [[nodiscard]] VDBLIC_INLINE Float8 mixed(Float8 share) const { return mix(first, second, share); }
+    [[nodiscard]] VDBLIC_INLINE Float8 step() const { return second - first; }
+};
+
+/// @param at where the first number of each lane is, in units of its size
+VDBLIC_INLINE ZPair loadPair(const TextureRecord* records, const std::uint32_t (&at)[kLanes], int offset)
 {
-    Float4 first, second;
-    static_assert(sizeof first == 2 * sizeof(Record));
-    std::memcpy(&first, a, sizeof first);
-    std::memcpy(&second, b, sizeof second);
-    return __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
+    Unsigned8 words;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        std::uint32_t word;
+        std::memcpy(&word, records + at[lane] + offset, sizeof word);
+        words[lane] = word;
+    }
+    return {__builtin_convertvector(Int8(words & 0xffff), Float8), __builtin_convertvector(Int8(words >> 16), Float8)};
+}
+VDBLIC_INLINE ZPair loadPair(const float* numbers, const std::uint32_t (&at)[kLanes], int offset)
+{
+    Float8 halves[2];
+    for (int half = 0; half < 2; ++half) {
+        Float2 pairs[4];
+        for (int lane = 0; lane < 4; ++lane)
+            std::memcpy(&pairs[lane], numbers + at[4 * half + lane] + offset, sizeof pairs[lane]);
+        const Float4 low = __builtin_shufflevector(pairs[0], pairs[1], 0, 1, 2, 3);
+        const Float4 high = __builtin_shufflevector(pairs[2], pairs[3], 0, 1, 2, 3);
+        halves[half] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+    }
+    return {__builtin_shufflevector(halves[0], halves[1], 0, 2, 4, 6, 8, 10, 12, 14),
+            __builtin_shufflevector(halves[0], halves[1], 1, 3, 5, 7, 9, 11, 13, 15)};
 }
 
-/// Records interpolated over x and y, at both ends along z, in the cells of lanes i and i + 4.
-///
-/// @param record   indices of the records at the cells' lowest corners
-/// @param fraction positions in the cells, 0 to 1, by axis
-/// @param read     turns what loadPairs() returns into numbers
-template<int i, typename Record, typename Read>
-VDBLIC_INLINE Float8 mixAcross(const Record* records, Unsigned8 record, const Float8* fraction, const Read& read)
+/// Four records from each of two places.
+VDBLIC_INLINE Float8 loadFours(const TextureRecord* first, const TextureRecord* second)
 {
-    constexpr int kY = kPaddedDim, kX = kPaddedDim * kPaddedDim;
-    const auto corner = [&](int at) { return read(loadPairs(records + record[i] + at, records + record[i + 4] + at)); };
-    const auto spread = [](Float8 x) { return __builtin_shufflevector(x, x, i, i, i, i, i + 4, i + 4, i + 4, i + 4); };
-    const Float8 x = spread(fraction[0]), y = spread(fraction[1]);
-    return mix(mix(corner(0), corner(kY), y), mix(corner(kX), corner(kX + kY), y), x);
+    using Short8 = TextureRecord __attribute__((vector_size(16)));
+    using Words2 = std::uint64_t __attribute__((vector_size(16)));
+    std::uint64_t words[2];
+    std::memcpy(&words[0], first, sizeof words[0]);
+    std::memcpy(&words[1], second, sizeof words[1]);
+    const auto records = __builtin_bit_cast(Short8, Words2{words[0], words[1]});
+    return __builtin_convertvector(__builtin_convertvector(records, Int8), Float8);
 }
 
-/// Trilinear interpolation in eight cells. Parameters as mixAcross() has them.
-/// @param read   returns four numbers for a pair of records, two for each
-/// @param result receives the two interpolated numbers
-template<typename Record, typename Read>
-VDBLIC_INLINE void sampleRecords(const Record* records, Unsigned8 record, const Float8* fraction, const Read& read,
-                                 Float8* result)
+/// Weights of the four next points in cubic convolution (Keys, "Cubic convolution interpolation for digital image
+/// processing", 1981, with a = −½). @param u from the second to the third point, 0 to 1
+VDBLIC_INLINE void cubicWeights(Float8 u, Float8* weights)
 {
-    const Float8 pairs[] = {
-        mixAcross<0>(records, record, fraction, read), mixAcross<1>(records, record, fraction, read),
-        mixAcross<2>(records, record, fraction, read), mixAcross<3>(records, record, fraction, read)};
-    Float8 ends[4];
-    transposePairs(pairs, ends);
-    result[0] = mix(ends[0], ends[2], fraction[2]);
-    result[1] = mix(ends[1], ends[3], fraction[2]);
+    const Float8 v = 1 - u;
+    weights[0] = -0.5f * u * v * v;
+    weights[1] = v * (1 + u - 1.5f * u * u);
+    weights[2] = u * (1 + v - 1.5f * v * v);
+    weights[3] = -0.5f * v * u * u;
 }
 
-/// Texture and driver of eight samples.
-VDBLIC_INLINE void sampleValues(const ValueRecord* values, Unsigned8 record, const Float8* fraction, Float8* result)
+/// Trilinear interpolation in eight cells. @param y, x distances of neighbours in memory
+template<typename Number>
+VDBLIC_INLINE Float8 interpolate(const Number* numbers, Unsigned8 low, int y, int x, const Float8* fraction)
 {
-    sampleRecords(
-        values, record, fraction, [](Float8 both) { return both; }, result);
+    std::uint32_t at[kLanes];
+    storeLanes(low, at);
+    const auto edge = [&](int offset) { return loadPair(numbers, at, offset).mixed(fraction[2]); };
+    return mix(mix(edge(0), edge(y), fraction[1]), mix(edge(x), edge(x + y), fraction[1]), fraction[0]);
 }
 
-/// The gradients of eight samples.
-VDBLIC_INLINE void sampleGradients(const GradientRecord* gradients, Unsigned8 record, const Float8* fraction,
-                                   Float8* result)
-{
-    // A word of 32 bits holds two numbers: the even one in its lower half, the odd one in its upper half.
-    const auto even = [](Float8 both) { return __builtin_bit_cast(Float8, __builtin_bit_cast(Int8, both) << 16); };
-    const auto odd = [](Float8 both) {
-        return __builtin_bit_cast(Float8, __builtin_bit_cast(Int8, both) & int(0xffff0000));
-    };
-    Float8 xz[2], y[2];
-    sampleRecords(gradients, record, fraction, even, xz);
-    sampleRecords(gradients, record, fraction, odd, y);
-    result[0] = xz[0];
-    result[1] = y[0];
-    result[2] = xz[1];
-}
+/// The textures of a volume at eight samples at once. Does not own the records.
+class TextureSampler {
+  public:
+    TextureSampler(const TextureRecord* records, const TextureScale* scales) : mRecords(records), mScales(scales) {}
 
-/// Trilinear interpolation of single numbers in eight cells.
-VDBLIC_INLINE Float8 sampleNumbers(const float* numbers, Unsigned8 record, const Float8* fraction)
-{
-    constexpr unsigned kY = kPaddedDim, kX = kPaddedDim * kPaddedDim;
-    const auto corner = [&](unsigned at) {
-        Float8 result;
-        for (int lane = 0; lane < kLanes; ++lane)
-            result[lane] = numbers[record[lane] + at];
-        return result;
-    };
-    const auto edge = [&](unsigned at) { return mix(corner(at), corner(at + 1), fraction[2]); };
-    return mix(mix(edge(0), edge(kY), fraction[1]), mix(edge(kX), edge(kX + kY), fraction[1]), fraction[0]);
-}
+    /// Trilinear. @param leaf numbers of the leaves  @param cells relative to their origins
+    [[nodiscard]] VDBLIC_INLINE Float8 at(Unsigned8 leaf, const Cells& cells) const
+    {
+        const Float8 share =
+            interpolate(mRecords, first(leaf, cells), TextureLeaf::kY, TextureLeaf::kX, cells.fraction);
+        const ZPair scale = scales(leaf);
+        return scale.first + share * scale.second;
+    }
 
-/// Trilinear interpolation of the line projectors in one cell. @param x, y, z position in the cell, 0 to 1
+    /// By cubic convolution, within the range of the leaf's records. @param leaf, cells as of at()
+    [[nodiscard]] VDBLIC_INLINE Float8 cubicAt(Unsigned8 leaf, const Cells& cells) const
+    {
+        constexpr int kTaps = 4;
+        constexpr std::ptrdiff_t kY = TextureLeaf::kY, kX = TextureLeaf::kX;
+        Float8 alongX[kTaps], alongY[kTaps], alongZ[kTaps];
+        cubicWeights(cells.fraction[0], alongX);
+        cubicWeights(cells.fraction[1], alongY);
+        cubicWeights(cells.fraction[2], alongZ);
+        float xs[kTaps][kLanes], ys[kTaps][kLanes];
+        std::memcpy(xs, alongX, sizeof xs);
+        std::memcpy(ys, alongY, sizeof ys);
+        std::uint32_t at[kLanes];
+        storeLanes(first(leaf, cells) - unsigned(kX + kY + 1), at);
+        Float4 rows[kLanes]; // four numbers along z, by lane
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const auto twice = [&](int y) {
+                return __builtin_shufflevector(broadcast4(ys[y][lane]), broadcast4(ys[y + 1][lane]), 0, 1, 2, 3, 4, 5,
+                                               6, 7);
+            };
+            const Float8 before = twice(0), after = twice(2);
+            const TextureRecord* records = mRecords + at[lane];
+            Float8 sum{};
+            for (int x = 0; x < kTaps; ++x, records += kX) {
+                const Float8 plane =
+                    loadFours(records, records + kY) * before + loadFours(records + 2 * kY, records + 3 * kY) * after;
+                sum += plane * xs[x][lane];
+            }
+            rows[lane] = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) + __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
+        }
+        Float8 columns[kTaps];
+        transpose(rows, columns);
+        Float8 share{};
+        for (int z = 0; z < kTaps; ++z)
+            share += columns[z] * alongZ[z];
+        share = share > 0 ? share : Float8{};
+        share = share < TextureScale::kUnits ? share : broadcast8(TextureScale::kUnits);
+        const ZPair scale = scales(leaf);
+        return scale.first + share * scale.second;
+    }
+
+    /// Derivatives of at() along the axes, in index space.
+    VDBLIC_INLINE void slopes(Unsigned8 leaf, const Cells& cells, Float8* result) const
+    {
+        constexpr int kY = TextureLeaf::kY, kX = TextureLeaf::kX;
+        std::uint32_t at[kLanes];
+        storeLanes(first(leaf, cells), at);
+        const auto& [u, v, w] = cells.fraction;
+        const ZPair edges[] = {loadPair(mRecords, at, 0), loadPair(mRecords, at, kY), loadPair(mRecords, at, kX),
+                               loadPair(mRecords, at, kX + kY)};
+        const Float8 ends[] = {edges[0].mixed(w), edges[1].mixed(w), edges[2].mixed(w), edges[3].mixed(w)};
+        const Float8 unit = scales(leaf).second;
+        result[0] = mix(ends[2] - ends[0], ends[3] - ends[1], v) * unit;
+        result[1] = mix(ends[1] - ends[0], ends[3] - ends[2], u) * unit;
+        result[2] = mix(mix(edges[0].step(), edges[1].step(), v), mix(edges[2].step(), edges[3].step(), v), u) * unit;
+    }
+
+    /// Central differences at the cells' corners, interpolated: gradients that do not jump, in index space.
+    VDBLIC_INLINE void gradients(Unsigned8 leaf, const Cells& cells, Float8* result) const
+    {
+        constexpr int kY = TextureLeaf::kY, kX = TextureLeaf::kX;
+        std::uint32_t at[kLanes];
+        storeLanes(first(leaf, cells), at);
+        const Float8 u = cells.fraction[0], v = cells.fraction[1], w = cells.fraction[2];
+        const auto end = [&](int offset) { return loadPair(mRecords, at, offset).mixed(w); };
+        Float8 inner[4], along[4]; // values and twice their derivatives along z, at the four corners across
+        for (int i = 0; i < 4; ++i) {
+            const int offset = (i >> 1) * kX + (i & 1) * kY;
+            const ZPair before = loadPair(mRecords, at, offset - 1), after = loadPair(mRecords, at, offset + 1);
+            inner[i] = mix(before.second, after.first, w);
+            along[i] = mix(after.first - before.first, after.second - before.second, w);
+        }
+        const Float8 half = scales(leaf).second * 0.5f;
+        result[0] = half * mix(mix(inner[2] - end(-kX), end(2 * kX) - inner[0], u),
+                               mix(inner[3] - end(kY - kX), end(2 * kX + kY) - inner[1], u), v);
+        result[1] = half * mix(mix(inner[1] - end(-kY), end(2 * kY) - inner[0], v),
+                               mix(inner[3] - end(kX - kY), end(kX + 2 * kY) - inner[2], v), u);
+        result[2] = half * mix(mix(along[0], along[1], v), mix(along[2], along[3], v), u);
+    }
+
+  private:
+    /// Where the records at the cells' lowest corners are.
+    VDBLIC_INLINE static Unsigned8 first(Unsigned8 leaf, const Cells& cells)
+    {
+        return leaf * TextureLeaf::kSize + Unsigned8(TextureLeaf::index(cells.low[0], cells.low[1], cells.low[2]));
+    }
+    VDBLIC_INLINE ZPair scales(Unsigned8 leaf) const
+    {
+        std::uint32_t at[kLanes];
+        storeLanes(leaf * 2, at);
+        return loadPair(&mScales->low, at, 0);
+    }
+
+    const TextureRecord* mRecords;
+    const TextureScale* mScales;
+};
+
+/// Trilinear interpolation of the line projectors in one cell.
+/// @param corner at the cell's lowest corner  @param x, y, z position in the cell, 0 to 1
 VDBLIC_INLINE Float8 sampleLine(const LineRecord* corner, float x, float y, float z)
 {
-    constexpr int kY = kPaddedDim, kX = kPaddedDim * kPaddedDim;
+    constexpr int kY = ScalarLeaf::kY, kX = ScalarLeaf::kX;
     const auto pair = [&](int i) {
         return mix(loadBFloat16s(corner[i].values), loadBFloat16s(corner[i + 1].values), broadcast8(z));
     };

@@ -1,9 +1,8 @@
 #include "vdblic/volume/texture_block.h"
 
-#include "vdblic/volume/coarse_scalar.h"
-
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace vdblic {
@@ -12,11 +11,13 @@ namespace {
 /// Copy the rows of a block that lie in one leaf or tile: those from `begin` to `end` along x and y, and as many voxels
 /// along z as a block has of that leaf.
 /// @param leaf   or null: then all voxels are as the tile
-/// @param active receives 1 for active voxels, else 0; may be null
+/// @param active receives the bits of active voxels; may be null
 template<int kCount>
 VDBLIC_INLINE void copyRows(const openvdb::FloatTree::LeafNodeType* leaf, float tile, bool tileActive,
-                            const openvdb::Coord& begin, int endX, int endY, float* values, int* active)
+                            const openvdb::Coord& begin, int endX, int endY, float* values,
+                            TextureBlock::RowBits* active)
 {
+    constexpr unsigned kBits = (1u << kCount) - 1;
     const float* source = leaf ? leaf->buffer().data() : nullptr;
     for (int x = begin[0]; x < endX; ++x) {
         for (int y = begin[1]; y < endY; ++y) {
@@ -28,19 +29,20 @@ VDBLIC_INLINE void copyRows(const openvdb::FloatTree::LeafNodeType* leaf, float 
                 std::fill_n(values + i, kCount, tile);
             }
             if (!active) continue;
-            unsigned bits = tileActive ? ~0u : 0;
+            unsigned bits = tileActive ? kBits : 0;
             if (leaf) bits = unsigned(leaf->getValueMask().getWord<openvdb::Index64>(offset >> 6) >> (offset & 63));
-            for (int z = 0; z < kCount; ++z)
-                active[i + z] = int(bits >> z & 1);
+            active[TextureBlock::row(x, y)] |= TextureBlock::RowBits((bits & kBits) << (begin[2] + TextureBlock::kRim));
         }
     }
 }
 
 /// Copy the values of a block from the 27 leaves or tiles that it overlaps.
-/// @param active receives 1 for active voxels, else 0; may be null
-VDBLIC_INLINE void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values, int* active)
+/// @param active receives the bits of active voxels, of rows that were without; may be null
+template<int kRim>
+VDBLIC_INLINE void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values,
+                              TextureBlock::RowBits* active)
 {
-    constexpr int kLeafDim = LeafVoxel::kDim, kBegin[] = {-2, 0, kLeafDim}, kEnd[] = {0, kLeafDim, kLeafDim + 2};
+    constexpr int kLeafDim = LeafVoxel::kDim, kBegin[] = {-kRim, 0, kLeafDim}, kEnd[] = {0, kLeafDim, kLeafDim + kRim};
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
     for (int part = 0; part < 27; ++part) {
         const int p[] = {part / 9, part / 3 % 3, part % 3};
@@ -48,192 +50,281 @@ VDBLIC_INLINE void copyValues(const openvdb::FloatTree& tree, const openvdb::Coo
         const openvdb::FloatTree::LeafNodeType* leaf = accessor.probeConstLeaf(origin + begin);
         float tile = 0;
         const bool tileActive = !leaf && accessor.probeValue(origin + begin, tile);
-        const auto copy = p[2] == 1 ? copyRows<kLeafDim> : copyRows<2>;
+        const auto copy = p[2] == 1 ? copyRows<kLeafDim> : copyRows<kRim>;
         copy(leaf, tile, tileActive, begin, kEnd[p[0]], kEnd[p[1]], values, active);
     }
 }
 
-/// 1 for a finite number, else 0. Tests the exponent, so that loops vectorize.
-int isFinite(float x)
+/// Half a row of a block.
+VDBLIC_INLINE Float8 loadHalf(const float* row, int half)
 {
-    constexpr std::uint32_t kExponent = 0x7f800000;
-    return (__builtin_bit_cast(std::uint32_t, x) & kExponent) != kExponent;
+    Float8 values;
+    std::memcpy(&values, row + half * std::ptrdiff_t(kLanes), sizeof values);
+    return values;
 }
 
-/// The derivative along one axis from the active neighbours [texture/voxel]; 0 where the voxel itself is inactive.
-float difference(const float* value, const int* active, int stride)
+/// The lanes of half a row whose bits are set.
+VDBLIC_INLINE Int8 halfMask(unsigned bits, int half)
 {
-    const bool before = active[-stride], after = active[stride];
-    if (!*active) return 0;
-    if (before && after) return (value[stride] - value[-stride]) * 0.5f;
-    if (after) return value[stride] - *value;
-    return before ? *value - value[-stride] : 0.0f;
+    return maskOf(bits >> (half * kLanes) & 0xff);
+}
+
+/// The bits of the finite numbers in a row.
+VDBLIC_INLINE unsigned finiteOf(const float* row)
+{
+    constexpr int kExponent = 0x7f800000;
+    unsigned bits = 0;
+    for (int half = 0; half < 2; ++half) {
+        const auto exponents = __builtin_bit_cast(Int8, loadHalf(row, half)) & kExponent;
+        bits |= bitsOf(exponents != kExponent) << (half * kLanes);
+    }
+    return bits;
+}
+
+/// The least and the largest of numbers.
+class Extremes {
+  public:
+    VDBLIC_INLINE void add(Float8 values, Int8 which)
+    {
+        const Float8 low = which ? values : broadcast8(kInfinity), high = which ? values : broadcast8(-kInfinity);
+        mLow = low < mLow ? low : mLow;
+        mHigh = high > mHigh ? high : mHigh;
+    }
+    [[nodiscard]] VDBLIC_INLINE float low() const
+    {
+        float least = mLow[0];
+        for (int lane = 1; lane < kLanes; ++lane)
+            least = std::min(least, mLow[lane]);
+        return least;
+    }
+    [[nodiscard]] VDBLIC_INLINE float high() const
+    {
+        float most = mHigh[0];
+        for (int lane = 1; lane < kLanes; ++lane)
+            most = std::max(most, mHigh[lane]);
+        return most;
+    }
+
+  private:
+    static constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+    Float8 mLow = broadcast8(kInfinity), mHigh = broadcast8(-kInfinity);
+};
+
+/// The bits of rows that voxels from −rim to 7 + rim have.
+constexpr unsigned bitsWithin(int rim)
+{
+    return ((1u << (LeafVoxel::kDim + 2 * rim)) - 1) << (TextureBlock::kRim - rim);
+}
+
+/// The rows from −rim to 7 + rim along x and y.
+template<typename Visit>
+VDBLIC_INLINE void forRows(int rim, const Visit& visit)
+{
+    for (int x = -rim; x < LeafVoxel::kDim + rim; ++x) {
+        for (int y = -rim; y < LeafVoxel::kDim + rim; ++y)
+            visit(x, y, TextureBlock::row(x, y));
+    }
 }
 
 } // namespace
 
-void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatTree& driver,
+void TextureBlock::copyRim(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver,
+                           const openvdb::Coord& origin, int rim)
+{
+    std::fill_n(mActive, kRows, RowBits(0));
+    const auto copy = rim == kRim ? copyValues<kRim> : copyValues<TextureLeaf::kRim>;
+    copy(texture, origin, mTexture, mActive);
+    if (driver) copy(*driver, origin, mDriver, nullptr);
+    mHasDriver = driver;
+    removeNotFinite(rim);
+}
+
+VDBLIC_KERNEL
+void TextureBlock::removeNotFinite(int rim)
+{
+    constexpr unsigned kNeeded = bitsWithin(TextureLeaf::kRim);
+    mWhole = true;
+    forRows(rim, [&](int x, int y, int row) {
+        unsigned active = mActive[row];
+        if (active != 0) active &= finiteOf(mTexture + row * std::ptrdiff_t(kDim));
+        if (active != 0 && mHasDriver) active &= finiteOf(mDriver + row * std::ptrdiff_t(kDim));
+        mActive[row] = RowBits(active);
+        constexpr int kEnd = LeafVoxel::kDim + TextureLeaf::kRim;
+        const bool isNeeded = std::min(x, y) >= -TextureLeaf::kRim && std::max(x, y) < kEnd;
+        mWhole = mWhole && (!isNeeded || (active & kNeeded) == kNeeded);
+    });
+}
+
+void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver,
                         const openvdb::Coord& origin)
 {
-    copyValues(texture, origin, mTexture, mActive);
-    copyValues(driver, origin, mDriver, nullptr);
-    copied();
-    mHasDrivers = false;
+    mIsSparse = false;
+    copyRim(texture, driver, origin, TextureLeaf::kRim);
+    if (!mWhole) copyRim(texture, driver, origin, kRim); // extend() needs more
+    std::copy_n(mActive, kRows, mKnown);
 }
 
-void TextureBlock::copy(const openvdb::FloatTree& texture, const CoarseScalar& driver, const openvdb::Coord& origin)
+VDBLIC_KERNEL
+void TextureBlock::copySparse(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver,
+                              const openvdb::Coord& origin)
 {
-    static_assert(kDim <= CoarseScalar::kMostDim);
-    copyValues(texture, origin, mTexture, mActive);
-    driver.sample(origin.offsetBy(-2, -2, -2), kDim, mDriver);
-    copied();
-    mHasDrivers = true;
-    for (float& value : mDriver)
-        value = isFinite(value) ? value : 0;
-}
-
-/// The voxels that are active in texture and driver.
-void TextureBlock::copied()
-{
-    int active = 0;
-    for (int i = 0; i < kSize; ++i) {
-        mActive[i] &= isFinite(mTexture[i]) & isFinite(mDriver[i]);
-        active += mActive[i];
-    }
-    mWhole = active == kSize;
-    mIsEmpty = false;
-}
-
-void TextureBlock::setEmpty()
-{
-    for (int i = 0; i < kSize; ++i)
-        mTexture[i] = mActive[i] ? mTexture[i] : 0;
-    mIsEmpty = true;
+    mIsSparse = true;
+    copyRim(texture, driver, origin, TextureLeaf::kRim);
+    std::copy_n(mActive, kRows, mKnown);
+    forRows(TextureLeaf::kRim, [&](int, int, int row) {
+        const unsigned active = mActive[row];
+        float* const values = mTexture + row * std::ptrdiff_t(kDim);
+        if (active == 0) {
+            std::fill_n(values, kDim, 0.0f);
+            return;
+        }
+        for (int half = 0; half < 2; ++half) {
+            const Float8 kept = halfMask(active, half) ? loadHalf(values, half) : Float8{};
+            std::memcpy(values + half * std::ptrdiff_t(kLanes), &kept, sizeof kept);
+        }
+    });
 }
 
 void TextureBlock::extend()
 {
-    if (mWhole || (mIsEmpty && mHasDrivers)) return;
-    unsigned rows[kDim * kDim] = {}; // a bit for each active voxel of a row along z
-    for (int row = 0; row < kDim * kDim; ++row) {
-        for (int z = 0; z < kDim; ++z)
-            rows[row] |= unsigned(mActive[row * kDim + z]) << z;
+    if (mWhole) return;
+    if (mIsSparse) {
+        if (mHasDriver) extendBy(ScalarLeaf::kRim);
+        return;
     }
-    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
-        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
-            const int row = index(x, y, -2) / kDim;
-            unsigned around = 0; // voxels with an active neighbour
-            for (const int dx : {-kDim, 0, kDim})
-                around |= rows[row + dx - 1] | rows[row + dx] | rows[row + dx + 1];
-            around |= around << 1 | around >> 1;
-            for (int z = 1; z <= kPaddedDim; ++z) {
-                if (rows[row] >> z & 1) continue;
-                const int i = row * kDim + z;
-                mTexture[i] = 0;
-                mDriver[i] = 0;
-                if (around >> z & 1) extend(i);
-            }
+    extendBy(kRim - 1);
+    extendBy(kRim - 2);
+}
+
+VDBLIC_INLINE void TextureBlock::extend(int i, int row, int z)
+{
+    float texture = 0, driver = 0, count = 0;
+    const auto isKnown = [&](int dx, int dy, int dz) {
+        const int other = row + dx * kDim + dy;
+        return other >= 0 && other < kRows && z + dz >= 0 && (mKnown[other] >> (z + dz) & 1);
+    };
+    const auto add = [&](int dx, int dy, int dz) {
+        if (!isKnown(dx, dy, dz)) return;
+        const int step = (dx * kDim + dy) * kDim + dz, j = i + step;
+        texture += isKnown(2 * dx, 2 * dy, 2 * dz) ? 2 * mTexture[j] - mTexture[j + step] : mTexture[j];
+        driver += mDriver[j];
+        count += 1;
+    };
+    for (const int side : {-1, 1}) {
+        add(side, 0, 0);
+        add(0, side, 0);
+        add(0, 0, side);
+    }
+    for (int axes = 2; axes <= 3; ++axes) { // along which a neighbour differs
+        if (count > 0) break;
+        for (int n = 0; n < 27; ++n) {
+            const int dx = n / 9 - 1, dy = n / 3 % 3 - 1, dz = n % 3 - 1;
+            if ((dx != 0) + (dy != 0) + (dz != 0) == axes) add(dx, dy, dz);
         }
     }
-}
-
-void TextureBlock::extend(int i)
-{
-    float texture[4] = {}, driver[4] = {}, count[4] = {}; // by the number of axes along which a neighbour differs
-    for (int n = 0; n < 27; ++n) {
-        const int dx = n / 9 - 1, dy = n / 3 % 3 - 1, dz = n % 3 - 1;
-        const int j = i + (dx * kDim + dy) * kDim + dz;
-        if (!mActive[j]) continue;
-        const int distance = (dx != 0) + (dy != 0) + (dz != 0);
-        texture[distance] += mTexture[j];
-        driver[distance] += mDriver[j];
-        count[distance] += 1;
-    }
-    int nearest = 1;
-    while (count[nearest] == 0)
-        ++nearest;
-    if (!mIsEmpty) mTexture[i] = texture[nearest] / count[nearest];
-    mDriver[i] = driver[nearest] / count[nearest];
-}
-
-LeafRange TextureBlock::range() const
-{
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    LeafRange range{kInfinity, -kInfinity, -kInfinity};
-    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
-        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
-            for (int z = -1; z <= LeafVoxel::kDim; ++z) {
-                const int i = index(x, y, z);
-                if (!mActive[i]) continue;
-                range.lowDriver = std::min(range.lowDriver, mDriver[i]);
-                range.highDriver = std::max(range.highDriver, mDriver[i]);
-                range.highTexture = std::max(range.highTexture, mTexture[i]);
-            }
-        }
-    }
-    return range;
-}
-
-void TextureBlock::writeValues(ValueRecord* records) const
-{
-    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
-        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
-            const int i = index(x, y, -1);
-            ValueRecord* row = records + paddedIndex(x, y, -1);
-            for (int z = 0; z < kPaddedDim; ++z)
-                row[z] = {mTexture[i + z], mDriver[i + z]};
-        }
-    }
-}
-
-void TextureBlock::writeDrivers(float* drivers) const
-{
-    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
-        for (int y = -1; y <= LeafVoxel::kDim; ++y)
-            std::copy_n(mDriver + index(x, y, -1), kPaddedDim, drivers + paddedIndex(x, y, -1));
-    }
+    if (!mIsSparse) mTexture[i] = texture / count;
+    mDriver[i] = driver / count;
 }
 
 VDBLIC_KERNEL
-void TextureBlock::writeGradients(const glm::mat3& gradientToWorld, GradientRecord* records) const
+void TextureBlock::extendBy(int rim)
 {
-    constexpr int kStrides[] = {kDim * kDim, kDim, 1};
-    for (int x = -1; x <= LeafVoxel::kDim; ++x) {
-        for (int y = -1; y <= LeafVoxel::kDim; ++y) {
-            const float* value = mTexture + index(x, y, -1);
-            const int* active = mActive + index(x, y, -1);
-            float gradient[3][kPaddedDim];
-            for (int axis = 0; axis < 3; ++axis) {
-                const int stride = kStrides[axis];
-                for (int z = 0; z < kPaddedDim; ++z) {
-                    gradient[axis][z] = mWhole || mIsEmpty ? (value[z + stride] - value[z - stride]) * 0.5f
-                                                           : difference(value + z, active + z, stride);
-                }
+    RowBits known[kRows];
+    std::copy_n(mKnown, kRows, known);
+    forRows(rim, [&](int, int, int row) {
+        unsigned around = 0; // voxels with a neighbour that has a value
+        for (const int dx : {-kDim, 0, kDim})
+            around |= unsigned(mKnown[row + dx - 1] | mKnown[row + dx] | mKnown[row + dx + 1]);
+        around |= around << 1 | around >> 1;
+        const unsigned missing = ~unsigned(mKnown[row]) & bitsWithin(rim);
+        if (missing == 0) return;
+        for (int half = 0; half < 2; ++half) {
+            const Int8 isMissing = halfMask(missing, half);
+            for (float* const values : {mTexture, mDriver}) {
+                if (values == mTexture && mIsSparse) continue;
+                float* const at = values + row * std::ptrdiff_t(kDim) + half * std::ptrdiff_t(kLanes);
+                const Float8 kept = isMissing ? Float8{} : loadHalf(at, 0);
+                std::memcpy(at, &kept, sizeof kept);
             }
-            std::uint32_t world[3][kPaddedDim];
-            for (int axis = 0; axis < 3; ++axis) {
-                for (int z = 0; z < kPaddedDim; ++z) {
-                    world[axis][z] = toBFloat16(gradientToWorld[0][axis] * gradient[0][z] +
-                                                gradientToWorld[1][axis] * gradient[1][z] +
-                                                gradientToWorld[2][axis] * gradient[2][z]);
-                }
-            }
-            GradientRecord* row = records + paddedIndex(x, y, -1);
-            for (int z = 0; z < kPaddedDim; ++z)
-                row[z] = {{BFloat16(world[0][z]), BFloat16(world[1][z]), BFloat16(world[2][z]), 0}};
         }
-    }
+        for (unsigned left = missing & around; left != 0; left &= left - 1) {
+            const int z = __builtin_ctz(left);
+            extend(row * kDim + z, row, z);
+            known[row] |= RowBits(1u << z);
+        }
+    });
+    std::copy_n(known, kRows, mKnown);
+}
+
+VDBLIC_KERNEL
+LeafRange TextureBlock::range() const
+{
+    Extremes drivers, textures;
+    forRows(ScalarLeaf::kRim, [&](int, int, int row) {
+        const unsigned active = mActive[row] & bitsWithin(ScalarLeaf::kRim);
+        if (active == 0) return;
+        for (int half = 0; half < 2; ++half) {
+            drivers.add(loadHalf(mDriver + row * std::ptrdiff_t(kDim), half), halfMask(active, half));
+            textures.add(loadHalf(mTexture + row * std::ptrdiff_t(kDim), half), halfMask(active, half));
+        }
+    });
+    // Samples lie up to half a voxel past the rim, where textures go on as before it.
+    const float beyond = mWhole || mIsSparse ? 0 : (textures.high() - textures.low()) * 0.5f;
+    return {drivers.low(), drivers.high(), textures.high() + beyond};
+}
+
+VDBLIC_KERNEL
+TextureScale TextureBlock::writeTexture(TextureRecord* records) const
+{
+    static_assert(kDim == 2 * kLanes);
+    constexpr int kSkip = kRim - TextureLeaf::kRim;
+    const auto known = [&](int row) {
+        return (mIsSparse ? ~0u : unsigned(mKnown[row])) & bitsWithin(TextureLeaf::kRim);
+    };
+    Extremes extremes;
+    forRows(TextureLeaf::kRim, [&](int, int, int row) {
+        for (int half = 0; half < 2; ++half)
+            extremes.add(loadHalf(mTexture + row * std::ptrdiff_t(kDim), half), halfMask(known(row), half));
+    });
+    const float low = extremes.low(), high = extremes.high();
+    const float perUnit = high / TextureScale::kUnits - low / TextureScale::kUnits;
+    const float units = perUnit > 0 ? 1 / perUnit : 0;
+    forRows(TextureLeaf::kRim, [&](int x, int y, int row) {
+        TextureRecord numbers[kDim];
+        for (int half = 0; half < 2; ++half) {
+            using Short8 = TextureRecord __attribute__((vector_size(16)));
+            const Float8 share = (loadHalf(mTexture + row * std::ptrdiff_t(kDim), half) - low) * units + 0.5f;
+            const Float8 bounded = share < TextureScale::kUnits ? share : broadcast8(TextureScale::kUnits);
+            const Float8 rounded = halfMask(known(row), half) ? bounded : Float8{};
+            const auto shorts = __builtin_convertvector(__builtin_convertvector(rounded, Int8), Short8);
+            std::memcpy(numbers + half * std::ptrdiff_t(kLanes), &shorts, sizeof shorts);
+        }
+        std::copy_n(numbers + kSkip, TextureLeaf::kDim, records + TextureLeaf::index(x, y, -TextureLeaf::kRim));
+    });
+    return {low, perUnit};
+}
+
+void TextureBlock::writeDrivers(float* values) const
+{
+    forRows(ScalarLeaf::kRim, [&](int x, int y, int) {
+        std::copy_n(mDriver + index(x, y, -ScalarLeaf::kRim), ScalarLeaf::kDim,
+                    values + ScalarLeaf::index(x, y, -ScalarLeaf::kRim));
+    });
 }
 
 std::size_t TextureBlock::removeInactive(TextureVolume::Mask& mask) const
 {
     if (mWhole) return 0;
     std::size_t removed = 0;
-    for (auto i = mask.beginOn(); i; ++i) {
-        const LeafVoxel voxel = LeafVoxel::at(i.pos());
-        if (mActive[index(voxel.x, voxel.y, voxel.z)]) continue;
-        mask.setOff(i.pos());
-        ++removed;
+    for (int x = 0; x < LeafVoxel::kDim; ++x) {
+        auto& word = mask.getWord<openvdb::Index64>(openvdb::Index(x));
+        for (int y = 0; y < LeafVoxel::kDim; ++y) {
+            const auto active = std::uint64_t(mActive[row(x, y)] >> kRim & 0xff) << (LeafVoxel::kDim * y);
+            const std::uint64_t lost = word & (std::uint64_t(0xff) << (LeafVoxel::kDim * y)) & ~active;
+            removed += std::size_t(__builtin_popcountll(lost));
+            word &= ~lost;
+        }
     }
     return removed;
 }

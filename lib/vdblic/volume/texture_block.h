@@ -4,55 +4,59 @@
 #include "vdblic/volume/texture_records.h"
 #include "vdblic/volume/texture_volume.h"
 
-#include <glm/mat3x3.hpp>
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
 
 namespace vdblic {
 
-class CoarseScalar;
-
-/// A leaf and two voxels around it, copied from the trees: all that its padded leaf is made from.
+/// A leaf and the voxels around it, copied from the trees: all that its records are made from.
 ///
 /// Large: keep one a thread.
 class TextureBlock {
   public:
     /// Active voxels whose values are not finite count as inactive.
-    void copy(const openvdb::FloatTree& texture, const openvdb::FloatTree& driver, const openvdb::Coord& origin);
-    /// The same with a driver on coarser voxels. All voxels have its values then, inactive ones too.
-    void copy(const openvdb::FloatTree& texture, const CoarseScalar& driver, const openvdb::Coord& origin);
+    /// @param driver null: the texture's voxels alone count
+    void copy(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver, const openvdb::Coord& origin);
+    /// The same of a sparse texture: inactive voxels are empty, their texture is 0.
+    void copySparse(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver, const openvdb::Coord& origin);
 
-    /// From now on inactive voxels are empty: their texture is 0, and has a gradient.
-    void setEmpty();
-
-    /// Set inactive voxels to the mean of their nearest active neighbours: of those that share a face, else an edge,
-    /// else a corner.
+    /// Let the values go on past the rim, twice: an inactive voxel follows its nearest neighbours that have a value,
+    /// those that share a face, else an edge, else a corner. A driver is the mean of theirs. A texture goes on along
+    /// the line through each of them and the voxel behind it, so that the rim is lit as what it bounds. Of a sparse
+    /// texture only drivers go on, once.
     void extend();
 
+    /// Of samples in the leaf, by the active voxels in ScalarLeaf.
     [[nodiscard]] LeafRange range() const;
-    void writeValues(ValueRecord* records) const;
-    void writeDrivers(float* drivers) const;
-    /// @param gradientToWorld from texture per voxel in index space
-    void writeGradients(const glm::mat3& gradientToWorld, GradientRecord* records) const;
+    /// @return what the records mean
+    [[nodiscard]] TextureScale writeTexture(TextureRecord* records) const;
+    /// @param values receives ScalarLeaf
+    void writeDrivers(float* values) const;
     /// Remove inactive voxels from the leaf's mask. @return number of voxels removed
     std::size_t removeInactive(TextureVolume::Mask& mask) const;
 
-    static constexpr int kDim = LeafVoxel::kDim + 4;
-    /// Index of a voxel. @param x, y, z from −2 to 9, relative to the leaf's origin
-    static constexpr int index(int x, int y, int z) { return ((x + 2) * kDim + y + 2) * kDim + z + 2; }
+    static constexpr int kRim = 4, kDim = LeafVoxel::kDim + 2 * kRim;
+    /// Index of a voxel. @param x, y, z from −kRim to 7 + kRim, relative to the leaf's origin
+    static constexpr int index(int x, int y, int z) { return ((x + kRim) * kDim + y + kRim) * kDim + z + kRim; }
+    /// A bit for each voxel of a row along z, the first one the lowest.
+    using RowBits = std::uint16_t;
+    static constexpr int row(int x, int y) { return (x + kRim) * kDim + y + kRim; }
 
   private:
-    static constexpr int kSize = kDim * kDim * kDim;
+    static constexpr int kSize = kDim * kDim * kDim, kRows = kDim * kDim;
 
-    void extend(int voxel);
-    void copied();
+    void copyRim(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver, const openvdb::Coord& origin,
+                 int rim);
+    void removeNotFinite(int rim);
+    void extendBy(int rim);
+    void extend(int voxel, int row, int z);
 
     float mTexture[kSize], mDriver[kSize];
-    int mActive[kSize]; // 1 or 0; as wide as the values, so that loops over both vectorize
-    bool mWhole;        // every voxel is active
-    bool mIsEmpty;      // inactive voxels are empty
-    bool mHasDrivers;   // of inactive voxels too
+    RowBits mActive[kRows], mKnown[kRows]; // voxels that are active; those that have a value
+    bool mWhole;                           // every voxel that records depend on is active
+    bool mIsSparse, mHasDriver;
 };
 
 } // namespace vdblic

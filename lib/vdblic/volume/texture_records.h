@@ -3,6 +3,7 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/vector.h"
 
+#include <cmath>
 #include <cstdint>
 
 namespace vdblic {
@@ -16,31 +17,48 @@ VDBLIC_INLINE BFloat16 toBFloat16(float x)
     return BFloat16((bits + 0x7fff + (bits >> 16 & 1)) >> 16); // to nearest, ties to even
 }
 
-/// What the opacity of a sample depends on. Two neighbours along z are loaded at once.
-struct alignas(8) ValueRecord {
-    float texture, driver;
+/// A cube of numbers around a leaf: those of its 8³ voxels and of some voxels around them, x slowest.
+template<int rim>
+struct PaddedLeaf {
+    static constexpr int kRim = rim; ///< voxels on each side
+    static constexpr int kDim = LeafVoxel::kDim + 2 * rim;
+    static constexpr int kSize = kDim * kDim * kDim;
+    static constexpr int kY = kDim, kX = kDim * kDim; ///< distances of neighbours along y and x
+
+    /// Index of a voxel. @param x, y, z relative to the leaf's origin, from −rim to 7 + rim
+    template<typename Integer>
+    [[nodiscard]] VDBLIC_INLINE static constexpr Integer index(Integer x, Integer y, Integer z)
+    {
+        return ((x + rim) * kDim + y + rim) * kDim + z + rim;
+    }
 };
 
-/// The gradient of the texture, for visible samples. The fourth number is 0.
-struct alignas(8) GradientRecord {
-    BFloat16 values[4];
+/// The texture of a voxel as a share of the range of its leaf's records, in units of 1/65535. A leaf's records reach
+/// two voxels beyond it: all that the gradient at a sample in one of its voxels depends on.
+using TextureRecord = std::uint16_t;
+using TextureLeaf = PaddedLeaf<2>;
+
+/// What a leaf's records mean: a texture is low + record · perUnit.
+struct alignas(8) TextureScale {
+    static constexpr float kUnits = 65535;
+
+    float low = 0, perUnit = 0;
+
+    /// A record such that no record below it stands for more than a texture, also after rounding.
+    [[nodiscard]] std::int32_t recordAbove(float texture) const
+    {
+        if (texture < low || !(perUnit > 0)) return 0;
+        const float record = std::floor((texture - low) / perUnit) - 1;
+        return std::int32_t(record < 0 ? 0 : record < kUnits ? record : kUnits);
+    }
 };
 
-/// The projector on the direction of lines: xx yy zz xy xz yz 0 0, of trace 1.
+/// A scalar's values at a leaf's voxels and one voxel around them: all that a sample in one of its voxels depends on.
+using ScalarLeaf = PaddedLeaf<1>;
+
+/// The projector on the direction of lines: xx yy zz xy xz yz 0 0, of trace 1. Padded as scalars.
 struct alignas(16) LineRecord {
     BFloat16 values[8];
 };
-
-/// A padded leaf: records of a leaf's 8³ voxels and of one voxel around them, x slowest. It holds all corners of every
-/// cell that a sample in one of the leaf's voxels can lie in.
-inline constexpr int kPaddedDim = LeafVoxel::kDim + 2;
-inline constexpr int kPaddedSize = kPaddedDim * kPaddedDim * kPaddedDim;
-
-/// Index of a record in its padded leaf. @param x, y, z from −1 to 8, relative to the leaf's origin
-template<typename Integer>
-constexpr Integer paddedIndex(Integer x, Integer y, Integer z)
-{
-    return ((x + 1) * kPaddedDim + y + 1) * kPaddedDim + z + 1;
-}
 
 } // namespace vdblic

@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/affine_transform.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/mix_bits.h"
 #include "vdblic/look/look.h"
@@ -47,19 +48,6 @@ std::optional<CoarseScalar> coarseScalar(const openvdb::FloatGrid& texture, cons
     return coarse;
 }
 
-/// Copy a leaf of a texture and of a scalar. @param coarse the scalar if it is on coarser voxels
-void copyLeaf(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar,
-              const std::optional<CoarseScalar>& coarse, bool isSparse, const openvdb::Coord& origin,
-              TextureBlock& block)
-{
-    if (coarse) {
-        block.copy(texture.tree(), *coarse, origin);
-    } else {
-        block.copy(texture.tree(), scalar.tree(), origin);
-    }
-    if (isSparse) block.setEmpty();
-}
-
 /// The part of a domain that a rank has.
 std::shared_ptr<const Domain> partOf(const Domain& whole, const LeafShare& share, int rim)
 {
@@ -95,28 +83,34 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
         use.share ? use.share->ranks() : 1);
     if (use.share) mDomain = partOf(domain(), *use.share, use.rim);
     const std::size_t leaves = leafCount();
-    if (leaves > std::numeric_limits<std::uint32_t>::max() / kPaddedSize) {
+    constexpr std::size_t kMostLeaves = std::numeric_limits<std::uint32_t>::max() / TextureLeaf::kSize;
+    if (leaves > kMostLeaves) {
         throw InputError(fmt::format("grid {} has {} leaves; at most {} can be rendered: cut it into parts",
-                                     texture.getName(), leaves,
-                                     std::numeric_limits<std::uint32_t>::max() / kPaddedSize));
+                                     texture.getName(), leaves, kMostLeaves));
     }
     mRanges.resize(leaves);
     mShown.resize(leaves);
     mHasRecords.resize(leaves);
-    mValues = std::make_unique_for_overwrite<ValueRecord[]>(leaves * kPaddedSize);
-    if (use.gradients) mGradients = std::make_unique_for_overwrite<GradientRecord[]>(leaves * kPaddedSize);
+    mScales.resize(leaves);
+    mRecords = std::make_unique_for_overwrite<TextureRecord[]>(leaves * TextureLeaf::kSize);
+    mDrivers = ScalarRecords(leaves, coarse);
 
     // Gradients are covectors. The factor makes them independent of the unit of length.
-    const glm::dmat3 linear(mIndexToWorld);
-    const double voxelSize = std::cbrt(std::abs(glm::determinant(linear)));
-    const glm::mat3 gradientToWorld(glm::transpose(glm::inverse(linear)) * voxelSize);
+    mGradientToWorld = glm::mat3(glm::transpose(glm::inverse(glm::dmat3(mIndexToWorld))) * voxelSize());
 
     std::atomic<std::size_t> unusable{0};
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
-            copyLeaf(texture, driver, coarse, mIsSparse, origin(leaf), *block);
+            paging::breathe(paging::kLeafBytes);
+            copyLeaf(texture, coarse ? nullptr : &driver, origin(leaf), *block);
             mRanges[leaf] = block->range();
+            if (coarse) {
+                const auto range = mDrivers.copyCoarse(*coarse, leaf, origin(leaf));
+                constexpr float kInfinity = std::numeric_limits<float>::infinity();
+                mRanges[leaf].lowDriver = range ? (*range)[0] : kInfinity;
+                mRanges[leaf].highDriver = range ? (*range)[1] : -kInfinity;
+            }
             mShown[leaf] = domain().mask(domain().local()[leaf]);
             const std::size_t found = block->removeInactive(mShown[leaf]);
             if (found > 0 && isOwn(leaf)) unusable += found;
@@ -124,8 +118,8 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
             mHasRecords[leaf] = leaf == 0 || !use.look || use.look->contributes(mRanges[leaf]);
             if (!mHasRecords[leaf]) continue;
             block->extend();
-            block->writeValues(mValues.get() + leaf * kPaddedSize);
-            if (mGradients) block->writeGradients(gradientToWorld, mGradients.get() + leaf * kPaddedSize);
+            mScales[leaf] = block->writeTexture(mRecords.get() + leaf * TextureLeaf::kSize);
+            if (!coarse) block->writeDrivers(mDrivers.values(leaf));
         }
     });
     mUnusable = unusable;
@@ -139,24 +133,53 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     }
 }
 
+void TextureVolume::copyLeaf(const openvdb::FloatGrid& texture, const openvdb::FloatGrid* scalar,
+                             const openvdb::Coord& origin, TextureBlock& block) const
+{
+    const openvdb::FloatTree* const tree = scalar ? &scalar->tree() : nullptr;
+    if (mIsSparse) {
+        block.copySparse(texture.tree(), tree, origin);
+    } else {
+        block.copy(texture.tree(), tree, origin);
+    }
+}
+
 void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors)
 {
     const std::optional<CoarseScalar> coarse = coarseScalar(texture, colors, mIsSparse);
     const std::size_t leaves = leafCount();
-    mColors = std::make_unique_for_overwrite<float[]>(leaves * kPaddedSize);
+    mColors.emplace(leaves, coarse);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
         const auto block = std::make_unique<TextureBlock>();
         for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf) {
+            paging::breathe(paging::kLeafBytes);
             if (!mHasRecords[leaf]) continue;
-            copyLeaf(texture, colors, coarse, mIsSparse, origin(leaf), *block);
+            if (coarse) {
+                mColors->copyCoarse(*coarse, leaf, origin(leaf));
+                continue;
+            }
+            copyLeaf(texture, &colors, origin(leaf), *block);
             block->extend();
-            block->writeDrivers(mColors.get() + leaf * kPaddedSize);
+            block->writeDrivers(mColors->values(leaf));
         }
     });
 }
 
+double TextureVolume::bytesPerLeaf() const
+{
+    const std::size_t scalars = mDrivers.bytesPerLeaf() + (mColors ? mColors->bytesPerLeaf() : 0);
+    return bytesPerLeaf(bool(mLines), double(scalars));
+}
+
+double TextureVolume::bytesPerLeaf(bool hasLines, double scalarBytes)
+{
+    constexpr double kTexture = sizeof(TextureRecord) * TextureLeaf::kSize + sizeof(TextureScale) + sizeof(Mask);
+    return kTexture + (hasLines ? double(sizeof(LineRecord) * ScalarLeaf::kSize) : 0) + scalarBytes;
+}
+
 void TextureVolume::cut(const Domain& kept)
 {
+    mIsCut = true;
     tbb::parallel_for(std::size_t(0), mShown.size(), [&](std::size_t leaf) {
         const openvdb::Coord c = origin(leaf);
         const int found = kept.findLeaf(Int4{c[0], c[1], c[2]});
@@ -176,6 +199,11 @@ int TextureVolume::findLeaf(const openvdb::Coord& voxel) const
     return int(std::lower_bound(all.begin(), all.end(), std::uint32_t(found)) - all.begin());
 }
 
+double TextureVolume::voxelSize() const
+{
+    return std::cbrt(std::abs(glm::determinant(glm::dmat3(mIndexToWorld))));
+}
+
 Corners TextureVolume::corners() const
 {
     Corners result;
@@ -193,13 +221,16 @@ VolumeSamples TextureVolume::samples() const
     const auto add = [&](std::size_t leaf, VolumeSamples& samples) {
         if (!isOwn(leaf)) return;
         const std::uint64_t number = numberOf(origin(leaf));
-        for (unsigned offset = 0; offset < LeafVoxel::kCount; ++offset) {
-            if (mixBits(number + offset) > highest || !mShown[leaf].isOn(offset)) continue;
+        for (auto shown = mShown[leaf].beginOn(); shown; ++shown) {
+            const unsigned offset = shown.pos();
+            if (mixBits(number + offset) > highest) continue;
             const LeafVoxel at = LeafVoxel::at(offset);
-            const std::size_t record = leaf * kPaddedSize + std::size_t(paddedIndex(at.x, at.y, at.z));
-            samples.texture.push_back(mValues[record].texture);
-            samples.driver.push_back(mValues[record].driver);
-            if (mColors) samples.color.push_back(mColors[record]);
+            const TextureRecord record = records(leaf)[TextureLeaf::index(at.x, at.y, at.z)];
+            samples.texture.push_back(mScales[leaf].low + float(record) * mScales[leaf].perUnit);
+            const Float8 position[] = {broadcast8(float(at.x)), broadcast8(float(at.y)), broadcast8(float(at.z))};
+            const Unsigned8 leaves = Unsigned8{} + unsigned(leaf);
+            samples.driver.push_back(mDrivers.at(leaves, position)[0]);
+            if (mColors) samples.color.push_back(mColors->at(leaves, position)[0]);
         }
     };
     return tbb::parallel_reduce(

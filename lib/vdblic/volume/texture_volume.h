@@ -3,8 +3,11 @@
 #include "vdblic/camera/camera.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/look/volume_values.h"
+#include "vdblic/volume/record_sampling.h"
+#include "vdblic/volume/scalar_records.h"
 #include "vdblic/volume/texture_records.h"
 
+#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
@@ -12,16 +15,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
 
 class LeafShare;
+class TextureBlock;
 struct Look;
 
 /// What a volume's records are for; all there are unless that is known.
 struct RecordUse {
-    bool gradients = true;      ///< whether gradients are read
     const Look* look = nullptr; ///< the only look that the volume is shown in: leaves that it hides get no records
     const LeafShare* share = nullptr; ///< the leaves that this rank has; null: all
     int rim = 0;                      ///< voxels around those leaves that are read, too
@@ -33,11 +37,10 @@ struct RecordUse {
 /// Of several ranks that share a picture each has a part of the leaves, its own ones and those it needs; numbers of
 /// leaves are among these. Domain and bounds are the whole volume's.
 ///
-/// Each leaf has padded records of values and of gradients (texture_records.h). Inactive voxels next to active ones
-/// hold the mean of their nearest active neighbours, which continues the values past the rim. Gradients are central
-/// differences, one-sided at the rim, 0 in inactive voxels, in world space [texture per mean voxel size]: their
-/// directions are normals. Of a sparse texture inactive voxels hold 0, and gradients are central everywhere. Any number
-/// of threads may read; cut() and add…() must not run beside readers.
+/// Each leaf has records of the texture and of scalars (texture_records.h). Past the rim a texture goes on linearly for
+/// two voxels, so that gradients there are those of the voxels inside; scalars go on with their nearest neighbours'
+/// mean. Of a sparse texture inactive voxels hold 0. Gradients are central differences of these values, taken where
+/// they are asked for. Any number of threads may read; cut() and add…() must not run beside readers.
 class TextureVolume {
   public:
     using Mask = Domain::Mask;
@@ -59,19 +62,36 @@ class TextureVolume {
     /// Whether this is the rank that counts a leaf.
     [[nodiscard]] bool isOwn(std::size_t leaf) const { return domain().isOwn(domain().local()[leaf]); }
 
-    /// Records of all leaves, kPaddedSize for each, by paddedIndex().
-    [[nodiscard]] const ValueRecord* values() const { return mValues.get(); }
-    /// Null if RecordUse has none.
-    [[nodiscard]] const GradientRecord* gradients() const { return mGradients.get(); }
-    /// Null unless addLines() was called.
+    /// The texture. @pre the leaves of samples have records
+    [[nodiscard]] TextureSampler texture() const { return {mRecords.get(), mScales.data()}; }
+    /// The records of a leaf, by TextureLeaf, and what they mean.
+    [[nodiscard]] const TextureRecord* records(std::size_t leaf) const
+    {
+        return mRecords.get() + leaf * TextureLeaf::kSize;
+    }
+    [[nodiscard]] const TextureScale& scale(std::size_t leaf) const { return mScales[leaf]; }
+    /// Turns gradients in index space into those in world space [texture per mean voxel size], whose directions are
+    /// normals.
+    [[nodiscard]] const glm::mat3& gradientToWorld() const { return mGradientToWorld; }
+    /// The scalar that opacity follows.
+    [[nodiscard]] const ScalarRecords& drivers() const { return mDrivers; }
+    /// By ScalarLeaf of all leaves; null unless addLines() was called.
     [[nodiscard]] const LineRecord* lines() const { return mLines.get(); }
 
     /// The voxels of a leaf that are shown: active, with finite values, not cut away.
     [[nodiscard]] const Mask& shown(std::size_t leaf) const { return mShown[leaf]; }
+    /// Whether samples in some of a leaf's voxels are hidden. Those of a sparse texture are unless it was cut: inactive
+    /// voxels are empty anyway.
+    [[nodiscard]] bool isPartlyShown(std::size_t leaf) const { return (mIsCut || !mIsSparse) && !mShown[leaf].isOn(); }
     [[nodiscard]] const LeafRange& leafRange(std::size_t leaf) const { return mRanges[leaf]; }
 
-    /// The scalar that colour follows, by records as values(); null unless addColors() was called.
-    [[nodiscard]] const float* colors() const { return mColors.get(); }
+    /// The scalar that colour follows; null unless addColors() was called.
+    [[nodiscard]] const ScalarRecords* colors() const { return mColors ? &*mColors : nullptr; }
+
+    /// The memory that a leaf's records take.
+    [[nodiscard]] double bytesPerLeaf() const;
+    /// @param scalarBytes of the scalars' values
+    [[nodiscard]] static double bytesPerLeaf(bool hasLines, double scalarBytes);
 
     /// Show only voxels that lie in another domain of the same index space too.
     void cut(const Domain& kept);
@@ -91,6 +111,8 @@ class TextureVolume {
 
     [[nodiscard]] const glm::dmat4& indexToWorld() const { return mIndexToWorld; }
     [[nodiscard]] const glm::dmat4& worldToIndex() const { return mWorldToIndex; }
+    /// The cube root of a voxel's volume [world].
+    [[nodiscard]] double voxelSize() const;
 
     /// Number of active voxels of own leaves that are left out because texture or driver is not a finite number.
     [[nodiscard]] std::size_t unusableVoxels() const { return mUnusable; }
@@ -100,21 +122,25 @@ class TextureVolume {
     [[nodiscard]] VolumeSamples samples() const;
 
   private:
+    void copyLeaf(const openvdb::FloatGrid& texture, const openvdb::FloatGrid* scalar, const openvdb::Coord& origin,
+                  TextureBlock& block) const;
     /// The number of the leaf that holds a voxel; −1 if there is none.
     [[nodiscard]] int findLeaf(const openvdb::Coord& voxel) const;
 
     std::shared_ptr<const Domain> mDomain;
-    std::unique_ptr<ValueRecord[]> mValues;
-    std::unique_ptr<GradientRecord[]> mGradients;
+    std::unique_ptr<TextureRecord[]> mRecords;
+    std::vector<TextureScale> mScales;
+    ScalarRecords mDrivers;
     std::unique_ptr<LineRecord[]> mLines;
-    std::unique_ptr<float[]> mColors;
+    std::optional<ScalarRecords> mColors;
     std::vector<Mask> mShown;
     std::vector<LeafRange> mRanges;
     std::vector<std::uint8_t> mHasRecords; // by leaf; 0: hidden by RecordUse::look
     glm::dvec3 mLow{0}, mHigh{0};
     glm::dmat4 mIndexToWorld{1}, mWorldToIndex{1};
+    glm::mat3 mGradientToWorld{1};
     std::size_t mUnusable = 0;
-    bool mIsSparse;
+    bool mIsSparse, mIsCut = false;
 };
 
 } // namespace vdblic

@@ -3,74 +3,108 @@
 #include "vdblic/camera/clipping.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/field/leaf_voxel.h"
-#include "vdblic/look/look.h"
+#include "vdblic/volume/extinction_cells.h"
 #include "vdblic/volume/texture_volume.h"
+#include "vdblic/volume/voxel_box.h"
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <openvdb/openvdb.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <numbers>
-#include <tuple>
-#include <utility>
+#include <cstdint>
 
 namespace vdblic {
 namespace {
 
-constexpr double kLeastExtinction = 0.02;     // extinction per voxel that counts as visible
-constexpr double kLeastExtinctionShare = 0.1; // or this share of the volume's largest
-constexpr int kDirections = 128;              // in which the outermost points are kept
+constexpr double kLeastDepth = 0.01;     // optical depth of a line that counts as visible
+constexpr double kLeastDepthShare = 0.1; // or this share of the largest of a line
+constexpr int kMostPixels = 256;         // of a picture of cells, along an edge of the box
 
-/// Directions spread evenly over the sphere: Fibonacci's lattice.
-glm::dvec3 evenDirection(int i)
-{
-    const double z = 1 - (2 * i + 1.0) / kDirections, angle = 2 * std::numbers::pi * std::numbers::phi * i;
-    return {std::sqrt(1 - z * z) * std::cos(angle), std::sqrt(1 - z * z) * std::sin(angle), z};
-}
+/// Along the edges of a cube, the diagonals of its faces and its diagonals.
+constexpr std::array<std::array<int, 3>, 13> kLineDirections{{{1, 0, 0},
+                                                              {0, 1, 0},
+                                                              {0, 0, 1},
+                                                              {1, 1, 0},
+                                                              {1, -1, 0},
+                                                              {1, 0, 1},
+                                                              {1, 0, -1},
+                                                              {0, 1, 1},
+                                                              {0, 1, -1},
+                                                              {1, 1, 1},
+                                                              {1, 1, -1},
+                                                              {1, -1, 1},
+                                                              {-1, 1, 1}}};
 
-/// A leaf's corners within the volume's bounds, in world space.
-Corners leafCorners(const TextureVolume& volume, const openvdb::Coord& origin)
-{
-    const glm::dvec3 first = glm::dvec3(origin[0], origin[1], origin[2]) - 0.5;
-    const glm::dvec3 low = glm::max(first, volume.low()), high = glm::min(first + 8.0, volume.high());
-    Corners corners;
-    for (unsigned i = 0; i < 8; ++i) {
-        const glm::dvec4 corner(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z, 1);
-        corners[i] = glm::dvec3(volume.indexToWorld() * corner);
+/// The optical depths of lines through all cells in one direction. Cells on one line have the same pixel.
+class DepthPicture {
+  public:
+    /// @param dim of the box around all cells
+    DepthPicture(const std::array<int, 3>& direction, const openvdb::Coord& dim) : mDirection(direction)
+    {
+        while (direction[std::size_t(mAlong)] == 0)
+            ++mAlong;
+        while (std::max({dim[0], dim[1], dim[2]}) >> mShift > kMostPixels)
+            ++mShift;
+        double length = 0;
+        for (int i = 0; i < 2; ++i) {
+            const int across = (mAlong + 1 + i) % 3;
+            mFirst[i] = -(dim[mAlong] - 1);
+            mSize[i] = ((dim[across] + 2 * dim[mAlong]) >> mShift) + 1;
+        }
+        for (const int component : direction)
+            length += component * component;
+        // The voxels of a line of cells, over the area that is theirs across the line: a volume over its base.
+        constexpr double kVolume = ExtinctionCell::kDim * ExtinctionCell::kDim;
+        mDepthPerSum = ExtinctionCell::kUnit * std::sqrt(length) / (kVolume * std::pow(4, mShift));
+        mSums.resize(std::size_t(mSize[0]) * std::size_t(mSize[1]));
     }
-    return corners;
-}
 
-bool cutAway(const Corners& corners, const std::vector<ClipPlane>& planes)
+    /// @param place relative to the first cell of the box
+    void add(const openvdb::Coord& place, std::uint64_t extinction) { mSums[pixel(place)] += extinction; }
+    void join(Exchange& exchange) { exchange.sum(mSums); }
+    [[nodiscard]] double depth(const openvdb::Coord& place) const { return depthOf(mSums[pixel(place)]); }
+    [[nodiscard]] double mostDepth() const { return depthOf(*std::max_element(mSums.begin(), mSums.end())); }
+
+  private:
+    [[nodiscard]] double depthOf(std::uint64_t sum) const { return double(sum) * mDepthPerSum; }
+    [[nodiscard]] std::size_t pixel(const openvdb::Coord& place) const
+    {
+        const int steps = place[mAlong] * mDirection[std::size_t(mAlong)];
+        std::array<int, 2> at{};
+        for (int i = 0; i < 2; ++i) {
+            const int across = (mAlong + 1 + i) % 3;
+            at[std::size_t(i)] = (place[across] - mDirection[std::size_t(across)] * steps - mFirst[i]) >> mShift;
+        }
+        return std::size_t(at[0]) * std::size_t(mSize[1]) + std::size_t(at[1]);
+    }
+
+    std::array<int, 3> mDirection;
+    int mAlong = 0, mShift = 0;
+    int mFirst[2], mSize[2];
+    double mDepthPerSum;
+    std::vector<std::uint64_t> mSums;
+};
+
+/// The pictures of all ranks' cells in all directions. Collective.
+std::vector<DepthPicture> depthPictures(const std::vector<ExtinctionCell>& cells, const openvdb::Coord& first,
+                                        const openvdb::Coord& dim, Exchange& exchange)
 {
-    return std::any_of(planes.begin(), planes.end(), [&](const ClipPlane& plane) {
-        return std::all_of(corners.begin(), corners.end(),
-                           [&](const glm::dvec3& corner) { return glm::dot(corner - plane.point, plane.normal) <= 0; });
+    std::vector<DepthPicture> pictures;
+    for (const auto& direction : kLineDirections)
+        pictures.emplace_back(direction, dim);
+    tbb::parallel_for(std::size_t(0), pictures.size(), [&](std::size_t i) {
+        for (const ExtinctionCell& cell : cells)
+            pictures[i].add(cell.place() - first, cell.extinction);
     });
-}
-
-/// The points that are outermost in some direction.
-std::vector<glm::dvec3> outermostOf(const std::vector<glm::dvec3>& points, const TextureVolume& volume)
-{
-    std::vector<glm::dvec3> outermost;
-    if (points.empty()) return outermost;
-    const Corners box = volume.corners();
-    const glm::dvec3 scale =
-        1.0 / glm::max(glm::abs(box[7] - box[0]), glm::dvec3(1e-30)); // flat volumes have sides too
-    for (int i = 0; i < kDirections; ++i) {
-        const glm::dvec3 along = evenDirection(i) * scale;
-        // Of points that are equally far out always the same one is taken, whatever their order.
-        const auto key = [&](const glm::dvec3& point) {
-            return std::tuple(glm::dot(point, along), point.x, point.y, point.z);
-        };
-        outermost.push_back(*std::max_element(points.begin(), points.end(),
-                                              [&](const auto& a, const auto& b) { return key(a) < key(b); }));
+    if (!exchange.isAlone()) {
+        for (DepthPicture& picture : pictures)
+            picture.join(exchange);
     }
-    return outermost;
+    return pictures;
 }
 
 } // namespace
@@ -78,36 +112,30 @@ std::vector<glm::dvec3> outermostOf(const std::vector<glm::dvec3>& points, const
 std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& look, const ClipParams& clip,
                                       Exchange& exchange)
 {
-    std::vector<double> extinctions(volume.leafCount());
-    for (std::size_t leaf = 0; leaf < extinctions.size(); ++leaf) {
-        const LeafRange& range = volume.leafRange(leaf);
-        if (volume.shown(leaf).isOff() || !look.contributes(range)) continue;
-        extinctions[leaf] = look.transfer.mostExtinction(range.lowDriver, range.highDriver);
+    if (volume.empty()) return {};
+    const std::vector<ExtinctionCell> cells = extinctionCells(volume, look, clip);
+    openvdb::CoordBBox box; // in cells
+    for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf)
+        box.expand(ExtinctionCell::at(volume.domain().origin(leaf)));
+    box.expand(box.max().offsetBy(LeafVoxel::kDim / ExtinctionCell::kDim - 1));
+    const std::vector<DepthPicture> pictures = depthPictures(cells, box.min(), box.dim(), exchange);
+    double most = 0;
+    for (const DepthPicture& picture : pictures)
+        most = std::max(most, picture.mostDepth());
+    const double least = std::min(kLeastDepth, kLeastDepthShare * most);
+    std::vector<VoxelBox> seen;
+    for (const ExtinctionCell& cell : cells) {
+        const openvdb::Coord place = cell.place() - box.min();
+        const auto isSeen = [&](const DepthPicture& picture) { return picture.depth(place) >= least; };
+        if (std::all_of(pictures.begin(), pictures.end(), isSeen)) seen.push_back(cell.most);
     }
-    double most = extinctions.empty() ? 0 : *std::max_element(extinctions.begin(), extinctions.end());
-    exchange.max({&most, 1});
-    const double least = std::min(kLeastExtinction, kLeastExtinctionShare * most);
-    const std::vector<ClipPlane> planes = clip.allPlanes();
-
-    // Of each column of leaves along z only the ends can be outermost.
-    std::map<std::pair<int, int>, std::pair<openvdb::Coord, openvdb::Coord>> columns;
-    for (std::size_t leaf = 0; leaf < extinctions.size(); ++leaf) {
-        const openvdb::Coord origin = volume.origin(leaf);
-        if (!(extinctions[leaf] > 0 && extinctions[leaf] >= least) || cutAway(leafCorners(volume, origin), planes))
-            continue;
-        auto& [lowest, highest] = columns.try_emplace({origin[0], origin[1]}, origin, origin).first->second;
-        lowest = std::min(lowest, origin);
-        highest = std::max(highest, origin);
-    }
+    const glm::dvec3 extent = volume.high() - volume.low();
     std::vector<glm::dvec3> points;
-    for (const auto& [column, ends] : columns) {
-        for (const openvdb::Coord& origin : {ends.first, ends.second}) {
-            const Corners corners = leafCorners(volume, origin);
-            points.insert(points.end(), corners.begin(), corners.end());
-        }
+    for (const VoxelBox& cell : outermost(exchange.join(outermost(seen, extent)), extent)) {
+        const auto corners = cell.corners(volume.indexToWorld());
+        points.insert(points.end(), corners.begin(), corners.end());
     }
-    points = outermostOf(points, volume);
-    return exchange.isAlone() ? points : outermostOf(exchange.join(points), volume);
+    return points;
 }
 
 } // namespace vdblic

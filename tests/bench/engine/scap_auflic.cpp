@@ -1,6 +1,7 @@
 #include "bench/engine/scap_auflic.h"
 
 #include "bench/engine/euler_uflic.h"
+#include "vdblic/field/domain_rows.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/hits.h"
 
@@ -51,7 +52,7 @@ void ScapAuflic::extend(const VelocityField& field, Path& path)
             step.early += i < run.early[0];
         }
     }
-    path.ended = path.ended || !domain.contains(path.position);
+    path.ended = path.ended || !covers(domain, path.position);
 }
 
 /// Release a seed in every open voxel of the tile that the path passes within the release window, and scatter the

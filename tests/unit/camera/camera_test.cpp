@@ -61,7 +61,7 @@ TEST(Camera, FillsThePictureWithFlatAndLongBoxes)
             }
             EXPECT_NEAR(low.x + high.x, 1, 1e-9); // centred
             EXPECT_NEAR(low.y + high.y, 1, 1e-9);
-            EXPECT_NEAR(std::max(high.x - low.x, high.y - low.y), 1 / 1.04, 1e-9);
+            EXPECT_NEAR(std::max(high.x - low.x, high.y - low.y), 1 / 1.08, 1e-9);
             EXPECT_GT(std::min(high.x - low.x, high.y - low.y), 0.35); // 734 : 1140 upright in 16 : 9
         }
     }
@@ -181,6 +181,19 @@ TEST(Camera, RefusesWhatHasNoMeaning)
     for (const double far : {1e30, 1e308})
         EXPECT_THROW(Camera({.eye = glm::dvec3(far)}, kFlat, {10, 10}), ParameterError);
     EXPECT_THROW(Camera({.eye = glm::dvec3(0)}, boxOfCorners(glm::dvec3(-1), glm::dvec3(1)), {10, 10}), ParameterError);
+}
+
+TEST(Camera, APixelCoversMoreFarAway)
+{
+    const CameraParams params{.eye = glm::dvec3(0), .target = glm::dvec3(0, 10, 0), .fieldOfView = 90};
+    const Camera camera(params, kFlat, {80, 40});
+    EXPECT_NEAR(camera.pixelSize({3, 10, -5}), 2 * 10 / 40.0, 1e-12);
+    EXPECT_NEAR(camera.pixelSize({0, 20, 0}), 1, 1e-12);
+    EXPECT_EQ(camera.pixelSize({0, -20, 0}), 0);
+    CameraParams parallel = params;
+    parallel.projection = Projection::kOrthographic;
+    parallel.viewHeight = 20;
+    EXPECT_NEAR(Camera(parallel, kFlat, {80, 40}).pixelSize({0, 70, 0}), 0.5, 1e-12);
 }
 
 } // namespace

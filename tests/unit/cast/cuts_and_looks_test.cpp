@@ -77,7 +77,7 @@ TEST(CutsAndLooks, HalosHideOnlyWhatIsBehindStreaks)
     Look look{TransferFunction({.colorMap = "gray", .opacity = {{0, 0.9}}, .range = std::array{-2.0, -1.0}}),
               {0, 1, 1, 0},
               {.model = ShadingModel::kNone}};
-    look.background = {0, 1, 0};
+    look.background.color = {0, 1, 0};
     const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.12, {101, 101});
     const Image without = castRays(volume, look, camera, {});
     look.halo.strength = 2;
@@ -97,7 +97,7 @@ TEST(CutsAndLooks, DepthCueFadesTheFarEndToTheBackground)
     const auto grid = boxGrid("density", boxOf(40, 10, 10), [](const Coord&) { return 1.0f; });
     const TextureVolume volume(*grid, *grid);
     Look look = plainLook(0.999);
-    look.background = {0, 0, 1};
+    look.background.color = {0, 0, 1};
     look.depthCue = 0.5f;
     const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.01, {9, 9});
     const auto red = [&](double x) {

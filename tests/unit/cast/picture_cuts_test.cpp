@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
@@ -88,6 +90,45 @@ TEST(PictureCuts, EveryLeafHasOneOwnerAndIsNeededWhereItIsSeen)
                 }
             }
         }
+    }
+}
+
+TEST(PictureCuts, LeavesThatALensSeesAreNeeded)
+{
+    const Corners box = cubeOf(-0.5, kCubeSide - 0.5);
+    for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+        const Camera camera({.projection = projection,
+                             .eye = glm::dvec3(-60, -50, 70),
+                             .target = glm::dvec3(20, 30, 50),
+                             .viewHeight = projection == Projection::kPerspective ? std::optional<double>() : 120,
+                             .aperture = 30},
+                            box, {200, 120});
+        const PictureCuts cuts(camera, box, 5);
+        const PictureRays rays = camera.rays();
+        const std::optional<Lens> lens = camera.lens();
+        ASSERT_TRUE(lens);
+        int strays = 0;
+        for (int rank = 0; rank < 5; ++rank) {
+            const ViewShare share(cuts, rank, glm::dmat4(1));
+            const auto& [low, high] = cuts.area(rank);
+            for (int y = low.y; y <= high.y && low.x < high.x; y += 8) {
+                for (int x = low.x; x <= high.x; x += 8) {
+                    for (int point = 0; point < 8; ++point) {
+                        const double angle = M_PI / 4 * point;
+                        const glm::dvec3 aside = lens->right * std::cos(angle) + lens->up * std::sin(angle);
+                        const glm::dvec3 origin = rays.origin({x, y}) + aside;
+                        const glm::dvec3 direction = rays.direction({x, y}) - aside * lens->perDepth;
+                        for (double depth = 0; depth < 250; depth += 3) {
+                            const glm::dvec3 at = glm::floor((origin + direction * depth + 0.5) / 8.0);
+                            const Coord leaf = Coord(int(at.x), int(at.y), int(at.z)) << 3;
+                            ASSERT_TRUE(share.needs(leaf, 0)) << leaf << " " << x << " " << y;
+                            strays += !share.owns(leaf);
+                        }
+                    }
+                }
+            }
+        }
+        EXPECT_GT(strays, 1000);
     }
 }
 

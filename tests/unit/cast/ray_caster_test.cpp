@@ -2,7 +2,7 @@
 
 #include "cast/test_scene.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/volume/visible_leaves.h"
+#include "vdblic/volume/visible_space.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -45,6 +45,26 @@ TEST(RayCaster, AUniformMediumHasTheAnalyticTransmittance)
             const double depth = std::log(1.0 - pixel.a) / std::log(1 - kOpacity);
             EXPECT_NEAR(depth, kLength, 2e-3) << step; // whatever the step and the samples' shift
             EXPECT_NEAR(pixel.r, pixel.a, 1e-5);       // white, premultiplied
+        }
+    }
+}
+
+TEST(RayCaster, LongStepsReadNothingButTheirSurroundings)
+{
+    // The scalar rises evenly along the view, by 1 from end to end: its mean is that in the middle, up to the half step
+    // by which samples are off.
+    constexpr int kLength = 40;
+    const auto texture = boxGrid("density", boxOf(kLength, 30, 20), [](const Coord&) { return 0.5f; });
+    const auto ramp =
+        boxGrid("magnitude", boxOf(kLength, 30, 20), [](const Coord& c) { return (float(c.x()) + 0.5f) / kLength; });
+    const TextureVolume volume(*texture, *ramp);
+    for (const double side : {-1.0, 1.0}) {
+        const Camera camera = cameraAlong(volume, {side, 0.02, 0.01}, 1e4, 0.1, {48, 48});
+        for (const double step : {1.5, 2.0, 3.0, 7.0}) {
+            const RayCastParams params{.step = step, .leastTransmittance = 0, .layers = true};
+            const Image image = castRays(volume, plainLook(1e-3), camera, params);
+            for (const PixelLayers& layers : image.layers)
+                ASSERT_NEAR(layers.driver, 0.5, (step / 2 + 0.2) / kLength) << step << " " << side;
         }
     }
 }
@@ -180,12 +200,17 @@ TEST(RayCaster, PassingOverEmptySpaceChangesNoPixel)
         EXPECT_GT(hidden, leaves / 10);
         EXPECT_LT(hidden, leaves);
 
-        const VisibleLeaves everything(volume, std::vector<std::uint8_t>(leaves, 1));
+        const VisibleSpace everything(volume, plainLook(0.5)); // in which nothing is hidden
+        const VisibleSpace oneByOne(volume, look, 1);
         for (const glm::dvec3& direction : {kSlanted, glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, 0)}) {
             const Camera camera = cameraAlong(volume, direction, 500, 35, {121, 81}); // one ray runs along the axis
             const Image skipped = castRays(volume, look, camera, {});
             EXPECT_GT(difference(skipped, Image{skipped.size, std::vector<glm::vec4>(skipped.pixels.size())}), 0.05f);
-            EXPECT_TRUE(skipped.pixels == castRays(volume, look, camera, {}, everything).pixels);
+            EXPECT_TRUE(skipped.pixels == castRays(volume, look, camera, {}, oneByOne).pixels);
+            // Empty space counts as the largest texture that is hidden: with short steps that is no difference.
+            const RayCastParams fine{.step = 0.05};
+            const Image finest = castRays(volume, look, camera, fine, everything);
+            EXPECT_LT(difference(castRays(volume, look, camera, fine), finest), 0.02f);
         }
     }
 }

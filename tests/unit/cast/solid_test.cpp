@@ -3,16 +3,18 @@
 #include "cast/test_scene.h"
 #include "temporary_folder.h"
 #include "vdblic/cast/light_grid.h"
+#include "vdblic/cast/solid_extent.h"
 #include "vdblic/cast/supersampling.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/core/exchange.h"
+#include "vdblic/image/tone.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/volume/visible_leaves.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -159,6 +161,56 @@ TEST_F(Solids, AMeshIsTheSphereToAVoxel)
     }
 }
 
+TEST_F(Solids, AreSeenInShadowAndKeepTheirColourAtAnyExposure)
+{
+    // A block behind a medium that lets no light through to it, seen through a medium as good as invisible.
+    const auto texture = medium();
+    for (auto voxel = openvdb::CoordBBox({20, 20, 20}, {43, 43, 43}).begin(); voxel; ++voxel)
+        texture->tree().setValueOff(*voxel);
+    const TextureVolume volume(*texture, *texture);
+    Look look = plainLook(1e-6);
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.3, {9, 9});
+    const Solid solid = makeSolid({.source = "domain"}, *texture, glm::dvec3(1), 1);
+    Look opaque = plainLook(0.9);
+    opaque.shadows = 1;
+    const LightGrid dark = lightIn(volume, opaque, {-1, 0, 0});
+    const auto green = [&](const LightGrid* light) {
+        return castSamples(volume, look, camera, {}, 1, {&solid, {0, 1, 0}, light}).at(4, 4).g;
+    };
+    const float lit = green(nullptr), shaded = green(&dark);
+    EXPECT_NEAR(lit - shaded, 0.5, 0.02);
+    EXPECT_GT(shaded, 0.3);
+    look.exposure = 1.5;
+    EXPECT_NEAR(exposed({{1, 1}, {glm::vec4(0, green(&dark), 0, 1)}}, 1.5).pixels[0].g, shaded, 1e-4);
+}
+
+TEST_F(Solids, HalosInFrontHaveTheirColour)
+{
+    // A streak before a red sphere on a green ground.
+    const auto streak = boxGrid("density", boxOf(21, 21, 21), [](const Coord& c) {
+        return float(std::exp(-((c.x() - 10) * (c.x() - 10) + (c.y() - 10) * (c.y() - 10)) / 18.0));
+    });
+    const TextureVolume volume(*streak, *streak);
+    Look look{TransferFunction({.colorMap = "gray", .opacity = {{0, 0.9}}, .range = std::array{-2.0, -1.0}}),
+              {0, 1, 1, 0},
+              {.model = ShadingModel::kNone}};
+    look.background.color = {0, 1, 0};
+    const Solid sphere{openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(30, openvdb::Vec3f(60, 10, 10), 1)};
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.12, {51, 51});
+    const auto seen = [&](const Solid* solid) {
+        return castSamples(volume, look, camera, {}, 1, {solid, {1, 0, 0}, nullptr});
+    };
+    const Image plain = seen(&sphere);
+    look.halo.strength = 2;
+    const Image with = seen(&sphere), open = seen(nullptr);
+    float most = 0;
+    for (int x = 0; x < 51; ++x) {
+        EXPECT_LE(with.at(x, 25).g, plain.at(x, 25).g + 1e-3f) << x;
+        most = std::max(most, open.at(x, 25).g - with.at(x, 25).g);
+    }
+    EXPECT_GT(most, 0.3f); // without the sphere halos are green
+}
+
 TEST_F(Solids, TheDomainLeavesOutABox)
 {
     // A camera along x, stretched along z: the hole is 20 voxels high and wide.
@@ -182,8 +234,11 @@ TEST_F(Solids, TheDomainLeavesOutABox)
         const double before =
             99.5 - (1 - behind) / std::log1p(-opacity) - image.layers[std::size_t(64 * 128 + 64)].depth;
         EXPECT_NEAR(before, 0, 0.05 + 0.05 * behind);
-        EXPECT_NEAR(image.at(64, 64).g - image.at(64, 64).r, behind, 0.01); // white in front, green behind
-        const auto isGreen = [&](int x, int y) { return image.at(x, y).g - image.at(x, y).r > 0.5 * behind; };
+        // White in front, green behind: half lit from the eye, half from everywhere, more from above at the left.
+        const glm::dvec3 key = glm::normalize(keyLight(look, camera));
+        const double lit = 0.5 + 0.5 * (1 + 0.5 * (glm::dot(key, glm::dvec3(-1, 0, 0)) - 1) / 2);
+        EXPECT_NEAR(image.at(64, 64).g - image.at(64, 64).r, behind * lit, 0.01);
+        const auto isGreen = [&](int x, int y) { return image.at(x, y).g - image.at(x, y).r > 0.25 * behind; };
         int wide = 0, high = 0;
         for (int i = 0; i < 128; ++i) {
             wide += isGreen(i, 64);
@@ -194,12 +249,72 @@ TEST_F(Solids, TheDomainLeavesOutABox)
     }
 }
 
+TEST_F(Solids, ACutOpensThem)
+{
+    const auto texture = medium();
+    const TextureVolume volume(*texture, *texture);
+    const Solid sphere{
+        openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(float(kRadius), openvdb::Vec3f(31.5f), 1)};
+    const Camera camera = cameraAlong(volume, {1, 0, 0}, 200, 20, {81, 81});
+    const auto seen = [&](const ClipParams& clip) {
+        return castSamples(volume, plainLook(1e-6), camera, {.clip = clip, .layers = true}, 1,
+                           {.solid = &sphere, .solidColor = glm::vec3(1)});
+    };
+    const std::size_t middle = 40 * 81 + 40;
+    // Oblique, through a point 4 voxels behind the middle of the sphere on the camera's axis.
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 0.3, -0.2));
+    ClipParams clip{.planes = {{kMiddle + glm::dvec3(4, 0, 0), normal}}};
+    EXPECT_NEAR(seen(clip).layers[middle].depth, 200 - kRadius, 0.1);
+    clip.solid = true;
+    const Image cut = seen(clip);
+    EXPECT_NEAR(cut.layers[middle].depth, 204, 0.01);
+    EXPECT_NEAR(glm::distance(glm::dvec3(cut.layers[middle].normal), -normal), 0, 1e-5);
+    // Where the plane is cut by the sphere's silhouette the surface goes on as the sphere's far part, or there is none.
+    int faces = 0;
+    for (int y = 0; y < 81; ++y) {
+        for (int x = 0; x < 81; ++x) {
+            const std::size_t i = std::size_t(y * 81 + x);
+            const Ray ray = camera.ray({x + 0.5, y + 0.5});
+            const double way = glm::dot(clip.planes[0].point - ray.origin, normal) / glm::dot(ray.direction, normal);
+            const double off = glm::distance(ray.origin + ray.direction * way, kMiddle) - kRadius;
+            if (std::abs(off) < 0.3) continue;
+            const double depth = (camera.worldToCamera() * glm::dvec4(ray.origin + ray.direction * way, 1)).z;
+            const bool isFace = cut.at(x, y).a == 1 && std::abs(double(cut.layers[i].depth) - depth) < 0.01;
+            EXPECT_EQ(off < 0, isFace) << x << " " << y;
+            faces += off < 0;
+        }
+    }
+    EXPECT_GT(faces, 100);
+    clip.planes[0].normal = -normal; // the front is left
+    EXPECT_NEAR(seen(clip).layers[middle].depth, 200 - kRadius, 0.1);
+    clip.planes[0] = {kMiddle + glm::dvec3(0, 0, 40), {0, 0, 1}}; // nothing is
+    EXPECT_FALSE(std::isfinite(seen(clip).layers[middle].depth));
+}
+
 /// Where the surface of a solid lies between two neighbours along x.
 double surfaceBetween(const Solid& solid, const Coord& a, const Coord& b)
 {
     const double inA = solid.levelSet->tree().getValue(a), inB = solid.levelSet->tree().getValue(b);
     EXPECT_LT(inA * inB, 0) << a << " " << b;
     return a.x() + (b.x() - a.x()) * inA / (inA - inB);
+}
+
+TEST_F(Solids, HaveAnExtent)
+{
+    const auto texture = medium();
+    const openvdb::CoordBBox box({10, 20, 30}, {19, 33, 51});
+    for (auto at = box.begin(); at; ++at)
+        texture->tree().setValueOff(*at);
+    const glm::dvec3 stretch(1, 1, 3);
+    glm::dvec3 low(1e9), high(-1e9);
+    for (const glm::dvec3& point : solidExtent(makeSolid({.source = "domain"}, *texture, stretch, 1))) {
+        low = glm::min(low, point);
+        high = glm::max(high, point);
+    }
+    // Whole voxels around the surface.
+    EXPECT_LT(glm::distance(low, stretch * glm::dvec3(9.5, 19.5, 29.5)), 3.5);
+    EXPECT_LT(glm::distance(high, stretch * glm::dvec3(19.5, 33.5, 51.5)), 3.5);
+    EXPECT_TRUE(solidExtent({openvdb::FloatGrid::create()}).empty());
 }
 
 TEST_F(Solids, EndHalfAVoxelFromTheLastCentres)
@@ -228,51 +343,6 @@ TEST_F(Solids, EndHalfAVoxelFromTheLastCentres)
         expectFaces(54, 56, 30, 30);
         EXPECT_LT(solid.levelSet->tree().getValue({50, 9, 30}), -0.2); // a line stays
     }
-}
-
-TEST(Shadows, TransmittanceOfASlabIsAnalytic)
-{
-    OneProcess alone;
-    const auto texture = boxGrid("density", boxOf(64, 48, 40), [](const Coord&) { return 1.0f; });
-    const TextureVolume volume(*texture, *texture);
-    const Look look = plainLook(0.02);
-    const double extinction = -std::log1p(-0.02);
-    for (const glm::dvec3& light : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -3), glm::dvec3(0.2, 0.9, 0.1)}) {
-        const LightGrid grid(volume, look, light, 1, nullptr, alone);
-        const LightGrid half(volume, look, light, 0.5, nullptr, alone);
-        const glm::dvec3 unit = glm::normalize(light);
-        for (const glm::dvec3& at : {glm::dvec3(20, 20, 20), glm::dvec3(31.3, 12.2, 9), glm::dvec3(50, 40, 30)}) {
-            double way = 1e9; // to the face where the light enters
-            for (int axis = 0; axis < 3; ++axis) {
-                const double size[] = {63.5, 47.5, 39.5};
-                if (unit[axis] != 0)
-                    way = std::min(way, ((unit[axis] > 0 ? size[axis] : -0.5) - at[axis]) / unit[axis]);
-            }
-            EXPECT_NEAR(grid.at(at), std::exp(-extinction * way), 0.01) << at.x << " " << light.x;
-            EXPECT_NEAR(half.at(at), 0.5 + 0.5 * std::exp(-extinction * way), 0.005);
-        }
-    }
-}
-
-TEST(Shadows, DarkenSamplesByTheirStrength)
-{
-    OneProcess alone;
-    // Lit from behind: the front of a thick medium is in shadow.
-    const auto texture = boxGrid("density", boxOf(64, 24, 24), [](const Coord&) { return 1.0f; });
-    const TextureVolume volume(*texture, *texture);
-    Look look = plainLook(0.3);
-    const Camera camera = cameraAlong(volume, {1, 0, 0}, 1e4, 0.01, {9, 9});
-    const Image lit = castRays(volume, look, camera, {});
-    const VisibleLeaves visible(volume, look);
-    for (const double strength : {0.4, 1.0}) {
-        const LightGrid grid(volume, look, {1, 0, 0}, strength, nullptr, alone);
-        const Image image = castRays(volume, look, camera, {}, visible, 0, {.light = &grid});
-        EXPECT_NEAR(image.at(4, 4).r, lit.at(4, 4).r * (1 - strength), 1e-3);
-        EXPECT_EQ(image.at(4, 4).a, lit.at(4, 4).a);
-    }
-    const LightGrid front(volume, look, {-1, 0, 0}, 1, nullptr, alone);
-    // ∫ T · T over a thick medium is half of ∫ T.
-    EXPECT_NEAR(castRays(volume, look, camera, {.step = 0.1}, visible, 0, {.light = &front}).at(4, 4).r, 0.5, 0.06);
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "cast/test_scene.h"
 #include "vdblic/cast/ray_setup.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/volume/visible_space.h"
 
 #include <gtest/gtest.h>
 
@@ -55,7 +56,8 @@ TEST(Supersampling, AStopKeepsTheRaysSoFar)
     const TextureVolume volume(*grid, *grid);
     const Look look = plainLook(0.1);
     const Camera camera({}, volume.corners(), {16, 16});
-    SampleSum sum(volume, look, camera, {.layers = true}, {});
+    const VisibleSpace visible(volume, look);
+    SampleSum sum(volume, look, visible, camera, {.layers = true}, {});
     sum.add();
     std::stop_source stopped;
     stopped.request_stop();
@@ -65,6 +67,27 @@ TEST(Supersampling, AStopKeepsTheRaysSoFar)
     const Image two = castSamples(volume, look, camera, {.layers = true}, 2, {});
     EXPECT_EQ(sum.mean().pixels, two.pixels);
     EXPECT_EQ(sum.mean().layers.at(100).depth, two.layers.at(100).depth);
+    // The third ray is that of some pixels alone, also after a stop.
+    EXPECT_THROW(sum.add(stopped.get_token()), Stopped);
+    EXPECT_EQ(sum.mean().pixels, two.pixels);
+    sum.add();
+    EXPECT_EQ(sum.mean().pixels, castSamples(volume, look, camera, {.layers = true}, 3, {}).pixels);
+}
+
+TEST(Supersampling, FurtherRaysAreThoseOfPixelsThatDiffer)
+{
+    // The plate fills two columns of pixels and a third of the next one, whose two rays both miss it; a neighbour
+    // tells.
+    constexpr int kRays = 300;
+    const Image two = plate(2), many = plate(kRays);
+    const auto raysOf = [&](int x) {
+        const std::size_t pixel = 4 + std::size_t(x);
+        return many.layers[pixel].samples / (two.layers[pixel].samples / 2);
+    };
+    EXPECT_NEAR(raysOf(0), 2, 0.05);
+    EXPECT_NEAR(raysOf(1), kRays, 3);
+    EXPECT_EQ(many.at(0, 1), two.at(0, 1));
+    EXPECT_NEAR(many.at(2, 1).a, 1 / 3.0, 0.01);
 }
 
 TEST(Supersampling, ShiftsOfAPixelsRaysAreSpreadEvenly)

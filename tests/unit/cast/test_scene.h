@@ -1,8 +1,12 @@
 #pragma once
 
 #include "vdblic/camera/camera.h"
+#include "vdblic/cast/ambient_light.h"
+#include "vdblic/cast/extinction_grid.h"
+#include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/ray_caster.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/image/image.h"
 #include "vdblic/look/look.h"
 #include "vdblic/volume/texture_volume.h"
@@ -45,6 +49,14 @@ inline float scattered(const openvdb::Coord& c)
     unsigned h = unsigned(c.x()) * 73856093u ^ unsigned(c.y()) * 19349663u ^ unsigned(c.z()) * 83492791u;
     h = (h ^ (h >> 15)) * 2246822519u;
     return float((h ^ (h >> 13)) >> 8) * 0x1p-24f;
+}
+
+/// The light in a volume without a solid. @param visible look whose visible voxels take light
+inline LightGrid lightIn(const TextureVolume& volume, const Look& visible, const glm::dvec3& towardsLight)
+{
+    OneProcess alone;
+    const ExtinctionGrid extinctions(volume, visible, alone);
+    return {extinctions, AmbientLight(extinctions, volume, visible), volume, visible, towardsLight};
 }
 
 /// White at one opacity, whatever texture, gradient and driver are.

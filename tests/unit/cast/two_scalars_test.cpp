@@ -60,8 +60,11 @@ TEST(TwoScalars, NumbersThatAreNotFiniteTakeTheirNeighboursColour)
     colors->tree().setValueOn(Coord(12), std::numeric_limits<float>::quiet_NaN());
     TextureVolume volume(*texture, *texture);
     volume.addColors(*texture, *colors);
-    for (std::size_t i = 0; i < volume.domain().leafCount() * kPaddedSize; ++i)
-        EXPECT_TRUE(volume.colors()[i] == 5 || volume.colors()[i] == 0) << volume.colors()[i];
+    for (std::size_t leaf = 0; leaf < volume.leafCount(); ++leaf) {
+        const float* const values = volume.colors()->values(leaf);
+        for (int i = 0; i < ScalarLeaf::kSize; ++i)
+            EXPECT_TRUE(values[i] == 5 || values[i] == 0) << values[i];
+    }
     const auto apart = ramp("speed", 5, 0, 0);
     apart->setTransform(openvdb::math::Transform::createLinearTransform(2));
     EXPECT_THROW(volume.addColors(*texture, *apart), InputError);

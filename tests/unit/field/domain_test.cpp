@@ -26,11 +26,6 @@ openvdb::MaskTree::Ptr strewnVoxels(int reach, int count)
     return tree;
 }
 
-Int4 lanes(const openvdb::Coord& c)
-{
-    return Int4{c.x(), c.y(), c.z(), 0};
-}
-
 TEST(Domain, NumbersLeavesAsEveryTreeOfItsTopologyVisitsThem)
 {
     const auto topology = strewnVoxels(300, 2000);
@@ -58,13 +53,13 @@ TEST(Domain, FindsTheLeavesThatTheTreeFinds)
         int found = 0;
         const auto expectSame = [&](const openvdb::Coord& voxel) {
             const auto* leaf = domain.topology().probeConstLeaf(voxel);
-            const int number = domain.findLeaf(lanes(voxel));
+            const int number = domain.findLeaf(voxel);
             ASSERT_EQ(number >= 0, leaf != nullptr) << voxel;
             if (!leaf) return;
             ++found;
             ASSERT_EQ(domain.origin(std::size_t(number)), leaf->origin()) << voxel;
-            ASSERT_EQ(domain.isActive(number, Domain::offset(lanes(voxel))), leaf->isValueOn(voxel)) << voxel;
-            ASSERT_EQ(Domain::offset(lanes(voxel)), Domain::Leaf::coordToOffset(voxel)) << voxel;
+            ASSERT_EQ(domain.isActive(number, Domain::offset(voxel)), leaf->isValueOn(voxel)) << voxel;
+            ASSERT_EQ(Domain::offset(voxel), Domain::Leaf::coordToOffset(voxel)) << voxel;
         };
         for (int i = 0; i < 20000; ++i)
             expectSame({coordinate(random), coordinate(random), coordinate(random)});
@@ -80,9 +75,9 @@ TEST(Domain, FindsNothingFarAway)
 {
     const Domain domain(strewnVoxels(20, 50));
     for (const int far : {1000, -1000, 1 << 20, -(1 << 20), 1 << 30, -(1 << 30)}) {
-        EXPECT_EQ(domain.findLeaf(Int4{far, 0, 0, 0}), -1);
-        EXPECT_EQ(domain.findLeaf(Int4{0, far, 0, 0}), -1);
-        EXPECT_EQ(domain.findLeaf(Int4{0, 0, far, 0}), -1);
+        EXPECT_EQ(domain.findLeaf(openvdb::Coord(far, 0, 0)), -1);
+        EXPECT_EQ(domain.findLeaf(openvdb::Coord(0, far, 0)), -1);
+        EXPECT_EQ(domain.findLeaf(openvdb::Coord(0, 0, far)), -1);
     }
 }
 
@@ -94,7 +89,7 @@ TEST(Domain, ExpandsTiles)
     const Domain domain(topology);
     EXPECT_EQ(domain.leafCount(), 4097u);
     EXPECT_EQ(domain.voxelCount(), 4097u * 512u);
-    const int leaf = domain.findLeaf(Int4{-3, 4, 130, 0});
+    const int leaf = domain.findLeaf(openvdb::Coord(-3, 4, 130));
     ASSERT_GE(leaf, 0);
     EXPECT_EQ(domain.origin(std::size_t(leaf)), openvdb::Coord(-8, 0, 128));
     EXPECT_TRUE(domain.mask(std::size_t(leaf)).isOn());
@@ -108,7 +103,7 @@ TEST(Domain, LeavesWithoutActiveVoxelsAreNone)
     topology->touchLeaf(openvdb::Coord(-400, 0, 0));
     const Domain domain(topology);
     EXPECT_EQ(domain.leafCount(), leaves);
-    EXPECT_EQ(domain.findLeaf(Int4{401, 401, 401, 0}), -1);
+    EXPECT_EQ(domain.findLeaf(openvdb::Coord(401, 401, 401)), -1);
 }
 
 TEST(Domain, MayBeEmpty)
@@ -119,7 +114,7 @@ TEST(Domain, MayBeEmpty)
         const Domain domain(topology);
         EXPECT_EQ(domain.leafCount(), 0u);
         EXPECT_EQ(domain.voxelCount(), 0u);
-        EXPECT_EQ(domain.findLeaf(Int4{0, 0, 0, 0}), -1);
+        EXPECT_EQ(domain.findLeaf(openvdb::Coord(0, 0, 0)), -1);
         EXPECT_TRUE(LeafValues<float>(domain, 0).tree()->empty());
     }
 }

@@ -1,6 +1,7 @@
 #include "vdblic/field/leaf_voxel.h"
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/domain_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@ namespace {
 
 using openvdb::Coord;
 
-const ScalarNames kNames{"magnitude", "magnitude"};
+const ScalarNames kScalars{"magnitude", "magnitude"};
 
 TEST(Histogram, CountsWhatIsInEachBin)
 {
@@ -76,7 +76,7 @@ TEST(Histogram, JsonHoldsCountsAndTransferFunction)
     TextureHistograms histograms(fullLook());
     const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
     histograms.add(*grid, *grid, *grid);
-    const auto json = nlohmann::json::parse(histogramJson(histograms, fullLook(), kNames));
+    const auto json = nlohmann::json::parse(histogramJson(histograms, fullLook(), kScalars));
     EXPECT_EQ(json["voxels"], 729);
     EXPECT_EQ(json["texture"]["counts"].size(), Histogram::kBins);
     std::uint64_t sum = 0;
@@ -98,7 +98,7 @@ TEST(Histogram, TwoScalarsHavePanelsOfTheirOwn)
     EXPECT_EQ(histograms.opacity.low, -6);
     EXPECT_EQ(histograms.opacity.total(), 729u);
     const std::string two = histogramPng(histograms, look, {"magnitude", "q"});
-    const std::string one = histogramPng(histograms, look, kNames);
+    const std::string one = histogramPng(histograms, look, kScalars);
     const auto width = [](const std::string& png) {
         return int((unsigned char)png[18]) * 256 + (unsigned char)png[19];
     };
@@ -110,10 +110,10 @@ TEST(Histogram, EqualCountsGiveEqualPictures)
     TextureHistograms histograms(fullLook());
     const auto grid = boxGrid("density", boxOf(9, 9, 9), scattered);
     histograms.add(*grid, *grid, *grid);
-    const std::string once = histogramPng(histograms, fullLook(), kNames);
-    EXPECT_EQ(histogramPng(histograms, fullLook(), kNames), once);
+    const std::string once = histogramPng(histograms, fullLook(), kScalars);
+    EXPECT_EQ(histogramPng(histograms, fullLook(), kScalars), once);
     histograms.texture.add(0.5);
-    EXPECT_NE(histogramPng(histograms, fullLook(), kNames), once);
+    EXPECT_NE(histogramPng(histograms, fullLook(), kScalars), once);
 }
 
 TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
@@ -122,7 +122,7 @@ TEST(Histogram, PictureShowsBarsWhereThereAreCounts)
     TextureHistograms histograms(fullLook());
     const auto grid = boxGrid("density", boxOf(9, 9, 9), [](const Coord&) { return 0.25f; });
     histograms.add(*grid, *grid, *grid);
-    const std::string bytes = histogramPng(histograms, fullLook(), kNames);
+    const std::string bytes = histogramPng(histograms, fullLook(), kScalars);
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
     ASSERT_TRUE(png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) << png.message;

@@ -5,6 +5,7 @@
 #include "vdblic/image/image_file.h"
 #include "vdblic/render/annotated_box.h"
 #include "vdblic/render/annotation_font.h"
+#include "vdblic/render/annotation_scale.h"
 #include "vdblic/render/annotation_texts.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ namespace {
 
 TEST(Annotations, TextIsReadBack)
 {
-    for (const char* text : {"box", "axes,time", "box,axes,colorbar,time,title=A, b = c"})
+    for (const char* text : {"box", "axes,time", "box,axes,colorbar,time,scalebar,triad,title=A, b = c"})
         EXPECT_EQ(annotationText(parseAnnotations(text)), text);
     for (const char* bad : {"", "box,", "frame", "title", "title=", "box time"})
         EXPECT_THROW((void)parseAnnotations(bad), ParameterError) << bad;
@@ -40,15 +41,20 @@ TEST(Annotations, AClockTellsDatesOrHours)
     const auto text = [](double time, std::optional<double> dt, const char* start = "") {
         return clockText({time, dt, start});
     };
-    EXPECT_EQ(text(10800, 10800), "3 h 00 min");
-    EXPECT_EQ(text(0, 3600), "0 min");
+    EXPECT_EQ(text(10800, 10800), "3 h");
+    EXPECT_EQ(text(32400, 3600), "9 h");
+    EXPECT_EQ(text(194400, 3600), "2 d 06 h");
+    EXPECT_EQ(text(0, 3600), "0 h");
+    EXPECT_EQ(text(5400, 1800), "1 h 30 min");
     EXPECT_EQ(text(3979, 568.421), "1 h 06 min 19 s");
-    EXPECT_EQ(text(266400, 3600), "3 d 02 h 00 min");
+    EXPECT_EQ(text(266400, 3600), "3 d 02 h");
     EXPECT_EQ(text(0.05, 0.05), "0.05 s");
     EXPECT_EQ(text(1, 0.05), "1.00 s");
     EXPECT_EQ(text(1.0 / 24, 1.0 / 24), "0.042 s");
     EXPECT_EQ(text(-2.5, 0.5), "-2.5 s");
     EXPECT_EQ(text(200, 0.5), "3 min 20.0 s");
+    EXPECT_EQ(text(1.2, 0.05), "1.20 s");
+    EXPECT_EQ(text(0.0324, 0.0001), "32.4 ms");
     EXPECT_EQ(text(2e-4, 1e-4), "0.2 ms");
     EXPECT_EQ(text(3e-7, 1e-7), "0.3 µs");
     EXPECT_EQ(text(0.5, {}), "0.5 s");
@@ -62,11 +68,76 @@ TEST(Annotations, AClockTellsDatesOrHours)
     EXPECT_EQ(text(1e300, 1), "");
 }
 
+TEST(Annotations, TimesOfASequenceAreWrittenAlike)
+{
+    const auto text = [](double time, double dt, double longest) { return clockText({time, dt, {}, longest}); };
+    EXPECT_EQ(text(0, 3600, 82800), "\u20070 h");
+    EXPECT_EQ(text(82800, 3600, 82800), "23 h");
+    EXPECT_EQ(text(3600, 3600, 10 * 86400), "\u20070 d 01 h");
+    EXPECT_EQ(text(600, 600, 7200), "0 h 10 min");
+    EXPECT_EQ(text(0.5, 0.5, 12), "\u20070.5 s");
+    EXPECT_EQ(text(12, 0.5, 12), "12.0 s");
+    EXPECT_EQ(text(-1, 0.5, 12), "\u2007-1.0 s");
+    EXPECT_EQ(text(20, 0.5, 180), "0 min 20.0 s");
+    EXPECT_EQ(paddedText(7, 120), "\u2007\u20077");
+    EXPECT_EQ(paddedText(7, 0), "7");
+}
+
+TEST(Annotations, LengthsHaveUnits)
+{
+    EXPECT_EQ(lengthText(2e5, "m"), "200 km");
+    EXPECT_EQ(lengthText(1000, "m"), "1 km");
+    EXPECT_EQ(lengthText(0.005, "m"), "5 mm");
+    EXPECT_EQ(lengthText(2e-5, "m"), "20 µm");
+    EXPECT_EQ(lengthText(20, "ft"), "20 ft");
+    EXPECT_EQ(lengthText(0.5, ""), "0.5");
+    EXPECT_EQ(lengthText(2e5, ""), "200 × 10³");
+    EXPECT_EQ(lengthText(2e5, "ft"), "200 × 10³ ft");
+}
+
+TEST(Annotations, AScaleBarHasARoundLengthAtTheTarget)
+{
+    Corners box;
+    for (std::size_t i = 0; i < 8; ++i)
+        box[i] = 100.0 * glm::dvec3(double(i & 1), double(i >> 1 & 1), double(i >> 2));
+    // 300 pixels are 75 units.
+    const Camera flat({.projection = Projection::kOrthographic, .eye = glm::dvec3(50, -200, 50), .viewHeight = 50}, box,
+                      {300, 200});
+    EXPECT_NEAR(scaleBar(flat, glm::dvec3(1)).length, 10, 1e-9);
+    EXPECT_NEAR(scaleBar(flat, glm::dvec3(1)).width, 40, 1e-9);
+    // The data's world is half as wide in x, and x is to the right.
+    EXPECT_NEAR(scaleBar(flat, {2, 1, 7}).length, 5, 1e-9);
+    EXPECT_NEAR(scaleBar(flat, {2, 1, 7}).width, 40, 1e-9);
+    // A bar beside the target is as long as its two ends are apart in the picture.
+    const Camera deep({.eye = glm::dvec3(50, -200, 50)}, box, {300, 200});
+    const ScaleBar bar = scaleBar(deep, glm::dvec3(1));
+    const auto x = [&](const glm::dvec3& point) {
+        const glm::dvec4 ndc = deep.worldToNdc() * glm::dvec4(point, 1);
+        return ndc.x / ndc.w * 300;
+    };
+    EXPECT_NEAR(x(deep.target() + glm::dvec3(bar.length, 0, 0)) - x(deep.target()), bar.width, 1e-9);
+    EXPECT_LE(bar.width, 60);
+    EXPECT_GT(bar.width, 60 / 2.5 - 1e-9);
+}
+
+TEST(Annotations, AxesOfWeatherAreEastNorthAndUp)
+{
+    const glm::dvec3 raised(1, 1, 30), equal(1);
+    EXPECT_TRUE(isGeographic({0, 3600, "2020-01-01T00:00:00"}, "m", equal));
+    EXPECT_TRUE(isGeographic({0, 3600}, "", raised));
+    EXPECT_FALSE(isGeographic({0, 3600}, "m", equal));
+    EXPECT_FALSE(isGeographic({0, 3600}, "", {30, 1, 1}));
+    EXPECT_FALSE(isGeographic({0, 0.05}, "m", raised)); // a model in a tank
+    EXPECT_FALSE(isGeographic({}, "", raised));
+}
+
 TEST(Annotations, TitlesTellUnits)
 {
     EXPECT_EQ(scalarTitle("magnitude", "m/s"), "speed [m/s]");
     EXPECT_EQ(scalarTitle("magnitude", ""), "speed");
-    EXPECT_EQ(scalarTitle("q", ""), "q [1/s²]");
+    EXPECT_EQ(scalarTitle("q", scalarUnit("q", "")), "Q criterion [1/s²]");
+    EXPECT_EQ(scalarUnit("q", "1/h²"), "1/h²");
+    EXPECT_EQ(scalarUnit("magnitude", ""), "");
     const auto axis = [](double largest, const char* unit) {
         const AxisUnit shown = axisUnit(largest, unit);
         return std::pair(shown.factor, shown.text);
@@ -76,8 +147,11 @@ TEST(Annotations, TitlesTellUnits)
     EXPECT_EQ(axis(6e6, ""), std::pair(1e3, std::string("10³")));
     EXPECT_EQ(axis(6e7, "ft"), std::pair(1e6, std::string("10⁶ ft")));
     EXPECT_EQ(axis(5500, "m"), std::pair(1.0, std::string("m")));
+    EXPECT_EQ(axis(0.17, "m"), std::pair(1e-3, std::string("mm")));
+    EXPECT_EQ(axis(2e-4, "m"), std::pair(1e-6, std::string("µm")));
     EXPECT_EQ(axis(0.004, "m"), std::pair(1e-3, std::string("mm")));
     EXPECT_EQ(axis(0.004, ""), std::pair(1e-3, std::string("10⁻³")));
+    EXPECT_EQ(axis(8e-9, "1/s²"), std::pair(1e-9, std::string("10⁻⁹ 1/s²")));
     EXPECT_EQ(axis(0.3, ""), std::pair(1.0, std::string()));
     EXPECT_EQ(axis(0, "m"), std::pair(1.0, std::string("m")));
 }
@@ -211,7 +285,7 @@ TEST(AnnotatedBox, HasItsLabelsInThePictureAndTheColourBarBesideIt)
 TEST_F(AnnotatedPicture, EveryAnnotationDrawsAndIsInThePicture)
 {
     const std::string none = displayBytes(annotated({}), {});
-    for (const char* text : {"box", "axes", "colorbar", "time", "title=T"})
+    for (const char* text : {"box", "axes", "colorbar", "time", "scalebar", "triad", "title=T"})
         EXPECT_NE(displayBytes(annotated(parseAnnotations(text)), {}), none) << text;
 }
 

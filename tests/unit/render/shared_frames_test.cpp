@@ -107,6 +107,7 @@ TEST_F(SharedFrames, LinesInsideTheVolume)
 TEST_F(SharedFrames, ShadowsSolidsCutsAndSeveralRays)
 {
     mParams.look.shadows = 0.8;
+    mParams.look.occlusion = 0.6;
     mParams.solid.source = "domain";
     mParams.samples = 3;
     mParams.rays.clip.planes = {{{3, 0, 0}, {-1, 0.2, 0}}};

@@ -108,7 +108,7 @@ TEST(Checkpoint, OfAnotherVersionIsRefused)
     const TemporaryFolder folder;
     const auto path = folder / "c.vdb";
     writeCheckpoint(path, kCheckpoint, {});
-    edit(path, "VDBLIC 0", "VDBLIC 9");
+    edit(path, "VDBLIC 1", "VDBLIC 9");
     expectPart(refusal<InputError>(path, {}), "was written by VDBLIC 9");
 }
 

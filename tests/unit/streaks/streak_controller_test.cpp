@@ -1,6 +1,7 @@
 #include "vdblic/streaks/streak_controller.h"
 
 #include "vdblic/field/box_domain.h"
+#include "vdblic/field/domain_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -36,6 +37,7 @@ Domain boxDomain(const openvdb::CoordBBox& box)
 std::vector<Streak> streaksAt(const std::vector<StreakPlace>& places)
 {
     std::vector<Streak> streaks;
+    streaks.reserve(places.size());
     for (const StreakPlace& place : places)
         streaks.push_back(streakAt(place.position, place.name, 0));
     return streaks;
@@ -56,6 +58,7 @@ TEST(StreakController, OneThatRetiresRetiresNoOther)
 {
     // In a row, each too near to the one before and far enough from the others: every second one stays.
     std::vector<Streak> streaks;
+    streaks.reserve(5);
     for (int i = 0; i < 5; ++i)
         streaks.push_back(streakAt({0.8f * float(i), 0, 0}, std::uint64_t(i), i));
     EXPECT_EQ(retireCrowded(streaks, kTwo, 9), 2u);
@@ -88,7 +91,7 @@ TEST(StreakController, PlacesAreFreeAndApart)
         all.push_back(streak);
     for (std::size_t i = 0; i < all.size(); ++i) {
         const auto& at = all[i].path.back().position;
-        EXPECT_TRUE(domain.contains(Float4{at[0], at[1], at[2], 0}));
+        EXPECT_TRUE(covers(domain, Float4{at[0], at[1], at[2], 0}));
         for (std::size_t j = 0; j < i; ++j)
             ASSERT_GE(distance(at, all[j].path.back().position, spacing), 0.8499) << i << ' ' << j;
     }
@@ -99,7 +102,7 @@ TEST(StreakController, PlacesAreTheSameInAPartOfTheDomain)
     const Domain domain = boxDomain({{0, 0, 0}, {31, 31, 31}}), part = boxDomain({{8, 8, 8}, {15, 15, 15}});
     const std::vector<StreakPlace> all = freePlaces({}, kTwo, domain, domain, 1, 0);
     for (const StreakPlace& place : freePlaces({}, kTwo, domain, part, 1, 0)) {
-        EXPECT_TRUE(part.contains(Float4{place.position[0], place.position[1], place.position[2], 0}));
+        EXPECT_TRUE(covers(part, Float4{place.position[0], place.position[1], place.position[2], 0}));
         const bool isThere =
             std::any_of(all.begin(), all.end(), [&](const StreakPlace& other) { return other.name == place.name; });
         // At the part's rim a place may be free whose better neighbour lies outside.

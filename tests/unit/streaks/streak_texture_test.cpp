@@ -98,11 +98,12 @@ TEST(StreakTexture, MovesWithTheFlow)
         const openvdb::Coord moved = value.getCoord().offsetBy(8, 0, 0);
         if (moved[0] >= 4 * 48) continue;
         ++voxels;
-        // Positions are rounded: values differ by a step or two, or are just too dark to be drawn.
-        same += std::abs(after->getValue(moved) - *value) < 0.024f;
+        // Positions are rounded: values differ by a few steps, or are just too dark to be drawn.
+        same += std::abs(after->getValue(moved) - *value) < 0.048f;
     }
     EXPECT_GT(voxels, 10000u);
-    EXPECT_GT(double(same), 0.9999 * double(voxels)); // others lie where a streak was released meanwhile
+    // Others lie where a streak was released meanwhile, or ahead of a head, where a tube ends steeply.
+    EXPECT_GT(double(same), 0.9995 * double(voxels));
 }
 
 TEST(StreakTexture, SlidesInOverARim)

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace vdblic {
@@ -32,12 +33,33 @@ TEST(VisibleExtent, IsThatOfWhatIsOpaque)
         low = glm::min(low, point);
         high = glm::max(high, point);
     }
-    // Leaves that hold the opaque voxels, or interpolate towards them.
-    EXPECT_LT(glm::distance(low, {7.5, -0.5, 15.5}), 1e-9);
-    EXPECT_LT(glm::distance(high, {47.5, 63.5, 63.5}), 1e-9);
+    EXPECT_LT(glm::distance(low, {15.5, -0.5, 23.5}), 1e-9);
+    EXPECT_LT(glm::distance(high, {39.5, 63.5, 63.5}), 1e-9);
     const auto cut = visibleExtent(volume, halfLook(), {.planes = {{{0, 32, 0}, {0, 1, 0}}}}, alone);
     EXPECT_TRUE(std::all_of(cut.begin(), cut.end(), [](const glm::dvec3& point) { return point.y >= 31; }));
     EXPECT_TRUE(visibleExtent(volume, halfLook(), {.planes = {{{99, 0, 0}, {1, 0, 0}}}}, alone).empty());
+}
+
+TEST(VisibleExtent, HazeAroundABallDoesNotCount)
+{
+    const auto radius = [](const Coord& c) { return glm::distance(glm::dvec3(c.x(), c.y(), c.z()), {60, 40, 50}); };
+    const auto texture = boxGrid("density", boxOf(96, 96, 96), [](const Coord&) { return 1.0f; });
+    const auto driver =
+        boxGrid("magnitude", boxOf(96, 96, 96), [&](const Coord& c) { return radius(c) < 20 ? 1.0f : 0.4f; });
+    const TransferFunction transfer({.opacity = {{0, 0}, {0.5, 2e-5}, {1, 0.3}}, .range = std::array{0.0, 1.0}});
+    const TextureVolume volume(*texture, *driver);
+    const auto points = visibleExtent(volume, {transfer, {0, 1, 0, 0}, {}}, {}, alone);
+    double farthest = 0;
+    for (const glm::dvec3& point : points)
+        farthest = std::max(farthest, glm::distance(point, {60, 40, 50}));
+    EXPECT_GT(farthest, 19.5);
+    EXPECT_LT(farthest, 24); // corners of cells
+    // Where haze is all that there is, it is seen.
+    const TransferFunction faint({.opacity = {{0, 0}, {0.5, 2e-5}, {1, 2e-5}}, .range = std::array{0.0, 1.0}});
+    glm::dvec3 low(1e9);
+    for (const glm::dvec3& point : visibleExtent(volume, {faint, {0, 1, 0, 0}, {}}, {}, alone))
+        low = glm::min(low, point);
+    EXPECT_LT(glm::distance(low, {-0.5, -0.5, -0.5}), 1e-9);
 }
 
 TEST(VisibleExtent, FillsThePicture)
@@ -56,7 +78,8 @@ TEST(VisibleExtent, FillsThePicture)
             low = glm::min(low, glm::dvec2(ndc) / ndc.w);
             high = glm::max(high, glm::dvec2(ndc) / ndc.w);
         }
-        EXPECT_GT(std::max(high.x - low.x, high.y - low.y), 0.94);
+        EXPECT_GT(std::max(high.x - low.x, high.y - low.y), 0.91);
+        EXPECT_LT(std::max(high.x - low.x, high.y - low.y), 0.95);
         EXPECT_GT(std::min(low.x, low.y), 0);
         EXPECT_LT(std::max(high.x, high.y), 1);
     }

@@ -17,6 +17,11 @@ class Dense:
     matrix: numpy.ndarray
     metadata: dict
 
+    @property
+    def is_sparse(self):
+        """Whether inactive voxels of the texture are empty."""
+        return self.metadata.get("inactive") == "empty"
+
 
 def read_dense(path, names, console):
     """The named grids of a file, or all of numbers and vectors, at the voxels of its texture or of the first one.

@@ -1,4 +1,4 @@
-"""vdblic_export: volumes into files for VTK, ParaView and NumPy."""
+"""vdblic_export: volumes into files for VTK, ParaView and NumPy, and into layers of USD."""
 
 import errno
 import io
@@ -7,9 +7,11 @@ import resource
 
 from vdblic._core import Sequence, check_output, read_metadata, write_file
 
-from .errors import InputError, OutputError, needed
+from . import levels
+from .errors import InputError, OutputError, ParameterError, needed
 from .outputs import Outputs, check_not_inputs
 from .tool import Tool
+from .usd_export import add_options, export_layer, refuse_options
 from .velocity import names_of
 
 
@@ -19,7 +21,7 @@ def main(version, words):
         version,
         (
             "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
-            " .npz."
+            " .npz, name their files in a layer of USD (.usda), or write coarser copies (.vdb)."
         ),
     )
     tool.add(
@@ -30,16 +32,29 @@ def main(version, words):
             " input."
         ),
     )
-    tool.add("-o", "--output", metavar="TEXT", required=True, help="Files to write, such as lic_%%04d.vti, or .npz.")
+    tool.add(
+        "-o", "--output", metavar="TEXT", required=True, help="What to write: lic_%%04d.vti, .npz, .vdb, or flow.usda."
+    )
     tool.sequence()
     tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default.")
-    return tool.run(words, run)
+    levels.add_options(tool)
+    add_options(tool)
+    return tool.run(words, lambda options, console, stop: run(options, console, stop, version))
 
 
-def run(options, console, stop):
-    """Convert every selected frame."""
+def run(options, console, stop, version):
+    """Convert every selected frame, or name them all in a layer."""
+    if options.output.lower().endswith(".usda"):
+        export_layer(options, console, stop, version)
+        return
+    refuse_options(options)
+    if options.output.lower().endswith(".vdb"):
+        levels.export_levels(options, console, stop)
+        return
+    if options.levels:
+        raise ParameterError("--levels writes .vdb files; give -o lic.%04d.vdb, or a .usda that has them as a proxy")
     names = names_of(options.grids) if options.grids else ()
-    outputs = Outputs(options, [".vti", ".npz"], console, stop)
+    outputs = Outputs(options, [".vti", ".npz", ".usda", ".vdb"], console, stop)
     times = TimeList(outputs.pattern) if options.output.lower().endswith(".vti") and outputs.pattern.has_field else None
     files = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check)
     if options.input != "-":
@@ -47,10 +62,10 @@ def run(options, console, stop):
         outputs.check([frame for frame, _ in files], [path for _, path in files], len(files))
         if times:
             times.check([path for _, path in files])
-    path = None
+    path, told = None, []
     try:
         for frame, source in files:
-            path = outputs.write(frame, source, lambda path, source=source: _write(path, source, names, console))
+            path = outputs.write(frame, source, lambda path, source=source: _write(path, source, names, console, told))
             if times:
                 times.add(frame, source, path)
     finally:
@@ -60,10 +75,17 @@ def run(options, console, stop):
         raise InputError("standard input names no files")
 
 
-def _write(path, source, names, console):
+def _write(path, source, names, console, told):
     from .dense import read_dense  # NumPy and VTK take long to load
 
     volume = read_dense(source, names, console)
+    if volume.is_sparse and not told:
+        told.append(source)
+        console.say(
+            f"{source}: {volume.active.mean():.1%} of the {volume.active.size / 1e6:.3g} million voxels of the"
+            f" texture's box are active, and the file has all of them in each of {len(volume.arrays)} arrays; --grids"
+            " selects some"
+        )
     write_file(path, _image(path, volume) if path.suffix.lower() == ".vti" else _arrays(volume))
 
 
@@ -90,7 +112,9 @@ def _image(output, volume):
     image.SetSpacing(*spacing)
     image.SetDirectionMatrix(*(volume.matrix[:3, :3] / spacing).ravel())
     points = image.GetPointData()
-    masks = {"active": volume.active, GHOSTS: numpy.where(volume.active, 0, HIDDEN_POINT)}
+    masks = {"active": volume.active}
+    if not volume.is_sparse:  # what is empty has a value, 0
+        masks[GHOSTS] = numpy.where(volume.active, 0, HIDDEN_POINT)
     for name, values in (volume.arrays | {name: mask.astype(numpy.uint8) for name, mask in masks.items()}).items():
         values = values.reshape(*volume.active.shape, -1)
         add_array(points, name, values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))

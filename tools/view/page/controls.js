@@ -10,11 +10,13 @@ const kSliders = {
     halo: ["Gaps behind", 0, 2, 0.01],
     "depth-cue": ["Depth fading", 0, 1, 0.01],
     shadows: ["Shadows", 0, 1, 0.01],
+    occlusion: ["Occlusion", 0, 1, 0.01],
     ambient: ["Ambient", 0, 2, 0.01],
     diffuse: ["Diffuse", 0, 2, 0.01],
     specular: ["Specular", 0, 2, 0.01],
     shininess: ["Shininess", 1, 100, 1],
     "head-light": ["Head light", 0, 2, 0.01],
+    exposure: ["Exposure", -3, 5, 0.1],
 };
 /// What a look sets, and so what choosing another one gives up.
 const kOfColors = ["colormap", "colors", "range", "color-scale"];
@@ -26,6 +28,7 @@ const kOfLooks = [
     "shading",
     "light",
     "background",
+    "background-top",
     "opacity-by",
 ];
 
@@ -66,11 +69,12 @@ export class Controls {
             depth: makeSection(
                 "Streaks and depth",
                 false,
-                ...["modulate", "limb-darkening", "halo", "depth-cue", "shadows"].map((name) => this.slider(name)),
+                ...["modulate", "limb-darkening", "halo", "depth-cue", "shadows", "occlusion"].map((name) => this.slider(name)),
             ),
             light: makeSection(
                 "Light",
                 false,
+                this.slider("exposure"),
                 this.list("shading", "Shading", ["phong", "lines", "none"], (scene) => scene.values.shading),
                 ...["ambient", "diffuse", "specular", "shininess", "head-light"].map((name) => this.slider(name)),
                 ...light.rows,
@@ -115,7 +119,7 @@ export class Controls {
             const given = keeps ? kOfLooks : [...kOfLooks, ...kOfColors];
             return { ...Object.fromEntries(given.map((name) => [name, undefined])), look };
         };
-        return this.picks("look", "Start from", names, (scene, options) => options.look || "flow", changes);
+        return this.picks("look", "Start from", names, (scene) => scene.look, changes);
     }
 
     /// Colours that one has chosen stay with another look.
@@ -188,6 +192,7 @@ export class Controls {
         return makeRow(label, id, range, number);
     }
 
+    /// Two colours, at the bottom and at the top; a new one at the bottom is that of all.
     background() {
         const hex = (color) =>
             "#" +
@@ -198,14 +203,23 @@ export class Controls {
                         .padStart(2, "0"),
                 )
                 .join("");
-        const input = make("input", { id: "option-background", type: "color", class: "wide" });
-        const chosen = () => [1, 3, 5].map((i) => Number((parseInt(input.value.slice(i, i + 2), 16) / 255).toFixed(4)));
-        input.addEventListener("input", () => this.store.change({ background: chosen() }, { commit: false }));
-        input.addEventListener("change", () => this.store.commit());
-        this.shows.push((scene) => {
-            input.value = hex(scene.values.background);
+        const chosen = (value) =>
+            [1, 3, 5].map((i) => Number((parseInt(value.slice(i, i + 2), 16) / 255).toFixed(4)));
+        const inputs = [
+            ["background", "Background at the bottom"],
+            ["background-top", "Background at the top"],
+        ].map(([name, title]) => {
+            const input = make("input", { id: `option-${name}`, type: "color", class: "wide", "aria-label": title });
+            // What a look has at the bottom is given, too: an option for the top alone would keep it.
+            const both = () => ({ background: chosen(inputs[0].value), [name]: chosen(input.value) });
+            input.addEventListener("input", () => this.store.change(both(), { commit: false }));
+            input.addEventListener("change", () => this.store.commit());
+            this.shows.push((scene) => {
+                input.value = hex(scene.values[name]);
+            });
+            return input;
         });
-        return makeRow("Background", input.id, input);
+        return makeRow("Background", "option-background", ...inputs);
     }
 
     solid(sequence) {
@@ -220,7 +234,7 @@ export class Controls {
     }
 
     annotations() {
-        const boxes = ["box", "axes", "colorbar", "time"].map((name) =>
+        const boxes = ["box", "axes", "colorbar", "time", "scalebar", "triad"].map((name) =>
             make("input", { type: "checkbox", value: name }),
         );
         const title = make("input", { type: "text", "aria-label": "Title" });

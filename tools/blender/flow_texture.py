@@ -23,9 +23,10 @@ import bmesh
 import bpy
 from mathutils import Matrix, Vector
 
-STREAKS = 0.62, 0.76  # texture values at which streaks begin and reach full density
-DEPTH = 4  # mean optical depth across the volume
-STREAKS_SHARE = 0.12  # fraction of a texture that is streaks
+# Of dense textures and of sparse ones, whose streaks have nothing between them: texture values at which streaks begin
+# and reach full density; the fraction of a texture that is streaks; mean optical depth across the volume.
+DENSE = (0.62, 0.76), 0.12, 4
+SPARSE = (0.1, 0.6), 0.06, 1.2
 GLOW = 0.3  # emission of streaks, so that shaded ones keep their colour
 
 # From no speed to the highest, in linear light.
@@ -68,6 +69,13 @@ def sequence(path):
         raise FileNotFoundError(f"{path.parent / prefix}*.vdb: frame {missing} is missing, and Blender plays "
                                 f"only sequences without gaps; give the frames numbers that follow each other")
     return [found[frame] for frame in sorted(found)], first
+
+
+def is_sparse(path):
+    """Whether a file tells that its inactive voxels are empty (docs/formats.md); Blender does not read such metadata."""
+    text = lambda value: len(value).to_bytes(4, "little") + value
+    with open(path, "rb") as file:
+        return b"".join(map(text, (b"inactive", b"string", b"empty"))) in file.read(1 << 16)
 
 
 def import_volume(path):
@@ -187,8 +195,8 @@ def opacities(shares):
     return [min((0.1 + i / last) / max(share * last, 0.25), 1) for i, share in enumerate(shares)]
 
 
-def flow_material(texture, speed, opacity, scale):
-    """A material of `texture` and `magnitude`.
+def flow_material(texture, streaks_between, speed, opacity, scale):
+    """A material of `texture` and `magnitude`. Streaks begin at one texture value and are full at another.
 
     Colours and opacity, 0 to 1, are spaced evenly from no speed up to `speed`; a full streak of opacity 1 has the
     extinction `scale`, per unit of length of the volume's own space.
@@ -222,7 +230,7 @@ def flow_material(texture, speed, opacity, scale):
 
     lic = node("Attribute", "Texture", -1100, 0, attribute_name=texture)
     magnitude = node("Attribute", "Speed", -1100, -300, attribute_name="magnitude")
-    streaks = stretch("Streaks: contrast", -850, 0, *STREAKS, lic.outputs["Fac"], "SMOOTHSTEP")
+    streaks = stretch("Streaks: contrast", -850, 0, *streaks_between, lic.outputs["Fac"], "SMOOTHSTEP")
     place_of_speed = stretch("Speed: range", -850, -300, 0, speed, magnitude.outputs["Fac"])
 
     colors = node("ValToRGB", "Colour and opacity by speed", -600, -300)
@@ -323,13 +331,15 @@ def main():
     warn_if_apart(volume, options.texture, corners)
     speed, shares = measure_speeds(volume, filled[len(filled) // 2], options.speed)
 
+    path = bpy.path.abspath(volume.data.grids.frame_filepath or volume.data.filepath)
+    between, streaks_share, depth = SPARSE if is_sparse(path) else DENSE
     opacity = opacities(shares)
-    mean_opacity = STREAKS_SHARE * sum(a * b for a, b in zip(opacity, shares)) or 1
+    mean_opacity = streaks_share * sum(a * b for a, b in zip(opacity, shares)) or 1
     sides = [max(axis) - min(axis) for axis in zip(*corners)]
     width = (sides[0] * sides[1] * sides[2]) ** (1 / 3)
     volume.data.materials.clear()
     volume.data.materials.append(
-        flow_material(options.texture, speed, opacity, DEPTH / (mean_opacity * width)))
+        flow_material(options.texture, between, speed, opacity, depth / (mean_opacity * width)))
 
     if not any(thing.type == "LIGHT" for thing in bpy.context.scene.objects):
         add_light()

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/noise/noise.h"
+#include "vdblic/noise/noise_field.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
+#include <cstring>
+
+namespace vdblic {
+
+/// The noise that IBFV blends in: low-pass filtered in space, and in time, where it is periodic.
+///
+/// Every second voxel along each axis blinks: it is white for half a period and black for the other half, and begins
+/// where the noise of that voxel says. Values between are interpolated trilinearly: van Wijk, "Image based flow
+/// visualization", SIGGRAPH 2002, section 3.3, with its square wave and a spacing of two voxels. The noise goes on
+/// outside the domain. A pure function of place and time.
+class PeriodicNoise {
+  public:
+    static constexpr int kSpacing = 2; ///< between points of the noise [voxels]
+    static constexpr int kPeriod = 8;  ///< [frames]
+    static constexpr int kBrick = LeafVoxel::kDim + 1;
+
+    /// The noise of a moment. @param noise must outlive this  @param step number  @param substeps steps in a frame
+    PeriodicNoise(const NoiseField& noise, std::uint64_t step, int substeps)
+        : mNoise(&noise), mOfStep(std::uint32_t((kNoiseMax + 1) / (kPeriod * substeps))),
+          mTurn(std::uint32_t(step) * mOfStep)
+    {
+    }
+    /// Go back by a step; the run's first one comes after others.
+    VDBLIC_INLINE void goBack() { mTurn -= mOfStep; }
+
+    /// At a position of index space, 0 to 1.
+    [[nodiscard]] VDBLIC_INLINE float at(Float4 position) const
+    {
+        const Float4 points = position * (1.0f / kSpacing);
+        const Int4 first = floorToInt(points);
+        const Float4 part = points - __builtin_convertvector(first, Float4);
+        std::int32_t corners[kLanes];
+        mNoise->atCorners({kSpacing * first[0], kSpacing * first[1], kSpacing * first[2]}, kSpacing, corners);
+        Int8 phases;
+        std::memcpy(&phases, corners, sizeof phases);
+        phases += int(mTurn);
+        const float x = part[0], y = part[1], z = part[2];
+        const Float4 face = Float4{1 - y, 1 - y, y, y} * Float4{1 - z, z, 1 - z, z};
+        const Float4 white = wave(__builtin_shufflevector(phases, phases, 0, 1, 2, 3)) * (1 - x) +
+                             wave(__builtin_shufflevector(phases, phases, 4, 5, 6, 7)) * x;
+        const Float4 weighed = white * face;
+        return (weighed[0] + weighed[1]) + (weighed[2] + weighed[3]);
+    }
+
+    /// At the voxels of a leaf and the next ones in each positive direction.
+    /// @param values kBrick³ numbers, x slowest
+    void fill(const openvdb::Coord& origin, float* values) const;
+
+  private:
+    [[nodiscard]] VDBLIC_INLINE static Float4 wave(Int4 phases)
+    {
+        return (phases & kNoiseMax) <= kNoiseMax / 2 ? broadcast4(1) : Float4{};
+    }
+    /// At a point, in multiples of the spacing.
+    [[nodiscard]] float ofPoint(int x, int y, int z) const;
+
+    const NoiseField* mNoise;
+    std::uint32_t mOfStep, mTurn; ///< parts of a period, of 2¹⁶: that of a step, and what has passed
+};
+
+} // namespace vdblic

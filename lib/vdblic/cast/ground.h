@@ -1,0 +1,39 @@
+#pragma once
+
+#include "vdblic/cast/ground_light.h"
+#include "vdblic/cast/ground_plane.h"
+
+#include <glm/vec3.hpp>
+
+#include <optional>
+
+namespace vdblic {
+
+class Camera;
+class TextureVolume;
+struct Look;
+struct SurfacePicture;
+
+/// A plane that takes shadows, and fades out with the distance from the domain. Behind all else in a picture, it is
+/// seen from the domain's side alone. Immutable; any number of threads may read.
+class Ground {
+  public:
+    /// @param color as displayed, in linear light; nothing: that of the background in the picture's row, or a lighter
+    ///              one where the background is too dark for shadows
+    Ground(const GroundPlane& plane, const ShadowCasters& casters, const glm::dvec3& towardsLight,
+           const std::optional<glm::vec3>& color)
+        : mPlane(plane), mLight(plane, casters, towardsLight), mColor(color)
+    {
+    }
+
+    /// Add what is seen of the ground in pixels that show no surface. @param ray index among each pixel's rays
+    void addTo(SurfacePicture& picture, const TextureVolume& volume, const Look& look, const Camera& camera,
+               int ray) const;
+
+  private:
+    GroundPlane mPlane;
+    GroundLight mLight;
+    std::optional<glm::vec3> mColor;
+};
+
+} // namespace vdblic

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <vector>
+
+namespace vdblic {
+
+/// What is seen of surfaces through each pixel's centre, the volume taken away.
+struct SurfacePicture {
+    std::vector<float> depths;      ///< along the view axis from the eye's plane [world]; infinite where there is none
+    std::vector<glm::vec4> colors;  ///< linear light, lit; premultiplied by alpha
+    std::vector<glm::vec3> normals; ///< world space, of length 1
+};
+
+} // namespace vdblic

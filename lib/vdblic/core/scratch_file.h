@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+
+namespace vdblic {
+
+/// A file without a name, mapped into the process as one range of addresses. Nothing stays of it after the process.
+/// Only letGo() and discard() may be called by several threads.
+class ScratchFile {
+  public:
+    /// @param readsAhead whether the system may map more than is asked for, which makes the resident memory jump
+    /// @throws OutputError naming the folder and the reason
+    ScratchFile(const std::filesystem::path& folder, bool readsAhead);
+    ~ScratchFile();
+    ScratchFile(const ScratchFile&) = delete;
+    ScratchFile& operator=(const ScratchFile&) = delete;
+
+    [[nodiscard]] char* begin() const { return mBegin; }
+    [[nodiscard]] std::size_t capacity() const { return mCapacity; } ///< bytes that it may grow to
+    [[nodiscard]] std::size_t size() const { return mSize; }         ///< bytes that are on the disk and may be used
+
+    /// Put so many bytes on the disk. @return 0, or the system's reason why not
+    [[nodiscard]] int grow(std::size_t size) noexcept;
+
+    /// Take a range out of the resident memory; its contents stay in the file.
+    void letGo(std::size_t begin, std::size_t bytes) const noexcept;
+    /// Give up the contents of a range: they need not be written. Its place on the disk stays.
+    void discard(std::size_t begin, std::size_t bytes) const noexcept;
+
+  private:
+    int mDescriptor = -1;
+    char* mBegin = nullptr;
+    std::size_t mCapacity = 0, mSize = 0;
+};
+
+} // namespace vdblic

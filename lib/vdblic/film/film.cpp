@@ -1,0 +1,202 @@
+#include "vdblic/film/film.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/film/film_plan.h"
+#include "vdblic/image/film_writer.h"
+#include "vdblic/io/atomic_file.h"
+#include "vdblic/io/file_stamp.h"
+#include "vdblic/render/render_sequence.h"
+#include "vdblic/run/advect.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kTitle = "vdblic_film: textures of a film that is not finished\n";
+
+/// The textures of a film while it is being made, with a text that tells what they were made from.
+class FilmFolder {
+  public:
+    explicit FilmFolder(const fs::path& output)
+        : mFolder(output.string() + ".textures"), mKey(mFolder / "film.txt"),
+          mPattern((mFolder / "texture.").string() + "%04d.vdb")
+    {
+    }
+
+    [[nodiscard]] const std::string& pattern() const { return mPattern; }
+    [[nodiscard]] const fs::path& path() const { return mFolder; }
+
+    /// Make the folder, or keep what is in it if that was made from the same. @throws OutputError
+    void open(const std::string& madeFrom, Reporter& reporter)
+    {
+        const std::string key = std::string(kTitle) + madeFrom;
+        std::error_code error;
+        if (fs::exists(mFolder, error)) {
+            std::ifstream file(mKey, std::ios::binary);
+            const std::string known(std::istreambuf_iterator<char>(file), {});
+            if (known == key) return reporter.say(fmt::format("{}: going on with its textures", mFolder.string()));
+            if (!known.starts_with(kTitle) && !fs::is_empty(mFolder, error)) {
+                throw OutputError(fmt::format("{}: holds files that are not of a film; move it, or name the film "
+                                              "otherwise",
+                                              mFolder.string()));
+            }
+            if (known.starts_with(kTitle))
+                reporter.say(fmt::format("{}: its textures are of other options or inputs and are made again",
+                                         mFolder.string()));
+            remove();
+        }
+        fs::create_directory(mFolder, error);
+        if (error) throw OutputError(fmt::format("{}: cannot be made: {}", mFolder.string(), error.message()));
+        writeTextFile(mKey, key);
+    }
+
+    /// Remove what is ours, and the folder if nothing else is in it.
+    void remove() const
+    {
+        std::error_code ignored;
+        std::vector<fs::path> ours;
+        for (const fs::directory_entry& entry : fs::directory_iterator(mFolder, ignored)) {
+            const std::string name = entry.path().filename().string();
+            if (isTexture(entry.path()) || name.starts_with("checkpoint.") || name.starts_with(".texture."))
+                ours.push_back(entry.path());
+        }
+        ours.push_back(mKey); // last: without it the folder would not be known again
+        for (const fs::path& file : ours)
+            fs::remove(file, ignored);
+        fs::remove(mFolder, ignored);
+    }
+
+    [[nodiscard]] bool hasTextures() const
+    {
+        std::error_code ignored;
+        for (const fs::directory_entry& entry : fs::directory_iterator(mFolder, ignored)) {
+            if (isTexture(entry.path())) return true;
+        }
+        return false;
+    }
+
+  private:
+    static bool isTexture(const fs::path& path) { return path.filename().string().starts_with("texture."); }
+
+    fs::path mFolder, mKey;
+    std::string mPattern;
+};
+
+/// Joins the progress of textures and pictures, and passes on what is of the film.
+class FilmReporter : public Reporter {
+  public:
+    FilmReporter(Reporter& reporter, std::size_t textures, std::size_t pictures)
+        : mReporter(reporter), mTotal(textures + pictures)
+    {
+    }
+
+    void beginPictures(std::size_t textures, const fs::path& output)
+    {
+        mBefore = textures;
+        mOutput = output;
+    }
+
+    void progress(std::size_t done, std::size_t) override { mReporter.progress(mBefore + done, mTotal); }
+    void detail(std::string_view message) override { mReporter.detail(message); }
+    void say(std::string_view message) override { mReporter.detail(message); }
+    void warn(std::string_view message) override { mReporter.warn(message); }
+    void finished(const fs::path& output) override
+    {
+        if (output == mOutput) mReporter.finished(output);
+    }
+    [[nodiscard]] bool stopRequested() const override { return mReporter.stopRequested(); }
+
+  private:
+    Reporter& mReporter;
+    std::size_t mTotal, mBefore = 0;
+    fs::path mOutput;
+};
+
+/// The parameters that a plan gives. @param params with their defaults
+template<typename Params>
+Params withGiven(Params params, const std::map<std::string, Words>& given)
+{
+    set(parametersOf(params), given);
+    return params;
+}
+
+/// Check, before any work, that the output can be written.
+void checkFilm(const FilmParams& params, const std::vector<FrameFile>& files)
+{
+    for (const FrameFile& file : files)
+        checkNotInput(params.output, file.path);
+    checkOutput(params.output);
+    constexpr glm::ivec2 kSmall{2, 2};
+    if (!params.isStill()) FilmWriter(params.output, kSmall, params.picturesPerSecond()); // there is ffmpeg
+}
+
+void makePictures(const FilmParams& params, const FilmPlan& plan, const std::string& textures, FilmReporter& reporter)
+{
+    std::istringstream none;
+    AdvectParams run = withGiven(AdvectParams{}, plan.advect);
+    run.output = textures;
+    run.resume = run.keepCheckpoint = true; // kept: all textures may be there, and the film not
+    advectSequence(run, none, reporter);
+    reporter.beginPictures(plan.textures, params.output);
+    std::map<std::string, Words> given = plan.render;
+    given["input"] = {textures};
+    renderSequence(withGiven(defaultRenderParams(), given), none, reporter);
+}
+
+} // namespace
+
+void makeFilm(const FilmParams& params, Reporter& reporter)
+{
+    params.validate();
+    const std::vector<FrameFile> files = selectFrames(params.input);
+    checkFilm(params, files);
+    SequenceInfoParams inspection;
+    inspection.flow.input = params.input;
+    inspection.values = true;
+    const FilmPlan plan = planFilm(params, inspectSequence(inspection, reporter));
+    for (const std::string& note : plan.notes)
+        reporter.say(note);
+    const fs::path output(params.output);
+    const std::string beside = (output.parent_path() / output.stem()).string() + ".texture.%04d.vdb";
+    reporter.say("the same in two commands:");
+    std::string madeFrom;
+    for (const std::string& command : commandsOf(plan, beside)) {
+        reporter.say("  " + command);
+        if (madeFrom.empty()) madeFrom = command + '\n'; // the pictures' options do not change textures
+    }
+    for (const FrameFile& file : files)
+        madeFrom += fmt::format("{} {}\n", file.path.string(), fileStamp(file.path));
+
+    FilmFolder folder(output);
+    folder.open(madeFrom, reporter);
+    reporter.say(fmt::format("textures wait in {} until the {} is done", folder.path().string(),
+                             params.isStill() ? "still" : "film"));
+    try {
+        FilmReporter film(reporter, plan.textures, plan.pictures);
+        makePictures(params, plan, folder.pattern(), film);
+    } catch (...) {
+        if (!folder.hasTextures()) {
+            folder.remove();
+        } else {
+            reporter.say(fmt::format("{}: keeps the finished textures; the same command goes on with them",
+                                     folder.path().string()));
+        }
+        throw;
+    }
+    folder.remove();
+}
+
+} // namespace vdblic

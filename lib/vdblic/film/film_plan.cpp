@@ -1,0 +1,333 @@
+#include "vdblic/film/film_plan.h"
+
+#include "vdblic/camera/camera.h"
+#include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/field/domain.h"
+#include "vdblic/render/render_params.h"
+#include "vdblic/run/advect_params.h"
+#include "vdblic/run/memory_estimate.h"
+#include "vdblic/run/sequence_advice.h"
+#include "vdblic/streaks/streak_shape.h"
+
+#include <fmt/format.h>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <string_view>
+
+namespace vdblic {
+namespace {
+
+constexpr double kPace = 10;   // pixels a picture
+constexpr double kShare = 0.5; // of the memory
+constexpr double kLeastSeconds = 2, kMostSeconds = 10, kSteadySeconds = 4;
+constexpr double kLeastMoves = 4; // voxels a frame, for a flow that moves too little or too far
+
+/// The pixels that a voxel's two longer edges span on average, in the middle of the first picture.
+double pixelsPerVoxel(const GridInfo& grid, const glm::dvec3& stretch, const glm::ivec2& size)
+{
+    const auto toWorld = [&](const openvdb::Vec3d& index) {
+        const openvdb::Vec3d world = grid.transform->indexToWorld(index);
+        return glm::dvec3(world[0], world[1], world[2]) * stretch;
+    };
+    const openvdb::Vec3d low = grid.box.min().asVec3d() - 0.5, high = grid.box.max().asVec3d() + 0.5;
+    Corners corners;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        corners[i] = toWorld({(i & 1 ? high : low)[0], (i & 2 ? high : low)[1], (i & 4 ? high : low)[2]});
+    const Camera camera(CameraParams{}, corners, size);
+    const auto pixel = [&](const openvdb::Vec3d& index) {
+        const glm::dvec4 at = camera.worldToNdc() * glm::dvec4(toWorld(index), 1);
+        return glm::dvec2(at) / at.w * glm::dvec2(size);
+    };
+    const openvdb::Vec3d middle = (low + high) * 0.5;
+    std::array<double, 3> spans{};
+    for (int axis = 0; axis < 3; ++axis) {
+        openvdb::Vec3d next = middle;
+        next[axis] += 1;
+        spans[std::size_t(axis)] = glm::length(pixel(next) - pixel(middle));
+    }
+    std::sort(spans.begin(), spans.end(), std::greater<>());
+    return std::max((spans[0] + spans[1]) / 2, 1e-3);
+}
+
+/// A number that people can type again.
+std::string shortNumber(double number)
+{
+    return fmt::format("{:.2g}", number);
+}
+
+Words wordsOfFactors(const std::array<int, 3>& factors)
+{
+    if (factors[0] == factors[1] && factors[1] == factors[2]) return {fmt::format("{}", factors[0])};
+    return {fmt::format("{}", factors[0]), fmt::format("{}", factors[1]), fmt::format("{}", factors[2])};
+}
+
+/// A word for a shell.
+std::string shellWord(const std::string& word)
+{
+    constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@";
+    if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+    std::string result = "'";
+    for (const char c : word)
+        result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result + "'";
+}
+
+std::string commandOf(std::string_view tool, const Parameters& parameters, const std::map<std::string, Words>& given)
+{
+    std::string command(tool);
+    for (const Parameter& parameter : parameters) {
+        const auto words = given.find(std::string(parameter.key));
+        if (words == given.end()) continue;
+        const std::string option = parameter.option();
+        if (!parameter.isPositional()) command += ' ' + option.substr(0, option.find(','));
+        if (parameter.type == WordType::kFlag) continue;
+        for (const std::string& word : words->second)
+            command += ' ' + shellWord(word);
+    }
+    return command;
+}
+
+/// What is chosen for a sequence, step by step.
+class FilmPlanner {
+  public:
+    FilmPlanner(const FilmParams& params, const SequenceInfo& info)
+        : mParams(params), mInfo(info), mVelocity(*info.velocity), mGrid(*velocityGridOf(info)),
+          mStretch(stretchOf(mGrid).value_or(std::array<double, 3>{1, 1, 1})),
+          mPixels(pixelsPerVoxel(mGrid, {mStretch[0], mStretch[1], mStretch[2]}, params.pictureSize())),
+          mLayer(layerAxis(mGrid.box))
+    {
+    }
+
+    FilmPlan plan()
+    {
+        mPlan.advect["input"] = {mInfo.pattern};
+        const std::vector<std::int64_t> frames = chooseFrames(chooseMotion());
+        const bool isAll = mInfo.missing.empty() && frames == mInfo.frames;
+        if (!isAll) mPlan.advect["frames"] = {frameListText(frames)};
+        mParams.method == FilmMethod::kStreaks ? chooseStreaks() : chooseDense();
+        choosePictures();
+        return std::move(mPlan);
+    }
+
+  private:
+    /// @return pixels that the faster half of the flow moves in a frame
+    double chooseMotion()
+    {
+        const double moves = mVelocity.motion->fasterHalf;
+        if (!(moves > 0))
+            throw InputError(fmt::format("{}: the flow is at rest; check the grid and the frames", mInfo.pattern));
+        if (mInfo.isFrozen && !mParams.isStill()) {
+            mMoves = std::clamp(kPace / mPixels, 0.01, 100.0);
+            mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
+        } else if (!makesStreaks(moves)) {
+            mMoves = moves < kLeastMoves ? kLeastMoves : slowMotion();
+            mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
+            mPlan.notes.push_back(
+                fmt::format("the faster half of the flow moves {:.2g} voxels a frame, too {} to follow: "
+                            "{} motion; vdblic_info tells more",
+                            moves, moves < kLeastMoves ? "little" : "far", moves < kLeastMoves ? "quick" : "slow"));
+        } else {
+            mMoves = moves;
+        }
+        return mMoves * mPixels;
+    }
+
+    /// The voxels a frame with which a film of the least length has the right pace, within what can be followed.
+    [[nodiscard]] double slowMotion() const
+    {
+        constexpr double kMostMoves = 12;
+        const double pictures = kLeastSeconds * mParams.picturesPerSecond();
+        const auto intervals = double(std::max<std::size_t>(mInfo.frames.size(), 2) - 1);
+        return std::clamp(kPace * pictures / intervals / mPixels, kLeastMoves, kMostMoves);
+    }
+
+    /// Choose frames, substeps and the number of pictures. @param pace as chooseMotion() returns it
+    std::vector<std::int64_t> chooseFrames(double pace)
+    {
+        std::vector<std::int64_t> frames = mInfo.frames;
+        if (mParams.isStill()) return {frames[frames.size() / 2]};
+        const double perSecond = mParams.picturesPerSecond();
+        const auto pictures = [&](double seconds) {
+            return std::size_t(std::max(std::round(seconds * perSecond), 1.0));
+        };
+        if (mInfo.isFrozen) {
+            mPlan.textures = mPlan.pictures = pictures(mParams.seconds.value_or(kSteadySeconds));
+            mPlan.advect["steady_frames"] = {fmt::format("{}", mPlan.textures)};
+            return frames;
+        }
+        constexpr double kMostSubsteps = 1000;
+        const std::size_t intervals = frames.size() - 1;
+        auto substeps = std::size_t(std::clamp(std::ceil(pace / kPace), 1.0, kMostSubsteps));
+        const std::size_t least = pictures(mParams.seconds.value_or(kLeastSeconds)),
+                          most = pictures(mParams.seconds.value_or(kMostSeconds));
+        const std::size_t forLeast = (least + intervals - 2) / intervals; // substeps for so many pictures
+        substeps = std::max({substeps, forLeast, std::size_t(1)});
+        const std::size_t used = std::min(intervals, (most + substeps - 2) / substeps);
+        mPlan.textures = used * substeps + 1;
+        mPlan.pictures = std::min(mPlan.textures, most);
+        if (used < intervals) {
+            mPlan.notes.push_back(fmt::format("{:.3g} s hold frames {} to {} of {}; give more `seconds` for more",
+                                              double(mPlan.pictures) / perSecond, frames[0], frames[used],
+                                              frames.size()));
+            frames.resize(used + 1);
+        }
+        if (substeps > 1) mPlan.advect["substeps"] = {fmt::format("{}", substeps)};
+        mPlan.notes.push_back(
+            fmt::format("{} pictures, {:.3g} s; the faster half of the flow moves {:.2g} pixels a picture",
+                        mPlan.pictures, double(mPlan.pictures) / perSecond, pace / double(substeps)));
+        const bool isDense = frames.back() - frames.front() == std::int64_t(used);
+        if (mPlan.pictures < mPlan.textures && isDense) {
+            mPlan.render["frames"] = {
+                fmt::format("{}-{}", frames.front(), frames.front() + std::int64_t(mPlan.pictures) - 1)};
+        } else {
+            mPlan.pictures = mPlan.textures;
+        }
+        return frames;
+    }
+
+    void chooseStreaks()
+    {
+        // Pixels, of a picture that is no preview. Of streaks in vortices alone few are seen.
+        constexpr double kSpacing = 24, kInVortices = 14, kVoxel = 2;
+        const double factor = mParams.preview ? 0.5 : 1, tail = 6;
+        const double least = mVelocity.streaks ? double(mVelocity.streaks->spacing[0]) : 1;
+        const double spacing =
+            std::clamp((followsVortices() ? kInVortices : kSpacing) * factor / mPixels, least, 2 * least);
+        StreakParams streaks;
+        streaks.spacing.emplace();
+        streaks.spacing->fill(std::stof(shortNumber(spacing)));
+        Refinement refinement;
+        refinement.isGiven = true;
+        refinement.factors = refinedBy(std::round(mPixels / kVoxel));
+        const double leaves = 1.5 * double(mVelocity.voxels) / double(Domain::kLeafVoxels);
+        const auto bytes = [&] {
+            const StreakShape shape = streakShape(streaks, refinement, mVelocity.voxels, mGrid.box, mMoves);
+            return streakCost(shape, double(mVelocity.voxels), leaves, mGrid.box).bytes;
+        };
+        while (bytes() > kShare * double(memoryLimit()) && coarsen(refinement.factors)) {
+        }
+        mPlan.advect["method"] = {"streaks"};
+        mPlan.advect["spacing"] = {shortNumber(spacing)};
+        mPlan.advect["tail"] = {shortNumber(std::min(tail * spacing / mMoves, 24.0))};
+        mPlan.advect["refine"] = wordsOfFactors(refinement.factors);
+    }
+
+    void chooseDense()
+    {
+        constexpr double kVoxel = 3, kMostVoxels = 8e6;
+        std::array<int, 3> factors = refinedBy(std::round(mPixels / kVoxel));
+        const auto voxels = [&] { return double(mVelocity.voxels) * factors[0] * factors[1] * factors[2]; };
+        while ((voxels() > kMostVoxels || advectBytes(1.5 * voxels()) > kShare * double(memoryLimit())) &&
+               coarsen(factors)) {
+        }
+        mPlan.advect["refine"] = wordsOfFactors(factors);
+    }
+
+    /// Whether nearly all of a flow is fast: opacity that follows the speed would hide what is inside. In a flat domain
+    /// the shear between its layers has more to do with Q than vortices.
+    [[nodiscard]] bool isEvenlyFast() const
+    {
+        constexpr double kEven = 0.85;
+        const bool isFlat = mLayer >= 0 || mStretch != std::array<double, 3>{1, 1, 1};
+        return !isFlat && mVelocity.motion->mean > kEven * mVelocity.motion->fasterHalf;
+    }
+
+    [[nodiscard]] bool followsVortices() const
+    {
+        return mParams.look == "vortex" || (mParams.look.empty() && isEvenlyFast());
+    }
+
+    /// Whether the flow leaves a body, or the ground, out of its box.
+    [[nodiscard]] bool flowsAroundSolid() const
+    {
+        constexpr double kMost = 0.2; // of the box; more is space that a cloud of smoke does not fill
+        const auto box = double(mGrid.box.volume());
+        return mLayer < 0 && double(mVelocity.voxels)<box&& double(mVelocity.voxels)>(1 - kMost) * box;
+    }
+
+    /// A factor for each axis along which there are several voxels.
+    [[nodiscard]] std::array<int, 3> refinedBy(double factor) const
+    {
+        std::array<int, 3> factors{};
+        factors.fill(int(std::clamp(factor, 1.0, double(Refinement::kMost))));
+        if (mLayer >= 0) factors[std::size_t(mLayer)] = 1;
+        return factors;
+    }
+
+    /// @return whether it could be
+    static bool coarsen(std::array<int, 3>& factors)
+    {
+        const int before = factors[0] + factors[1] + factors[2];
+        for (int& factor : factors)
+            factor = std::max(factor - 1, 1);
+        return factors[0] + factors[1] + factors[2] < before;
+    }
+
+    void choosePictures()
+    {
+        std::map<std::string, Words>& render = mPlan.render;
+        if (!mParams.look.empty()) render["look"] = {mParams.look};
+        if (followsVortices()) {
+            mPlan.advect["derived"] = {"q"};
+            render["opacity_by"] = {"q"};
+        }
+        const glm::ivec2 size = mParams.pictureSize();
+        render["size"] = {fmt::format("{}", size.x), fmt::format("{}", size.y)};
+        if (mStretch != std::array<double, 3>{1, 1, 1}) {
+            for (const double stretch : mStretch)
+                render["stretch"].push_back(fmt::format("{}", stretch));
+        }
+        if (flowsAroundSolid()) render["solid"] = {"domain"};
+        if (mParams.isStill()) {
+            render["output"] = {mParams.output};
+            return;
+        }
+        render["film"] = {mParams.output};
+        render["fps"] = {fmt::format("{}", mParams.picturesPerSecond())};
+        if (mParams.orbit != 0) render["orbit"] = {fmt::format("{}", mParams.orbit)};
+    }
+
+    const FilmParams& mParams;
+    const SequenceInfo& mInfo;
+    const VelocityInfo& mVelocity;
+    const GridInfo& mGrid;
+    std::array<double, 3> mStretch;
+    double mPixels, mMoves = 0; // that a voxel spans; voxels that the faster half moves in a frame
+    int mLayer;
+    FilmPlan mPlan;
+};
+
+} // namespace
+
+FilmPlan planFilm(const FilmParams& params, const SequenceInfo& info)
+{
+    if (!info.damaged.empty()) throw InputError(info.damaged.front());
+    const GridInfo* const grid = info.velocity ? velocityGridOf(info) : nullptr;
+    if (!grid || !info.velocity->motion) {
+        throw InputError(fmt::format("{}: holds no velocity, a grid of vectors or three of scalars; vdblic_info tells "
+                                     "what is in it",
+                                     info.pattern));
+    }
+    if (grid->box.empty() || info.velocity->voxels == 0)
+        throw InputError(fmt::format("{}: grid '{}' has no active voxel", info.pattern, grid->name));
+    return FilmPlanner(params, info).plan();
+}
+
+std::vector<std::string> commandsOf(const FilmPlan& plan, const std::string& textures)
+{
+    AdvectParams advect;
+    RenderParams render;
+    std::map<std::string, Words> first = plan.advect, second = plan.render;
+    first["output"] = second["input"] = {textures};
+    return {commandOf("vdblic_advect", parametersOf(advect), first),
+            commandOf("vdblic_render", parametersOf(render), second)};
+}
+
+} // namespace vdblic

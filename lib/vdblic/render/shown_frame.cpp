@@ -1,0 +1,21 @@
+#include "vdblic/render/shown_frame.h"
+
+#include "vdblic/camera/clipping.h"
+
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+
+ShownFrame::ShownFrame(const RenderParams& params, const Look& look, std::shared_ptr<const LoadedTexture> frame,
+                       std::shared_ptr<const Solid> solid, Exchange& exchange)
+    : mFrame(std::move(frame)), mSolid(std::move(solid)), mVisible(volume(), look)
+{
+    const bool hasLight = look.shadows > 0 || look.occlusion > 0;
+    if (hasLight || params.ground.side != GroundSide::kNone) mExtinctions.emplace(volume(), look, exchange);
+    if (!hasLight) return;
+    const std::vector<ClipPlane> solidCuts = params.rays.clip.stretched(params.stretch).solidPlanes();
+    mAmbient.emplace(*mExtinctions, volume(), look, mSolid.get(), solidCuts);
+}
+
+} // namespace vdblic

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/vector.h"
+#include "vdblic/look/look.h"
+#include "vdblic/volume/texture_volume.h"
+
+#include <cstddef>
+#include <cstring>
+
+namespace vdblic {
+
+/// The extinctions of a leaf's voxels, hidden ones 0, for all rows along z that have one above 0.
+/// @param add called with the row's coordinates in the leaf and its extinctions
+template<typename Add>
+VDBLIC_INLINE void forExtinctions(const TextureVolume& volume, const Look& look, std::size_t leaf, const Add& add)
+{
+    using Short8 = TextureRecord __attribute__((vector_size(16)));
+    const TextureScale scale = volume.scale(leaf);
+    const int least = scale.recordAbove(look.hiddenTexture()); // records below are hidden
+    for (int x = 0; x < LeafVoxel::kDim; ++x) {
+        const auto shown = volume.shown(leaf).getWord<openvdb::Index64>(openvdb::Index(x));
+        for (int y = 0; y < LeafVoxel::kDim; ++y) {
+            Short8 row;
+            std::memcpy(&row, volume.records(leaf) + TextureLeaf::index(x, y, 0), sizeof row);
+            const Int8 records = __builtin_convertvector(row, Int8);
+            const Int8 seen = (records >= least) & maskOf(unsigned(shown >> (LeafVoxel::kDim * y)) & 0xff);
+            if (!anyOf(seen)) continue;
+            const Float8 texture = scale.low + __builtin_convertvector(records, Float8) * scale.perUnit;
+            const Float8 density = look.texture.density(look.texture.stretched(texture));
+            const Float8 position[] = {broadcast8(float(x)), broadcast8(float(y)), Float8{0, 1, 2, 3, 4, 5, 6, 7}};
+            const Int8 entries = look.transfer.entries(volume.drivers().at(Unsigned8{} + unsigned(leaf), position));
+            Float8 extinctions;
+            for (int z = 0; z < kLanes; ++z)
+                extinctions[z] = look.transfer.extinctions()[entries[z]];
+            add(x, y, seen ? extinctions * density : Float8{});
+        }
+    }
+}
+
+} // namespace vdblic

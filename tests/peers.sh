@@ -1,0 +1,11 @@
+#!/bin/sh
+# Gets what tests drive and Debian lacks, from PyPI: a current Blender (bpy) and OpenUSD (usd-core), each in a virtual
+# environment below $VDBLIC_PEERS, by default ~/.cache/vdblic/peers. Tests skip by name what is not there.
+set -eu
+folder=${VDBLIC_PEERS:-$HOME/.cache/vdblic/peers}
+for peer in bpy usd:usd-core; do
+    environment=$folder/${peer%%:*}
+    [ -x "$environment/bin/python" ] || python3 -m venv "$environment"
+    "$environment/bin/python" -m pip install --quiet --upgrade "${peer##*:}" numpy ||
+        echo "${peer##*:} cannot be had; its tests will be skipped" >&2
+done

@@ -1,0 +1,97 @@
+"""What a user asks for, as command lines of our tools, and their estimates."""
+
+import dataclasses
+import json
+import pathlib
+import tempfile
+
+from .tools import run_tool
+
+DENSE, STREAKS = "DENSE", "STREAKS"
+
+
+@dataclasses.dataclass
+class Recipe:
+    """A flow texture to make. `spacing` 0 and `refine` 0 leave the choice to the tools."""
+
+    velocity: str  # pattern
+    folder: str  # of the textures
+    method: str = STREAKS
+    spacing: float = 0
+    refine: int = 0
+    frames: str = ""
+    mask: str = ""  # FILE or FILE:GRID
+    box: tuple = ()  # low and high corner in the velocity's world, in place of a mask
+    derived: tuple = ()
+    about_velocity: tuple = ()  # options that the files do not tell: rate, time scale
+    further: tuple = ()
+
+    @property
+    def output(self):
+        name = "streaks" if self.method == STREAKS else "lic"
+        return str(pathlib.Path(self.folder) / f"{name}.%04d.vdb")
+
+    def command(self):
+        """The words after vdblic_advect. They go on where an earlier run ended."""
+        words = [self.velocity, "-o", self.output, "--resume"]
+        if self.method == STREAKS:
+            words += ["--method", "streaks"]
+            words += ["--spacing", f"{self.spacing:g}"] if self.spacing else []
+        words += ["--refine", str(self.refine)] if self.refine else []
+        if self.method == DENSE and self.refine > 1:
+            words += ["--scalars", "texture"]  # Blender draws scalars of other voxels beside the texture
+        words += ["--frames", self.frames, "--clamp-frames"] if self.frames else []
+        words += ["--mask", self.mask] if self.mask else []
+        words += ["--bbox-world", *(f"{x:.9g}" for x in self.box)] if self.box and not self.mask else []
+        words += ["--with", ",".join(self.derived)] if self.derived else []
+        return [*words, *self.about_velocity, *self.further]
+
+
+@dataclasses.dataclass
+class Estimate:
+    """What vdblic_info tells: memory [bytes] and processor time [s] of all frames, and its choice for streaks."""
+
+    frames: int
+    voxels: int
+    memory: float
+    seconds: float
+    spacing: float = 0
+    refine: int = 1
+
+    def __str__(self):
+        size = f"{self.memory / 2**30:.1f} GiB" if self.memory >= 2**30 else f"{self.memory / 2**20:.0f} MiB"
+        time = f"{self.seconds / 60:.0f} min" if self.seconds >= 120 else f"{self.seconds:.1f} s"
+        return (
+            f"{self.frames} frames, {self.voxels / 1e6:.2g} million voxels: {size} of memory, {time} of processor time"
+        )
+
+
+def estimate(recipe, tools=""):
+    """Ask vdblic_info about a recipe. Raises ToolError."""
+    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+        report = pathlib.Path(folder) / "info.json"
+        words = ["--frames", recipe.frames] if recipe.frames else []
+        words += ["--refine", str(recipe.refine)] if recipe.refine else []
+        words += ["--spacing", f"{recipe.spacing:g}"] if recipe.spacing and recipe.method == STREAKS else []
+        run_tool("vdblic_info", [recipe.velocity, "--json", str(report), *words, *recipe.about_velocity], tools)
+        (sequence,) = json.loads(report.read_text())["sequences"]
+    return estimate_of(recipe, sequence)
+
+
+def estimate_of(recipe, sequence):
+    """The estimate of a recipe from the report on its velocity."""
+    velocity = sequence["velocity"]
+    voxels = max((grid["most_voxels"] for grid in sequence["grids"] if grid["name"] == velocity["grid"]), default=0)
+    frames = len(sequence["frames"])
+    streaks = velocity.get("streaks")
+    if recipe.method == STREAKS and streaks:
+        return Estimate(
+            frames,
+            voxels,
+            streaks["memory"],
+            streaks["processor_seconds"],
+            max(streaks["spacing"]),
+            max(streaks["refine"]),
+        )
+    refine = max(recipe.refine, 1)
+    return Estimate(frames, voxels * refine**3, velocity["memory"], velocity["processor_seconds"], 0, refine)

@@ -1,0 +1,114 @@
+"""vdblic_export into USD: one layer that names the files of a whole sequence."""
+
+from vdblic._core import CameraFile, FramePattern, Sequence, check_output, is_finished, read_headers, write_file
+
+from .errors import InputError, ParameterError
+from .levels import Levels
+from .outputs import check_not_inputs
+from .tool import positive
+from .velocity import names_of
+
+_OPTIONS = {"camera": "--camera", "stretch": "--stretch", "fps": "--fps", "up": "--up", "meters": "--meters-per-unit"}
+
+
+def add_options(tool):
+    """The options that only layers have."""
+    tool.add("--camera", metavar="FILE", help="Of a .usda: camera of a file of key frames, as vdblic_render takes it.")
+    tool.add(
+        "--stretch",
+        metavar=("X", "Y", "Z"),
+        nargs=3,
+        type=positive,
+        help="Of a .usda: factors on the world's axes; the camera is in the stretched space.",
+    )
+    tool.add(
+        "--fps",
+        metavar="FLOAT",
+        type=positive,
+        help="Of a .usda: time codes in a second; by default 1 / dt of the files, where that is 10 to 120, else 24.",
+    )
+    tool.add(
+        "--up",
+        metavar="AXIS",
+        choices=("y", "z"),
+        help="Of a .usda: y or z; by default y where the velocity is Houdini's, else z.",
+    )
+    tool.add(
+        "--meters-per-unit",
+        dest="meters",
+        metavar="FLOAT",
+        type=positive,
+        help="Of a .usda: metres in a unit of the world; by default by the files' length_unit, else 1.",
+    )
+
+
+def refuse_options(options):
+    """Raise ParameterError if an option of layers is given for other files."""
+    for name, option in _OPTIONS.items():
+        if getattr(options, name) is not None:
+            raise ParameterError(f"{option} is of a layer; write one with -o flow.usda, or leave it out")
+
+
+def export_layer(options, console, stop, version):
+    from .usd_layer import Frame, gaps_of, layer, settings_of  # NumPy takes long to load
+
+    names = names_of(options.grids) if options.grids else ()
+    output = FramePattern(options.output)
+    if output.has_field:
+        raise ParameterError(f"{options.output}: one layer names the files of all frames; leave its frame field out")
+    path = output.path(0)
+    check_output(path)
+    camera = CameraFile(options.camera) if options.camera else None
+    found = list(Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check))
+    if not found:
+        raise InputError("standard input names no files")
+    check_not_inputs([path], [source for _, source in found])
+    coarse = (
+        Levels(_pattern_of(path, found), options.levels, options.grids, options.skip_existing)
+        if options.levels
+        else None
+    )
+    if coarse:
+        coarse.check([frame for frame, _ in found], [source for _, source in found])
+    if not (options.skip_existing and is_finished(path)):
+        frames, left_out = {}, set()
+        for frame, source in found:
+            stop.check()
+            frames[frame] = Frame(str(source), *_grids(source, names, left_out))
+        if left_out:
+            console.say(f"without {', '.join(sorted(left_out))}: grids of another kind, or without a name")
+        for stays, first, last in gaps_of(frames):
+            console.say(f"frames {first} to {last} are missing: frame {stays} stays until then")
+        first = frames[min(frames)]
+        settings = settings_of(first, options.fps, options.meters, options.up and options.up.upper(), options.stretch)
+        proxy = {}
+        for i, (frame, source) in enumerate(found if coarse else ()):
+            stop.check()
+            made = coarse.write(frame, source, console)[-1]
+            proxy[frame] = Frame(str(made), *_grids(made, names, left_out))
+            console.progress(frame, i + 1, len(found))
+        text = layer(path, frames, settings, camera, f"Volumes of a flow, by vdblic_export {version}", proxy)
+        write_file(path, text.encode())
+    console.finished(path)
+
+
+def _pattern_of(path, found):
+    """The pattern of the coarser files beside a layer, without the level."""
+    if len(found) == 1:
+        return str(path.with_suffix(".vdb"))
+    return str(path.with_name(f"{path.stem}.%04d.vdb"))
+
+
+def _grids(source, names, left_out):
+    """The chosen grids of a file by name, and its metadata. Raises InputError if a named one is missing."""
+    grids, metadata = read_headers(source)
+    usable = {grid["name"]: grid for grid in reversed(grids) if grid["numbers"] and grid["name"]}
+    left_out |= {f"'{grid['name']}'" for grid in grids if grid["name"] not in usable and not names}
+    order = [grid["name"] for grid in grids if grid["name"] in usable]
+    for name in names:
+        if name not in usable:
+            there = ", ".join(order) or "none"
+            raise InputError(f"{source}: no grid '{name}' of numbers or vectors; present: {there}")
+    if not usable:
+        raise InputError(f"{source}: no grid of numbers or vectors with a name; there is nothing to show")
+    return {name: usable[name] for name in names or dict.fromkeys(order)}, metadata
