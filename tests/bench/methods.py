@@ -18,7 +18,8 @@ import pyopenvdb as vdb
 
 import quality
 
-METHODS = {"uflic": "UFLIC", "auflic": "AUFLIC", "auflic-2004": "AUFLIC as published", "lic": "steady LIC", "ibfv": "IBFV"}
+METHODS = {"uflic": "UFLIC", "auflic": "AUFLIC", "auflic-2004": "AUFLIC as published", "lic": "steady LIC",
+           "ibfv": "IBFV", "lea": "LEA", "ufac": "UFAC"}
 FINISHED = ("uflic", "auflic")
 SIDE = 240  # of a part of a slice, at most
 HEADER = ("| textures | method | isolated [%] | line | angle [°] | deviation | temporal | same place | along [voxels] | "

@@ -233,7 +233,7 @@ class Advect(ToolTest):
         self.assertEqual(self.files(), [])
 
     def test_same_voxels_for_any_number_of_threads(self):
-        for method in "auflic", "uflic", "ibfv":
+        for method in "auflic", "uflic", "ibfv", "lea", "ufac":
             arrays = []
             for threads in 1, 2, 7:
                 path = self.outputs("vdblic_advect", WAKE, "-o", f"{method}.{threads}.%04d.vdb", "--frames", "1-3",
@@ -263,7 +263,7 @@ class Advect(ToolTest):
         output = ("-o", "lic.%04d.vdb")
         for arguments in (
             (), (WAKE,), output, (WAKE, *output, "--no-such-option"), (WAKE, *output, "--alpha", "0.2"),
-            (WAKE, *output, "--method", "ibfv", "--alpha", "0"),
+            (WAKE, *output, "--method", "ibfv", "--alpha", "0"), (WAKE, *output, "--method", "ufac", "--alpha", "0.2"),
             (WAKE, *output, "--life", "0"), (WAKE, *output, "--life", "nan"), (WAKE, *output, "--dt", "0"),
             (WAKE, *output, "--dt", "nan"), (WAKE, *output, "--fps", "0"), (WAKE, *output, "--dt", "1", "--fps", "1"),
             (WAKE, *output, "--frames", "9-1"), (WAKE, *output, "--threads", "0"), (WAKE, *output, "--seed", "-1"),

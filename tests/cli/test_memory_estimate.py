@@ -26,7 +26,8 @@ class MemoryEstimate(ToolTest):
         return usage.ru_maxrss / 1024, said
 
     def test_it_is_within_a_quarter(self):
-        for size, *choices in ((96, (), ("--substeps", 2), ("--method", "uflic"), ("--method", "ibfv")),
+        for size, *choices in ((96, (), ("--substeps", 2), ("--method", "uflic"), ("--method", "ibfv"),
+                                    ("--method", "lea"), ("--method", "ufac")),
                                (64, ("--refine", 2), ("--refine", 2, "--method", "ibfv"), ("--refine", 2, "--interpolation", "cubic"))):
             self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", size, size, size, "--frames", "1-3")
             for choice in choices:

@@ -65,12 +65,14 @@ class Ranks(ToolTest):
 
     def test_looking_back(self):
         """Refined, so that the domain is cut, with substeps and a run that goes on with other ranks."""
-        arguments = (WAKE, "--method", "ibfv", "--refine", 2, "--substeps", 2)
-        self.compare([1, 3, 5], *arguments, "--frames", "1-2")
-        for ranks, frames in (3, "1"), (5, "1-2"):
-            run = self.by_ranks(ranks, *arguments, "--frames", frames, "-o", "on.%04d.vdb", "--resume", "--keep-checkpoint")
-            self.assertEqual(run.returncode, 0, run.stderr)
-        self.assert_same("on")
+        for method, ranks in ("ibfv", (1, 3, 5)), ("lea", (3,)), ("ufac", (5,)):
+            arguments = (WAKE, "--method", method, "--refine", 2, "--substeps", 2)
+            self.compare(ranks, *arguments, "--frames", "1-2")
+            for number, frames in (3, "1"), (5, "1-2"):
+                run = self.by_ranks(number, *arguments, "--frames", frames, "-o", f"{method}.%04d.vdb", "--resume",
+                                    "--keep-checkpoint")
+                self.assertEqual(run.returncode, 0, run.stderr)
+            self.assert_same(method)
 
     def test_streaks_go_on_with_other_ranks(self):
         arguments = (WAKE, "--method", "streaks", "--refine", 4)

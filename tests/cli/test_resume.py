@@ -173,14 +173,15 @@ class Resume(ToolTest):
     def test_kills_with_other_methods_and_parameters(self):
         for seed, arguments in enumerate((("--method", "uflic"), ("--method", "lic"), ("--life", 1), ("--life", 9),
                                           ("--method", "auflic-2004", "--with", "vorticity"),
-                                          ("--method", "streaks", "--refine", 2), ("--method", "ibfv"))):
+                                          ("--method", "streaks", "--refine", 2), ("--method", "ibfv"),
+                                          ("--method", "lea"), ("--method", "ufac"))):
             expected = self.whole(self.flow(), *arguments)
             self.assertGreater(self.kill_often(4, random.Random(seed), self.flow(), *arguments), 2)
             self.finish(expected, self.flow(), *arguments)
             self.clear()
 
     def test_kills_while_the_domain_changes(self):
-        for method in ("auflic",), ("uflic",), ("streaks", "--refine", 2), ("ibfv",):
+        for method in ("auflic",), ("uflic",), ("streaks", "--refine", 2), ("ibfv",), ("lea",):
             arguments = (*self.moving_ball(), "--method", *method)
             expected = self.whole(*arguments)
             self.assertGreater(self.kill_often(6, random.Random(5), *arguments), 4)
@@ -311,7 +312,8 @@ class Resume(ToolTest):
         """Refined and with substeps: stopped between frames, inside an interval, and in the preroll."""
         for options in (("--refine", 2), ("--substeps", 3), ("--substeps", 4, "--refine", 1, 2, 1, "--method", "uflic"),
                         ("--substeps", 2, "--method", "lic"), ("--substeps", 3, "--refine", 2, "--method", "streaks"),
-                        ("--substeps", 3, "--refine", 2, "--method", "ibfv")):
+                        ("--substeps", 3, "--refine", 2, "--method", "ibfv"),
+                        ("--substeps", 2, "--refine", 2, "--method", "lea"), ("--substeps", 2, "--method", "ufac")):
             arguments, frames = (self.flow(), *options), "1-20"
             whole = self.whole(*arguments, frames=frames)
             for after in 6, 7:

@@ -73,7 +73,7 @@ class Scratch(ToolTest):
 
     def test_every_method(self):
         flow = self.flow()
-        for method in ("auflic", "uflic", "auflic-2004", "lic", "streaks", "ibfv"):
+        for method in ("auflic", "uflic", "auflic-2004", "lic", "streaks", "ibfv", "lea", "ufac"):
             with self.subTest(method=method):
                 self.check(*flow, "--method", method)
 

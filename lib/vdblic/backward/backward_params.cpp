@@ -13,10 +13,11 @@ constexpr double kLeastShare = 0.01;
 Parameters parametersOf(BackwardParams& params)
 {
     return {
-        parameter("alpha",
-                  "ibfv: share of the noise that is blended in with every frame: the smaller, the longer the streaks; "
-                  "by default 4 / (3 life), as long as those of auflic.",
-                  params.alpha, {.group = "Texture", .limits = {kLeastShare, 1}}),
+        parameter(
+            "alpha",
+            "ibfv, lea: share of the noise that is blended in with every frame: the smaller, the longer the streaks; "
+            "by default 4 / (3 life), as long as those of auflic.",
+            params.alpha, {.group = "Texture", .limits = {kLeastShare, 1}}),
     };
 }
 
@@ -29,6 +30,12 @@ void BackwardParams::validate() const
 double BackwardParams::shareFor(int lifeSpan) const
 {
     return alpha.value_or(std::clamp(4.0 / (3.0 * lifeSpan), kLeastShare, 1.0));
+}
+
+double BackwardParams::stepShare(int lifeSpan, int substeps) const
+{
+    constexpr double kMostShare = 0.999999;
+    return -std::expm1(std::log1p(-std::min(shareFor(lifeSpan), kMostShare)) / substeps);
 }
 
 int BackwardParams::settlingFrames(int lifeSpan) const

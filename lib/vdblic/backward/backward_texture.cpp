@@ -37,9 +37,9 @@ FlowTextureStep BackwardTexture::advance(const FlowStep& step)
     Carried before = mCarried.empty() ? first(step) : std::exchange(mCarried, {});
     for (LeafValues<float>& values : before)
         values = withHalo(domain, step.owners, std::move(values));
-    {
+    if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
-        result.texture = show(step, before);
+        result.texture = show(step, before, clock);
     }
     {
         const auto stage = clock.enter(&StageTimes::scatter);

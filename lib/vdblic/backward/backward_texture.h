@@ -39,7 +39,8 @@ class BackwardTexture : public FlowTexture {
     /// What the first frame begins with, on its own leaves.
     [[nodiscard]] virtual Carried first(const FlowStep& step) const = 0;
     /// The texture of the frame that a step starts from. @param carried there, halo included
-    [[nodiscard]] virtual LeafValues<float> show(const FlowStep& step, const Carried& carried) const = 0;
+    [[nodiscard]] virtual LeafValues<float> show(const FlowStep& step, const Carried& carried,
+                                                 StageClock& clock) const = 0;
     /// What the frame that a step ends at carries, on its own leaves. @param before at its start, halo included
     [[nodiscard]] virtual Carried pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const = 0;
 

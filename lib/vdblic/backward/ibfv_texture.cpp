@@ -234,7 +234,7 @@ VDBLIC_KERNEL void blendLeaf(const Blend& blend, const WayBack::Leaf& way, const
 
 IbfvTexture::IbfvTexture(const TextureParams& texture, const BackwardParams& params, NoiseField noise)
     : BackwardTexture(texture, std::move(noise), {"texture"}),
-      mShare(-std::expm1(std::log1p(-std::min(params.shareFor(texture.lifeSpan), 0.999999)) / texture.substeps))
+      mShare(params.stepShare(texture.lifeSpan, texture.substeps))
 {
 }
 
@@ -257,7 +257,7 @@ BackwardTexture::Carried IbfvTexture::first(const FlowStep& step) const
     return {texture};
 }
 
-LeafValues<float> IbfvTexture::show(const FlowStep& /*step*/, const Carried& carried) const
+LeafValues<float> IbfvTexture::show(const FlowStep& /*step*/, const Carried& carried, StageClock& /*clock*/) const
 {
     return carried.front();
 }

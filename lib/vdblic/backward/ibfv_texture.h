@@ -27,7 +27,8 @@ class IbfvTexture final : public BackwardTexture {
 
   private:
     [[nodiscard]] Carried first(const FlowStep& step) const override;
-    [[nodiscard]] LeafValues<float> show(const FlowStep& step, const Carried& carried) const override;
+    [[nodiscard]] LeafValues<float> show(const FlowStep& step, const Carried& carried,
+                                         StageClock& clock) const override;
     [[nodiscard]] Carried pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const override;
 
     double mShare; // of the noise, in a step

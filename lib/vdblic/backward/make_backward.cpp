@@ -1,6 +1,8 @@
 #include "vdblic/backward/make_backward.h"
 
 #include "vdblic/backward/ibfv_texture.h"
+#include "vdblic/backward/lea_texture.h"
+#include "vdblic/backward/ufac_texture.h"
 
 #include <utility>
 
@@ -11,7 +13,14 @@ std::unique_ptr<FlowTexture> makeBackwardTexture(const TextureParams& texture, c
 {
     texture.validate();
     params.validate();
-    return std::make_unique<IbfvTexture>(texture, params, std::move(noise));
+    switch (texture.method) {
+    case TextureMethod::kLea:
+        return std::make_unique<LeaTexture>(texture, params, std::move(noise));
+    case TextureMethod::kUfac:
+        return std::make_unique<UfacTexture>(texture, std::move(noise));
+    default:
+        return std::make_unique<IbfvTexture>(texture, params, std::move(noise));
+    }
 }
 
 } // namespace vdblic

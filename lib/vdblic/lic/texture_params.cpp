@@ -13,9 +13,10 @@ Parameters parametersOf(TextureParams& params)
             "method",
             "auflic: accelerated UFLIC; auflic-2004: the same as published; uflic: a seed for every voxel and "
             "frame; lic: each frame on its own; streaks: sparse, with a head and a tail; ibfv: the texture before, "
-            "pulled back and blended with noise.",
+            "pulled back and blended with noise; lea: moved noise, blended from frame to frame; ufac: moved noise, "
+            "convolved along the streamlines of each frame.",
             params.method, {.words = "METHOD", .group = "Texture"}),
-        parameter("life_span", "Life span of a seed, with lic the length of the kernel.", params.lifeSpan,
+        parameter("life_span", "Life span of a seed, with lic and ufac the length of the kernel.", params.lifeSpan,
                   {.option = "--life", .unit = "frames", .group = "Texture", .limits = {1, 1000}}),
         parameter("substeps", "Textures for each interval between frames.", params.substeps,
                   {.group = "Texture", .limits = {1, 64}}),

@@ -12,11 +12,15 @@ namespace vdblic {
 /// value lives as many frames as without: the work of a step and the memory do not grow with their number.
 struct TextureParams {
     TextureMethod method = TextureMethod::kAuflic;
-    int lifeSpan = 4; ///< frames over which a seed scatters its value; AUFLIC's fade at that pace; of LIC the kernel's
-    int substeps = 1; ///< time steps from a frame to the next
+    int lifeSpan =
+        4; ///< frames over which a seed scatters its value; AUFLIC's fade at that pace; of LIC and UFAC the kernel's
+    int substeps = 1;            ///< time steps from a frame to the next
     float releaseWindow = 0.25f; ///< AUFLIC: part of a frame, from its start, in which a seed may be released
     PathlineParams pathline;
     FeedbackParams feedback;
+
+    /// Half of the kernel along streamlines [steps]: with it streaks are as long as UFLIC's in a steady flow.
+    [[nodiscard]] double kernelHalf() const { return 0.5 * lifeSpan * substeps; }
 
     void validate() const; ///< @throws ParameterError
 };

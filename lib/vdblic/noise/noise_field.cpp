@@ -7,6 +7,7 @@
 #include "vdblic/noise/noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -85,14 +86,21 @@ bool NoiseField::fromOutside(const openvdb::Coord& voxel, std::uint64_t step, fl
 
 LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise)
 {
-    return noiseInput(domain, noise, domain.own());
+    LeafValues<std::int32_t> input(domain, 0, domain.own());
+    forLeaves(domain.own(), [&](std::size_t leaf) { noise.fill(domain.origin(leaf), input[leaf]); });
+    return input;
 }
 
-LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise, Domain::Leaves on)
+LeafValues<float> noiseValues(const Domain& domain, const NoiseField& noise, Domain::Leaves on)
 {
-    LeafValues<std::int32_t> input(domain, 0, on);
-    forLeaves(on, [&](std::size_t leaf) { noise.fill(domain.origin(leaf), input[leaf]); });
-    return input;
+    LeafValues<float> values(domain, 0.0f, on);
+    forLeaves(on, [&](std::size_t leaf) {
+        std::array<std::int32_t, LeafVoxel::kCount> all;
+        noise.fill(domain.origin(leaf), all.data());
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
+            values[leaf][voxel.pos()] = float(all[voxel.pos()]);
+    });
+    return values;
 }
 
 } // namespace vdblic

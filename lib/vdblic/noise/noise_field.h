@@ -28,6 +28,9 @@ class NoiseField {
     /// @param values receives eight
     void atCorners(const openvdb::Coord& first, int edge, std::int32_t* values) const;
 
+    /// White noise that is new in every step: of a voxel and any number, as a step's.
+    [[nodiscard]] std::int32_t ofStep(const openvdb::Coord& voxel, std::uint64_t number) const;
+
     /// The noise that fluid brings which entered the domain through a voxel: white noise of the frames, averaged over
     /// `span` frames around the time of entry, as the noise farther upstream would be along pathlines.
     /// @param time of entry, in frames  @param span at least 1
@@ -39,15 +42,13 @@ class NoiseField {
     [[nodiscard]] bool fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const;
 
   private:
-    [[nodiscard]] std::int32_t ofStep(const openvdb::Coord& voxel, std::uint64_t number) const;
-
     std::uint32_t mSeed;
     openvdb::FloatGrid::ConstPtr mGrid;
 };
 
-/// The input of the first step: the noise, fixed-point (kNoiseMax), on a domain's own leaves, or on some of its leaves.
-/// Made in parallel.
+/// The input of the first step: the noise, fixed-point (kNoiseMax), on a domain's own leaves. Made in parallel.
 [[nodiscard]] LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise);
-[[nodiscard]] LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise, Domain::Leaves on);
+/// The same numbers on some of its leaves, 0 where the domain has no voxel.
+[[nodiscard]] LeafValues<float> noiseValues(const Domain& domain, const NoiseField& noise, Domain::Leaves on);
 
 } // namespace vdblic

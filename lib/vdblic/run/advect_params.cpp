@@ -40,7 +40,7 @@ Parameters parametersOf(AdvectParams& params)
         parameter("seed", "Seed of the generated noise.", params.seed, {.group = "Texture"}),
         parameter("preroll",
                   "Frames that the first one stands still for before it is written; the life span by default, 0 with "
-                  "lic, 2 with streaks, with ibfv until a fifth of the first texture is left.",
+                  "lic, 2 with streaks, with ibfv and lea until a fifth of the first texture is left.",
                   params.preroll,
                   {.unit = "frames", .group = "Texture", .limits = {0, kMostPreroll}, .isExpert = true}),
         parameter("lead_in",
@@ -109,7 +109,7 @@ void AdvectParams::validate() const
     texture.validate();
     streaks.validate();
     backward.validate();
-    if (backward.alpha && texture.method != TextureMethod::kIbfv) throw ParameterError("`alpha` is of `method` ibfv");
+    if (backward.alpha && !blends(texture.method)) throw ParameterError("`alpha` is of `method` ibfv and lea");
     if (isSparse()) {
         if (!noise.empty()) throw ParameterError("`noise`: streaks begin without noise; leave it out");
         if (flow.domain.refinement.interpolation == Interpolation::kCubic)
@@ -161,7 +161,7 @@ std::vector<std::string> AdvectParams::derivedScalars() const
 int AdvectParams::prerollFrames() const
 {
     constexpr int kSettling = 2; // streaks begin with whole tails; then the controller thins them
-    const int settling = looksBack(texture.method) ? backward.settlingFrames(texture.lifeSpan) : texture.lifeSpan;
+    const int settling = blends(texture.method) ? backward.settlingFrames(texture.lifeSpan) : texture.lifeSpan;
     return preroll.value_or(isSteady(texture.method) ? 0 : isSparse() ? kSettling : settling);
 }
 

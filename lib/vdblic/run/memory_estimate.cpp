@@ -42,12 +42,15 @@ StreakCost streakCost(const StreakShape& shape, double voxels, double leaves, co
     return {kProcess + (kVelocity * Domain::kLeafVoxels + kVelocityBrick) * leaves + kDrawn * drawn, kSeconds * drawn};
 }
 
-double backwardBytes(double velocity, double texture)
+double backwardBytes(TextureMethod method, double velocity, double texture)
 {
-    constexpr double kCarried = 12, kBrick = sizeof(float) * 4 * BricksOf<4>::kSize;
+    // A texture, and floats that are carried from one frame to the next; only ibfv has bricks of them.
+    const bool isIbfv = method == TextureMethod::kIbfv;
+    const double carried = isIbfv ? 1 : method == TextureMethod::kUfac ? 2 : 3;
+    const double brick = isIbfv ? sizeof(float) * 4 * BricksOf<4>::kSize : 0;
     const double leaves = texture / Domain::kLeafVoxels;
-    return kProcess + kVelocity * velocity + kCarried * texture +
-           shareInBricks(leaves) * (velocity / Domain::kLeafVoxels * kVelocityBrick + leaves * kBrick);
+    return kProcess + kVelocity * velocity + sizeof(float) * (1 + 2 * carried) * texture +
+           shareInBricks(leaves) * (velocity / Domain::kLeafVoxels * kVelocityBrick + leaves * brick);
 }
 
 double advectBytes(double voxels)
@@ -67,7 +70,7 @@ double advectBytes(const AdvectParams& params, const FieldDomain& first)
         return streakCost(shape, double(first.velocity->voxelCount()), velocity, box).bytes;
     }
     if (looksBack(params.texture.method))
-        return backwardBytes(velocity * Domain::kLeafVoxels, texture * Domain::kLeafVoxels);
+        return backwardBytes(params.texture.method, velocity * Domain::kLeafVoxels, texture * Domain::kLeafVoxels);
     double voxel = kTexture;
     if (params.texture.method == TextureMethod::kUflic) voxel += kParticle * (params.texture.lifeSpan - 1);
     if (params.texture.method == TextureMethod::kAuflic2004) voxel += kParticle + 4 * params.texture.lifeSpan;

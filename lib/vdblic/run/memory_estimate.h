@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/lic/texture_method.h"
+
 #include <openvdb/openvdb.h>
 
 namespace vdblic {
@@ -13,7 +15,7 @@ struct StreakShape;
 [[nodiscard]] double advectBytes(const AdvectParams& params, const FieldDomain& first);
 
 /// The same for a method that looks back. @param velocity, texture voxels of their leaves
-[[nodiscard]] double backwardBytes(double velocity, double texture);
+[[nodiscard]] double backwardBytes(TextureMethod method, double velocity, double texture);
 
 /// What a run of streaks takes.
 struct StreakCost {

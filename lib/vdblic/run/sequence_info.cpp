@@ -206,12 +206,16 @@ void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std
     // hold nothing are not there.
     const double refine = params.refine.value_or(1), refined = refine * refine * refine;
     const double rim = std::max(0.0, memory / (3 * sizeof(float)) - double(velocity.voxels));
-    constexpr double kIbfvShare = 0.6; // of the time
+    // Of the time.
+    constexpr std::pair<TextureMethod, double> kShares[] = {
+        {TextureMethod::kIbfv, 0.6}, {TextureMethod::kLea, 0.8}, {TextureMethod::kUfac, 1.5}};
     const double ofTexture = refined * double(velocity.voxels) + refine * refine * rim;
     velocity.memory = advectBytes(ofTexture);
     velocity.seconds = refined * double(velocity.voxels) * (double(frames) + kPreroll) * kSeconds;
-    velocity.ibfvMemory = backwardBytes(ofTexture / std::pow(refine, 3), ofTexture);
-    velocity.ibfvSeconds = kIbfvShare * velocity.seconds;
+    for (const auto& [method, share] : kShares) {
+        velocity.lookingBack.push_back(
+            {method, backwardBytes(method, ofTexture / refined, ofTexture), share * velocity.seconds});
+    }
 }
 
 /// What a run of streaks takes. @param frames to compute

@@ -3,6 +3,7 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/velocity_frame.h"
 #include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/lic/texture_method.h"
 
 #include <openvdb/openvdb.h>
 
@@ -60,17 +61,23 @@ struct StreaksInfo {
     double memory = 0, seconds = 0; ///< as VelocityInfo has them
 };
 
+/// Estimates of a method other than the default.
+struct MethodCost {
+    TextureMethod method;
+    double memory = 0, seconds = 0; ///< as VelocityInfo has them
+};
+
 /// How vdblic_advect would understand and compute the sequence's velocity.
 struct VelocityInfo {
     std::string grid;
     VelocityUnit unit = VelocityUnit::kWorldPerSecond;
     double scale = 1;
-    double interval = 0;                    ///< seconds between frames
-    std::string intervalSource;             ///< "by the files' times"
-    std::uint64_t voxels = 0;               ///< in the largest frame
-    double memory = 0, seconds = 0;         ///< estimates: bytes, and seconds of processor time
-    double ibfvMemory = 0, ibfvSeconds = 0; ///< the same with the method ibfv
-    std::optional<MotionInfo> motion{};     ///< from the values
+    double interval = 0;                   ///< seconds between frames
+    std::string intervalSource;            ///< "by the files' times"
+    std::uint64_t voxels = 0;              ///< in the largest frame
+    double memory = 0, seconds = 0;        ///< estimates: bytes, and seconds of processor time
+    std::vector<MethodCost> lookingBack{}; ///< the same with the methods that look back
+    std::optional<MotionInfo> motion{};    ///< from the values
     std::optional<StreaksInfo> streaks{};
 };
 

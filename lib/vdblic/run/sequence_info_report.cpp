@@ -59,8 +59,10 @@ void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
     }
     lines.push_back(fmt::format("    vdblic_advect takes about {} of memory and {:.2g} s of processor time",
                                 memoryText(velocity.memory), velocity.seconds));
-    lines.push_back(fmt::format("    vdblic_advect `method` ibfv takes about {} and {:.2g} s",
-                                memoryText(velocity.ibfvMemory), velocity.ibfvSeconds));
+    for (const MethodCost& cost : velocity.lookingBack) {
+        lines.push_back(fmt::format("    vdblic_advect `method` {} takes about {} and {:.2g} s", nameOf(cost.method),
+                                    memoryText(cost.memory), cost.seconds));
+    }
     if (!velocity.streaks) return;
     const StreaksInfo& streaks = *velocity.streaks;
     const std::string tail = streaks.tail ? fmt::format(" `tail` {}", *streaks.tail) : "";
@@ -97,8 +99,9 @@ nlohmann::json ofVelocity(const VelocityInfo& velocity)
                              {"interval", velocity.interval},
                              {"interval_source", velocity.intervalSource},
                              {"memory", velocity.memory},
-                             {"processor_seconds", velocity.seconds},
-                             {"ibfv", {{"memory", velocity.ibfvMemory}, {"processor_seconds", velocity.ibfvSeconds}}}};
+                             {"processor_seconds", velocity.seconds}};
+    for (const MethodCost& cost : velocity.lookingBack)
+        result[std::string(nameOf(cost.method))] = {{"memory", cost.memory}, {"processor_seconds", cost.seconds}};
     if (velocity.streaks) {
         const StreaksInfo& streaks = *velocity.streaks;
         result["streaks"] = {{"spacing", streaks.spacing},

@@ -79,9 +79,9 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement&
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
     metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));
-    if (looksBack(texture.method)) {
+    if (blends(texture.method)) {
         metadata.insertMeta("alpha", openvdb::FloatMetadata(float(params.backward.shareFor(texture.lifeSpan))));
-    } else if (!isSteady(texture.method) && !params.isSparse()) {
+    } else if (!isSteady(texture.method) && !looksBack(texture.method) && !params.isSparse()) {
         metadata.insertMeta("sharpen", openvdb::FloatMetadata(texture.feedback.sharpen));
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(texture.feedback.noiseShare));
     }

@@ -131,7 +131,8 @@ TEST_P(LooksBack, AndGoesOnToTheBitFromASavedState)
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, LooksBack, testing::Values(TextureMethod::kIbfv));
+INSTANTIATE_TEST_SUITE_P(Methods, LooksBack,
+                         testing::Values(TextureMethod::kIbfv, TextureMethod::kLea, TextureMethod::kUfac));
 
 } // namespace
 } // namespace vdblic

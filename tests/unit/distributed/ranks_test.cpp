@@ -115,7 +115,8 @@ TEST(Ranks, WriteTheBytesOfOneProcess)
     expectSameFiles(folder, {4}, [](AdvectParams& params) { params.texture.method = TextureMethod::kUflic; });
     expectSameFiles(folder, {3}, [](AdvectParams& params) { params.texture.method = TextureMethod::kLic; });
     expectSameFiles(folder, {3}, [](AdvectParams& params) { params.texture.method = TextureMethod::kAuflic2004; });
-    expectSameFiles(folder, {3, 5}, [](AdvectParams& params) { params.texture.method = TextureMethod::kIbfv; });
+    for (const TextureMethod method : {TextureMethod::kIbfv, TextureMethod::kLea, TextureMethod::kUfac})
+        expectSameFiles(folder, {3, 5}, [&](AdvectParams& params) { params.texture.method = method; });
     expectSameFiles(folder, {2}, [](AdvectParams& params) { params.texture.substeps = 3; });
 }
 
