@@ -21,6 +21,26 @@
 namespace vdblic {
 namespace {
 
+/// Weights of samples at the middles of equal parts of a half of the kernel, by how many there are. One object serves
+/// one thread.
+class HannWeights {
+  public:
+    /// Those of so many samples, from the kernel's middle on.
+    const std::vector<float>& of(std::size_t samples)
+    {
+        if (mKnown.size() <= samples) mKnown.resize(samples + 1);
+        std::vector<float>& weights = mKnown[samples];
+        for (std::size_t i = weights.size(); i < samples; ++i) {
+            const float s = (float(i) + 0.5f) / float(samples);
+            weights.push_back(0.5f + 0.5f * std::cos(std::numbers::pi_v<float> * s));
+        }
+        return weights;
+    }
+
+  private:
+    std::vector<std::vector<float>> mKnown;
+};
+
 /// Weighted input along the streamlines of eight voxels at a time. One object serves one thread.
 struct StreamlineSums {
     const LeafValues<float>& input;
@@ -29,6 +49,7 @@ struct StreamlineSums {
     PathSamples samples{};
     std::array<float, LeafVoxel::kCount> parts{}; // of the kernel, at the leaf's voxels
     std::vector<float> values{};                  // along one half of a streamline
+    HannWeights hann{};
 
     /// Add one half of the streamlines of voxels in a row, given by the bits of `lanes`.
     VDBLIC_INLINE void addHalf(const VelocityField& field, const Bricks::Window& fieldWindow, const LeafWindow& window,
@@ -44,12 +65,14 @@ struct StreamlineSums {
         for (int lane = 0; lane < kLanes; ++lane) {
             if (!(lanes >> lane & 1)) continue;
             collect(domain, window, lane, parts[std::size_t(first + lane)]);
+            const std::vector<float>& weights = hann.of(values.size());
+            float sumHere = sum[lane], weightHere = weight[lane];
             for (std::size_t i = 0; i < values.size(); ++i) {
-                const float s = (float(i) + 0.5f) / float(values.size());
-                const float share = 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> * s);
-                sum[lane] += share * values[i];
-                weight[lane] += share;
+                sumHere += weights[i] * values[i];
+                weightHere += weights[i];
             }
+            sum[lane] = sumHere;
+            weight[lane] = weightHere;
         }
     }
 
