@@ -3,9 +3,9 @@
 
     /usr/bin/python3 tests/bench/methods.py TOOLS DATA [--flows FLOW...] [--methods METHOD...] [--slices FOLDER]
 
-TOOLS and DATA are those of quality.py. Textures are as vdblic_advect writes them by default; times and memory are those of
-one thread. Prints Markdown on standard output. `--slices` writes a picture of each flow: the same part of the same slice of
-the refined textures, method beside method in the order of the table.
+TOOLS and DATA are those of quality.py. Textures are as vdblic_advect writes them by default; times and memory are
+those of one thread. Prints Markdown on standard output. `--slices` writes a picture of each flow: the same part of the
+same slice of the refined textures, method beside method in the order of the table.
 """
 
 import argparse
@@ -24,7 +24,7 @@ FINISHED = ("uflic", "auflic")
 SIDE = 240  # of a part of a slice, at most
 HEADER = ("| textures | method | isolated [%] | line | angle [°] | deviation | temporal | same place | along [voxels] | "
           "across [voxels] | time [ns] | memory [MB] |\n|---|---|---|---|---|---|---|---|---|---|---|---|")
-OF_CLASSES = {key for key, _, _ in quality.CLASS_COLUMNS[:3]}  # figures that only classes of displacement have
+OF_CLASSES = {key for key, _, _ in quality.CLASS_COLUMNS[:3]}  # that only classes of displacement have
 
 
 class Measured(quality.Textures):

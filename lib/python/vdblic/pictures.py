@@ -87,7 +87,8 @@ def displayed(picture: numpy.ndarray, background: Sequence[float] | None = None)
     Light that is brighter than a screen follows a tone curve, as in `.png` files (docs/render-reference.md). It takes
     annotations along, which are drawn into the picture.
 
-    background   red, green and blue as displayed, 0 to 1, or those at the bottom and at the top; by default the picture's
+    background   red, green and blue as displayed, 0 to 1, or those at the bottom and at the top; by default
+                 the picture's
     """
     if picture.ndim != 3 or picture.shape[2] != 4:
         raise ValueError(f"`picture` has the shape {picture.shape}; a picture has (height, width, 4)")
