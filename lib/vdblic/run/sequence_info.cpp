@@ -208,7 +208,7 @@ void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std
     const double rim = std::max(0.0, memory / (3 * sizeof(float)) - double(velocity.voxels));
     // Of the time.
     constexpr std::pair<TextureMethod, double> kShares[] = {
-        {TextureMethod::kIbfv, 0.6}, {TextureMethod::kLea, 0.8}, {TextureMethod::kUfac, 1.5}};
+        {TextureMethod::kIbfv, 0.6}, {TextureMethod::kLea, 1.3}, {TextureMethod::kUfac, 1.8}};
     const double ofTexture = refined * double(velocity.voxels) + refine * refine * rim;
     velocity.memory = advectBytes(ofTexture);
     velocity.seconds = refined * double(velocity.voxels) * (double(frames) + kPreroll) * kSeconds;
