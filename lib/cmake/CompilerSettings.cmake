@@ -13,9 +13,11 @@ if(VDBLIC_WARNINGS_AS_ERRORS)
     target_compile_options(vdblic_settings INTERFACE -Werror)
 endif()
 
-# The least machine a binary runs on; kernels carry AVX2 and AVX-512 versions chosen when they are loaded.
+# The least machine a binary runs on. GCC's kernels carry AVX2 and AVX-512 versions, chosen when they are loaded; with
+# Clang they are for this machine alone.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    target_compile_options(vdblic_settings INTERFACE -march=x86-64-v2)
+    set(VDBLIC_MACHINE x86-64-v2 CACHE STRING "The least machine that binaries run on, as -march= takes it")
+    target_compile_options(vdblic_settings INTERFACE -march=${VDBLIC_MACHINE})
 endif()
 
 # A second build of the same sources takes seconds. What is precompiled depends on headers alone, never on their times.
@@ -24,7 +26,8 @@ mark_as_advanced(VDBLIC_CCACHE)
 if(VDBLIC_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
         CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${VDBLIC_CCACHE})
-    target_compile_options(vdblic_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+    target_compile_options(vdblic_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
+        "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()
 
 set(VDBLIC_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them")

@@ -1,5 +1,9 @@
 # Whether OpenVDB's library exports the virtual tables of its grids, as Debian's does: then no unit compiles them
-# (vdblic/core/grid_instances.h). Two are looked for, of FloatGrid and of PointDataGrid, by the names GCC and Clang give them.
+# (vdblic/core/grid_instances.h). Two are looked for, of FloatGrid and of PointDataGrid. Only GCC inlines those short members
+# that the library, compiled by GCC, does not export.
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    return()
+endif()
 include(CheckCXXSourceCompiles)
 set(CMAKE_REQUIRED_LIBRARIES OpenVDB::openvdb)
 check_cxx_source_compiles([[

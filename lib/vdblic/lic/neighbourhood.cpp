@@ -9,8 +9,8 @@
 namespace vdblic {
 namespace {
 
-constexpr int kLeafDim = LeafVoxel::kDim;
-constexpr int kDim = kLeafDim + 2; // a leaf and one voxel around it
+constexpr int kInnerDim = LeafVoxel::kDim;
+constexpr int kDim = kInnerDim + 2; // a leaf and one voxel around it
 
 /// One number for each voxel of a leaf and one voxel around it, x slowest.
 using Cube = float[kDim][kDim][kDim];
@@ -19,13 +19,13 @@ using Cube = float[kDim][kDim][kDim];
 template<typename RowOf>
 VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Cube& cube)
 {
-    for (int x = -1; x <= kLeafDim; ++x) {
-        for (int y = -1; y <= kLeafDim; ++y) {
+    for (int x = -1; x <= kInnerDim; ++x) {
+        for (int y = -1; y <= kInnerDim; ++y) {
             float* to = cube[x + 1][y + 1];
             const int slot = LeafWindow::slot(LeafVoxel::leafCoordinate(x) + 1, LeafVoxel::leafCoordinate(y) + 1, 0);
             const int* leaves = &window.leaves[std::size_t(slot)];
             const int number = LeafVoxel::row(x, y);
-            to[0] = row(leaves[0], number)[kLeafDim - 1];
+            to[0] = row(leaves[0], number)[kInnerDim - 1];
             const Float8 middle = row(leaves[1], number);
             __builtin_memcpy(to + 1, &middle, sizeof middle);
             to[kDim - 1] = row(leaves[2], number)[0];
@@ -41,20 +41,20 @@ VDBLIC_INLINE void sum(const Cube& cube, float centre, float* sums)
         __builtin_memcpy(&row, from, sizeof row);
         return row;
     };
-    Float8 planes[kDim][kLeafDim];
+    Float8 planes[kDim][kInnerDim];
     for (int x = 0; x < kDim; ++x) {
         Float8 rows[kDim];
         for (int y = 0; y < kDim; ++y) {
             const float* row = cube[x][y];
             rows[y] = load(row) + load(row + 1) * centre + load(row + 2);
         }
-        for (int y = 0; y < kLeafDim; ++y)
+        for (int y = 0; y < kInnerDim; ++y)
             planes[x][y] = rows[y] + rows[y + 1] * centre + rows[y + 2];
     }
-    for (int x = 0; x < kLeafDim; ++x) {
-        for (int y = 0; y < kLeafDim; ++y) {
+    for (int x = 0; x < kInnerDim; ++x) {
+        for (int y = 0; y < kInnerDim; ++y) {
             const Float8 total = planes[x][y] + planes[x + 1][y] * centre + planes[x + 2][y];
-            const int row = x * kLeafDim + y;
+            const int row = x * kInnerDim + y;
             storeRow(total, sums, row);
         }
     }
