@@ -5,7 +5,7 @@ import importlib
 from vdblic._core import InputError, OutputError, ParameterError
 
 STATUS = {ParameterError: 2, InputError: 3, OutputError: 4}
-PACKAGES = {"vtkmodules": "python3-vtk9", "netCDF4": "python3-netcdf4"}
+PACKAGES = {"vtkmodules": ("python3-vtk9", "vtk"), "netCDF4": ("python3-netcdf4", "netCDF4")}  # Debian's and pip's
 
 
 def needed(module):
@@ -13,8 +13,8 @@ def needed(module):
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        package = PACKAGES[module.partition(".")[0]]
+        debian, pip = PACKAGES[module.partition(".")[0]]
         raise ParameterError(
-            f"the Python module {module} cannot be imported ({error}); Debian's package {package} has "
-            "it, for /usr/bin/python3"
+            f"the Python module {module} cannot be imported ({error}); Debian's package {debian} has "
+            f"it, for /usr/bin/python3, pip's package {pip} for others"
         ) from None
