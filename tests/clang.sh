@@ -43,4 +43,5 @@ LIST
 make_files build/release/tools "$out/gcc" >/dev/null
 make_files "$folder/tools" "$out/clang" >/dev/null
 diff -r "$out/gcc" "$out/clang"
-echo "$(ls "$out/clang" | wc -l) files of $("$compiler" --version | head -n 1) are those of GCC"
+set -- "$out"/clang/*
+echo "$# files of $("$compiler" --version | head -n 1) are those of GCC"
