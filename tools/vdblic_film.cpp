@@ -6,5 +6,7 @@ int main(int argc, char** argv)
     vdblic::FilmParams params;
     vdblic::cli::Tool tool("vdblic_film", "Make a film, or a still, from a velocity sequence.");
     tool.options(parametersOf(params));
+    constexpr double kInFiles = 8; // bricks and light of a texture, or frames of velocity and the state
+    tool.usesScratch(kInFiles, [&] { return params.output; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) { vdblic::makeFilm(params, reporter); });
 }

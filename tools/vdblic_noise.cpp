@@ -14,6 +14,8 @@ int main(int argc, char** argv)
         const auto file = params.like.empty() ? "" : vdblic::parseGridReference(params.like).path.string();
         return std::vector<vdblic::SequenceParams>(file.empty() ? 0 : 1, {file, ""});
     });
+    constexpr double kInFiles = 2; // a file, and the voxels that it has
+    tool.usesScratch(kInFiles, [&] { return params.output; });
     vdblic::cli::JoinedNumbers arguments(argc, argv, {"--refine"});
     return tool.run(arguments.count(), arguments.arguments(),
                     [&](vdblic::Reporter& reporter) { vdblic::makeNoiseFile(params, reporter); });

@@ -8,6 +8,7 @@ int main(int argc, char** argv)
     vdblic::SynthParams params;
     vdblic::cli::Tool tool("vdblic_synth", "Make a velocity sequence of an analytic, unsteady flow.");
     tool.options(parametersOf(params));
+    tool.usesScratch(1, [&] { return params.output; });
     const auto list = [] {
         for (const vdblic::AnalyticFlow& flow : vdblic::analyticFlows()) {
             fmt::print("{:<10}{}\n", flow.name, flow.description);

@@ -132,6 +132,19 @@ class Scratch(ToolTest):
         self.outputs("vdblic_advect", flow, "-o", "lic.%04d.vdb", "--lead-in", 0)
         self.check_tool("vdblic_coherence", flow, "lic.%04d.vdb", "--samples", 20000, "--json", "report.json", "-q")
 
+    def test_flows_and_noise(self):
+        self.check_tool("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 208, 208, 208, "--frames", "1-2", "-q")
+        self.check_tool("vdblic_noise", "--size", 256, 256, 256, "-o", "noise.vdb", "-q")
+        self.noise("coarse.vdb", 60, 1)
+        self.check_tool("vdblic_noise", "--like", "coarse.vdb", "--refine", 4, "-o", "fine.vdb", "-q")
+        self.assertEqual(self.files(), ["coarse.vdb", "fine.vdb", "noise.vdb", "printed", "v.0001.vdb", "v.0002.vdb"])
+
+    def test_films(self):
+        self.flow(64, "1-3")
+        self.check_tool("vdblic_film", "v.%04d.vdb", "-o", "still.png", "--method", "dense", "--size", 192, 144, "-q")
+        self.check_tool("vdblic_film", "v.%04d.vdb", "-o", "flow.mp4", "--size", 192, 144, "--seconds", 0.2, "-q")
+        self.assertEqual(self.files(), ["flow.mp4", "printed", "still.png", "v.0001.vdb", "v.0002.vdb", "v.0003.vdb"])
+
     def test_without_pressure_there_is_no_scratch_file(self):
         flow = self.flow(64)
         missing = self.fails(2, "vdblic_advect", *flow, "-o", "lic.%04d.vdb", "--scratch", "nowhere")

@@ -49,15 +49,16 @@ std::uint64_t groupLimit()
 
 } // namespace
 
+std::uint64_t machineMemory()
+{
+    return std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)), groupLimit());
+}
+
 std::uint64_t memoryLimit()
 {
-    std::uint64_t least =
-        std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)), groupLimit());
     rlimit own{};
-    if (::getrlimit(RLIMIT_DATA, &own) == 0 && own.rlim_cur != RLIM_INFINITY) {
-        least = std::min(least, std::uint64_t(own.rlim_cur));
-    }
-    return least;
+    const bool isLimited = ::getrlimit(RLIMIT_DATA, &own) == 0 && own.rlim_cur != RLIM_INFINITY;
+    return isLimited ? std::min(machineMemory(), std::uint64_t(own.rlim_cur)) : machineMemory();
 }
 
 std::uint64_t parseMemory(std::string_view text)
@@ -86,12 +87,17 @@ std::string memoryText(double bytes)
     return fmt::format("{:.{}f} {}", bytes, unit == 0 ? 0 : 1, kUnits[unit]);
 }
 
+std::string_view memoryMend()
+{
+    return paging::isLent() ? "raise `max_memory`" : "give the process more memory";
+}
+
 void checkMemory(double needed, const std::string& what, const std::string& mend)
 {
     const auto limit = double(memoryLimit());
     if (needed <= limit) return;
-    throw InputError(fmt::format("{} would take {} of memory or more, and {} may be used: {}, or raise `max_memory`",
-                                 what, memoryText(needed), memoryText(limit), mend));
+    throw InputError(fmt::format("{} would take {} of memory or more, and {} may be used: {}, or {}", what,
+                                 memoryText(needed), memoryText(limit), mend, memoryMend()));
 }
 
 void checkVoxels(std::uint64_t count, const std::string& where, int ranks, std::uint64_t stored)

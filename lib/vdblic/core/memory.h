@@ -6,8 +6,11 @@
 
 namespace vdblic {
 
-/// The bytes this process may use: the least of the machine's memory, the control group's limit and the process's data
-/// limit (`ulimit -d`, RLIMIT_DATA), which a program may set as its budget.
+/// The bytes of the machine's memory, or the control group's limit if that is less.
+[[nodiscard]] std::uint64_t machineMemory();
+
+/// The bytes this process may use: machineMemory(), or the process's data limit (`ulimit -d`, RLIMIT_DATA) if that is
+/// less. A program may set it as its budget.
 [[nodiscard]] std::uint64_t memoryLimit();
 
 /// Parse `800M`, `16G`, `1.5T`: a number of bytes, or of KiB, MiB, GiB or TiB with a suffix K to T.
@@ -16,6 +19,9 @@ namespace vdblic {
 
 /// "1.5 GiB"
 [[nodiscard]] std::string memoryText(double bytes);
+
+/// How to have more memory, for messages: "raise `max_memory`" in a program that has that.
+[[nodiscard]] std::string_view memoryMend();
 
 /// Check that an allocation fits into the memory.
 /// @param needed in bytes  @param what names the allocation in the message  @param mend the remedy besides more memory

@@ -179,6 +179,11 @@ void lend()
     gIsLent = true;
 }
 
+bool isLent()
+{
+    return gIsLent;
+}
+
 void offer(const std::filesystem::path& folder, std::uint64_t limit, double inFiles)
 {
     const std::lock_guard lock(gMutex);

@@ -19,6 +19,7 @@ namespace vdblic::paging {
 
 /// Tell that the program's operator new asks allocate() before it takes other memory. Without that nothing is paged.
 void lend();
+[[nodiscard]] bool isLent();
 
 /// Allow what follows to begin paging. Nothing is done yet.
 /// @param folder  of the scratch file

@@ -1,6 +1,7 @@
 #include "vdblic/field/box_domain.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -36,8 +37,10 @@ void checkVoxelSize(double voxelSize)
 std::shared_ptr<const Domain> boxDomain(const BoxSize& size)
 {
     checkBoxSize(size);
+    const openvdb::CoordBBox box(openvdb::Coord(0), openvdb::Coord(size[0] - 1, size[1] - 1, size[2] - 1));
+    checkVoxels(box.volume(), "", 1, box.volume());
     auto topology = std::make_shared<openvdb::MaskTree>();
-    topology->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(size[0] - 1, size[1] - 1, size[2] - 1)), true);
+    topology->denseFill(box, true);
     return std::make_shared<const Domain>(topology);
 }
 

@@ -23,7 +23,7 @@ void checkBoxSize(const BoxSize& size);
 /// @throws ParameterError if the voxel size is not a number from 0.0001 to 10000, the range that all readers handle
 void checkVoxelSize(double voxelSize);
 
-/// The domain of all voxels of a box. @throws ParameterError of checkBoxSize()
+/// The domain of all voxels of a box. @throws ParameterError of checkBoxSize(); InputError if they exceed the memory
 [[nodiscard]] std::shared_ptr<const Domain> boxDomain(const BoxSize& size);
 
 } // namespace vdblic

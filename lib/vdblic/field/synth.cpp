@@ -1,12 +1,13 @@
 #include "vdblic/field/synth.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/paging.h"
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <cstddef>
@@ -64,7 +65,7 @@ openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domai
                                    const openvdb::math::Transform& transform, double time)
 {
     const LeafValues<openvdb::Vec3f> values(domain, openvdb::Vec3f(0));
-    tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
+    forLeaves(domain.own(), [&](std::size_t leaf) {
         openvdb::Vec3f* velocities = values[leaf];
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const openvdb::Coord index = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
@@ -82,6 +83,8 @@ void synthSequence(const SynthParams& params, Reporter& reporter)
 {
     params.validate();
     const FlowFunction flow = flowInBox(findAnalyticFlow(params.flow), params.size, params.voxelSize);
+    constexpr double kBytes = 26; // a voxel: its values, and the same as the file will have them
+    paging::makeRoom(kBytes * params.size[0] * params.size[1] * params.size[2]);
     const std::shared_ptr<const Domain> domain = boxDomain(params.size);
     const auto transform = openvdb::math::Transform::createLinearTransform(params.voxelSize);
     const FramePattern pattern(params.output);

@@ -1,11 +1,14 @@
 #include "vdblic/film/film.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/paging.h"
+#include "vdblic/core/threads.h"
 #include "vdblic/film/film_plan.h"
 #include "vdblic/image/film_writer.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/render/render_sequence.h"
+#include "vdblic/render/scene.h"
 #include "vdblic/run/advect.h"
 
 #include <fmt/format.h>
@@ -149,11 +152,16 @@ void makePictures(const FilmParams& params, const FilmPlan& plan, const std::str
     AdvectParams run = withGiven(AdvectParams{}, plan.advect);
     run.output = textures;
     run.resume = run.keepCheckpoint = true; // kept: all textures may be there, and the film not
-    advectSequence(run, none, reporter);
-    reporter.beginPictures(plan.textures, params.output);
     std::map<std::string, Words> given = plan.render;
     given["input"] = {textures};
-    renderSequence(withGiven(defaultRenderParams(), given), none, reporter);
+    const auto pictures = [&] { return withGiven(defaultRenderParams(), given); }; // also by the textures, once there
+    // What the first part frees serves the second one only a little.
+    constexpr double kPictures = 40e6; // without textures
+    paging::makeRoom(plan.textureBytes + kPictures +
+                     double(threadCount()) * bytesPerVoxel(pictures()) * plan.textureVoxels);
+    advectSequence(run, none, reporter);
+    reporter.beginPictures(plan.textures, params.output);
+    renderSequence(pictures(), none, reporter);
 }
 
 } // namespace

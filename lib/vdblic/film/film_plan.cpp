@@ -25,7 +25,7 @@ namespace vdblic {
 namespace {
 
 constexpr double kPace = 10;   // pixels a picture
-constexpr double kShare = 0.5; // of the memory
+constexpr double kShare = 0.5; // of the machine's memory: what may be used of it changes no picture
 constexpr double kLeastSeconds = 2, kMostSeconds = 10, kSteadySeconds = 4;
 constexpr double kLeastMoves = 4; // voxels a frame, for a flow that moves too little or too far
 
@@ -211,8 +211,10 @@ class FilmPlanner {
             const StreakShape shape = streakShape(streaks, refinement, mVelocity.voxels, mGrid.box, mMoves);
             return streakCost(shape, double(mVelocity.voxels), leaves, mGrid.box).bytes;
         };
-        while (bytes() > kShare * double(memoryLimit()) && coarsen(refinement.factors)) {
+        while (bytes() > kShare * double(machineMemory()) && coarsen(refinement.factors)) {
         }
+        mPlan.textureVoxels = double(mVelocity.voxels) * refinement.voxels();
+        mPlan.textureBytes = bytes();
         mPlan.advect["method"] = {"streaks"};
         mPlan.advect["spacing"] = {shortNumber(spacing)};
         mPlan.advect["tail"] = {shortNumber(std::min(tail * spacing / mMoves, 24.0))};
@@ -224,9 +226,11 @@ class FilmPlanner {
         constexpr double kVoxel = 3, kMostVoxels = 8e6;
         std::array<int, 3> factors = refinedBy(std::round(mPixels / kVoxel));
         const auto voxels = [&] { return double(mVelocity.voxels) * factors[0] * factors[1] * factors[2]; };
-        while ((voxels() > kMostVoxels || advectBytes(1.5 * voxels()) > kShare * double(memoryLimit())) &&
-               coarsen(factors)) {
+        const auto bytes = [&] { return advectBytes(1.5 * voxels()); };
+        while ((voxels() > kMostVoxels || bytes() > kShare * double(machineMemory())) && coarsen(factors)) {
         }
+        mPlan.textureVoxels = voxels();
+        mPlan.textureBytes = bytes();
         mPlan.advect["refine"] = wordsOfFactors(factors);
     }
 

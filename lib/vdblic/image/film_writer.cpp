@@ -16,6 +16,7 @@
 #include <functional>
 #include <spawn.h>
 #include <string>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
@@ -150,7 +151,13 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, const glm::ivec2& size
     ::close(messages);
     mInput = toInput;
     mMessages = fromMessages;
-    if (error == 0) return;
+    if (error == 0) {
+        rlimit data{}; // a tool's limit is its own, and ffmpeg takes more than the least one
+        ::getrlimit(RLIMIT_DATA, &data);
+        data.rlim_cur = data.rlim_max;
+        ::prlimit(mProcess, RLIMIT_DATA, &data, nullptr);
+        return;
+    }
     mProcess = -1;
     close();
     throw OutputError(

@@ -118,8 +118,8 @@ class GuardedFile {
                                                           : "it is damaged");
         } catch (const std::bad_alloc&) {
             paging::checkScratch();
-            fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: raise `max_memory`",
-                             memoryText(double(memoryLimit()))));
+            fail(fmt::format("it is damaged, or takes more than the {} of memory that may be used: {}",
+                             memoryText(double(memoryLimit())), memoryMend()));
         } catch (const std::exception& e) {
             fail(e.what());
         }

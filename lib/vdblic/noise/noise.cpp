@@ -1,9 +1,8 @@
 #include "vdblic/noise/noise.h"
 
 #include "vdblic/field/domain_rows.h"
+#include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
-
-#include <tbb/parallel_for.h>
 
 #include <cstddef>
 
@@ -25,8 +24,8 @@ VDBLIC_KERNEL void fillLeaf(const openvdb::Coord& origin, const Domain::Mask& ma
 openvdb::FloatGrid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform, std::uint32_t seed)
 {
     const LeafValues<float> values(domain, 0.0f);
-    tbb::parallel_for(std::size_t(0), domain.leafCount(),
-                      [&](std::size_t leaf) { fillLeaf(domain.origin(leaf), domain.mask(leaf), seed, values[leaf]); });
+    forLeaves(domain.own(),
+              [&](std::size_t leaf) { fillLeaf(domain.origin(leaf), domain.mask(leaf), seed, values[leaf]); });
     auto grid = openvdb::FloatGrid::create(values.tree());
     grid->setName("noise");
     grid->setTransform(transform.copy());

@@ -1,6 +1,7 @@
 #include "vdblic/noise/noise_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
@@ -16,6 +17,8 @@
 
 namespace vdblic {
 namespace {
+
+constexpr double kBytes = 9; // of a voxel: its value, and the same as the file will have it
 
 openvdb::GridBase::Ptr findGrid(const GridReference& reference)
 {
@@ -77,6 +80,7 @@ void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
     checkOutput(params.output);
     openvdb::FloatGrid::Ptr noise;
     if (params.size) {
+        paging::makeRoom(kBytes * (*params.size)[0] * (*params.size)[1] * (*params.size)[2]);
         const auto transform = openvdb::math::Transform::createLinearTransform(kDefaultVoxelSize);
         noise = makeNoise(*boxDomain(*params.size), *transform, params.seed);
     } else {
@@ -92,6 +96,8 @@ void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
                                          kMaxBoxVoxels / refinement.voxels()));
         }
         reporter.say(fmt::format("like {} ({}), {} active voxels", name, grid->valueType(), voxels));
+        const auto stored = double(grid->baseTree().leafCount()) * Domain::kLeafVoxels;
+        paging::makeRoom(double(grid->memUsage()) + kBytes * stored * refinement.voxels());
         try {
             openvdb::MaskTree::Ptr topology = topologyOf(*grid, name);
             if (!refinement.isNone()) topology = refinement.refined(*topology);

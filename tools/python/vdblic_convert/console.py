@@ -79,4 +79,4 @@ class Console:
 
 def _option(match):
     """The option that sets a parameter of the library."""
-    return "ulimit -d" if match[1] == "max_memory" else "--" + match[1].replace("_", "-")
+    return "--" + match[1].replace("_", "-")
