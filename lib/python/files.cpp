@@ -122,23 +122,6 @@ std::vector<std::pair<std::int64_t, std::filesystem::path>> filesOf(const Sequen
     return files;
 }
 
-/// The grids of numbers and vectors among some of a file, or among all.
-openvdb::GridPtrVec chosenGrids(const VdbFile& file, const std::vector<std::string>& names)
-{
-    openvdb::GridPtrVec grids;
-    for (const std::string& name : names) {
-        const openvdb::GridBase::Ptr grid = file.find<openvdb::GridBase>(name);
-        if (!grid || !isOfNumbers(*grid)) throw file.missing(fmt::format("grid '{}' of numbers or vectors", name));
-        grids.push_back(grid);
-    }
-    if (names.empty()) {
-        for (const openvdb::GridBase::Ptr& grid : file.grids)
-            if (isOfNumbers(*grid)) grids.push_back(grid);
-    }
-    if (grids.empty()) throw file.missing("grid of numbers or vectors");
-    return grids;
-}
-
 /// The metadata of a file, and of its grids what it lacks.
 py::dict metadataOf(const VdbFile& file)
 {
@@ -245,6 +228,22 @@ py::dict readBox(const std::filesystem::path& reference)
 
 } // namespace
 
+openvdb::GridPtrVec chosenGrids(const VdbFile& file, const std::vector<std::string>& names)
+{
+    openvdb::GridPtrVec grids;
+    for (const std::string& name : names) {
+        const openvdb::GridBase::Ptr grid = file.find<openvdb::GridBase>(name);
+        if (!grid || !isOfNumbers(*grid)) throw file.missing(fmt::format("grid '{}' of numbers or vectors", name));
+        grids.push_back(grid);
+    }
+    if (names.empty()) {
+        for (const openvdb::GridBase::Ptr& grid : file.grids)
+            if (isOfNumbers(*grid)) grids.push_back(grid);
+    }
+    if (grids.empty()) throw file.missing("grid of numbers or vectors");
+    return grids;
+}
+
 void bindFiles(py::module_& module)
 {
     py::register_exception<ParameterError>(module, "ParameterError", PyExc_ValueError);
@@ -255,6 +254,7 @@ void bindFiles(py::module_& module)
         .def(py::init([](const std::filesystem::path& text) { return FramePattern(text.string()); }))
         .def_property_readonly("has_field", &FramePattern::hasField)
         .def("frames_on_disk", &FramePattern::framesOnDisk)
+        .def("of_level", &FramePattern::ofLevel)
         .def("path", &FramePattern::path);
     py::class_<InputPaths>(module, "InputPaths")
         .def(py::init<py::function>())

@@ -207,6 +207,7 @@ PYBIND11_MODULE(_core, module)
     bindCameraFile(module);
     bindFiles(module);
     bindGridHeaders(module);
+    bindLevels(module);
     module.def("read", &readVolume);
     module.def("write", &writeVolume);
     module.def("synth", &synth);

@@ -91,6 +91,18 @@ class Levels(ToolTest):
         self.assertEqual(vdb.readMetadata(str(path))["inactive"], "empty")
         self.assertEqual([grid.name for grid in vdb.readAllGridMetadata(str(path))], ["density"])
 
+    def test_memory_follows_the_voxels_not_their_box(self):
+        """The box of these would take 500 GB. A tile counts as its voxels."""
+        grid = self.grid(numpy.ones((4, 4, 4)), (4000, 4000, 4000))
+        grid.fill((-128, -128, -128), (-1, -1, -1), 2.0)
+        vdb.write(str(self.folder / "wide.vdb"), grid)
+        (path,) = self.outputs("vdblic_export", "wide.vdb", "-o", "c.vdb", "--levels", 1)
+        coarse = vdb.read(str(path), "density")
+        self.assertEqual(coarse.activeVoxelCount(), 2**3 + 64**3)
+        access = coarse.getConstAccessor()
+        self.assertEqual([access.getValue((n, n, n)) for n in (2000, 2001, -1, -64)], [1, 1, 2, 2])
+        self.assertEqual([access.isValueOn((n, n, n)) for n in (1999, 2002, 0, -65)], [False] * 4)
+
     def test_what_is_there_stays_and_mistakes(self):
         self.outputs("vdblic_noise", "-o", "n.1.vdb", "--size", 8, 8, 8)
         self.outputs("vdblic_export", "n.%d.vdb", "-o", "c.%d.vdb", "--levels", 2)
@@ -101,7 +113,7 @@ class Levels(ToolTest):
             (2, "a .vdb would be a copy; --levels writes coarser ones", "n.1.vdb", "-o", "c.vdb"),
             (2, "--levels writes .vdb files", "n.1.vdb", "-o", "c.vti", "--levels", 1),
             (2, "is not a whole number from 1 to 8", "n.1.vdb", "-o", "c.vdb", "--levels", 9),
-            (3, "no grid 'p' of numbers; present: noise", "n.1.vdb", "-o", "x.vdb", "--levels", 1, "--grids", "p"),
+            (3, "no grid 'p' of numbers or vectors; present: noise (float)", "n.1.vdb", "-o", "x.vdb", "--levels", 1, "--grids", "p"),
         ):
             with self.subTest(words):
                 self.assertIn(words, self.fails(status, "vdblic_export", *arguments))

@@ -130,6 +130,14 @@ FramePattern::FramePattern(std::string_view pattern) : mText(pattern)
     }
 }
 
+FramePattern FramePattern::ofLevel(int level) const
+{
+    const std::filesystem::path name = std::filesystem::path(mText).filename();
+    const std::size_t after = hasField() ? name.native().size() - mPrefix.size() : name.extension().native().size();
+    const std::string word = hasField() ? fmt::format("level{}.", level) : fmt::format(".level{}", level);
+    return FramePattern(std::string(mText).insert(mText.size() - after, word));
+}
+
 std::filesystem::path FramePattern::path(std::int64_t frame) const
 {
     return mFolder / (hasField() ? mPrefix + padded(frame, *mWidth) + mSuffix : mPrefix);

@@ -35,6 +35,10 @@ class FramePattern {
     /// checkpoint.lic.vdb for `checkpoint` and lic.%04d.vdb.
     [[nodiscard]] std::filesystem::path companion(std::string_view name) const;
 
+    /// The pattern of coarser copies beside the frames (field/coarser.h): lic.level1.%04d.vdb for level 1 of
+    /// lic.%04d.vdb, lic.level1.vdb for lic.vdb.
+    [[nodiscard]] FramePattern ofLevel(int level) const;
+
     /// A pattern that files on disk match, which differ from this one's in the width of the field; empty if none do.
     [[nodiscard]] std::string onDisk() const;
 
