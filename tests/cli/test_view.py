@@ -10,6 +10,7 @@ import socket
 import threading
 import unittest
 
+from support import BIN
 from viewer import ViewerTest
 
 
@@ -70,6 +71,33 @@ class Pictures(ViewerTest):
             self.stop()
         self.assertEqual(shown[1], shown[0])
         self.assertLess(peak, 1.1 * (128 << 20))
+
+    @unittest.skipUnless((BIN / "vdblic_export").exists(), "the tool is not built, because pybind11 is missing")
+    @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a sanitized module needs a sanitized Python")
+    def test_coarser_copies_are_shown_first(self):
+        self.outputs("vdblic_noise", "--size", 192, 192, 192, "-o", "noise.0001.vdb")
+        self.outputs("vdblic_export", "noise.%04d.vdb", "-o", "noise.%04d.vdb", "--levels", 2)
+        body = {"client": "test", "state": {"size": [64, 40]}, "frame": 1, "format": "png"}
+        self.start("noise.%04d.vdb", "--texture", "noise", "--max-memory", "128M")
+        _, headers, first = self.request("picture", body)
+        self.assertEqual(headers["Vdblic-Settled"], "0")
+        version = self.ask("status")["version"]
+        self.wait_until(lambda: self.ask("status")["version"] > version, "it stays coarse")
+        _, headers, refined = self.request("picture", body)
+        self.assertEqual(headers["Vdblic-Settled"], "1")
+        self.assertNotEqual(first, refined)
+        self.assertEqual(refined, self.picture({}))
+        self.assertLess(self.most_resident(), 1.1 * (128 << 20))
+        self.stop()
+        self.start("noise.level1.%04d.vdb", "--texture", "noise")
+        self.assertEqual(first, self.picture({}))
+        self.stop()
+        self.start("noise.%04d.vdb", "--texture", "noise")  # there is memory for the frame
+        self.assertEqual(refined, self.picture({}, settle=False))
+        os.utime(self.folder / "noise.0001.vdb")  # replaced since
+        self.stop()
+        self.start("noise.%04d.vdb", "--texture", "noise", "--max-memory", "128M")
+        self.assertEqual(refined, self.picture({}, settle=False))
 
     def test_a_start_state_comes_from_the_command_line(self):
         (self.folder / "keys.json").write_text('{"keys": [{"frame": 1, "fov": 20}]}', encoding="utf-8")

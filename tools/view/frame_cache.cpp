@@ -35,6 +35,16 @@ FrameCache::Frame FrameCache::get(const std::string& key, const std::function<Lo
     }
 }
 
+FrameCache::Frame FrameCache::find(const std::string& key)
+{
+    const std::lock_guard lock(mMutex);
+    const auto entry =
+        std::find_if(mEntries.begin(), mEntries.end(), [&](const Entry& other) { return other.key == key; });
+    if (entry == mEntries.end() || entry->bytes == 0) return nullptr;
+    mEntries.splice(mEntries.begin(), mEntries, entry);
+    return entry->frame.get();
+}
+
 /// Note a frame's size, and let the least recently used ones go until the rest fits.
 void FrameCache::finish(const std::string& key, double bytes)
 {

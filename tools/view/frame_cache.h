@@ -23,6 +23,9 @@ class FrameCache {
     /// The frame of a key, loaded if need be, once for all who ask meanwhile. @throws what `load` does
     [[nodiscard]] Frame get(const std::string& key, const std::function<LoadedTexture()>& load);
 
+    /// The frame of a key if it is loaded; else null.
+    [[nodiscard]] Frame find(const std::string& key);
+
     [[nodiscard]] double most() const { return mMost; }
 
   private:

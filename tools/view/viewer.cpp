@@ -3,10 +3,12 @@
 #include "vdblic/camera/framing.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_header.h"
+#include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/render_params.h"
 
 #include <fmt/format.h>
@@ -35,6 +37,19 @@ std::string loadKey(const RenderParams& params)
     return fmt::format("{}|{}|{} {} {}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
                        stretch.y, stretch.z, params.look.shading.model == ShadingModel::kLine,
                        params.look.transfer.sharesRange(), region);
+}
+
+std::string cacheKey(const RenderParams& params, const FrameFile& file)
+{
+    return fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(params));
+}
+
+/// Whether a file is there and no older than another one.
+bool isNewer(const std::filesystem::path& path, const std::filesystem::path& than)
+{
+    std::error_code gone, other;
+    const auto time = std::filesystem::last_write_time(path, gone);
+    return !gone && time >= std::filesystem::last_write_time(than, other) && !other;
 }
 
 /// A state without what its camera and sampling are.
@@ -177,8 +192,32 @@ FrameFile Viewer::fileOf(std::int64_t frame)
 
 FrameCache::Frame Viewer::load(const RenderParams& params, const FrameFile& file)
 {
-    const std::string key = fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(params));
-    return mCache.get(key, [&] { return loadFrame(params, file); });
+    return mCache.get(cacheKey(params, file), [&] { return loadFrame(params, file); });
+}
+
+/// Of a frame that the cache cannot hold, the finest coarser copy that it can hold, or else the coarsest one.
+std::optional<FrameFile> Viewer::coarserCopy(const RenderParams& params, const FrameFile& file) const
+{
+    const FramePattern pattern(mStart.input.pattern);
+    std::optional<FrameFile> found;
+    double bytes = 0;
+    for (int level = 1;; ++level) {
+        const FrameFile copy{file.frame, pattern.ofLevel(level).path(file.frame)};
+        if (!isNewer(copy.path, file.path)) return found;
+        if (level == 1) bytes = frameBytes(params, file);
+        if (bytes <= mCache.most()) return found;
+        found = copy;
+        bytes /= 8;
+    }
+}
+
+/// The frame, or of one that is not loaded yet a coarser copy.
+FrameCache::Frame Viewer::loadSoon(const RenderParams& params, const FrameFile& file)
+{
+    if (const FrameCache::Frame known = mCache.find(cacheKey(params, file))) return known;
+    const std::optional<FrameFile> copy = coarserCopy(params, file);
+    if (copy) paging::makeRoom(frameBytes(params, file) + mCache.most()); // the frame follows, beside what is there
+    return load(params, copy.value_or(file));
 }
 
 void Viewer::keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis)
@@ -200,20 +239,27 @@ std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const RenderParams& params
     }
     if (settle) return settledBasis(params);
     const SceneSource known = source(params.stretch);
-    const FrameCache::Frame first = load(params, known.lookFrames.front());
+    const FrameCache::Frame first = loadSoon(params, known.lookFrames.front());
     if (first->volume.empty()) return settledBasis(params);
     auto basis = std::make_shared<Basis>();
     OneProcess alone;
     basis->look.add(*first, alone);
-    basis->frames = {known.lookFrames.front()};
-    basis->settled = known.lookFrames.size() == 1;
+    basis->frames = {first->file};
+    basis->settled = known.lookFrames.size() == 1 && first->file.path == known.lookFrames.front().path;
     keepBasis(key, basis);
     return basis;
 }
 
 void Viewer::settleLater(const View& view)
 {
-    mBackground.add([this, params = view.params] { (void)basisFor(params, /*settle=*/true); });
+    mBackground.add([this, params = view.params, frame = view.shown->frame().file.frame] {
+        (void)basisFor(params, /*settle=*/true);
+        const FrameFile file = fileOf(frame);
+        if (mCache.find(cacheKey(params, file)) || !coarserCopy(params, file)) return;
+        (void)load(params, file);
+        const std::lock_guard lock(mMutex);
+        ++mVersion;
+    });
 }
 
 std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const RenderParams& params)
@@ -271,8 +317,9 @@ std::shared_ptr<const Solid> Viewer::solidFor(const RenderParams& params, const 
 {
     const SolidParams& solid = params.solid;
     if (solid.source.empty()) return nullptr;
-    const std::string key = fmt::format("{}|{} {} {}|{}", solid.source, params.stretch.x, params.stretch.y,
-                                        params.stretch.z, solid.changes() ? frame.file.frame : 0);
+    const std::string key = fmt::format("{}|{} {} {}|{}|{}", solid.source, params.stretch.x, params.stretch.y,
+                                        params.stretch.z, solid.changes() ? frame.file.frame : 0,
+                                        frame.texture->voxelSize()[0]); // of a coarser copy another one
     {
         const std::lock_guard lock(mMutex);
         if (mSolid.first == key) return mSolid.second;
@@ -310,11 +357,11 @@ View Viewer::view(const Json& state, std::int64_t frame, bool settle)
     const Choice choice = choiceFor(params, state, basis, known);
     const CameraPath cameras(params.camera, params.motion, known.box, params.scaledSize(), known.span, choice.subject);
     const double bytes = basis->look.volumeBytes + params.imageBytes();
-    const FrameCache::Frame loaded = load(params, file);
+    const FrameCache::Frame loaded = settle ? load(params, file) : loadSoon(params, file);
     return {params,
             Scene{choice.look, basis->look.opacityBy, cameras, known.box, bytes, basis->look.lastFrame,
                   basis->look.longest},
-            shownFor(params, state, choice.look, loaded, basis), basis->settled};
+            shownFor(params, state, choice.look, loaded, basis), basis->settled && loaded->file.path == file.path};
 }
 
 Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& up)
@@ -343,7 +390,7 @@ Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& u
 
 void Viewer::prefetch(const Json& state, std::int64_t frame)
 {
-    mBackground.add([this, params = paramsFor(state), file = fileOf(frame)] { (void)load(params, file); });
+    mBackground.add([this, params = paramsFor(state), file = fileOf(frame)] { (void)loadSoon(params, file); });
 }
 
 TextureHistograms Viewer::histograms(const Json& state)

@@ -16,6 +16,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,14 +28,15 @@ struct View {
     RenderParams params;
     Scene scene;
     std::shared_ptr<const ShownFrame> shown;
-    bool settled; ///< whether the automatic choices are made from all the frames that vdblic_render takes
+    bool settled; ///< whether it is as vdblic_render has it: the automatic choices made from as many frames, no copy
 };
 
 /// A sequence that is looked at. Any number of threads may ask at a time.
 ///
 /// The automatic choices are those of vdblic_render. At first they are made from one frame, so that a picture is there
-/// early; the others are read in the background. If frames come, go or are replaced, the choices follow once no file
-/// has changed for a while.
+/// early; the others are read in the background. Of frames that the cache cannot hold, coarser copies beside them are
+/// shown until the frame itself is read. If frames come, go or are replaced, the choices follow once no file has
+/// changed for a while.
 class Viewer {
   public:
     /// @throws ParameterError, InputError if the sequence or what the start state says cannot be used
@@ -43,13 +45,13 @@ class Viewer {
     [[nodiscard]] const Start& start() const { return mStart; }
     /// The numbers of the selected frames on disk, which may become more or fewer.
     [[nodiscard]] std::vector<std::int64_t> frames();
-    /// Rises with every change of frames or of automatic choices.
+    /// Rises with every change of frames, of automatic choices, or of a coarser copy for its frame.
     [[nodiscard]] std::uint64_t version();
     /// Names of the float grids beside the texture, and of the texture.
     [[nodiscard]] const std::vector<std::string>& scalars() const { return mScalars; }
     [[nodiscard]] const std::string& texture() const { return mTexture; }
 
-    /// @param settle wait until the automatic choices are settled
+    /// @param settle wait until the automatic choices are settled and the frame itself is read
     /// @throws ParameterError on an impossible state or frame, InputError
     [[nodiscard]] View view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
     /// The camera that sees all of what an automatic one would see, in another direction.
@@ -91,6 +93,8 @@ class Viewer {
     [[nodiscard]] FrameFile fileOf(std::int64_t frame);
     [[nodiscard]] std::vector<FileSeen> filesOnDisk() const;
     [[nodiscard]] FrameCache::Frame load(const RenderParams& params, const FrameFile& file);
+    [[nodiscard]] FrameCache::Frame loadSoon(const RenderParams& params, const FrameFile& file);
+    [[nodiscard]] std::optional<FrameFile> coarserCopy(const RenderParams& params, const FrameFile& file) const;
     [[nodiscard]] std::shared_ptr<const Basis> basisFor(const RenderParams& params, bool settle);
     [[nodiscard]] std::shared_ptr<const Basis> settledBasis(const RenderParams& params);
     void keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis);

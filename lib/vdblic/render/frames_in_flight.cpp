@@ -17,10 +17,8 @@
 #include <vector>
 
 namespace vdblic {
-namespace {
 
-/// Estimate of the memory that a frame takes by the number of its voxels; 0 if the file does not say it.
-double memoryOf(const FrameFile& file, const RenderParams& params)
+double frameBytes(const RenderParams& params, const FrameFile& file)
 {
     try {
         const VdbHeader header = readVdbHeader(file.path);
@@ -33,8 +31,6 @@ double memoryOf(const FrameFile& file, const RenderParams& params)
     }
     return 0;
 }
-
-} // namespace
 
 double availableMemory()
 {
@@ -67,7 +63,7 @@ bool ranksShareFrames(const RenderParams& params, Exchange& exchange)
         const std::vector<FrameFile> files = selectFrames(params.input);
         double most = 0;
         for (const FrameFile& file : files)
-            most = std::max(most, memoryOf(file, params));
+            most = std::max(most, frameBytes(params, file));
         share = exchange.any(files.size() < std::size_t(exchange.size()) || most > double(memoryLimit()) / 2);
     });
     return share;

@@ -5,7 +5,11 @@
 namespace vdblic {
 
 class Exchange;
+struct FrameFile;
 struct RenderParams;
+
+/// Estimate of the memory that a frame takes by the number of its voxels; 0 if the file does not say it.
+[[nodiscard]] double frameBytes(const RenderParams& params, const FrameFile& file);
 
 /// Bytes that the system can give without swapping and this process may take.
 [[nodiscard]] double availableMemory();
