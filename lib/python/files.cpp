@@ -22,9 +22,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <istream>
 #include <memory>
+#include <new>
 #include <optional>
 #include <streambuf>
 #include <string>
@@ -249,6 +251,18 @@ void bindFiles(py::module_& module)
     py::register_exception<ParameterError>(module, "ParameterError", PyExc_ValueError);
     py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
     py::register_exception<OutputError>(module, "OutputError", PyExc_OSError);
+    py::register_local_exception_translator(
+        [](std::exception_ptr error) { // NOLINT(performance-unnecessary-value-param)
+            try {
+                if (error) std::rethrow_exception(error);
+            } catch (const std::bad_alloc&) {
+                const std::string text = fmt::format(
+                    "this takes more than the {} of memory that may be used: cut the domain, or let vdblic_advect "
+                    "and vdblic_render do it, which take a scratch file",
+                    memoryText(double(memoryLimit())));
+                PyErr_SetString(PyExc_MemoryError, text.c_str());
+            }
+        });
 
     py::class_<FramePattern>(module, "FramePattern")
         .def(py::init([](const std::filesystem::path& text) { return FramePattern(text.string()); }))

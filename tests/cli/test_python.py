@@ -289,6 +289,15 @@ class Advect(ToolTest):
         self.assertEqual(number, 99)
         self.assertLess(peaks[1] - peaks[0], 8 << 10)
 
+    def test_what_does_not_fit_names_the_tool_that_takes_a_scratch_file(self):
+        program = f"""import resource, sys; sys.path[:] = {sys.path}
+import numpy, vdblic
+resource.setrlimit(resource.RLIMIT_DATA, (400 << 20,) * 2)
+next(iter(vdblic.advect(numpy.ones((2, 128, 128, 128, 3), numpy.float32), refine=2)))"""
+        done = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, check=False)
+        self.assertRegex(done.stderr, "InputError: .* lower `refine`, .* or let vdblic_advect do it, which takes a scratch file")
+        self.assertNotIn("max_memory", done.stderr)
+
 
 class Pictures(ToolTest):
     def test_a_picture_is_that_of_the_tool(self):
