@@ -214,7 +214,7 @@ std::optional<FrameFile> Viewer::coarserCopy(const RenderParams& params, const F
 /// The frame, or of one that is not loaded yet a coarser copy.
 FrameCache::Frame Viewer::loadSoon(const RenderParams& params, const FrameFile& file)
 {
-    if (const FrameCache::Frame known = mCache.find(cacheKey(params, file))) return known;
+    if (FrameCache::Frame known = mCache.find(cacheKey(params, file))) return known;
     const std::optional<FrameFile> copy = coarserCopy(params, file);
     if (copy) paging::makeRoom(frameBytes(params, file) + mCache.most()); // the frame follows, beside what is there
     return load(params, copy.value_or(file));
@@ -342,7 +342,7 @@ std::shared_ptr<const ShownFrame> Viewer::shownFor(const RenderParams& params, c
         if (isSame && mShown.key == key && mShown.basis == basis) return mShown.frame;
     }
     OneProcess alone;
-    const auto shown = std::make_shared<const ShownFrame>(params, look, frame, solidFor(params, *frame), alone);
+    auto shown = std::make_shared<const ShownFrame>(params, look, frame, solidFor(params, *frame), alone);
     const std::lock_guard lock(mMutex);
     mShown = {key, basis, shown};
     return shown;
