@@ -31,6 +31,8 @@ auflic-2004 --method auflic-2004
 uflic --method uflic
 lic --method lic
 ibfv --method ibfv
+lea --method lea
+ufac --method ufac
 streaks --method streaks --spacing 2 --refine 4 --with q
 refined --refine 2
 substeps --substeps 2
