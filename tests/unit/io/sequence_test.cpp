@@ -70,6 +70,13 @@ TEST(FramePattern, CompanionsAreNoFrames)
     EXPECT_EQ(FramePattern((folder / "%d.vdb").string()).framesOnDisk(), Frames{});
 }
 
+TEST(FramePattern, NamesCoarserCopies)
+{
+    EXPECT_EQ(FramePattern("a/lic.%04d.vdb").ofLevel(2).path(7), "a/lic.level2.0007.vdb");
+    EXPECT_EQ(FramePattern("<F3>_b.vdb").ofLevel(1).path(7), "level1.007_b.vdb");
+    EXPECT_EQ(FramePattern("a/lic.vdb").ofLevel(1).path(7), "a/lic.level1.vdb");
+}
+
 TEST(FramePattern, PadsAsPrintfDoes)
 {
     for (const int width : {1, 2, 3, 4, 8}) {
