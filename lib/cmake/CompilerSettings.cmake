@@ -9,6 +9,11 @@ target_compile_options(vdblic_settings INTERFACE
     -Wno-missing-field-initializers # parameter structs are filled with designated initialisers
     -ffp-contract=off -fno-math-errno
     -fPIC -fno-semantic-interposition) # the Python module is a shared library of the same objects
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 16)
+    target_compile_options(vdblic_settings INTERFACE
+        -Wno-enum-constexpr-conversion # of Boost 1.74, below OpenVDB
+        -Wno-deprecated-declarations) # in std::stable_sort of GCC 12
+endif()
 if(VDBLIC_WARNINGS_AS_ERRORS)
     target_compile_options(vdblic_settings INTERFACE -Werror)
 endif()
