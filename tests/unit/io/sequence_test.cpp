@@ -4,6 +4,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/output_pattern.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -190,11 +191,11 @@ TEST(OpenSequence, ReadsPathsFromAStream)
     EXPECT_FALSE(next());
 
     for (const std::string& second : {b, a}) { // no number, and the same number
-        std::istringstream unusable(a + "\r\n" + second + "\r\n");
+        std::istringstream unusable(fmt::format("{}\r\n{}\r\n", a, second));
         const FrameSource source = openSequence({"-", ""}, unusable, count);
         EXPECT_EQ(source()->frame, 7);
         EXPECT_THROW((void)source(), InputError);
-        std::istringstream again(a + '\0' + second + '\0');
+        std::istringstream again(fmt::format("{}{}{}{}", a, '\0', second, '\0'));
         const FrameSource numbered = openSequence({"-", "", false, -1}, again, count);
         for (const int frame : {-1, 0})
             EXPECT_EQ(numbered()->frame, frame);
