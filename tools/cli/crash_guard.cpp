@@ -3,6 +3,7 @@
 #include "cli/exit_status.h"
 #include "vdblic/core/hazard.h"
 #include "vdblic/core/paging.h"
+#include "vdblic/core/system_memory.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +14,6 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <fcntl.h>
 #include <new>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -48,23 +48,10 @@ void onNoMemory()
 /// Whether the process is close to its limit on data. C libraries crash where an allocation fails.
 bool isMemoryUsedUp()
 {
-    std::array<char, 256> text{};
-    const int statm = ::open("/proc/self/statm", O_RDONLY); // in pages: size, resident, shared, text, 0, data
-    const ssize_t length = statm < 0 ? 0 : ::read(statm, text.data(), text.size() - 1);
-    std::uint64_t pages = 0;
-    int column = 0;
-    for (ssize_t i = 0; i < length; ++i) {
-        if (text[std::size_t(i)] == ' ') {
-            ++column;
-            pages = column == 5 ? 0 : pages;
-        } else if (column == 5 && text[std::size_t(i)] >= '0') {
-            pages = pages * 10 + std::uint64_t(text[std::size_t(i)] - '0');
-        }
-    }
     rlimit limit{};
     constexpr std::uint64_t kNear = 16 << 20;
     return ::getrlimit(RLIMIT_DATA, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-           pages * std::uint64_t(::sysconf(_SC_PAGESIZE)) + kNear > limit.rlim_cur;
+           processMemory().data + kNear > limit.rlim_cur;
 }
 
 /// A message put together without allocation; what does not fit is cut off.

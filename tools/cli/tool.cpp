@@ -7,6 +7,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
+#include "vdblic/core/system_memory.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
 #include "vdblic/io/pattern_advice.h"
@@ -23,14 +24,11 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <malloc.h>
 #include <new>
 #include <optional>
 #include <sys/resource.h>
 #include <system_error>
-#include <unistd.h>
 
 namespace vdblic::cli {
 namespace {
@@ -60,16 +58,6 @@ std::vector<std::filesystem::path> filesOf(const SequenceParams& input)
     for (const std::int64_t frame : frames)
         files.push_back(pattern.path(frame));
     return files;
-}
-
-/// Bytes of this process that count against RLIMIT_DATA.
-std::uint64_t dataHeld()
-{
-    std::ifstream sizes("/proc/self/statm"); // in pages: size, resident, shared, text, 0, data
-    std::uint64_t pages = 0;
-    for (int i = 0; i < 6; ++i)
-        sizes >> pages;
-    return pages * std::uint64_t(::sysconf(_SC_PAGESIZE));
 }
 
 std::filesystem::path temporaryFolder()
@@ -118,7 +106,7 @@ void Tool::verifies(std::function<std::vector<SequenceParams>()> inputs)
 /// Memory is limited by the process's own limit on data: any allocation beyond it fails, in every library.
 void Tool::limitMemory() const
 {
-    const std::uint64_t held = dataHeld(), least = std::max(kLeastMemory, held);
+    const std::uint64_t held = processMemory().data, least = std::max(kLeastMemory, held);
     const std::uint64_t limit =
         mMaxMemory.empty() ? memoryLimit() / std::uint64_t(mProcesses) : parseMemory(mMaxMemory);
     if (!mMaxMemory.empty() && limit < least) {
@@ -255,7 +243,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
 
     std::optional<tbb::global_control> threads;
     if (mThreads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(mThreads));
-    ::mallopt(M_ARENA_MAX, int(threadCount())); // an arena has no use of memory that threads of others freed
+    limitArenas(threadCount());
     const Console::Level level = !mPrints   ? Console::Level::kSilent
                                  : mQuiet   ? Console::Level::kQuiet
                                  : mVerbose ? Console::Level::kVerbose

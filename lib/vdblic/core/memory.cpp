@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/paging.h"
+#include "vdblic/core/system_memory.h"
 
 #include <fmt/format.h>
 
@@ -10,48 +11,15 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <fstream>
 #include <sys/resource.h>
 #include <system_error>
 #include <unistd.h>
 
 namespace vdblic {
-namespace {
-
-/// The number at the start of a file; no limit if the file says "max" or does not exist.
-std::uint64_t limitIn(const std::string& path)
-{
-    std::uint64_t bytes = 0;
-    return std::ifstream(path) >> bytes ? bytes : UINT64_MAX;
-}
-
-/// The least limit of this process's control groups (v1 or v2) and of their ancestors.
-std::uint64_t groupLimit()
-{
-    std::uint64_t least = UINT64_MAX;
-    std::ifstream groups("/proc/self/cgroup"); // ID:CONTROLLERS:PATH
-    for (std::string line; std::getline(groups, line);) {
-        const std::size_t first = line.find(':'), second = line.find(':', first + 1);
-        if (second == std::string::npos) continue;
-        const std::string controllers = line.substr(first + 1, second - first - 1);
-        const bool unified = controllers.empty();
-        if (!unified && controllers != "memory") continue;
-        const std::string root = unified ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
-        const char* file = unified ? "/memory.max" : "/memory.limit_in_bytes";
-        for (std::string group = line.substr(second + 1);; group.resize(group.rfind('/'))) {
-            if (group == "/") group.clear();
-            least = std::min(least, limitIn(root + group + file));
-            if (group.rfind('/') == std::string::npos) break;
-        }
-    }
-    return least;
-}
-
-} // namespace
-
 std::uint64_t machineMemory()
 {
-    return std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)), groupLimit());
+    return std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)),
+                    groupMemoryLimit());
 }
 
 std::uint64_t memoryLimit()

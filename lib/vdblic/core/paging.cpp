@@ -4,18 +4,17 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paged_heap.h"
 #include "vdblic/core/scratch_file.h"
+#include "vdblic/core/system_memory.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
 #include <mutex>
 #include <new>
 #include <optional>
@@ -23,7 +22,6 @@
 #include <string>
 #include <system_error>
 #include <thread>
-#include <unistd.h>
 #include <utility>
 
 namespace vdblic::paging {
@@ -46,28 +44,6 @@ struct Offer {
 std::optional<Offer> gOffer;
 std::mutex gMutex; // of the offer, and of the beginning
 
-/// What this process has in the memory [bytes].
-struct Resident {
-    std::uint64_t all = 0;
-    std::uint64_t files = 0; ///< of which mapped files: the scratch and the program's code
-};
-
-/// Allocates nothing.
-Resident resident()
-{
-    static const int statm = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC); // in pages: size, resident, files, ...
-    static const auto page = std::uint64_t(::sysconf(_SC_PAGESIZE));
-    std::array<char, 128> text{};
-    const ssize_t length = ::pread(statm, text.data(), text.size(), 0);
-    const char* const end = text.data() + std::max(length, ssize_t(0));
-    const char* at = std::find(std::as_const(text).data(), end, ' ');
-    std::array<std::uint64_t, 2> pages{};
-    for (std::uint64_t& number : pages) {
-        if (at != end) at = std::from_chars(at + 1, end, number).ptr;
-    }
-    return {pages[0] * page, pages[1] * page};
-}
-
 /// Keeps the process's resident memory below a limit.
 ///
 /// Runs leave the memory round and round in the order in which they lie in the file. The few that are in use come back
@@ -75,16 +51,16 @@ Resident resident()
 class Keeper {
   public:
     Keeper(const PagedHeap& heap, std::uint64_t limit)
-        : mHeap(heap), mMost(limit - limit / 8 - kLate), mStep(limit / 16), mCode(resident().files)
+        : mHeap(heap), mMost(limit - limit / 8 - kLate), mStep(limit / 16), mCode(processMemory().files)
     {
     }
 
     void keep()
     {
-        if (!isTooMuch(resident(), 0)) return;
+        if (!isTooMuch(processMemory(), 0)) return;
         const std::lock_guard lock(mMutex);
         constexpr std::size_t kTogether = 4; // runs
-        for (std::size_t passed = 0; isTooMuch(resident(), mStep) && passed < mHeap.runs(); passed += kTogether) {
+        for (std::size_t passed = 0; isTooMuch(processMemory(), mStep) && passed < mHeap.runs(); passed += kTogether) {
             mHeap.letGo(mNext, kTogether);
             mNext = mNext + kTogether < mHeap.runs() ? mNext + kTogether : 0;
         }
@@ -103,9 +79,9 @@ class Keeper {
     static constexpr std::uint64_t kLate = std::uint64_t(24) << 20;  // what may come before letting go begins
     static constexpr std::uint64_t kLeast = std::uint64_t(16) << 20; // of scratch, whatever else there is
 
-    [[nodiscard]] bool isTooMuch(const Resident& now, std::uint64_t step) const
+    [[nodiscard]] bool isTooMuch(const ProcessMemory& now, std::uint64_t step) const
     {
-        return now.all + step > mMost && now.files > mCode + kLeast;
+        return now.resident + step > mMost && now.files > mCode + kLeast;
     }
 
     const PagedHeap& mHeap;

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/system_memory.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/texture_name.h"
@@ -12,7 +13,6 @@
 #include "vdblic/render/scene.h"
 
 #include <algorithm>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -34,14 +34,7 @@ double frameBytes(const RenderParams& params, const FrameFile& file)
 
 double availableMemory()
 {
-    const auto limit = double(memoryLimit());
-    std::ifstream file("/proc/meminfo");
-    std::string word;
-    while (file >> word) {
-        double kilobytes = 0;
-        if (word == "MemAvailable:" && file >> kilobytes) return std::min(kilobytes * 1024, limit);
-    }
-    return limit;
+    return double(std::min(freeMemory(), memoryLimit()));
 }
 
 std::size_t framesInFlight(double frameBytes)

@@ -87,7 +87,7 @@ TEST(CellParticles, AreRenewedWhereFluidIsStretched)
     };
     EXPECT_LT(shareOfPairs(0), 0.001);
     EXPECT_GT(shareOfPairs(0.1f), 0.05); // some values are repeated
-    EXPECT_LT(shareOfPairs(0.1f), 0.6);  // without new noise all would be
+    EXPECT_LT(shareOfPairs(0.1f), 0.8);  // without new noise nine tenths would be
 }
 
 TEST(CellParticles, EnteringFluidBringsNewNoiseInEveryStep)

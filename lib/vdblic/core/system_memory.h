@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace vdblic {
+
+/// What the system tells of memory, and how it hands it out: the one place that knows Linux's files and glibc's
+/// allocator.
+
+/// Of this process [bytes].
+struct ProcessMemory {
+    std::uint64_t resident = 0;
+    std::uint64_t files = 0; ///< of which mapped files
+    std::uint64_t data = 0;  ///< what counts against RLIMIT_DATA
+};
+/// Allocates nothing; signal handlers may call it. Nothing where it cannot be read.
+[[nodiscard]] ProcessMemory processMemory();
+
+/// The bytes that other processes leave, and nothing needs to be swapped for; no limit where it cannot be read.
+[[nodiscard]] std::uint64_t freeMemory();
+
+/// The least limit of this process's control groups (v1 or v2) and of their ancestors [bytes].
+[[nodiscard]] std::uint64_t groupMemoryLimit();
+
+/// Let the allocator keep no more arenas than there are threads: an arena has no use of memory that threads of others
+/// freed.
+void limitArenas(std::size_t threads);
+
+} // namespace vdblic
