@@ -184,13 +184,14 @@ AtomicFile::~AtomicFile()
 void AtomicFile::commit()
 {
     if (::fsync(mDescriptor) != 0) fail(mFinal, "cannot be flushed to disk");
-    if (mUnnamed) {
-        mNamed = takeName(mFinal, [&](const std::filesystem::path& name) {
-            return ::linkat(AT_FDCWD, mTemporary.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
-        });
+    const auto give = [&](const std::filesystem::path& name) {
+        return ::linkat(AT_FDCWD, mTemporary.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    };
+    if (!mUnnamed || !give(mFinal)) { // a file that is there is replaced
+        if (mUnnamed) mNamed = takeName(mFinal, give);
         mUnnamed = false;
+        if (::rename(mNamed.c_str(), mFinal.c_str()) != 0) fail(mFinal, "cannot be renamed into place");
     }
-    if (::rename(mNamed.c_str(), mFinal.c_str()) != 0) fail(mFinal, "cannot be renamed into place");
     ::close(mDescriptor);
     mDescriptor = -1;
     flushFolder(folderOf(mFinal));
