@@ -34,10 +34,13 @@ VDBLIC_INLINE Vector8 offsetsOf(Int8 packed)
     return {along(0), along(1), along(2)};
 }
 
-/// @param offsets -1/2 to 1/2
+/// @param offsets −½ to ½; others, of positions too far away to have one, count as 0
 VDBLIC_INLINE Int8 packed(const Vector8& offsets)
 {
-    const auto along = [](Float8 offset) { return floorToInt(offset * kOffsetSteps + 0.5f) + kOffsetZero; };
+    const auto along = [](Float8 offset) {
+        const Float8 inside = (offset >= -0.5f) & (offset <= 0.5f) ? offset : Float8{};
+        return floorToInt(inside * kOffsetSteps + 0.5f) + kOffsetZero;
+    };
     return (along(offsets.z) << kOffsetBits | along(offsets.y)) << kOffsetBits | along(offsets.x);
 }
 

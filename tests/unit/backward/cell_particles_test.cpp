@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vdblic {
@@ -98,6 +99,19 @@ TEST(CellParticles, EnteringFluidBringsNewNoiseInEveryStep)
     for (const Coord& at : openvdb::CoordBBox({-5, 3, -9}, {-5, 14, 6}))
         equal += before.values.tree()->getValue(at) == after.values.tree()->getValue(at);
     EXPECT_LE(equal, 1);
+}
+
+TEST(CellParticles, FromFarAwayLieInTheirVoxels)
+{
+    for (const float speed : {1e6f, 1e12f, 1e30f}) {
+        const CellParticles particles = movedBy([&](const Coord&, int) { return Vec3f(speed, -speed, 0); }, 2);
+        for (const Coord& at : kCellBox) {
+            const auto code = std::int32_t(particles.offsets.tree()->getValue(at)); // three numbers of 1 to 255
+            ASSERT_TRUE((code & 0xff) && (code & 0xff00) && (code & 0xff0000) && code > 0 && code < 1 << 24)
+                << at << speed;
+            ASSERT_LE(particles.values.tree()->getValue(at), CellParticles::kWhite);
+        }
+    }
 }
 
 } // namespace
