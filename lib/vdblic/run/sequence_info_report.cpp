@@ -59,10 +59,10 @@ void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
     }
     lines.push_back(fmt::format("    vdblic_advect takes about {} of memory and {:.2g} s of processor time",
                                 memoryText(velocity.memory), velocity.seconds));
-    for (const MethodCost& cost : velocity.lookingBack) {
-        lines.push_back(fmt::format("    vdblic_advect `method` {} takes about {} and {:.2g} s", nameOf(cost.method),
-                                    memoryText(cost.memory), cost.seconds));
-    }
+    std::vector<std::string> costs;
+    for (const MethodCost& cost : velocity.lookingBack)
+        costs.push_back(fmt::format("{} {} and {:.2g} s", nameOf(cost.method), memoryText(cost.memory), cost.seconds));
+    lines.push_back(fmt::format("    with `method` {}", fmt::join(costs, ", ")));
     if (!velocity.streaks) return;
     const StreaksInfo& streaks = *velocity.streaks;
     const std::string tail = streaks.tail ? fmt::format(" `tail` {}", *streaks.tail) : "";
