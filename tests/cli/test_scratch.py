@@ -18,7 +18,8 @@ WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%0
 DATA = os.environ.get("VDBLIC_DATA")
 MEBIBYTE = 1 << 20
 LIMIT = 128  # MiB, the least
-LATE = 1.5  # letting go can be late where other processes take the machine
+LATE = 1.1  # letting go can be late where other processes take the machine
+TRIES = 3  # of which the least peak counts, for the same reason
 SAID = "of memory may be used: the rest lies in a scratch file"
 # A child's peak includes the memory of the process that starts it, so a small one does, and tells the peak.
 SMALL = """import os, sys
@@ -58,13 +59,19 @@ class Scratch(ToolTest):
         for name in names:
             self.assertEqual(self.contents(f"{other}/{name}"), self.contents(f"{one}/{name}"), name)
 
+    def assert_kept(self, run, arguments):
+        """A run keeps to the limit. Returns its messages."""
+        for _ in range(TRIES):
+            messages, peak = run()
+            if peak <= LATE * LIMIT:
+                return messages
+        self.fail(f"{peak} MiB: {arguments}")
+
     def check(self, *arguments):
         """The same bytes within the limit as without one."""
         messages, _ = self.run_in(None, "whole", *arguments)
         self.assertNotIn("scratch", messages)
-        messages, peak = self.run_in(LIMIT, "parts", *arguments)
-        self.assertIn(SAID, messages)
-        self.assertLessEqual(peak, LATE * LIMIT, arguments)
+        self.assertIn(SAID, self.assert_kept(lambda: self.run_in(LIMIT, "parts", *arguments), arguments))
         self.assert_same("whole", "parts")
 
     def flow(self, size=96, frames="1-2"):
@@ -98,15 +105,17 @@ class Scratch(ToolTest):
 
     def check_tool(self, tool, *arguments, status=0):
         """The same report and outputs within the limit as without one."""
-        results = []
-        for limit in (), ("--max-memory", f"{LIMIT}M"):
+        def run(*limit):
             with open(self.folder / "printed", "w") as printed:
-                messages, peak = self.measured(status, tool, *arguments, *limit, stdout=printed)
-            outputs = [self.contents(name) for name in (self.folder / "printed").read_text().split()]
-            results.append((messages, outputs))
-        self.assertEqual(results[1][0], results[0][0])
-        self.assertTrue(results[1][1] == results[0][1], "other outputs")
-        self.assertLessEqual(peak, LATE * LIMIT, arguments)
+                return self.measured(status, tool, *arguments, *limit, stdout=printed)
+
+        def outputs():
+            return [self.contents(name) for name in (self.folder / "printed").read_text().split()]
+
+        messages, _ = run()
+        whole = outputs()
+        self.assertEqual(self.assert_kept(lambda: run("--max-memory", f"{LIMIT}M"), arguments), messages)
+        self.assertTrue(outputs() == whole, "other outputs")
         missing = self.fails(2, tool, *arguments, "--scratch", "nowhere")
         self.assertIn("--scratch nowhere: no such folder", missing)
 

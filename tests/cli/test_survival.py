@@ -3,6 +3,7 @@
 import os
 import pathlib
 import random
+import re
 import resource
 import signal
 import subprocess
@@ -38,6 +39,15 @@ class Survival(ToolTest):
     def endless_synth(self, *more, **options):
         return self.start("vdblic_synth", "abc", "-o", "v.%06d.vdb", "--size", 32, 32, 32, "--frames", "1-900000",
                           *more, **options)
+
+    def kill_synth(self, frames, choice):
+        """Kill an endless run after some frames: at any moment of the start, of a frame or of a write."""
+        run = self.endless_synth()
+        for _ in range(frames):
+            run.stdout.readline()
+        time.sleep(choice.uniform(0, 0.02))
+        run.kill()
+        run.wait()
 
     def synth(self, frames, size=(16, 16, 16)):
         return self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *size, "--frames", frames)
@@ -162,17 +172,23 @@ class Survival(ToolTest):
     def test_kills_leave_no_litter(self):
         choice = random.Random(7)
         for frames in range(15):
-            for path in self.folder.iterdir():  # a file that is replaced has a second name for a moment
+            for path in self.folder.iterdir():
                 path.unlink()
-            run = self.endless_synth()
-            for _ in range(frames % 4):
-                run.stdout.readline()
-            time.sleep(choice.uniform(0, 0.02))  # any moment of the start, of a frame or of a write
-            run.kill()
-            run.wait()
+            self.kill_synth(frames % 4, choice)
             for path in self.folder.iterdir():
                 self.assertFalse(path.name.startswith("."), path)
         self.outputs("vdblic_noise", "--verify", "--like", max(self.files()), "-o", "checked.vdb")
+
+    def test_what_kills_leave_of_replaced_files_goes_with_the_next_run(self):
+        """A file that is replaced has a second name for the moment of the renaming."""
+        choice = random.Random(8)
+        for frames in range(1, 4):
+            self.kill_synth(frames, choice)
+        last = max(int(re.search(r"v\.(\d+)\.vdb", path.name)[1]) for path in self.folder.iterdir())
+        # As if the last kill had come at that moment.
+        (self.folder / f".v.{last:06}.vdb.{os.uname().nodename}-0.part").write_bytes(b"dead")
+        self.outputs("vdblic_synth", "abc", "-o", "v.%06d.vdb", "--size", 8, 8, 8, "--frames", f"1-{last}")
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir() if path.name.startswith(".")), [])
 
     def limited(self, size):
         return {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)), "restore_signals": False}
