@@ -38,7 +38,8 @@ VDBLIC_INLINE Vector8 offsetsOf(Int8 packed)
 VDBLIC_INLINE Int8 packed(const Vector8& offsets)
 {
     const auto along = [](Float8 offset) {
-        const Float8 inside = (offset >= -0.5f) & (offset <= 0.5f) ? offset : Float8{};
+        const Int8 isInside = (offset >= -0.5f) & (offset <= 0.5f);
+        const Float8 inside = isInside ? offset : Float8{};
         return floorToInt(inside * kOffsetSteps + 0.5f) + kOffsetZero;
     };
     return (along(offsets.z) << kOffsetBits | along(offsets.y)) << kOffsetBits | along(offsets.x);
