@@ -5,7 +5,7 @@
 
 TOOLS and DATA are those of quality.py. Textures are as vdblic_advect writes them by default; times and memory are
 those of one thread. Prints Markdown on standard output. `--slices` writes a picture of each flow: the same part of the
-same slice of the refined textures, method beside method in the order of the table.
+same slice of the refined textures, method beside method.
 """
 
 import argparse
@@ -21,7 +21,10 @@ import quality
 METHODS = {"uflic": "UFLIC", "auflic": "AUFLIC", "auflic-2004": "AUFLIC as published", "lic": "steady LIC",
            "ibfv": "IBFV", "lea": "LEA", "ufac": "UFAC"}
 FINISHED = ("uflic", "auflic")
-SIDE = 240  # of a part of a slice, at most
+# Of a picture of slices: the side of a part, at most [voxels] and at least [pixels], the pixels for its title, the
+# columns between parts [voxels], and the parts in a row.
+SIDE, LEAST, TITLE, GAP, COLUMNS = 240, 256, 28, 4, 4
+FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 HEADER = ("| textures | method | isolated [%] | line | angle [°] | deviation | temporal | same place | along [voxels] | "
           "across [voxels] | time [ns] | memory [MB] |\n|---|---|---|---|---|---|---|---|---|---|---|---|")
 OF_CLASSES = {key for key, _, _ in quality.CLASS_COLUMNS[:3]}  # that only classes of displacement have
@@ -73,13 +76,22 @@ def part_of(plane):
     return plane[begins[0]:begins[0] + SIDE, begins[1]:begins[1] + SIDE]
 
 
-def write_row(path, parts):
-    """Write parts of slices side by side."""
-    gap = numpy.full((parts[0].shape[0], 4), 255, numpy.uint8)
-    pixels = numpy.concatenate([piece for part in parts for piece in (part, gap)][:-1], axis=1)
+def write_parts(path, parts):
+    """Write parts of slices, by their titles, side by side under these."""
+    height, width = next(iter(parts.values())).shape
+    scale = -(-LEAST // width)
+    above = -(-TITLE // scale)
+    down, across = height + above, width + GAP
+    pixels = numpy.full((-(-len(parts) // COLUMNS) * down, min(len(parts), COLUMNS) * across - GAP), 255, numpy.uint8)
+    titles = []
+    for i, (title, part) in enumerate(parts.items()):
+        y, x = i // COLUMNS * down, i % COLUMNS * across
+        pixels[y + above:y + down, x:x + width] = part
+        titles.append(f"drawtext=fontfile={FONT}:text='{title}':x={scale * x}:y={scale * y + 6}:fontsize=18")
+    scaled = f"scale=iw*{scale}:ih*{scale}:flags=neighbor"
     subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "gray", "-s",
-                    f"{pixels.shape[1]}x{pixels.shape[0]}", "-i", "-", "-frames:v", "1", "-q:v", "3", path],
-                   input=pixels.tobytes(), check=True)
+                    f"{pixels.shape[1]}x{pixels.shape[0]}", "-i", "-", "-vf", ",".join([scaled, *titles]),
+                    "-frames:v", "1", "-q:v", "3", path], input=pixels.tobytes(), check=True)
 
 
 def print_flow(tools, data, name, methods, slices):
@@ -90,16 +102,16 @@ def print_flow(tools, data, name, methods, slices):
             velocity = f"{folder}/v.%04d.vdb"
             subprocess.run([tools / "vdblic_synth", name, "-o", velocity, "--size", "48", "48", "48", "--frames",
                             flow["computed"], "-q"], check=True, stdout=subprocess.DEVNULL)
-        textures, parts = Measured(tools, folder, flow, velocity), []
+        textures, parts = Measured(tools, folder, flow, velocity), {}
         print(f"\n{flow['title']}:\n\n{HEADER}", flush=True)
         for refine in 1, quality.FINE:
             for method in methods:
                 print_row(textures, refine, method)
                 if slices and refine == quality.FINE:
-                    parts.append(part_of(textures.plane()))
+                    parts[METHODS[method]] = part_of(textures.plane())
         if slices:
             slices.mkdir(parents=True, exist_ok=True)
-            write_row(slices / f"{flow['title'].lower()}.jpg", parts)
+            write_parts(slices / f"{flow['title'].lower()}.jpg", parts)
 
 
 def main():
