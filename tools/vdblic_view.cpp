@@ -82,6 +82,7 @@ int main(int argc, char** argv)
         const std::string address = fmt::format(
             "http://{}:{}/{}/", host.find(':') == std::string::npos ? host : "[" + host + "]", server.port(), token);
         reporter.finished(address);
+        if (const std::string advice = viewer.advice(); !advice.empty()) reporter.say(advice);
         reporter.say("the page is at the address on standard output; Ctrl-C ends");
         if (open && std::system(fmt::format("xdg-open '{}' >/dev/null 2>&1 &", address).c_str()) != 0)
             reporter.warn("xdg-open is not there; open the address by hand");

@@ -76,7 +76,11 @@ class Pictures(ViewerTest):
     @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a sanitized module needs a sanitized Python")
     def test_coarser_copies_are_shown_first(self):
         self.outputs("vdblic_noise", "--size", 192, 192, 192, "-o", "noise.0001.vdb")
-        self.outputs("vdblic_export", "noise.%04d.vdb", "-o", "noise.%04d.vdb", "--levels", 2)
+        self.start("noise.%04d.vdb", "--texture", "noise", "--max-memory", "128M")
+        advised = re.search("made by: vdblic_export (.*)", self.said())[1].split()
+        self.assertEqual(advised, "noise.%04d.vdb -o noise.%04d.vdb --levels 1".split())
+        self.stop()
+        self.outputs("vdblic_export", *advised[:-1], 2)
         body = {"client": "test", "state": {"size": [64, 40]}, "frame": 1, "format": "png"}
         self.start("noise.%04d.vdb", "--texture", "noise", "--max-memory", "128M")
         _, headers, first = self.request("picture", body)
@@ -88,6 +92,7 @@ class Pictures(ViewerTest):
         self.assertNotEqual(first, refined)
         self.assertEqual(refined, self.picture({}))
         self.assertLess(self.most_resident(), 1.1 * (128 << 20))
+        self.assertNotIn("vdblic_export", self.said())
         self.stop()
         self.start("noise.level1.%04d.vdb", "--texture", "noise")
         self.assertEqual(first, self.picture({}))

@@ -163,6 +163,11 @@ std::string commandOf(const Start& start, const Json& state, const std::vector<s
     const std::vector<std::string> arguments = argumentsOf(start, state);
     words.insert(words.end(), arguments.begin(), arguments.end());
     words.insert(words.end(), last.begin(), last.end());
+    return shellCommand(words);
+}
+
+std::string shellCommand(const std::vector<std::string>& words)
+{
     std::string command;
     for (const std::string& word : words)
         command += (command.empty() ? "" : " ") + quoted(word);

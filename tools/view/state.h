@@ -37,4 +37,7 @@ struct Start {
 [[nodiscard]] std::string commandOf(const Start& start, const nlohmann::json& state,
                                     const std::vector<std::string>& last);
 
+/// Words as a command for a shell.
+[[nodiscard]] std::string shellCommand(const std::vector<std::string>& words);
+
 } // namespace vdblic::view

@@ -3,6 +3,7 @@
 #include "vdblic/camera/framing.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
@@ -209,6 +210,23 @@ std::optional<FrameFile> Viewer::coarserCopy(const RenderParams& params, const F
         found = copy;
         bytes /= 8;
     }
+}
+
+std::string Viewer::advice() const
+{
+    const FrameFile first = selectFrames(mStart.input).front();
+    const RenderParams params = paramsFor(mStart.state);
+    const double bytes = frameBytes(params, first), most = mCache.most();
+    if (bytes <= most || coarserCopy(params, first)) return {};
+    int levels = 1;
+    for (double copy = bytes / 8; copy > most; copy /= 8)
+        ++levels;
+    const std::string& pattern = mStart.input.pattern;
+    return fmt::format(
+        "a frame takes {}, more than the {} that are for frames, so its first picture waits until it is read. "
+        "Coarser copies would be shown at once; they are made by: {}",
+        memoryText(bytes), memoryText(most),
+        shellCommand({"vdblic_export", pattern, "-o", pattern, "--levels", fmt::to_string(levels)}));
 }
 
 /// The frame, or of one that is not loaded yet a coarser copy.

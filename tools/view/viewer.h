@@ -43,6 +43,8 @@ class Viewer {
     Viewer(Start start, double cacheBytes);
 
     [[nodiscard]] const Start& start() const { return mStart; }
+    /// The command that makes coarser copies, if the cache cannot hold the first frame and there are none; or empty.
+    [[nodiscard]] std::string advice() const;
     /// The numbers of the selected frames on disk, which may become more or fewer.
     [[nodiscard]] std::vector<std::int64_t> frames();
     /// Rises with every change of frames, of automatic choices, or of a coarser copy for its frame.
