@@ -15,11 +15,11 @@ import urllib.parse
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 CONTENTS = {
-    "Begin": ["tutorial", "install", "film", "gallery"],
-    "Guides": ["streaks", "render", "view", "quality", "performance", "import", "export", "python", "blender", "houdini",
-               "distributed"],
+    "Begin": ["tutorial", "install", "film", "gallery", "options"],
+    "Guides": ["methods", "streaks", "render", "view", "quality", "performance", "import", "export", "python", "blender",
+               "houdini", "distributed"],
     "Reference": ["formats", "render-reference", "survival", "diff", "library", "algorithm", "architecture"],
-    "Reports": ["reports/quality", "reports/performance", "reports/distributed", "reports/streaks"],
+    "Reports": ["reports/quality", "reports/performance", "reports/distributed", "reports/streaks", "reports/methods"],
     "Project": ["changelog", "stability", "roadmap", "porting", "CONTRIBUTING", "SECURITY", "RELEASING"],
 }
 

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Make the pictures of docs/options.md from what that page says.
+
+    samples/option_pairs.py TOOLS [NAME...]
+
+TOOLS is the folder of the built tools, NAMEs are pictures without their ending; by default all. Needs ffmpeg.
+"""
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "options.md"
+OUT = ROOT / "out" / "options"
+COMMON = re.compile(r"Textures with `([^`]*)`(?:, pictures with `([^`]*)`)?[.:]")
+PAIR = re.compile(r"`(-[^`]*)` or `(-[^`]*)`(?P<advects> \(of `vdblic_advect`\))?:")
+PICTURE = re.compile(r"!\[[^]]*\]\((images/options/\S+\.jpg)\)")
+
+
+def pairs():
+    """The file of each pair with its two pictures, as options of a texture and of a picture."""
+    for paragraph in PAGE.read_text(encoding="utf-8").split("\n\n"):
+        paragraph = " ".join(paragraph.split("\n"))
+        if found := COMMON.match(paragraph):
+            texture, picture = (shlex.split(options or "") for options in found.groups())
+        elif found := PAIR.match(paragraph):
+            pair = found
+        elif found := PICTURE.match(paragraph):
+            sides = [shlex.split(options) for options in pair.groups()[:2]]
+            yield PAGE.parent / found[1], [
+                (merged(texture, side), picture) if pair["advects"] else (texture, merged(picture, side))
+                for side in sides]
+
+
+def merged(*options):
+    """Lists of options as one, in which the last of a name counts."""
+    values = {}
+    for word in sum(options, []):
+        if word.startswith("--"):
+            values[word] = last = []
+        else:
+            last.append(word)
+    return [word for name, words in values.items() for word in (name, *words)]
+
+
+def run(*words):
+    subprocess.run([str(word) for word in words], check=True, stdout=subprocess.DEVNULL)
+
+
+def texture(tools, options):
+    """The pattern of a texture, which is made unless it is there."""
+    pattern = OUT / ("".join(options).replace("--", "-").lstrip("-") + ".%04d.vdb")
+    if not pathlib.Path(str(pattern) % 12).exists():
+        run(tools / "vdblic_advect", ROOT / "samples/wake/wake.%04d.vdb", "-o", pattern, "--frames", "1-12", "--with",
+            "vorticity,q", *options, "-q")
+    return pattern
+
+
+def main():
+    tools, names = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
+    OUT.mkdir(parents=True, exist_ok=True)
+    for target, sides in pairs():
+        if names and target.stem not in names:
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        images = []
+        for side, (advects, renders) in zip(("left", "right"), sides):
+            images.append(OUT / f"{target.stem}-{side}.png")
+            run(tools / "vdblic_render", texture(tools, advects), "-o", images[-1], "--frames", 12, "--size", 640, 400,
+                *merged(["--samples", "4", "--solid", "domain"], renders), "-q")
+        run("ffmpeg", "-loglevel", "error", "-y", "-i", images[0], "-i", images[1], "-filter_complex",
+            "[0]pad=iw+8:ih:0:0:white[left];[left][1]hstack", "-q:v", 3, target)
+        print(target.relative_to(ROOT))
+
+
+if __name__ == "__main__":
+    main()
