@@ -25,6 +25,18 @@ VDBLIC_KERNEL void advanceBack(const VelocityField& field, const Bricks::Window&
     advancePaths(field, window, params, batch);
 }
 
+/// A position, or if it is too far from another one, the farthest that is not.
+VDBLIC_INLINE Float8 within(Float8 position, Float8 from)
+{
+    const Float8 way = position - from,
+                 farthest = way < 0 ? broadcast8(-WayBack::kFarthest) : broadcast8(WayBack::kFarthest);
+    return (way >= -WayBack::kFarthest) & (way <= WayBack::kFarthest) ? position : from + farthest;
+}
+VDBLIC_INLINE Vector8 within(const Vector8& positions, const Vector8& from)
+{
+    return {within(positions.x, from.x), within(positions.y, from.y), within(positions.z, from.z)};
+}
+
 } // namespace
 
 VelocityField WayBack::reversed(const FlowStep& step)
@@ -55,7 +67,8 @@ void WayBack::Leaf::follow(Row& row, unsigned lanes) const
     for (const Segment& segment : mBatch.segments)
         left = maskOf(segment.lanes) ? 1 - (segment.time + segment.duration) : left;
     left = maskOf(mBatch.arrived) ? Float8{} : left;
-    row.before = select(maskOf(lanes), mBatch.position + mBatch.slope * left, row.before);
+    row.before = select(maskOf(lanes), within(mBatch.position + mBatch.slope * left, row.centre), row.before);
+    row.slope = select(maskOf(lanes), within(row.slope, Vector8{}), row.slope);
 }
 
 } // namespace vdblic

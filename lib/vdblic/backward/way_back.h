@@ -25,6 +25,9 @@ class WayBack {
     /// Prepare the velocity. @param params outlive this, as the step does
     WayBack(const FlowStep& step, const PathlineParams& params);
 
+    /// Positions farther away have no parts of a voxel, and positions 64 steps back must be integers.
+    static constexpr float kFarthest = 0x1p23f; // [voxels]
+
     /// Ways back of one leaf's voxels, row by row. One object serves one thread.
     class Leaf {
       public:
@@ -35,7 +38,8 @@ class WayBack {
         {
         }
 
-        /// The centres of a row's voxels, the velocity there, backwards, and where their fluid was [voxels].
+        /// The centres of a row's voxels, the velocity there, backwards, and where their fluid was [voxels]. What is
+        /// farther than kFarthest along an axis, or no number, counts as so far.
         struct Row {
             Vector8 centre, slope, before;
         };
@@ -50,8 +54,8 @@ class WayBack {
             const Float8 turned2 = squaredLength(middle - slope), slope2 = squaredLength(slope);
             const float tolerance = 1.5f * mWay.mParams.tolerance;
             constexpr float kLongest2 = pathline::kMaxStride * pathline::kMaxStride;
-            const Int8 isRough = (turned2 * turned2 > slope2 * (tolerance * tolerance)) | (slope2 > kLongest2);
-            const unsigned rough = bitsOf(isRough) & lanes;
+            const Int8 isSmooth = (turned2 * turned2 <= slope2 * (tolerance * tolerance)) & (slope2 <= kLongest2);
+            const unsigned rough = bitsOf(~isSmooth) & lanes;
             if (__builtin_expect(rough != 0, 0)) follow(result, rough);
             return result;
         }

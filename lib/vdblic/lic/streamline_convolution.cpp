@@ -109,7 +109,8 @@ VDBLIC_KERNEL void convolveLeaf(StreamlineSums& sums, const VelocityField& downs
         Float8 sum{}, weight{};
         sums.addHalf(downstream, below, window, first, lanes, sum, weight);
         sums.addHalf(upstream, above, window, first, lanes, sum, weight);
-        const Float8 mean = sum / weight / white;
+        const Float8 here = loadRow(sums.input[leaf], row); // where the flow is too fast to be sampled
+        const Float8 mean = (weight > 0 ? sum / weight : here) / white;
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (lanes >> z & 1) texture[LeafVoxel::kDim * row + z] = mean[z];
         }

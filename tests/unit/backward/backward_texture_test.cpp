@@ -80,6 +80,19 @@ TEST_P(LooksBack, AndGivesEveryVoxelAValueBetweenBlackAndWhite)
     }
 }
 
+TEST_P(LooksBack, AndStaysBetweenBlackAndWhiteHoweverFastTheFlowIs)
+{
+    for (const float speed : {1e5f, 1e10f, 1e20f, 1e30f, 3e38f}) {
+        const auto frames =
+            test::makeFrames(openvdb::CoordBBox({0, 0, 0}, {9, 8, 7}), 4, [&](const Coord& at, int frame) {
+                return Vec3f(at[0] % 2 == 0 ? speed : -speed, frame % 2 == 0 ? speed : 0, at[2] < 4 ? 1 : speed);
+            });
+        const LeafValues<float> texture = lookingBack(frames, GetParam()).back();
+        for (auto value = texture.tree()->cbeginValueOn(); value; ++value)
+            ASSERT_TRUE(*value >= 0 && *value <= 1) << *value << " at " << speed;
+    }
+}
+
 TEST_P(LooksBack, AndIsTheSameWhetherTheVelocityIsHeldInPartsOrWhole)
 {
     const auto frames = test::makeFrames({{0, 0, 0}, {399, 63, 63}}, 3, [](const Coord& at, int frame) {
