@@ -30,7 +30,8 @@ VDBLIC_INLINE Float8 within(Float8 position, Float8 from)
 {
     const Float8 way = position - from,
                  farthest = way < 0 ? broadcast8(-WayBack::kFarthest) : broadcast8(WayBack::kFarthest);
-    return (way >= -WayBack::kFarthest) & (way <= WayBack::kFarthest) ? position : from + farthest;
+    const Int8 isNear = (way >= -WayBack::kFarthest) & (way <= WayBack::kFarthest);
+    return isNear ? position : from + farthest;
 }
 VDBLIC_INLINE Vector8 within(const Vector8& positions, const Vector8& from)
 {
