@@ -4,6 +4,7 @@
 #     .ci/packages.sh         all: also what the other tools, the tests and the gate need
 #     .ci/packages.sh main    what turns velocities into pictures and a film: vdblic_advect, vdblic_render and ffmpeg
 #     .ci/packages.sh site    what tools/packaging/site.sh needs
+#     .ci/packages.sh arm64   what tests/arm64.sh needs; on Debian alone, libraries for ARM64 in build/arm64-root
 #
 # Each line names a Debian package and a probe that shows it is there: a command, a header, a file, a Python module of
 # /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are named
@@ -76,11 +77,45 @@ furo                    python  furo
 LIST
 }
 
+arm64_needs() {
+    cat <<'LIST'
+g++-aarch64-linux-gnu   command aarch64-linux-gnu-g++
+qemu-user-static        command qemu-aarch64-static
+LIST
+}
+
+# The libraries of `main` and GoogleTest for ARM64, as their packages hold them, in a folder of their own: none is installed.
+# Links and files of CMake that name a path below /usr are led back into the folder.
+unpack_for_arm64() {
+    root=$(realpath "$(dirname "$0")/..")/build/arm64-root
+    packages="$(main_needs | awk '$2 == "header" { print $1 }') libgtest-dev"
+    [ "$(cat "$root/packages" 2>/dev/null)" != "$packages" ] || return 0
+    echo "unpacking for ARM64: $(echo "$packages" | tr '\n' ' ')" >&2
+    rm -rf "$root"
+    mkdir -p "$root/apt/lists/partial" "$root/apt/archives/partial"
+    : >"$root/apt/status"
+    # shellcheck disable=SC2086
+    for command in update "install -y --download-only --no-install-recommends $packages"; do
+        apt-get -qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User=root \
+            -o Dir::State="$root/apt" -o Dir::State::status="$root/apt/status" -o Dir::Cache="$root/apt" $command >&2 ||
+            return 1
+    done
+    for package in "$root"/apt/archives/*.deb; do
+        dpkg-deb -x "$package" "$root" || return 1
+    done
+    rm -rf "$root/apt"
+    find "$root" -type l -lname '/*' | while read -r link; do ln -sfnr "$root$(readlink "$link")" "$link"; done
+    find "$root/usr/lib" -name '*.cmake' -exec \
+        sed -Ei 's#/usr/(lib/aarch64-linux-gnu/lib|include")#${CMAKE_SYSROOT}&#g' {} +
+    echo "$packages" >"$root/packages"
+}
+
 case ${1-} in
     main) needs() { main_needs; } ;;
     site) needs() { site_needs; } ;;
+    arm64) needs() { main_needs && arm64_needs; } ;;
     '') needs() { main_needs && others_need; } ;;
-    *) echo "usage: .ci/packages.sh [main|site]" >&2 && exit 2 ;;
+    *) echo "usage: .ci/packages.sh [main|site|arm64]" >&2 && exit 2 ;;
 esac
 
 present() {
@@ -97,14 +132,15 @@ present() {
 missing() { needs | while read -r package kind what; do present "$kind" "$what" || printf '%s ' "$package"; done; }
 
 list=$(missing)
-[ -n "$list" ] || exit 0
-if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
+if [ -n "$list" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
     echo "installing: $list" >&2
     export DEBIAN_FRONTEND=noninteractive
     # shellcheck disable=SC2086
     { apt-get update -qq && apt-get install -y -qq --no-install-recommends $list; } >&2 || exit 1
     list=$(missing)
-    [ -n "$list" ] || exit 0
 fi
-echo "missing, by Debian's package names: $list" >&2
-exit 1
+if [ -n "$list" ]; then
+    echo "missing, by Debian's package names: $list" >&2
+    exit 1
+fi
+[ "${1-}" != arm64 ] || unpack_for_arm64
