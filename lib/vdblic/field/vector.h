@@ -3,6 +3,7 @@
 #include "vdblic/field/inlined.h"
 
 #include <cstdint>
+#include <limits>
 
 namespace vdblic {
 
@@ -53,18 +54,32 @@ VDBLIC_INLINE Int8 broadcastInt8(int x)
     return all;
 }
 
-/// The largest integers not above x, for |x| < 2³¹; beyond, unspecified numbers.
+/// Numbers without their fractions; −2³¹ for those that no int holds and for not-a-number. x86-64 converts them so,
+/// other processors to the nearest int and to 0.
+template<typename Ints, typename Floats>
+VDBLIC_INLINE Ints truncated(Floats x)
+{
+    const Ints ints = __builtin_convertvector(x, Ints);
+#ifdef __x86_64__
+    return ints;
+#else
+    const Ints isHeld = (x >= -0x1p31f) & (x < 0x1p31f);
+    return isHeld ? ints : Ints{} + std::numeric_limits<std::int32_t>::min();
+#endif
+}
+
+/// The largest integers not above x, for |x| < 2³¹; beyond and for not-a-number, the lowest or highest int.
 VDBLIC_INLINE Int4 floorToInt(Float4 x)
 {
-    const Int4 truncated = __builtin_convertvector(x, Int4);
-    const Int4 below = x < __builtin_convertvector(truncated, Float4); // true is −1
-    return Int4(Unsigned4(truncated) + Unsigned4(below));
+    const auto whole = truncated<Int4>(x);
+    const Int4 below = x < __builtin_convertvector(whole, Float4); // true is −1
+    return Int4(Unsigned4(whole) + Unsigned4(below));
 }
 VDBLIC_INLINE Int8 floorToInt(Float8 x)
 {
-    const Int8 truncated = __builtin_convertvector(x, Int8);
-    const Int8 below = x < __builtin_convertvector(truncated, Float8);
-    return Int8(Unsigned8(truncated) + Unsigned8(below));
+    const auto whole = truncated<Int8>(x);
+    const Int8 below = x < __builtin_convertvector(whole, Float8);
+    return Int8(Unsigned8(whole) + Unsigned8(below));
 }
 
 /// Whole numbers below 2⁵² as doubles: no processor before AVX-512 converts them.

@@ -31,12 +31,23 @@ struct PieceInLeaf {
 /// The texture's leaves over the velocity's leaves, by number.
 class TextureLeaves {
   public:
-    TextureLeaves(const Domain& domain, const Refinement& refinement) : mDomain(domain), mRefinement(refinement) {}
+    TextureLeaves(const Domain& domain, const Refinement& refinement) : mDomain(domain), mRefinement(refinement)
+    {
+        openvdb::CoordBBox velocity;
+        domain.topology().evalLeafBoundingBox(velocity);
+        for (int axis = 0; axis < 3; ++axis) {
+            const int factor = refinement.factors[std::size_t(axis)];
+            mBox.min()[axis] = velocity.min()[axis] * factor;
+            mBox.max()[axis] = velocity.max()[axis] * factor + factor - 1;
+        }
+    }
 
     /// Visit the own leaves that a box of texture voxels reaches: number of the velocity's leaf, and of the leaf in it.
     template<typename Visit>
-    void forReached(const openvdb::CoordBBox& box, const Visit& visit) const
+    void forReached(openvdb::CoordBBox box, const Visit& visit) const
     {
+        box.intersect(mBox);
+        if (box.empty()) return;
         const openvdb::Coord first = leafOf(box.min()), last = leafOf(box.max());
         for (openvdb::CoordBBox::Iterator<true> leaf(openvdb::CoordBBox(first, last)); leaf; ++leaf) {
             Int4 coarse{};
@@ -72,6 +83,7 @@ class TextureLeaves {
 
     const Domain& mDomain;
     const Refinement& mRefinement;
+    openvdb::CoordBBox mBox; // of the texture's leaves
 };
 
 /// Draws pieces into one leaf. One object serves one thread.
@@ -117,13 +129,21 @@ class LeafCanvas {
     Owners mOwners{}; // numbers of the brightest streaks
 };
 
+/// A coordinate; beyond all domains if it is too far away for an int, or not-a-number.
+int bounded(float coordinate)
+{
+    constexpr float kFar = 0x1p30f;
+    return int(coordinate > -kFar ? (coordinate < kFar ? coordinate : kFar) : -kFar);
+}
+
 /// The rows of a leaf that a piece reaches: first and last coordinate along an axis. @return whether there are any
 bool reachedRows(const StreakPiece& piece, int axis, int origin, float scale, int& first, int& last)
 {
     const auto at = std::size_t(axis);
     const float width = std::max(piece.startWidth, piece.endWidth) / scale;
-    first = std::max(int(std::ceil(std::min(piece.start[at], piece.end[at]) - width)) - origin, 0);
-    last = std::min(int(std::floor(std::max(piece.start[at], piece.end[at]) + width)) - origin, LeafVoxel::kDim - 1);
+    first = std::max(bounded(std::ceil(std::min(piece.start[at], piece.end[at]) - width)) - origin, 0);
+    last =
+        std::min(bounded(std::floor(std::max(piece.start[at], piece.end[at]) + width)) - origin, LeafVoxel::kDim - 1);
     return first <= last;
 }
 
@@ -186,8 +206,8 @@ openvdb::CoordBBox boxOf(const StreakPiece& piece, const StreakShape& shape)
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = std::size_t(axis);
         const float width = std::max(piece.startWidth, piece.endWidth) * StreakShape::kRim * shape.radius(axis);
-        box.min()[axis] = int(std::ceil(std::min(piece.start[at], piece.end[at]) - width));
-        box.max()[axis] = int(std::floor(std::max(piece.start[at], piece.end[at]) + width));
+        box.min()[axis] = bounded(std::ceil(std::min(piece.start[at], piece.end[at]) - width));
+        box.max()[axis] = bounded(std::floor(std::max(piece.start[at], piece.end[at]) + width));
     }
     return box;
 }
@@ -201,9 +221,7 @@ class ReachedLeaves {
         std::vector<std::atomic<std::uint32_t>> counts(leaves.coarseCount());
         const auto forPieces = [&](const auto& visit) {
             tbb::parallel_for(std::size_t(0), pieces.size(), [&](std::size_t i) {
-                const openvdb::CoordBBox box = boxOf(pieces[i], shape);
-                if (box.empty()) return;
-                leaves.forReached(box, [&](std::size_t coarse, std::uint32_t inside) {
+                leaves.forReached(boxOf(pieces[i], shape), [&](std::size_t coarse, std::uint32_t inside) {
                     visit(coarse, PieceInLeaf{inside, std::uint32_t(i)});
                 });
             });

@@ -53,6 +53,23 @@ TEST(FloorToInt, IsTheLargestIntegerNotAbove)
     }
 }
 
+TEST(FloorToInt, IsAnEndOfTheRangeForNumbersThatNoIntHolds)
+{
+    constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const volatile float numbers[] = {0x1p31f,     1e30f,  kInfinity,  std::numeric_limits<float>::quiet_NaN(),
+                                      -0x1.01p31f, -1e30f, -kInfinity, -0x1p31f};
+    Float8 x;
+    for (int lane = 0; lane < 8; ++lane)
+        x[lane] = numbers[lane];
+    const Int8 eight = floorToInt(x);
+    for (int lane = 0; lane < 8; ++lane) {
+        const bool isBelow = x[lane] < -0x1p31f;
+        EXPECT_EQ(eight[lane], isBelow ? std::numeric_limits<std::int32_t>::max() : kLowest) << x[lane];
+        EXPECT_EQ(floorToInt(Float4{x[lane], 0, 0, 0})[0], eight[lane]);
+    }
+}
+
 TEST(VoxelOf, RoundsToTheNearestCentreAndHalvesUp)
 {
     const Int4 voxel = voxelOf(Float4{2.49f, 2.5f, -2.5f, -2.51f});

@@ -89,6 +89,20 @@ TEST(StreakDrawing, EndsAtTheDomain)
     EXPECT_EQ(box.max()[0], 31);
 }
 
+TEST(StreakDrawing, TakesNoTimeForWhatLiesFarFromTheDomain)
+{
+    const auto domain = drawingDomain({{0, 0, 0}, {15, 7, 7}});
+    for (const float speed : {1e8f, 1e12f, 1e30f}) {
+        Streak fast = straight(3, 3, 2);
+        for (StreakNode& node : fast.path) {
+            node.position[0] = float(node.time - 2) * speed;
+            node.slope[0] = speed;
+        }
+        const DrawnStreaks drawn = drawStreaks({straight(3, 3), fast}, shapeOf(3, 8), *domain, 4, false);
+        EXPECT_GT(valueAt(*drawn.texture, 80, 27, 27), 0.5f) << speed;
+    }
+}
+
 TEST(StreakDrawing, OrderDoesNotMatter)
 {
     const auto domain = drawingDomain({{0, 0, 0}, {15, 7, 7}});
