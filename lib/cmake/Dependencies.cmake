@@ -10,7 +10,7 @@ list(APPEND CMAKE_MODULE_PATH ${VDBLIC_OPENVDB_MODULE_DIR})
 
 find_dependency(OpenVDB 10.0)
 find_dependency(TBB)
-find_dependency(OpenEXR)
+find_dependency(OpenEXR CONFIG) # not by the module that OpenVDB ships, which leaves out Imath
 find_dependency(PNG)
 find_dependency(assimp)
 find_dependency(glm)

@@ -1,24 +1,23 @@
-# Whether OpenVDB's library exports the virtual tables of its grids, as Debian's does: then no unit compiles them
-# (vdblic/core/grid_instances.h). Two are looked for, of FloatGrid and of PointDataGrid. Only GCC inlines those short members
-# that the library, compiled by GCC, does not export.
+# Where OpenVDB's grids are compiled: in its library, as Debian's is, or else once, in vdblic_core. Units of this project do
+# not compile them (vdblic/core/grid_instances.h). Only GCC inlines those short members that Debian's library, compiled by GCC,
+# does not export.
 if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     return()
 endif()
 include(CheckCXXSourceCompiles)
 set(CMAKE_REQUIRED_LIBRARIES OpenVDB::openvdb)
+set(CMAKE_REQUIRED_FLAGS -O2)
 check_cxx_source_compiles([[
-    extern "C" const char _ZTVN7openvdb5v10_04GridINS0_4tree4TreeINS2_8RootNodeINS2_12InternalNodeINS5_INS2_8LeafNodeIfLj3EEELj4EEELj5EEEEEEEEE;
-    extern "C" const char _ZTVN7openvdb5v10_04GridINS0_4tree4TreeINS2_8RootNodeINS2_12InternalNodeINS5_INS0_6points17PointDataLeafNodeINS0_10PointIndexIjLj1EEELj3EEELj4EEELj5EEEEEEEEE;
-    int main(int argc, char**)
+    #include <openvdb/openvdb.h>
+    extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
+    extern template class openvdb::Grid<openvdb::FloatTree>;
+    int main()
     {
-        const char* tables[] = {
-            &_ZTVN7openvdb5v10_04GridINS0_4tree4TreeINS2_8RootNodeINS2_12InternalNodeINS5_INS2_8LeafNodeIfLj3EEELj4EEELj5EEEEEEEEE,
-            &_ZTVN7openvdb5v10_04GridINS0_4tree4TreeINS2_8RootNodeINS2_12InternalNodeINS5_INS0_6points17PointDataLeafNodeINS0_10PointIndexIjLj1EEELj3EEELj4EEELj5EEEEEEEEE};
-        return tables[argc & 1] == nullptr;
+        const auto grid = openvdb::FloatGrid::create(openvdb::FloatGrid::create(1.0F)->treePtr());
+        return grid->getConstAccessor().isValueOn(openvdb::Coord()) ? 1 : 0;
     }
-]] VDBLIC_LIBRARY_HAS_GRIDS)
+]] VDBLIC_OPENVDB_HAS_GRIDS)
+unset(CMAKE_REQUIRED_FLAGS)
 unset(CMAKE_REQUIRED_LIBRARIES)
 # Without optimisation a unit calls small members of grids that no library exports.
-if(VDBLIC_LIBRARY_HAS_GRIDS)
-    target_compile_definitions(vdblic_settings INTERFACE $<$<NOT:$<CONFIG:Debug>>:VDBLIC_LIBRARY_HAS_GRIDS>)
-endif()
+target_compile_definitions(vdblic_settings INTERFACE $<$<NOT:$<CONFIG:Debug>>:VDBLIC_LIBRARY_HAS_GRIDS>)

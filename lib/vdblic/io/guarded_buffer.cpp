@@ -20,10 +20,10 @@ struct ValueSize {
     int whole, half;
 };
 constexpr int kLargestValue = 24; // bytes; for grids of unknown type
-constexpr ValueSize kValueSizes[] = {{"Tree_bool_", 1, 1},       {"Tree_mask_", 1, 1},   {"Tree_int32_", 4, 4},
-                                     {"Tree_int64_", 8, 8},      {"Tree_float_", 4, 2},  {"Tree_double_", 8, 2},
-                                     {"Tree_vec3i_", 12, 12},    {"Tree_vec3s_", 12, 6}, {"Tree_vec3d_", 24, 6},
-                                     {"Tree_ptdataidx32_", 4, 4}};
+constexpr ValueSize kValueSizes[] = {{"Tree_bool_", 1, 1},   {"Tree_mask_", 1, 1},       {"Tree_int32_", 4, 4},
+                                     {"Tree_int64_", 8, 8},  {"Tree_half_", 2, 2},       {"Tree_float_", 4, 2},
+                                     {"Tree_double_", 8, 2}, {"Tree_vec3i_", 12, 12},    {"Tree_vec3s_", 12, 6},
+                                     {"Tree_vec3d_", 24, 6}, {"Tree_ptdataidx32_", 4, 4}};
 
 /// Whether a node mask has this size: that of a leaf (8³) or of a node of 16³ or 32³.
 constexpr bool isMask(std::streamsize bytes)

@@ -12,7 +12,7 @@ namespace vdblic {
 ///
 /// A node's values follow the mask of its active voxels, a byte that says which values are stored, and their size in 8
 /// bytes. A negative size means uncompressed values; OpenVDB 10 then reads that many bytes without comparing with the
-/// size of its buffer (`bloscFromStream`, `unzipFromStream`).
+/// size of its buffer (`bloscFromStream`, `unzipFromStream`), as later versions do.
 class GuardedBuffer : public std::filebuf {
   public:
     /// Check all reads from now on.

@@ -1,9 +1,9 @@
 #include "vdblic/io/vdb_assembly.h"
 
 #include "vdblic/core/paging.h"
+#include "vdblic/io/leaf_list.h"
 #include "vdblic/io/leaf_record.h"
 
-#include <openvdb/io/DelayedLoadMetadata.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ template<typename GridT, typename Leaf>
 StoredLeaves storeLeaves(const GridT& grid, const std::vector<const Leaf*>& leaves, std::uint32_t stored,
                          std::uint32_t listed)
 {
-    const bool half = grid.saveFloatAsHalf(), sizes = (listed & LeafFormat::kCompressed) != 0;
+    const bool half = grid.saveFloatAsHalf(), sizes = kHasLeafList && (listed & LeafFormat::kCompressed) != 0;
     const LeafFormat format = LeafFormat::of<typename GridT::ValueType>(stored, half);
 
     StoredLeaves result;
@@ -75,18 +75,6 @@ StoredLeaves storeLeaves(const GridT& grid, std::uint32_t stored, std::uint32_t 
     leaves.reserve(grid.tree().leafCount());
     grid.tree().getNodes(leaves);
     return storeLeaves(grid, leaves, stored, listed);
-}
-
-vdb_io::DelayedLoadMetadata listOf(const StoredLeaves& leaves)
-{
-    vdb_io::DelayedLoadMetadata list;
-    list.resizeMask(leaves.kinds.size());
-    list.resizeCompressedSize(leaves.sizes.size());
-    for (std::size_t i = 0; i < leaves.kinds.size(); ++i)
-        list.setMask(i, leaves.kinds[i]);
-    for (std::size_t i = 0; i < leaves.sizes.size(); ++i)
-        list.setCompressedSize(i, leaves.sizes[i]);
-    return list;
 }
 
 } // namespace
@@ -161,12 +149,12 @@ void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::G
     descriptor.setGridPos(stream.tellp());
     setGridCompression(stream, *grid);
     const auto head = openvdb::ConstPtrCast<openvdb::GridBase>(grid->copyGrid()); // of the same tree
-    head->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, listOf(leaves));
+    insertLeafList(*head, leaves);
+    const std::size_t nodes = grid->memUsage(); // before statistics, for which OpenVDB 12.1 allocates values
     head->addStatsMetadata();
     if (source) { // OpenVDB counts the values of the nodes, which have none
         const std::size_t values = leaves.kinds.size() * LeafFormat::kVoxels * sizeof(float);
-        head->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES,
-                         openvdb::Int64Metadata(std::int64_t(grid->memUsage() + values)));
+        head->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES, openvdb::Int64Metadata(std::int64_t(nodes + values)));
     }
     head->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION,
                      openvdb::StringMetadata(vdb_io::compressionToString(flags)));

@@ -2,11 +2,10 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/hazard.h"
+#include "vdblic/io/vdb_archive.h"
 #include "vdblic/io/vdb_layout.h"
 
 #include <fmt/format.h>
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
 
 #include <cstdint>
 #include <exception>
@@ -16,12 +15,12 @@ namespace vdblic {
 namespace {
 
 /// Reads a file up to its voxels. OpenVDB's own way to do so keeps the file open.
-class HeaderArchive : public openvdb::io::Archive {
+class HeaderArchive : public VdbArchive {
   public:
     VdbHeader read(std::istream& stream)
     {
         VdbHeader header;
-        readHeader(stream);
+        readAnyHeader(stream);
         setFormatVersion(stream);
         setLibraryVersion(stream);
         setDataCompression(stream);
@@ -29,7 +28,7 @@ class HeaderArchive : public openvdb::io::Archive {
         if (!inputHasGridOffsets() || fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return header;
         for (int left = readGridCount(stream); left > 0; --left) {
             openvdb::io::GridDescriptor descriptor;
-            openvdb::GridBase::Ptr grid = descriptor.read(stream);
+            const openvdb::GridBase::Ptr grid = readDescriptor(descriptor, stream);
             descriptor.seekToGrid(stream);
             readGridCompression(stream);
             grid->readMeta(stream);

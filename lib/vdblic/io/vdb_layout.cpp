@@ -14,7 +14,8 @@ namespace vdblic {
 namespace {
 
 constexpr std::int64_t kMagic = 0x56444220;
-// Since 218 (2012) the identity is stored as text; OpenVDB 12 writes 225.
+// Since 218 (2012) the identity is stored as text. OpenVDB 10 to 12 write 224; OpenVDB 13 writes 225, which adds a type
+// of grid, of half floats.
 constexpr std::uint32_t kFirstVersion = 218, kLastVersion = 225;
 constexpr std::uint32_t kSelectiveCompression = 220, kNodeMaskCompression = 222;
 constexpr std::uint32_t kCompressionFlags = 7; // zip, active values, blosc
@@ -30,9 +31,10 @@ struct FixedSize {
     std::string_view type;
     std::uint32_t bytes;
 };
-constexpr std::array<FixedSize, 14> kFixedSizes = {{{"bool", 1},
+constexpr std::array<FixedSize, 17> kFixedSizes = {{{"bool", 1},
                                                     {"double", 8},
                                                     {"float", 4},
+                                                    {"half", 2},
                                                     {"int32", 4},
                                                     {"int64", 8},
                                                     {"vec2i", 8},
@@ -41,7 +43,9 @@ constexpr std::array<FixedSize, 14> kFixedSizes = {{{"bool", 1},
                                                     {"vec3i", 12},
                                                     {"vec3s", 12},
                                                     {"vec3d", 24},
+                                                    {"vec4i", 16},
                                                     {"vec4s", 16},
+                                                    {"vec4d", 32},
                                                     {"mat4s", 64},
                                                     {"mat4d", 128}}};
 

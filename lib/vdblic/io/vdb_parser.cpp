@@ -1,11 +1,10 @@
 #include "vdblic/io/vdb_parser.h"
 
 #include "vdblic/core/hazard.h"
+#include "vdblic/io/leaf_list.h"
 #include "vdblic/io/leaf_record.h"
+#include "vdblic/io/vdb_archive.h"
 
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/DelayedLoadMetadata.h>
-#include <openvdb/io/GridDescriptor.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -53,62 +52,80 @@ struct StreamSettings {
     }
 };
 
-/// The lengths of all records by OpenVDB's list of them.
-/// @param bytes that all records take  @return nothing if there is no list, or it does not add up
-std::vector<std::uint64_t> listedLengths(std::istream& stream, const LeafFormat& format, std::size_t leaves,
-                                         std::uint64_t bytes)
-{
-    const openvdb::MetaMap& metadata = vdb_io::getStreamMetadataPtr(stream)->gridMetadata();
-    const auto stored = metadata.getMetadata<vdb_io::DelayedLoadMetadata>(openvdb::GridBase::META_FILE_DELAYED_LOAD);
-    if (!stored || (format.compression & LeafFormat::kCompressed) == 0) return {};
-    vdb_io::DelayedLoadMetadata list(*stored);
-    list.resizeMask(leaves); // OpenVDB aborts where a list is too short
-    list.resizeCompressedSize(leaves);
-    constexpr std::int64_t kSize = sizeof(std::int64_t); // what the list counts for no values, which half floats lack
-    std::vector<std::uint64_t> lengths(leaves);
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < leaves; ++i) {
-        const std::int64_t size = list.getCompressedSize(i);
-        if (size < kSize) return {};
-        lengths[i] = format.headBytes(list.getMask(i)) + (format.half && size == kSize ? 0 : std::uint64_t(size));
-        sum += lengths[i];
-    }
-    return sum == bytes ? lengths : std::vector<std::uint64_t>();
-}
-
 void passOver(std::istream& stream, std::uint64_t bytes)
 {
     constexpr std::uint64_t kWorthSeeking = 1 << 16; // a stream's buffer is read anew after it
     bytes < kWorthSeeking ? stream.ignore(std::streamsize(bytes)) : stream.seekg(std::streamoff(bytes), std::ios::cur);
 }
 
-/// A grid that reads its leaves in parallel.
-template<typename GridT>
-class LeafwiseGrid : public GridT {
+/// Reads grids as OpenVDB's readGrid() does, but their leaves by all threads.
+class LeafwiseArchive : public VdbArchive {
   public:
-    /// @param leafBytes of the grid in the file  @param isKept as that of parseVdb(); must outlive this
-    LeafwiseGrid(std::filesystem::path path, std::uint64_t fileSize, std::uint64_t leafBytes, const LeafFilter& isKept)
-        : mPath(std::move(path)), mFileSize(fileSize), mLeafBytes(leafBytes), mIsKept(isKept)
+    LeafwiseArchive(const std::filesystem::path& path, std::uint64_t size, const LeafFilter& isKept)
+        : mPath(path), mSize(size), mIsKept(isKept)
     {
     }
 
-    using GridT::readBuffers;
-    void readBuffers(std::istream& stream) override
+    VdbFile read(std::istream& stream)
+    {
+        readAnyHeader(stream);
+        vdb_io::setVersion(stream, libraryVersion(), fileVersion());
+        vdb_io::setDataCompression(stream, compression());
+        VdbFile file;
+        file.path = mPath;
+        file.metadata.readMeta(stream);
+        std::vector<vdb_io::GridDescriptor> descriptors(std::size_t(readGridCount(stream)));
+        NamedGridMap named;
+        for (vdb_io::GridDescriptor& descriptor : descriptors) {
+            const openvdb::GridBase::Ptr grid = readDescriptor(descriptor, stream);
+            readGrid(*grid, descriptor, stream);
+            file.grids.push_back(grid);
+            named[descriptor.uniqueName()] = grid;
+        }
+        for (const vdb_io::GridDescriptor& descriptor : descriptors)
+            connectInstance(descriptor, named);
+        return file;
+    }
+
+  private:
+    static constexpr std::size_t kBatchBytes = std::size_t(1) << 18, kRecordBytes = std::size_t(1) << 14;
+
+    void readGrid(openvdb::GridBase& grid, const vdb_io::GridDescriptor& descriptor, std::istream& stream) const
+    {
+        readGridCompression(stream);
+        vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata(stream)); // of this grid alone
+        vdb_io::setStreamMetadataPtr(stream, settings, /*transfer=*/false);
+        grid.readMeta(stream);
+        const openvdb::Metadata::ConstPtr list = grid[openvdb::GridBase::META_FILE_DELAYED_LOAD];
+        grid.removeMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD);
+        if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_NO_GRIDMAP) grid.setName(descriptor.gridName());
+        grid.readTransform(stream);
+        if (!descriptor.isInstance()) {
+            grid.readTopology(stream);
+            const auto bytes = std::uint64_t(descriptor.getEndPos() - descriptor.getBlockPos());
+            const bool leafwise =
+                fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION &&
+                grid.apply<LeafwiseGrids>([&](auto& typed) { readLeaves(typed, list.get(), bytes, stream); });
+            if (!leafwise) grid.readBuffers(stream);
+        }
+        vdb_io::clearStreamMetadataPtr(stream);
+    }
+
+    /// @param list of the leaves; nullptr if there is none  @param bytes that all leaves take in the file
+    template<typename GridT>
+    void readLeaves(GridT& grid, const openvdb::Metadata* list, std::uint64_t bytes, std::istream& stream) const
     {
         const StreamSettings settings(stream);
-        if (settings.format < openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) {
-            GridT::readBuffers(stream);
-            return;
-        }
-        const bool half = this->saveFloatAsHalf();
+        const bool half = grid.saveFloatAsHalf();
         const LeafFormat format = LeafFormat::of<typename GridT::ValueType>(settings.compression, half);
         std::vector<typename GridT::TreeType::LeafNodeType*> leaves;
-        leaves.reserve(this->tree().leafCount());
-        this->tree().getNodes(leaves);
+        leaves.reserve(grid.tree().leafCount());
+        grid.tree().getNodes(leaves);
 
-        const auto isKept = [&](std::size_t leaf) { return !mIsKept || mIsKept(*this, leaves[leaf]->origin()); };
+        const auto isKept = [&](std::size_t leaf) { return !mIsKept || mIsKept(grid, leaves[leaf]->origin()); };
+        const bool listed = mIsKept && libraryVersion().first > 6; // before 6.2 the list might be another grid's
         const std::vector<std::uint64_t> lengths =
-            mIsKept ? listedLengths(stream, format, leaves.size(), mLeafBytes) : std::vector<std::uint64_t>();
+            listed ? listedLengths(list, format, leaves.size(), bytes) : std::vector<std::uint64_t>();
         std::vector<char> unused;
         std::size_t next = 0;
         std::uint64_t passed = 0; // bytes before the next leaf
@@ -123,13 +140,13 @@ class LeafwiseGrid : public GridT {
                 }
                 passOver(stream, std::exchange(passed, 0));
                 unused.clear();
-                appendLeafRecord(stream, format, mFileSize, isKept(next) ? batch.bytes : unused);
+                appendLeafRecord(stream, format, mSize, isKept(next) ? batch.bytes : unused);
             }
             if (next == leaves.size()) passOver(stream, std::exchange(passed, 0));
             return batch;
         };
         const auto parse = [&](LeafBatch batch) {
-            const Hazard parsing(mPath.string(), mFileSize);
+            const Hazard parsing(mPath.string(), mSize);
             MemoryBuffer buffer(batch.bytes);
             std::istream records(&buffer);
             records.exceptions(std::ios::failbit | std::ios::badbit);
@@ -146,51 +163,16 @@ class LeafwiseGrid : public GridT {
         });
     }
 
-  private:
-    static constexpr std::size_t kBatchBytes = std::size_t(1) << 18, kRecordBytes = std::size_t(1) << 14;
-
-    std::filesystem::path mPath;
-    std::uint64_t mFileSize, mLeafBytes;
+    const std::filesystem::path& mPath;
+    std::uint64_t mSize;
     const LeafFilter& mIsKept;
-};
-
-class LeafwiseArchive : public openvdb::io::Archive {
-  public:
-    VdbFile read(std::istream& stream, const std::filesystem::path& path, std::uint64_t size, const LeafFilter& isKept)
-    {
-        readHeader(stream);
-        vdb_io::StreamMetadata::Ptr settings(new vdb_io::StreamMetadata);
-        vdb_io::setStreamMetadataPtr(stream, settings, /*transfer=*/false);
-        vdb_io::setVersion(stream, libraryVersion(), fileVersion());
-        vdb_io::setDataCompression(stream, compression());
-        VdbFile file;
-        file.path = path;
-        file.metadata.readMeta(stream);
-        std::vector<vdb_io::GridDescriptor> descriptors(std::size_t(readGridCount(stream)));
-        NamedGridMap named;
-        for (vdb_io::GridDescriptor& descriptor : descriptors) {
-            openvdb::GridBase::Ptr grid = descriptor.read(stream), leafwise;
-            const auto leafBytes = std::uint64_t(descriptor.getEndPos() - descriptor.getBlockPos());
-            grid->apply<LeafwiseGrids>([&]<typename GridT>(const GridT&) {
-                leafwise = std::make_shared<LeafwiseGrid<GridT>>(path, size, leafBytes, isKept);
-            });
-            if (leafwise) leafwise->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
-            readGrid(leafwise ? leafwise : grid, descriptor, stream);
-            if (leafwise) grid = leafwise->copyGrid(); // of the same tree, but of the usual type
-            file.grids.push_back(grid);
-            named[descriptor.uniqueName()] = grid;
-        }
-        for (const vdb_io::GridDescriptor& descriptor : descriptors)
-            connectInstance(descriptor, named);
-        return file;
-    }
 };
 
 } // namespace
 
 VdbFile parseVdb(std::istream& stream, const std::filesystem::path& path, std::uint64_t size, const LeafFilter& isKept)
 {
-    return LeafwiseArchive().read(stream, path, size, isKept);
+    return LeafwiseArchive(path, size, isKept).read(stream);
 }
 
 } // namespace vdblic

@@ -87,7 +87,7 @@ TEST(Checksum, IsNotTakenFromAFileThatAnotherProgramWrote)
     writeVdb(folder / "ours.vdb", {someGrid("density")}, {});
     // Another program loads the file, changes it, and keeps all metadata.
     openvdb::io::File file(folder / "ours.vdb");
-    file.open(false);
+    file.open();
     const auto grids = file.getGrids();
     openvdb::gridPtrCast<openvdb::FloatGrid>((*grids)[0])->tree().setValue({0, 0, 0}, 7);
     ASSERT_TRUE((*file.getMetadata())["checksum"]);
