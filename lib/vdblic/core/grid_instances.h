@@ -4,7 +4,7 @@
 #include <openvdb/points/PointDataGrid.h>
 
 /// OpenVDB's grids and trees that are not compiled in every unit that names them. Their virtual functions, most of what
-/// such a unit would take to compile, are in OpenVDB's library; what that leaves out is in grid_instances.cpp.
+/// such a unit would take to compile, are in OpenVDB's library; grid_instances.cpp has what that leaves out, or all.
 /// Precompiled into every unit of this project. Without VDBLIC_LIBRARY_HAS_GRIDS every unit compiles what it uses.
 #ifdef VDBLIC_LIBRARY_HAS_GRIDS
 #define VDBLIC_GRID_INSTANCE(TreeType)                                                                                 \
