@@ -21,7 +21,7 @@ class VdbArchive : public openvdb::io::Archive {
         if constexpr (requires { descriptor.readStreamPos(stream); }) {
             descriptor.readHeader(stream);
             descriptor.readStreamPos(stream);
-            const openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(descriptor.gridType());
+            openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(descriptor.gridType());
             grid->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
             return grid;
         } else {
