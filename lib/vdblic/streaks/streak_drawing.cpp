@@ -34,7 +34,7 @@ class TextureLeaves {
     TextureLeaves(const Domain& domain, const Refinement& refinement) : mDomain(domain), mRefinement(refinement)
     {
         openvdb::CoordBBox velocity;
-        domain.topology().evalLeafBoundingBox(velocity);
+        if (!domain.topology().evalLeafBoundingBox(velocity)) return;
         for (int axis = 0; axis < 3; ++axis) {
             const int factor = refinement.factors[std::size_t(axis)];
             mBox.min()[axis] = velocity.min()[axis] * factor;
