@@ -1,15 +1,11 @@
 #!/usr/bin/env python3
-"""Make the pictures of docs/options.md from what that page says.
-
-    samples/option_pairs.py TOOLS [NAME...]
-
-TOOLS is the folder of the built tools, NAMEs are pictures without their ending; by default all. Needs ffmpeg.
-"""
+"""Make the pictures of docs/options.md from what that page says."""
+import argparse
+import functools
 import pathlib
 import re
 import shlex
 import subprocess
-import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "options.md"
@@ -49,27 +45,32 @@ def run(*words):
     subprocess.run([str(word) for word in words], check=True, stdout=subprocess.DEVNULL)
 
 
+@functools.cache
 def texture(tools, options):
-    """The pattern of a texture, which is made unless it is there."""
+    """Make a texture, once; returns its pattern."""
     pattern = OUT / ("".join(options).replace("--", "-").lstrip("-") + ".%04d.vdb")
-    if not pathlib.Path(str(pattern) % 12).exists():
-        run(tools / "vdblic_advect", ROOT / "samples/wake/wake.%04d.vdb", "-o", pattern, "--frames", "1-12", "--with",
-            "vorticity,q", *options, "-q")
+    run(tools / "vdblic_advect", ROOT / "samples/wake/wake.%04d.vdb", "-o", pattern, "--frames", "1-12", "--with",
+        "vorticity,q", *options, "-q", "--restart")
     return pattern
 
 
 def main():
-    tools, names = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
+    made = {target.stem: (target, sides) for target, sides in pairs()}
+    parser = argparse.ArgumentParser(description=__doc__ + " Needs ffmpeg.")
+    parser.add_argument("tools", type=pathlib.Path, help="folder of the built tools")
+    parser.add_argument("names", nargs="*", metavar="name", help="pictures without their ending; by default all")
+    given = parser.parse_args()
+    if unknown := [name for name in given.names if name not in made]:
+        parser.error(f"{PAGE.name} has no picture {unknown[0]}; it has {', '.join(made)}")
     OUT.mkdir(parents=True, exist_ok=True)
-    for target, sides in pairs():
-        if names and target.stem not in names:
-            continue
+    for target, sides in [made[name] for name in given.names or made]:
         target.parent.mkdir(parents=True, exist_ok=True)
-        images = []
+        images, tools = [], given.tools.resolve()
         for side, (advects, renders) in zip(("left", "right"), sides):
             images.append(OUT / f"{target.stem}-{side}.png")
-            run(tools / "vdblic_render", texture(tools, advects), "-o", images[-1], "--frames", 12, "--size", 640, 400,
-                *merged(["--samples", "4", "--solid", "domain"], renders), "-q")
+            frames = texture(tools, tuple(advects))
+            run(tools / "vdblic_render", frames, "-o", images[-1], "--frames", 12, "--size", 640, 400, *merged(
+                ["--samples", "4", "--solid", "domain"], renders), "-q")
         run("ffmpeg", "-loglevel", "error", "-y", "-i", images[0], "-i", images[1], "-filter_complex",
             "[0]pad=iw+8:ih:0:0:white[left];[left][1]hstack", "-q:v", 3, target)
         print(target.relative_to(ROOT))
