@@ -1,7 +1,11 @@
 #include "vdblic/core/grid_instances.h"
 
 #if defined(VDBLIC_LIBRARY_HAS_GRIDS) && defined(VDBLIC_COMPILES_GRIDS)
-VDBLIC_GRID_INSTANCES()
+#define VDBLIC_GRID(TreeType)                                                                                          \
+    template class openvdb::tree::Tree<TreeType::RootNodeType>;                                                        \
+    template class openvdb::Grid<TreeType>;
+
+VDBLIC_FOR_GRID_TREES(VDBLIC_GRID)
 #elif defined(VDBLIC_LIBRARY_HAS_GRIDS)
 // Members that units of this project call and OpenVDB's library does not export. An undefined reference to a member of
 // openvdb::Grid or openvdb::tree::Tree is mended by a line here.

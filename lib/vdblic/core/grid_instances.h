@@ -7,20 +7,20 @@
 /// such a unit would take to compile, are in OpenVDB's library; grid_instances.cpp has what that leaves out, or all.
 /// Precompiled into every unit of this project. Without VDBLIC_LIBRARY_HAS_GRIDS every unit compiles what it uses.
 #ifdef VDBLIC_LIBRARY_HAS_GRIDS
-#define VDBLIC_GRID_INSTANCE(how, TreeType)                                                                            \
-    how template class openvdb::tree::Tree<TreeType::RootNodeType>;                                                    \
-    how template class openvdb::Grid<TreeType>;
-#define VDBLIC_GRID_INSTANCES(how)                                                                                     \
-    VDBLIC_GRID_INSTANCE(how, openvdb::FloatTree)                                                                      \
-    VDBLIC_GRID_INSTANCE(how, openvdb::DoubleTree)                                                                     \
-    VDBLIC_GRID_INSTANCE(how, openvdb::Vec3STree)                                                                      \
-    VDBLIC_GRID_INSTANCE(how, openvdb::Vec3DTree)                                                                      \
-    VDBLIC_GRID_INSTANCE(how, openvdb::Vec3ITree)                                                                      \
-    VDBLIC_GRID_INSTANCE(how, openvdb::Int32Tree)                                                                      \
-    VDBLIC_GRID_INSTANCE(how, openvdb::Int64Tree)                                                                      \
-    VDBLIC_GRID_INSTANCE(how, openvdb::BoolTree)                                                                       \
-    VDBLIC_GRID_INSTANCE(how, openvdb::MaskTree)                                                                       \
-    VDBLIC_GRID_INSTANCE(how, openvdb::points::PointDataTree)
+#define VDBLIC_FOR_GRID_TREES(INSTANCE)                                                                                \
+    INSTANCE(openvdb::FloatTree)                                                                                       \
+    INSTANCE(openvdb::DoubleTree)                                                                                      \
+    INSTANCE(openvdb::Vec3STree)                                                                                       \
+    INSTANCE(openvdb::Vec3DTree)                                                                                       \
+    INSTANCE(openvdb::Vec3ITree)                                                                                       \
+    INSTANCE(openvdb::Int32Tree)                                                                                       \
+    INSTANCE(openvdb::Int64Tree)                                                                                       \
+    INSTANCE(openvdb::BoolTree)                                                                                        \
+    INSTANCE(openvdb::MaskTree)                                                                                        \
+    INSTANCE(openvdb::points::PointDataTree)
+#define VDBLIC_EXTERN_GRID(TreeType)                                                                                   \
+    extern template class openvdb::tree::Tree<TreeType::RootNodeType>;                                                 \
+    extern template class openvdb::Grid<TreeType>;
 
-VDBLIC_GRID_INSTANCES(extern)
+VDBLIC_FOR_GRID_TREES(VDBLIC_EXTERN_GRID)
 #endif
