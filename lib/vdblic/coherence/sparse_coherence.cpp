@@ -114,6 +114,7 @@ void follow(const VelocityField& field, const CoherenceParams& params, const Spa
         pathline.tolerance = std::min(pathline.tolerance, params.pathline.tolerance * spaces.scale[axis]);
     for (std::size_t first = 0; first < points.size(); first += kLanes) {
         const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
+        paging::breathe(std::size_t(count) * paging::kPointBytes);
         batch.lanes = (1u << count) - 1;
         for (int lane = 0; lane < count; ++lane) {
             const SparsePoint& point = points[first + std::size_t(lane)];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/coherence/smoothed_texture.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/pathline.h"
 
@@ -23,6 +24,7 @@ void forSuccessors(const VelocityField& field, const PathlineParams& pathline, c
     const Bricks::Window anywhere;
     for (std::size_t first = 0; first < points.size(); first += kLanes) {
         const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
+        paging::breathe(std::size_t(count) * paging::kPointBytes);
         batch.lanes = (1u << count) - 1;
         for (int lane = 0; lane < count; ++lane) {
             batch.position.setLane(lane, points[first + std::size_t(lane)].position);
