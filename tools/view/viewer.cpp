@@ -20,7 +20,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <system_error>
 
 namespace vdblic::view {
 namespace {
@@ -43,14 +42,6 @@ std::string loadKey(const RenderParams& params)
 std::string cacheKey(const RenderParams& params, const FrameFile& file)
 {
     return fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(params));
-}
-
-/// Whether a file is there and no older than another one.
-bool isNewer(const std::filesystem::path& path, const std::filesystem::path& than)
-{
-    std::error_code gone, other;
-    const auto time = std::filesystem::last_write_time(path, gone);
-    return !gone && time >= std::filesystem::last_write_time(than, other) && !other;
 }
 
 /// A state without what its camera and sampling are.
@@ -90,42 +81,17 @@ Viewer::Viewer(Start start, double cacheBytes) : mStart(std::move(start)), mCach
     for (const auto& grid : readVdbHeader(files.front().path).grids) {
         if (grid->isType<openvdb::FloatGrid>() && grid->getName() != mTexture) mScalars.push_back(grid->getName());
     }
-    mFiles = filesOnDisk();
+    mFiles = filesOnDisk(mStart.input);
     params.texture = mTexture;
     params.stretch = glm::dvec3(1);
     mSource = sourceOf(params);
-}
-
-/// The selected files that are there: one that was taken away leaves a gap.
-std::vector<Viewer::FileSeen> Viewer::filesOnDisk() const
-{
-    const FramePattern pattern(mStart.input.pattern);
-    std::vector<std::int64_t> frames;
-    if (pattern.hasField()) {
-        frames = pattern.framesOnDisk();
-    } else {
-        frames = {frameOfName(pattern.path(1)).value_or(1)};
-    }
-    if (!mStart.input.frames.empty()) {
-        const std::vector<std::int64_t> chosen = parseFrameList(mStart.input.frames);
-        std::erase_if(frames, [&](std::int64_t frame) { return !std::ranges::binary_search(chosen, frame); });
-    }
-    std::vector<FileSeen> files;
-    for (const std::int64_t frame : frames) {
-        std::error_code gone, changed;
-        const std::filesystem::path path = pattern.path(frame);
-        const FileSeen file{frame, std::filesystem::file_size(path, gone),
-                            std::filesystem::last_write_time(path, changed)};
-        if (!gone && !changed) files.push_back(file);
-    }
-    return files;
 }
 
 std::vector<std::int64_t> Viewer::frames()
 {
     std::vector<FileSeen> found;
     try {
-        found = filesOnDisk();
+        found = filesOnDisk(mStart.input);
     } catch (const Error&) { // the folder was taken away
     }
     const auto now = std::chrono::steady_clock::now();
@@ -199,17 +165,16 @@ FrameCache::Frame Viewer::load(const RenderParams& params, const FrameFile& file
 /// Of a frame that the cache cannot hold, the finest coarser copy that it can hold, or else the coarsest one.
 std::optional<FrameFile> Viewer::coarserCopy(const RenderParams& params, const FrameFile& file) const
 {
-    const FramePattern pattern(mStart.input.pattern);
+    const std::vector<FrameFile> copies = coarserCopies(mStart.input, file);
+    if (copies.empty()) return std::nullopt;
     std::optional<FrameFile> found;
-    double bytes = 0;
-    for (int level = 1;; ++level) {
-        const FrameFile copy{file.frame, pattern.ofLevel(level).path(file.frame)};
-        if (!isNewer(copy.path, file.path)) return found;
-        if (level == 1) bytes = frameBytes(params, file);
-        if (bytes <= mCache.most()) return found;
+    double bytes = frameBytes(params, file);
+    for (const FrameFile& copy : copies) {
+        if (bytes <= mCache.most()) break;
         found = copy;
         bytes /= 8;
     }
+    return found;
 }
 
 std::string Viewer::advice() const

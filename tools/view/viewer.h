@@ -4,6 +4,7 @@
 #include "vdblic/look/histogram.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/render/shown_frame.h"
+#include "view/files_on_disk.h"
 #include "view/frame_cache.h"
 #include "view/state.h"
 #include "view/worker.h"
@@ -12,7 +13,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -67,13 +67,6 @@ class Viewer {
     [[nodiscard]] TextureHistograms histograms(const nlohmann::json& state);
 
   private:
-    struct FileSeen { // on disk
-        std::int64_t frame;
-        std::uintmax_t size;
-        std::filesystem::file_time_type time;
-
-        [[nodiscard]] bool operator==(const FileSeen&) const = default;
-    };
     struct Basis { // of automatic choices
         LookBasis look;
         std::vector<FrameFile> frames;
@@ -93,7 +86,6 @@ class Viewer {
 
     [[nodiscard]] RenderParams paramsFor(const nlohmann::json& state) const;
     [[nodiscard]] FrameFile fileOf(std::int64_t frame);
-    [[nodiscard]] std::vector<FileSeen> filesOnDisk() const;
     [[nodiscard]] FrameCache::Frame load(const RenderParams& params, const FrameFile& file);
     [[nodiscard]] FrameCache::Frame loadSoon(const RenderParams& params, const FrameFile& file);
     [[nodiscard]] std::optional<FrameFile> coarserCopy(const RenderParams& params, const FrameFile& file) const;
