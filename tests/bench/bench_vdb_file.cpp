@@ -46,12 +46,13 @@ openvdb::GridCPtrVec textureFile()
             texture("magnitude", [](const openvdb::Coord& at) { return std::sin(0.02f * float(at.x() + at.z())); })};
 }
 
-class OwnWriter : public openvdb::io::Archive {
+/// OpenVDB's writer of files, to a stream.
+class OpenVdbWriter : public openvdb::io::Archive {
   public:
-    OwnWriter() { setCompression(kBlosc); }
-    void write(std::ostream& stream, const openvdb::GridCPtrVec& grids) const
+    OpenVdbWriter() { setCompression(kBlosc); }
+    void writeFile(std::ostream& stream, const openvdb::GridCPtrVec& grids) const
     {
-        openvdb::io::Archive::write(stream, grids, /*seekable=*/true);
+        write(stream, grids, /*seekable=*/true);
     }
 };
 
@@ -70,7 +71,7 @@ void writeLeaves(benchmark::State& state)
     for (auto _ : state) {
         std::ofstream stream(path, std::ios::binary);
         if (state.range(0) == 1) {
-            OwnWriter().write(stream, grids);
+            OpenVdbWriter().writeFile(stream, grids);
         } else {
             vdblic::VdbAssembly(kBlosc).assemble(stream, grids, {});
         }

@@ -56,7 +56,8 @@ void expectTheGridOfOpenVdb(const typename GridT::Ptr& grid)
             const auto wanted = openvdb::gridPtrCast<GridT>(io::Stream(stream).getGrids()->front());
             const VdbFile file = parsed(bytes);
             ASSERT_EQ(file.grids.size(), 1u);
-            EXPECT_EQ(typeid(*file.grids.front()), typeid(GridT));
+            const openvdb::GridBase& stored = *file.grids.front();
+            EXPECT_EQ(typeid(stored), typeid(GridT));
             const auto found = openvdb::gridPtrCast<GridT>(file.grids.front());
             EXPECT_EQ(static_cast<const openvdb::MetaMap&>(*found), *wanted);
             EXPECT_EQ(found->background(), wanted->background());
