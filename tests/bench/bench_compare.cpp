@@ -31,7 +31,7 @@ template<typename GridT>
 void compareCubes(benchmark::State& state)
 {
     const auto a = cube<GridT>(0), b = cube<GridT>(state.range(0) != 0 ? 0.25f : 0.f);
-    for (auto _ : state)
+    while (state.KeepRunning())
         benchmark::DoNotOptimize(vdblic::compareGrids(*a, *b));
     state.SetItemsProcessed(state.iterations() * kSize * kSize * kSize); // voxels
 }

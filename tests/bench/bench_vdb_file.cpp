@@ -68,7 +68,7 @@ void writeLeaves(benchmark::State& state)
     const openvdb::GridCPtrVec grids = textureFile();
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::size_t(state.range(1)));
     const auto path = std::filesystem::temp_directory_path() / "vdblic_bench_write.vdb";
-    for (auto _ : state) {
+    while (state.KeepRunning()) {
         std::ofstream stream(path, std::ios::binary);
         if (state.range(0) == 1) {
             OpenVdbWriter().writeFile(stream, grids);
@@ -85,7 +85,7 @@ void readLeaves(benchmark::State& state)
     const auto path = std::filesystem::temp_directory_path() / "vdblic_bench_read.vdb";
     vdblic::writeVdb(path, textureFile(), {});
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::size_t(state.range(1)));
-    for (auto _ : state) {
+    while (state.KeepRunning()) {
         if (state.range(0) == 1) {
             std::ifstream stream(path, std::ios::binary);
             benchmark::DoNotOptimize(openvdb::io::Stream(stream, /*delayLoad=*/false).getGrids());

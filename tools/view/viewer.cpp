@@ -18,6 +18,7 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -183,9 +184,7 @@ std::string Viewer::advice() const
     const RenderParams params = paramsFor(mStart.state);
     const double bytes = frameBytes(params, first), most = mCache.most();
     if (bytes <= most || coarserCopy(params, first)) return {};
-    int levels = 1;
-    for (double copy = bytes / 8; copy > most; copy /= 8)
-        ++levels;
+    const int levels = int(std::ceil(std::log2(bytes / most) / 3)); // each an eighth of the one before
     const std::string& pattern = mStart.input.pattern;
     return fmt::format(
         "a frame takes {}, more than the {} that are for frames, so its first picture waits until it is read. "

@@ -13,7 +13,7 @@ typename GridT::Ptr variedGrid(const char* name)
     using Value = typename GridT::ValueType;
     openvdb::initialize();
     const auto value = [](int i) { return Value(std::is_same_v<Value, bool> ? i % 2 : i * 3); };
-    const auto grid = GridT::create(value(1));
+    auto grid = GridT::create(value(1));
     grid->setName(name);
     auto& tree = grid->tree();
     for (int leaf = 0; leaf < 300; ++leaf) {

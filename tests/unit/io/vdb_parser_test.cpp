@@ -271,7 +271,9 @@ TEST(LeafRecord, CutsRecordsOfEveryKind)
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
         const std::size_t begin = records.size();
         appendLeafRecord(stream, format, bytes.size(), records);
-        EXPECT_EQ(std::memcmp(records.data() + begin, &leaf->valueMask(), LeafFormat::kMaskBytes), 0);
+        std::ostringstream mask;
+        leaf->valueMask().save(mask);
+        EXPECT_EQ(std::string(records.data() + begin, LeafFormat::kMaskBytes), mask.str());
         kinds.insert(records[begin + LeafFormat::kMaskBytes]);
     }
     EXPECT_EQ(std::string(records.begin(), records.end()), bytes);

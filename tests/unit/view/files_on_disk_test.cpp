@@ -16,6 +16,7 @@ namespace {
 std::vector<std::int64_t> framesOf(const std::vector<FileSeen>& files)
 {
     std::vector<std::int64_t> frames;
+    frames.reserve(files.size());
     for (const FileSeen& file : files)
         frames.push_back(file.frame);
     return frames;
