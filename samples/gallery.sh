@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of docs/gallery.md: four flows, each as vortex, flow, ink, xray and annotated; and two films.
+# Makes the pictures of docs/render.md: four flows, each as vortex, flow, ink, xray and annotated; and two films.
 #
 #     samples/gallery.sh TOOLS [DATA]
 #
@@ -16,7 +16,7 @@ mkdir -p "$out" "$images"
 # texture NAME VELOCITY OPTIONS...
 texture() { "$tools/vdblic_advect" "$2" -o "$out/$1.%04d.vdb" -q --restart --with vorticity,q "${@:3}" >>"$out/log.txt"; }
 
-# gallery NAME TITLE OPTIONS...: OPTIONS as in docs/gallery.md.
+# gallery NAME TITLE OPTIONS...: OPTIONS as in docs/render.md.
 gallery() {
     local name=$1 title=$2
     local -a options=("${@:3}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Make the pictures of docs/options.md from what that page says."""
+"""Make the pairs of pictures of docs/methods.md and docs/render.md from what these pages say."""
 import argparse
 import functools
 import pathlib
@@ -8,7 +8,7 @@ import shlex
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "options.md"
+PAGES = [ROOT / "docs/methods.md", ROOT / "docs/render.md"]
 OUT = ROOT / "out" / "options"
 COMMON = re.compile(r"Textures with `([^`]*)`(?:, pictures with `([^`]*)`)?[.:]")
 PAIR = re.compile(r"`(-[^`]*)` or `(-[^`]*)`(?P<advects> \(of `vdblic_advect`\))?:")
@@ -17,7 +17,7 @@ PICTURE = re.compile(r"!\[[^]]*\]\((images/options/\S+\.jpg)\)")
 
 def pairs():
     """The file of each pair with its two pictures, as options of a texture and of a picture."""
-    for paragraph in PAGE.read_text(encoding="utf-8").split("\n\n"):
+    for paragraph in "\n\n".join(page.read_text(encoding="utf-8") for page in PAGES).split("\n\n"):
         paragraph = " ".join(paragraph.split("\n"))
         if found := COMMON.match(paragraph):
             texture, picture = (shlex.split(options or "") for options in found.groups())
@@ -25,7 +25,7 @@ def pairs():
             pair = found
         elif found := PICTURE.match(paragraph):
             sides = [shlex.split(options) for options in pair.groups()[:2]]
-            yield PAGE.parent / found[1], [
+            yield ROOT / "docs" / found[1], [
                 (merged(texture, side), picture) if pair["advects"] else (texture, merged(picture, side))
                 for side in sides]
 
@@ -61,7 +61,7 @@ def main():
     parser.add_argument("names", nargs="*", metavar="name", help="pictures without their ending; by default all")
     given = parser.parse_args()
     if unknown := [name for name in given.names if name not in made]:
-        parser.error(f"{PAGE.name} has no picture {unknown[0]}; it has {', '.join(made)}")
+        parser.error(f"no page has the picture {unknown[0]}; these exist: {', '.join(made)}")
     OUT.mkdir(parents=True, exist_ok=True)
     for target, sides in [made[name] for name in given.names or made]:
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What vdblic_advect costs from file to file: the second table of docs/reports/performance.md.
+"""What vdblic_advect costs from file to file: a table of docs/evidence.md.
 
     tests/bench/file_to_file.py BUILD [DATA] [--rate STEPS]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The table and the slices of docs/reports/methods.md: all dense methods on the same flows, measured alike.
+"""The table "Dense methods" of docs/evidence.md and the slices of docs/methods.md: all dense methods on the same flows.
 
     /usr/bin/python3 tests/bench/methods.py TOOLS DATA [--flows FLOW...] [--methods METHOD...] [--slices FOLDER]
 
@@ -115,7 +115,7 @@ def print_flow(tools, data, name, methods, slices):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Measure the table of docs/reports/methods.md anew.")
+    parser = argparse.ArgumentParser(description="Measure the dense methods of docs/evidence.md anew.")
     parser.add_argument("tools", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path)
     parser.add_argument("--flows", nargs="+", choices=quality.FLOWS, default=list(quality.FLOWS))

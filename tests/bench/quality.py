@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables and the slices of docs/reports/quality.md.
+"""The tables "Defaults" of docs/evidence.md, with more rows, and slices of the textures.
 
     /usr/bin/python3 tests/bench/quality.py TOOLS [DATA] [--flows FLOW...] [--slices FOLDER]
 
@@ -145,7 +145,7 @@ def print_tables(tools, data, names, slices=None):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Measure the tables of docs/reports/quality.md anew.")
+    parser = argparse.ArgumentParser(description="Measure the defaults of docs/evidence.md anew.")
     parser.add_argument("tools", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path, nargs="?")
     parser.add_argument("--flows", nargs="+", choices=FLOWS)

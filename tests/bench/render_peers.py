@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The tables of rendering in docs/reports/performance.md: times of a picture beside VTK's ray caster and vdb_render, on
-two threads, of sparse volumes, in 1080p.
+"""The table "Pictures" of docs/evidence.md: times of a picture beside VTK's ray caster and vdb_render, on two threads, of
+sparse volumes, in 1080p.
 
     xvfb-run -a /usr/bin/python3 tests/bench/render_peers.py TOOLS [SECTION...]      e.g. build/release/tools vtk
     /usr/bin/python3 tests/bench/render_peers.py TOOLS files --before OTHER
@@ -254,7 +254,7 @@ def bench_files(bench, before):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Measure the tables of rendering in docs/reports/performance.md anew.")
+    parser = argparse.ArgumentParser(description="Measure the pictures of docs/evidence.md anew.")
     parser.add_argument("tools", type=pathlib.Path)
     parser.add_argument("sections", nargs="*", metavar="section")
     parser.add_argument("--before", type=pathlib.Path, help="the tools of another build, for the section files")

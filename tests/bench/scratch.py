@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the memory in a scratch file costs where it is not needed, for docs/reports/performance.md.
+"""What the memory in a scratch file costs where it is not needed, for docs/evidence.md.
 
     tests/bench/scratch.py build/release
 

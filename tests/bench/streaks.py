@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Prints the tables of docs/reports/streaks.md: what streaks cost, how steady they are, and how they show direction.
+"""Prints the tables "Streaks" of docs/evidence.md: what streaks cost, how steady they are, and how they show direction.
 
     tests/bench/streaks.py build/release DATA
 

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""The tables of docs/reports, measured anew, as Markdown.
+"""Tables of docs/evidence.md, measured anew, as Markdown.
 
     xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD [DATA] [--only performance|quality|render] [--frames N]
 
-BUILD is the build folder (build/release). DATA holds the flows of docs/reports/quality.md; quality.py says which, and prints the
+BUILD is the build folder (build/release). DATA holds the flows of docs/evidence.md; quality.py says which, and prints the
 tables of one flow. `--frames` shortens a trial of the engine.
 
-The tables of docs/reports/performance.md that compare two builds, of files and rendering, are not among them: render_peers.py
-prints those of rendering.
+docs/evidence.md names the commands of its other tables.
 """
 
 import argparse
@@ -96,7 +95,7 @@ def main():
     build = given.build.resolve()
     wanted = lambda part: given.only in (None, part)
     if wanted("performance"):
-        print("## docs/reports/performance.md\n")
+        print("## Engine\n")
         report = engine_report(build, given.frames)
         print_engine(report, given.frames)
         print(flush=True)
@@ -105,10 +104,10 @@ def main():
         print(flush=True)
         subprocess.run([sys.executable, HERE / "refine.py", build, "--frames", "4"], check=True)
     if wanted("quality"):
-        print("\n## docs/reports/quality.md")
+        print("\n## Defaults")
         quality.print_tables(build / "tools", given.data, quality.flows_of(given.data))
     if wanted("render"):
-        print("\n## docs/reports/performance.md, rendering\n", flush=True)
+        print("\n## Pictures\n", flush=True)
         subprocess.run([sys.executable, HERE / "render_peers.py", build / "tools"], check=True)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The table of the viewer in docs/reports/performance.md.
+"""The table "Viewer" of docs/evidence.md.
 
     tests/bench/viewer.py build/release TEXTURE
 

@@ -15,12 +15,10 @@ import urllib.parse
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 CONTENTS = {
-    "Begin": ["tutorial", "install", "film", "gallery", "options"],
-    "Guides": ["methods", "streaks", "render", "view", "quality", "performance", "import", "export", "python", "blender",
-               "houdini", "distributed"],
-    "Reference": ["formats", "render-reference", "survival", "diff", "library", "algorithm", "architecture"],
-    "Reports": ["reports/quality", "reports/performance", "reports/distributed", "reports/streaks", "reports/methods"],
-    "Project": ["changelog", "stability", "roadmap", "porting", "CONTRIBUTING", "SECURITY", "RELEASING"],
+    "Begin": ["tutorial", "install"],
+    "Guides": ["methods", "render", "view", "import", "export", "blender", "python", "library", "distributed"],
+    "Reference": ["formats", "render-reference", "survival", "measure", "evidence", "algorithm", "architecture"],
+    "Project": ["changelog", "CONTRIBUTING", "SECURITY", "RELEASING"],
 }
 
 CONFIGURATION = """

@@ -16,7 +16,7 @@ Source = str | os.PathLike | Volume
 def diff(a: Source, b: Source, /, **options: Any) -> dict[str, Any]:
     """Compare two files, patterns or volumes as `vdblic_diff` does; a volume with a volume or with one file.
 
-    Returns its report (docs/diff.md), in which volumes are called a and b; report["verdict"] is same, warning or
+    Returns its report (docs/measure.md), in which volumes are called a and b; report["verdict"] is same, warning or
     different. Raises ValueError for what cannot be read or compared.
 
 {parameters}
@@ -28,7 +28,7 @@ def diff(a: Source, b: Source, /, **options: Any) -> dict[str, Any]:
 
 def coherence(velocity: str | os.PathLike, texture: str | os.PathLike, /, **options: Any) -> dict[str, Any]:
     """Measure how a texture sequence moves with its flow, as `vdblic_coherence` does. Returns its report
-    (docs/quality.md).
+    (docs/measure.md).
 
 {parameters}
     """

@@ -22,7 +22,7 @@ namespace vdblic {
 [[nodiscard]] std::string sparseLine(const SparseCoherence& frame);
 [[nodiscard]] std::vector<std::string> sparseMeanLines(const SequenceCoherence& coherence);
 
-/// Everything that was measured, as JSON with two spaces of indentation (docs/quality.md); unknown figures are null.
+/// Everything that was measured, as JSON with two spaces of indentation (docs/measure.md); unknown figures are null.
 [[nodiscard]] std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params);
 
 /// Plot the mean autocorrelations by lag, along and across the flow, raw and smoothed, as an SVG image.

@@ -15,7 +15,7 @@ namespace vdblic {
 /// Lines of text: the figures of a frame's grids that are equal within tolerance.
 [[nodiscard]] std::vector<std::string> detailLines(const FrameDifference& frame);
 
-/// The whole difference as JSON, indented by two spaces (docs/diff.md).
+/// The whole difference as JSON, indented by two spaces (docs/measure.md).
 ///
 /// Numbers that JSON lacks are the strings "inf", "-inf" and "nan".
 [[nodiscard]] std::string toJson(const SequenceDifference& difference, const CompareParams& params);

@@ -18,7 +18,7 @@ namespace vdblic {
 /// finds its voxel closed ends: the first one there takes over its values.
 ///
 /// With a share of 4 / (3 L) streaks are as long, and as coherent, as with a window of L frames
-/// (docs/reports/quality.md).
+/// (docs/evidence.md).
 class FadingValues {
   public:
     static constexpr bool kTakesUp = true;       ///< whether pathlines take up the values of open voxels

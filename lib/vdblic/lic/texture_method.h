@@ -10,7 +10,7 @@ enum class TextureMethod {
     kAuflic2004, ///< accelerated UFLIC as published (Liu & Moorhead 2004)
     kUflic,      ///< a seed for every voxel and frame (Shen & Kao 1998)
     kLic,        ///< each frame on its own (Cabral & Leedom 1993)
-    kStreaks,    ///< sparse: particles that live for many frames, with tails (docs/streaks.md)
+    kStreaks,    ///< sparse: particles that live for many frames, with tails (docs/methods.md)
     kIbfv,       ///< the texture before, pulled back and blended with noise (van Wijk 2002)
     kLea,        ///< moved noise, blended from frame to frame (Jobard, Erlebacher & Hussaini 2002)
     kUfac,       ///< moved noise, convolved along streamlines (Weiskopf, Erlebacher & Ertl 2003)

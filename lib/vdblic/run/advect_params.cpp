@@ -172,7 +172,7 @@ std::uint64_t AdvectParams::prerollSteps() const
 
 int AdvectParams::leadInFrames() const
 {
-    constexpr int kLifeSpans = 2; // measured: docs/reports/quality.md
+    constexpr int kLifeSpans = 2; // measured: docs/evidence.md
     if (isSparse()) {
         constexpr float kTail = 4, kSettling = 2;
         return leadIn.value_or(int(std::ceil(streaks.tail.value_or(kTail) + kSettling)));

@@ -194,7 +194,7 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
 /// What a run takes whose other parameters are the defaults. @param frames to compute
 void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std::size_t frames, VelocityInfo& velocity)
 {
-    constexpr double kSeconds = 0.22e-6; // of processor time for a voxel and frame (docs/reports/performance.md)
+    constexpr double kSeconds = 0.22e-6; // of processor time for a voxel and frame (docs/evidence.md)
     constexpr double kPreroll = 4;
     double memory = 0;
     for (const GridInfo& grid : info.grids) {

@@ -14,7 +14,7 @@
 
 namespace vdblic {
 
-/// Sparse textures whose streaks show where the flow goes and move with it (docs/streaks.md).
+/// Sparse textures whose streaks show where the flow goes and move with it (docs/methods.md).
 ///
 /// Liu & Moorhead (2004, section 3.1) tell why sparse noise cannot be fed to AUFLIC: fed forward, empty space does not
 /// follow the flow. Here nothing is fed forward. A sparse set of particles lives for many frames, a controller keeps
