@@ -30,15 +30,14 @@ Image Picture::of(const VdbFile& volume, std::int64_t frame)
 {
     if (mOfSparse && isSparse(volume.metadata)) mParams = *mOfSparse;
     mOfSparse.reset();
-    RenderParams params = mParams;
-    params.texture = textureName(volume.metadata, mParams.texture);
-    const auto loaded = std::make_shared<const LoadedTexture>(loadFrame(params, volume, {frame, volume.path}));
+    const RenderParams& params = mParams;
+    const auto loaded = std::make_shared<const LoadedTexture>(
+        loadFrame(params, volume, {frame, volume.path}, mScene ? &*mScene : nullptr));
     if (!mScene) {
         const glm::ivec2 size = params.scaledSize();
         if (loaded->volume.empty())
             return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, params.background)};
         mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
-        if (!mParams.opacityBy.empty()) mParams.opacityBy = {mScene->opacityBy};
     }
     std::shared_ptr<const Solid> solid;
     if (!params.solid.source.empty())

@@ -70,9 +70,9 @@ std::optional<openvdb::CoordBBox> storedBox(const openvdb::GridBase& grid)
     return openvdb::CoordBBox(openvdb::Coord(low->value()), openvdb::Coord(high->value()));
 }
 
-std::optional<GridHeader> readGridHeader(const std::filesystem::path& path, const std::string& name)
+std::optional<GridHeader> gridHeader(const VdbHeader& file, const std::string& name)
 {
-    for (const openvdb::GridBase::Ptr& grid : readVdbHeader(path).grids) {
+    for (const openvdb::GridBase::Ptr& grid : file.grids) {
         if (grid->getName() != name) continue;
         const std::optional<openvdb::CoordBBox> box = storedBox(*grid);
         return box ? std::optional(GridHeader{grid->transformPtr(), *box}) : std::nullopt;

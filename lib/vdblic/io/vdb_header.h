@@ -28,9 +28,8 @@ struct GridHeader {
     openvdb::CoordBBox box; ///< of the active voxels; empty if there are none
 };
 
-/// Read the header of the first grid of a name.
+/// The header of the first grid of a name.
 /// @return nothing if there is none, or it lacks the bounding box of its voxels, which few writers omit
-/// @throws InputError naming the file and the reason
-[[nodiscard]] std::optional<GridHeader> readGridHeader(const std::filesystem::path& path, const std::string& name);
+[[nodiscard]] std::optional<GridHeader> gridHeader(const VdbHeader& file, const std::string& name);
 
 } // namespace vdblic

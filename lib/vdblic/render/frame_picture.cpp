@@ -64,7 +64,7 @@ Image FramePicture::image() const
     if (mShare) mShare->assemble(image);
     if (mParams.annotations.any() && mExchange.isFirst()) {
         const auto shown = [&](const std::string& name) { // the texture stands in for the speed
-            return !frame.hasColor && name == mParams.colorBy ? mParams.texture : name;
+            return !frame.hasColor && name == mParams.colorBy ? frame.texture->getName() : name;
         };
         FrameClock clock = frame.clock;
         clock.longest = mScene.longest;
@@ -87,6 +87,8 @@ Image FramePicture::image() const
 ImageHeader FramePicture::header() const
 {
     RenderParams params = mParams;
+    params.texture = mShown->frame().texture->getName();
+    if (!params.opacityBy.empty()) params.opacityBy = {mScene.opacityBy};
     params.rays.interpolation = mRays.interpolation;
     return imageHeader(params, mScene.look, mCamera, mShown->frame().file);
 }

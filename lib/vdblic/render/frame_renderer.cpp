@@ -44,7 +44,7 @@ FrameImage FrameRenderer::render(const FrameFile& file, const Scene* scene,
 {
     std::optional<FrameShare> share;
     if (scene && !mExchange.isAlone()) {
-        const std::optional<GridHeader> header = headerOf(file, mParams.texture);
+        const std::optional<GridHeader> header = textureHeader(file, mParams.texture);
         if (!header || !header->transform->isLinear()) {
             (void)loadFrame(mParams, file); // says why
             throw InputError(fmt::format("{}: its header changes while it is read", file.path.string()));
@@ -53,13 +53,15 @@ FrameImage FrameRenderer::render(const FrameFile& file, const Scene* scene,
         frame = nullptr;
     }
     if (!frame) {
-        frame = std::make_shared<const LoadedTexture>(
-            loadFrame(mParams, file, scene ? &scene->look : nullptr, share ? &share->leaves : nullptr));
+        frame =
+            std::make_shared<const LoadedTexture>(loadFrame(mParams, file, scene, share ? &share->leaves : nullptr));
     }
     FrameImage result{.hasColor = frame->hasColor, .unusableVoxels = frame->volume.unusableVoxels()};
     if (!mParams.histogram.empty() && scene) {
         result.histograms.emplace(scene->look);
-        result.histograms->add(*frame->texture, *frame->color, *frame->opacity);
+        const auto color = frame->onTexture(frame->color);
+        const auto opacity = frame->opacity == frame->color ? color : frame->onTexture(frame->opacity);
+        result.histograms->add(*frame->texture, *color, *opacity);
     }
     if (mParams.output.empty() && mParams.film.empty()) return result;
     const glm::ivec2 size = mParams.scaledSize();

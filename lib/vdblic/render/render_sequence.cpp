@@ -8,7 +8,6 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
-#include "vdblic/io/texture_name.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/look/transfer_file.h"
 #include "vdblic/render/annotation_font.h"
@@ -68,9 +67,6 @@ class SequenceRenderer {
         const bool isPiped = params.input.pattern == "-";
         const std::vector<FrameFile> files = isPiped ? std::vector<FrameFile>{} : selectFrames(params.input);
         checkRenderOutputs(params, files);
-        for (const FrameFile& file : files) {
-            if (mParams.texture.empty()) mParams.texture = textureName(file.path, mParams.texture);
-        }
         if (!params.output.empty()) mOutput.emplace(params.output);
         if (!params.film.empty()) mFilm.emplace(params.film, params.scaledSize(), params.framesPerSecond);
     }
@@ -79,7 +75,7 @@ class SequenceRenderer {
     {
         if (mParams.input.pattern != "-") {
             if (std::optional<SequenceScene> found = sceneOfSequence(mParams, mExchange)) {
-                setScene(std::move(found->scene));
+                mScene = std::move(found->scene);
                 mOnlyFrame = std::move(found->onlyFrame);
             }
             if (mScene) tellTransfer();
@@ -180,13 +176,6 @@ class SequenceRenderer {
         if (mError) std::rethrow_exception(mError);
     }
 
-    /// No frame is being rendered yet.
-    void setScene(Scene scene)
-    {
-        if (!mParams.opacityBy.empty()) mParams.opacityBy = {scene.opacityBy};
-        mScene = std::move(scene);
-    }
-
     /// Take the next frame; false at the end and after an error.
     bool take(FrameTask& task)
     {
@@ -200,13 +189,12 @@ class SequenceRenderer {
             if (mOutput && mParams.input.pattern == "-") checkOutput(mOutput->path(file->frame));
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // standard input named a second path
             task.file = *file;
-            mParams.texture = textureName(file->path, mParams.texture);
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
             if (!mScene) {
                 task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
                 if (!task.loaded->volume.empty()) {
                     OneProcess alone;
-                    setScene(chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), {}, alone));
+                    mScene = chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), {}, alone);
                 }
             }
             if (mScene) task.scene = &*mScene;
@@ -319,7 +307,7 @@ class SequenceRenderer {
         mReporter.detail(fmt::format("{}, about {:.0f} MB each", which, scene.frameBytes / 1e6));
     }
 
-    RenderParams mParams; // as given, with the texture's name
+    const RenderParams& mParams;
     Reporter& mReporter;
     Exchange& mExchange;
     FrameRenderer mRenderer;

@@ -91,7 +91,7 @@ openvdb::FloatGrid::Ptr flowVoxelsOf(const VdbFile& file, const openvdb::FloatGr
     return file.find<openvdb::FloatGrid>(RenderParams{}.colorBy);
 }
 
-openvdb::FloatGrid::Ptr onTexture(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
+openvdb::FloatGrid::Ptr resampledOn(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
 {
     const bool together = grid->transform() == texture.transform() || !grid->transform().isLinear();
     return together ? grid : resampled(*grid, texture);
@@ -127,6 +127,15 @@ openvdb::FloatGrid::ConstPtr LoadedTexture::domain() const
     return finer;
 }
 
+openvdb::FloatGrid::ConstPtr LoadedTexture::onTexture(const openvdb::FloatGrid::Ptr& scalar) const
+{
+    try {
+        return resampledOn(scalar, *texture);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", file.path.string(), error.what()));
+    }
+}
+
 double LoadedTexture::bytes() const
 {
     return double(volume.leafCount()) * (kLeafBytes + volume.bytesPerLeaf());
@@ -140,10 +149,10 @@ double bytesPerVoxel(const RenderParams& params)
     return (kLeafBytes + records) / LeafVoxel::kCount;
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look, const LeafShare* share)
+LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Scene* scene, const LeafShare* share)
 {
-    if (!share) return loadFrame(params, readVdb(frame.path), frame, look);
-    const std::optional<GridHeader> header = headerOf(frame, params.texture);
+    if (!share) return loadFrame(params, readVdb(frame.path), frame, scene);
+    const std::optional<GridHeader> header = textureHeader(frame, params.texture);
     // Records hold a voxel more on all sides, and their gradients another one. Other grids are to be resampled.
     const int rim = rimOf(params) + LeafVoxel::kDim;
     const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
@@ -151,17 +160,19 @@ LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, cons
     };
     const bool verifies = share->owns(openvdb::Coord(0)); // one rank does
     const VdbFile file = readVdb(frame.path, isKept, verifies);
-    const auto texture = file.find<openvdb::FloatGrid>(params.texture);
+    const std::string name = textureName(file.metadata, params.texture);
+    const auto texture = file.find<openvdb::FloatGrid>(name);
     if (header && texture && texture->transform() != *header->transform)
-        throw InputError(fmt::format("{}: holds several grids '{}'; rename one", frame.path.string(), params.texture));
-    return loadFrame(params, file, frame, look, share);
+        throw InputError(fmt::format("{}: holds several grids '{}'; rename one", frame.path.string(), name));
+    return loadFrame(params, file, frame, scene, share);
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame, const Look* look,
+LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame, const Scene* scene,
                         const LeafShare* share)
 {
-    const auto texture = file.get<openvdb::FloatGrid>(params.texture, "`texture`");
-    const std::vector<std::string>& opacityBy = params.opacityBy;
+    const auto texture = file.get<openvdb::FloatGrid>(textureName(file.metadata, params.texture), "`texture`");
+    std::vector<std::string> opacityBy = params.opacityBy;
+    if (scene && !opacityBy.empty()) opacityBy = {scene->opacityBy};
     const auto storedColor = findScalar(file, {params.colorBy});
     if (!storedColor && params.colorBy != RenderParams{}.colorBy)
         throw missingScalar(file, {params.colorBy}, opacityBy.empty() ? "`by`" : "`color_by`");
@@ -170,16 +181,18 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
     try {
         const bool isSparse = vdblic::isSparse(file.metadata);
         const auto usable = [&](const openvdb::FloatGrid::Ptr& grid) {
-            const bool isCoarse = isSparse && params.histogram.empty() && CoarseScalar::of(*grid, *texture);
-            return isCoarse ? grid : onTexture(grid, *texture);
+            const bool isCoarse = isSparse && CoarseScalar::of(*grid, *texture);
+            return isCoarse ? grid : resampledOn(grid, *texture);
         };
         const auto color = storedColor ? usable(storedColor) : texture;
         const auto opacity = storedOpacity && storedOpacity != storedColor ? usable(storedOpacity) : color;
         const bool hasLines = params.look.shading.model == ShadingModel::kLine;
         const std::string lengthUnit = textOf(file.metadata, "length_unit");
         // The lines at a leaf's rim are those of its neighbours.
-        const RecordUse use{
-            .look = hasLines ? nullptr : look, .share = share, .rim = rimOf(params), .isSparse = isSparse};
+        const RecordUse use{.look = hasLines || !scene ? nullptr : &scene->look,
+                            .share = share,
+                            .rim = rimOf(params),
+                            .isSparse = isSparse};
         LoadedTexture loaded{frame,
                              texture,
                              color,
@@ -312,7 +325,7 @@ namespace {
 std::optional<BoxShare> boxOf(const FrameFile& file, const std::string& grid, const Exchange& exchange)
 {
     if (exchange.isAlone()) return std::nullopt;
-    const std::optional<GridHeader> header = headerOf(file, grid);
+    const std::optional<GridHeader> header = textureHeader(file, grid);
     return BoxShare(header ? header->box : openvdb::CoordBBox(), exchange.rank(), exchange.size());
 }
 

@@ -41,20 +41,27 @@ struct LoadedTexture {
     /// A grid whose active voxels are the flow's, fine enough for the faces of solids.
     [[nodiscard]] openvdb::FloatGrid::ConstPtr domain() const;
 
+    /// One of the scalars on the texture's voxels. @throws InputError naming the file
+    [[nodiscard]] openvdb::FloatGrid::ConstPtr onTexture(const openvdb::FloatGrid::Ptr& scalar) const;
+
     [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };
 
 /// Estimate of the memory that a voxel of a frame takes.
 [[nodiscard]] double bytesPerVoxel(const RenderParams& params);
 
-/// @param look  what the frame is to be shown in, if that is known: leaves that it hides are not prepared
+struct Scene;
+
+/// Read a frame. Thread-safe.
+/// @param scene that the frame is to be shown in, once it is chosen: opacity follows its grid, and leaves that its look
+///              hides are not prepared
 /// @param share the leaves that are read, of a frame that ranks share; null: all
 /// @throws InputError naming the file
-[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Look* look = nullptr,
+[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Scene* scene = nullptr,
                                       const LeafShare* share = nullptr);
 /// The same for what a file holds. @param frame number and name, for masks and messages
 [[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame,
-                                      const Look* look = nullptr, const LeafShare* share = nullptr);
+                                      const Scene* scene = nullptr, const LeafShare* share = nullptr);
 
 /// What the look of a sequence is chosen from: samples of some of its frames.
 struct LookBasis {

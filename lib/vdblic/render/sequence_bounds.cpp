@@ -1,6 +1,7 @@
 #include "vdblic/render/sequence_bounds.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <glm/common.hpp>
@@ -9,11 +10,13 @@
 
 namespace vdblic {
 
-std::optional<GridHeader> headerOf(const FrameFile& file, const std::string& gridName)
+std::optional<GridHeader> textureHeader(const FrameFile& file, const std::string& texture)
 {
     try {
-        if (auto header = readGridHeader(file.path, gridName)) return header;
-        const auto grid = readVdb(file.path).find<openvdb::FloatGrid>(gridName);
+        const VdbHeader header = readVdbHeader(file.path);
+        const std::string name = textureName(header.metadata, texture);
+        if (auto found = gridHeader(header, name)) return found;
+        const auto grid = readVdb(file.path).find<openvdb::FloatGrid>(name);
         if (!grid) return std::nullopt;
         return GridHeader{grid->transformPtr(), grid->evalActiveVoxelBoundingBox()};
     } catch (const InputError&) {
@@ -34,7 +37,7 @@ Corners cornersOf(const openvdb::CoordBBox& box, const openvdb::math::Transform&
     return corners;
 }
 
-std::optional<SequenceBounds> sequenceBounds(const std::vector<FrameFile>& files, const std::string& gridName)
+std::optional<SequenceBounds> sequenceBounds(const std::vector<FrameFile>& files, const std::string& texture)
 {
     std::optional<SequenceBounds> bounds;
     openvdb::math::Transform::Ptr transform;
@@ -42,7 +45,7 @@ std::optional<SequenceBounds> sequenceBounds(const std::vector<FrameFile>& files
     bool shared = true; // one transform for all
     glm::dvec3 low, high;
     for (const FrameFile& file : files) {
-        const std::optional<GridHeader> header = headerOf(file, gridName);
+        const std::optional<GridHeader> header = textureHeader(file, texture);
         if (!header || header->box.empty() || !header->transform->isLinear()) continue;
         const Corners corners = cornersOf(header->box, *header->transform);
         if (!bounds) {

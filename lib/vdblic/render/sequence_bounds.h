@@ -16,17 +16,19 @@ struct SequenceBounds {
     FrameFile firstFilled; ///< the first frame that has any
 };
 
-/// The header of a frame's grid, its box computed from the voxels if the file does not hold it; nothing if the grid
+/// The header of a frame's texture, its box computed from the voxels if the file does not hold it; nothing if the grid
 /// cannot be read.
-[[nodiscard]] std::optional<GridHeader> headerOf(const FrameFile& file, const std::string& gridName);
+/// @param texture name of the grid; empty: by the file's metadata (textureName())
+[[nodiscard]] std::optional<GridHeader> textureHeader(const FrameFile& file, const std::string& texture);
 
 /// The corners of the voxels in a box, in world space.
 [[nodiscard]] Corners cornersOf(const openvdb::CoordBBox& box, const openvdb::math::Transform& transform);
 
-/// Find the bounds of a grid over a sequence from the headers of its files. Files without the grid and unreadable files
-/// are ignored; rendering reports them.
+/// Find the bounds of the textures of a sequence from the headers of its files. Files without a texture and unreadable
+/// files are ignored; rendering reports them.
+/// @param texture name of the grid; empty: by each file's metadata
 /// @return nothing if no frame has an active voxel
 [[nodiscard]] std::optional<SequenceBounds> sequenceBounds(const std::vector<FrameFile>& files,
-                                                           const std::string& gridName);
+                                                           const std::string& texture);
 
 } // namespace vdblic

@@ -2,6 +2,7 @@
 
 #include "cast/test_scene.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
@@ -107,6 +108,43 @@ TEST_F(RenderSequence, CameraAndLookStayThoseOfTheFirstFrameThatShowsSomething)
     mParams.input = {mFolder / "lic.0003.vdb"};
     render();
     EXPECT_NE(followed, pixels("image.0003.png"));
+}
+
+/// Names that no small string holds, each of its own file.
+TEST_F(RenderSequence, EachFileNamesItsTexture)
+{
+    mParams.keepGoing = true;
+    for (int frame = 1; frame <= 6; ++frame) {
+        const std::string name = fmt::format("a texture with the long name {}", frame);
+        openvdb::MetaMap metadata;
+        metadata.insertMeta(kTextureKey, openvdb::StringMetadata(name));
+        const auto other = boxGrid("density", boxOf(3, 3, 3), scattered);
+        writeVdb(mFolder / fmt::format("lic.{:04}.vdb", frame), {other, boxGrid(name, boxOf(12, 12, 12), scattered)},
+                 metadata);
+    }
+    const Recorder found = render();
+    EXPECT_EQ(found.outputs.size(), 6u);
+    EXPECT_EQ(found.warned, std::vector<std::string>{});
+    for (int frame = 2; frame <= 6; ++frame)
+        EXPECT_EQ(pixels(fmt::format("image.{:04}.png", frame)), pixels("image.0001.png"));
+}
+
+/// Of a sparse texture, whose scalars lie on coarser voxels.
+TEST_F(RenderSequence, WhatIsWrittenBesideAPictureDoesNotChangeIt)
+{
+    openvdb::MetaMap metadata;
+    metadata.insertMeta(kInactiveKey, openvdb::StringMetadata(kEmpty));
+    const auto texture = boxGrid("density", boxOf(24, 24, 24), scattered);
+    texture->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    texture->transform().postTranslate(openvdb::Vec3d(-0.25));
+    const auto speed = boxGrid("magnitude", boxOf(12, 12, 12), [](const Coord& c) { return float(c.x() * c.y() % 7); });
+    writeVdb(mFolder / "lic.0001.vdb", {texture, speed}, metadata);
+    render();
+    const std::vector<png_byte> alone = pixels("image.0001.png");
+    mParams.histogram = mFolder / "histogram.json";
+    mParams.transferOut = mFolder / "transfer.json";
+    EXPECT_EQ(render().outputs.size(), 3u);
+    EXPECT_EQ(pixels("image.0001.png"), alone);
 }
 
 TEST_F(RenderSequence, TheCameraSeesAllFrames)
