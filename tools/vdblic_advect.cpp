@@ -13,7 +13,7 @@ int main(int argc, char** argv)
     cli::Tool tool(ranks.toolName("vdblic_advect"), "Compute flow textures from a velocity sequence.");
     tool.share(ranks);
     tool.options(parametersOf(params));
-    tool.verifies([&] { return std::vector<SequenceParams>{params.flow.input}; });
+    tool.reads([&] { return std::vector<SequenceParams>{params.flow.input}; });
     constexpr double kInFiles = 6; // frames of velocity and the state
     tool.usesScratch(kInFiles, [&] { return params.output; });
     cli::JoinedNumbers arguments(argc, argv, {"--refine", "--spacing"});

@@ -15,7 +15,7 @@ int main(int argc, char** argv)
                "The report goes to standard error; the path of each finished output is printed on standard output.");
     constexpr double kInFiles = 8; // frames of velocity, smoothed textures and bricks of both
     tool.usesScratch(kInFiles);
-    tool.verifies([&] {
+    tool.reads([&] {
         return std::vector<SequenceParams>{params.flow.input, {params.texture, params.flow.input.frames}};
     });
 

@@ -18,7 +18,7 @@ int main(int argc, char** argv)
                "The report goes to standard error; the path of each finished output is printed on standard output.");
     constexpr double kInFiles = 4; // two volumes, and where they differ
     tool.usesScratch(kInFiles);
-    tool.verifies([&] { return std::vector<SequenceParams>{{params.a, params.frames}, {params.b, params.frames}}; });
+    tool.reads([&] { return std::vector<SequenceParams>{{params.a, params.frames}, {params.b, params.frames}}; });
 
     const std::function<cli::ExitStatus(Reporter&)> job = [&](Reporter& reporter) {
         const SequenceDifference difference = compareSequences(params, reporter);

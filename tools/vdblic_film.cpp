@@ -8,5 +8,8 @@ int main(int argc, char** argv)
     tool.options(parametersOf(params));
     constexpr double kInFiles = 8; // bricks and light of a texture, or frames of velocity and the state
     tool.usesScratch(kInFiles, [&] { return params.output; });
-    return tool.run(argc, argv, [&](vdblic::Reporter& reporter) { vdblic::makeFilm(params, reporter); });
+    return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
+        warnOfOtherNumbers(params.input, reporter);
+        makeFilm(params, reporter);
+    });
 }

@@ -37,6 +37,7 @@ int main(int argc, char** argv)
         std::vector<SequenceInfo> sequences;
         for (const std::string& pattern : patterns) {
             params.flow.input.pattern = pattern;
+            warnOfOtherNumbers(params.flow.input, reporter);
             SequenceInfo info = inspectSequence(params, reporter);
             for (std::string& advice : info.advice)
                 advice = cli::withOptionNames(advice, advised);

@@ -10,7 +10,7 @@ int main(int argc, char** argv)
     vdblic::NoiseParams params;
     vdblic::cli::Tool tool("vdblic_noise", "Make white noise, the input of flow textures.");
     tool.options(parametersOf(params));
-    tool.verifies([&] {
+    tool.reads([&] {
         const auto file = params.like.empty() ? "" : vdblic::parseGridReference(params.like).path.string();
         return std::vector<vdblic::SequenceParams>(file.empty() ? 0 : 1, {file, ""});
     });

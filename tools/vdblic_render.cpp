@@ -16,7 +16,7 @@ int main(int argc, char** argv)
     tool.options(parametersOf(params));
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles, [&] { return params.output; });
-    tool.verifies([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
+    tool.reads([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         params.rays.layers = !params.exr.layers.empty();
         if (!ranks.exchange->isAlone() && (!params.film.empty() || !params.histogram.empty())) {

@@ -67,6 +67,7 @@ int main(int argc, char** argv)
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         if (input.pattern == "-")
             throw vdblic::ParameterError("a viewer goes back and forth in a sequence; name a file or a pattern, not -");
+        warnOfOtherNumbers(input, reporter);
         const double cache = cacheBytes(app);
         reporter.detail(fmt::format("frames that were read are kept up to {}", vdblic::memoryText(cache)));
         vdblic::view::Viewer viewer(vdblic::view::startOf(tool.given(), input), cache);

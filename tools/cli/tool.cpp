@@ -96,7 +96,7 @@ void Tool::options(Parameters parameters)
         ->group(kExpertGroup);
 }
 
-void Tool::verifies(std::function<std::vector<SequenceParams>()> inputs)
+void Tool::reads(std::function<std::vector<SequenceParams>()> inputs)
 {
     mInputs = std::move(inputs);
     mApp.add_flag("--verify", mVerify,
@@ -253,6 +253,10 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         mOptions->apply();
         limitMemory();
         offerScratch();
+        if (mInputs) {
+            for (const SequenceParams& input : mInputs())
+                warnOfOtherNumbers(input, console);
+        }
         if (mVerify) verify(console);
         return status(job(console));
     } catch (const ClosedPipe&) {

@@ -30,8 +30,9 @@ class Tool {
     /// What the command line gave of them, by key.
     [[nodiscard]] const std::map<std::string, Words>& given() const { return mOptions->given(); }
 
-    /// `--verify`. @param inputs returns the .vdb files that the job will read; called once all options are parsed
-    void verifies(std::function<std::vector<SequenceParams>()> inputs);
+    /// Name the .vdb files that the job reads: `--verify` checks them, and a warning names files beside a pattern's
+    /// that it does not match. @param inputs called once all options are parsed
+    void reads(std::function<std::vector<SequenceParams>()> inputs);
 
     /// `--scratch`: let what the job takes beyond the memory lie in a file on disk (core/paging.h).
     /// @param inFiles what the job holds at a time, in files that it reads

@@ -42,9 +42,10 @@ std::string numberedFile(const std::filesystem::path& folder)
 
 } // namespace
 
-std::string likelyPattern(const std::filesystem::path& folder, const std::string& prefix, const std::string& suffix)
+std::string likelyPattern(const std::filesystem::path& folder, const std::string& prefix, const std::string& suffix,
+                          const std::string& only)
 {
-    for (const std::string& name : namesIn(folder)) {
+    for (const std::string& name : only.empty() ? namesIn(folder) : std::vector<std::string>{only}) {
         if (name.size() <= prefix.size() + suffix.size() || !name.starts_with(prefix) || !name.ends_with(suffix))
             continue;
         const std::string digits = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());

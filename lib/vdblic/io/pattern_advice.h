@@ -6,8 +6,9 @@
 namespace vdblic {
 
 /// A pattern for files on disk called PREFIX, digits, SUFFIX; empty if there are none.
+/// @param only the name of the one file to look at; empty: all
 [[nodiscard]] std::string likelyPattern(const std::filesystem::path& folder, const std::string& prefix,
-                                        const std::string& suffix);
+                                        const std::string& suffix, const std::string& only = {});
 
 /// What is probably meant by a file name that has no frame field but looks as if it were to have one, such as
 /// `v.*.vdb`, `v.%4d.vdb` or a folder's name; empty if there is nothing to advise.

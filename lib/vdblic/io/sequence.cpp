@@ -58,6 +58,18 @@ std::vector<std::int64_t> everyFrame(const std::vector<std::int64_t>& found)
     return frames;
 }
 
+/// "SUBJECT leaves out v.998.vdb and 1 more: ...", which says how these files are used; empty if there are none.
+std::string leftOutText(std::string_view subject, const FramePattern& pattern)
+{
+    const std::vector<std::string> others = pattern.otherNumbersOnDisk();
+    if (others.empty()) return {};
+    const std::string more = others.size() > 1 ? fmt::format(" and {} more", others.size() - 1) : "";
+    const std::string meant = pattern.onDisk(others.front());
+    return fmt::format("{} leaves out {}{}: {}", subject, others.front(), more,
+                       meant.empty() ? "pass subframes as paths on standard input, numbered by `renumber`"
+                                     : meant + " matches numbers of that width");
+}
+
 /// @param frames that a steady field is to stand for  @param found what there is, more than one
 [[noreturn]] void refuseSteady(int frames, const std::string& found)
 {
@@ -140,7 +152,11 @@ FramePattern FramePattern::ofLevel(int level) const
 
 std::filesystem::path FramePattern::path(std::int64_t frame) const
 {
-    return mFolder / (hasField() ? mPrefix + padded(frame, *mWidth) + mSuffix : mPrefix);
+    if (!hasField()) return mFolder / mPrefix;
+    const std::filesystem::path usual = mFolder / (mPrefix + padded(frame, *mWidth) + mSuffix);
+    if (frame >= 0) return usual;
+    const std::filesystem::path allDigits = mFolder / (mPrefix + padded(frame, *mWidth + 1) + mSuffix);
+    return !isFile(usual) && isFile(allDigits) ? allDigits : usual;
 }
 
 std::filesystem::path FramePattern::companion(std::string_view name) const
@@ -150,39 +166,70 @@ std::filesystem::path FramePattern::companion(std::string_view name) const
     return mFolder / fmt::format("{}{}{}{}", name, common.empty() ? "" : ".", common, mSuffix);
 }
 
+/// What a file's name has in the place of the field; nothing if the rest differs.
+std::optional<std::string_view> FramePattern::fieldOf(std::string_view name) const
+{
+    if (name.size() <= mPrefix.size() + mSuffix.size()) return std::nullopt;
+    if (!name.starts_with(mPrefix) || !name.ends_with(mSuffix)) return std::nullopt;
+    return name.substr(mPrefix.size(), name.size() - mPrefix.size() - mSuffix.size());
+}
+
 std::optional<std::int64_t> FramePattern::frameOf(const std::filesystem::path& path) const
 {
     const std::string name = path.filename().string();
-    if (name.size() <= mPrefix.size() + mSuffix.size()) return std::nullopt;
-    if (!name.starts_with(mPrefix) || !name.ends_with(mSuffix)) return std::nullopt;
-    const char* begin = name.data() + mPrefix.size();
-    const char* end = name.data() + name.size() - mSuffix.size();
+    const std::optional<std::string_view> field = fieldOf(name);
+    if (!field) return std::nullopt;
     std::int64_t frame = 0;
-    const auto [last, failed] = std::from_chars(begin, end, frame);
-    if (failed != std::errc{} || last != end) return std::nullopt;
+    const auto [last, failed] = std::from_chars(field->data(), field->data() + field->size(), frame);
+    if (failed != std::errc{} || last != field->data() + field->size()) return std::nullopt;
     // Only the spelling of this pattern counts: with %04d, 0007 is frame 7 and 7 is not.
-    return padded(frame, *mWidth) == std::string_view(begin, end) ? std::optional(frame) : std::nullopt;
+    const bool isSpelled = padded(frame, *mWidth) == *field || (frame < 0 && padded(frame, *mWidth + 1) == *field);
+    return isSpelled ? std::optional(frame) : std::nullopt;
 }
 
-std::string FramePattern::onDisk() const
+std::string FramePattern::onDisk(const std::string& name) const
 {
-    return likelyPattern(mFolder, mPrefix, mSuffix);
+    return likelyPattern(mFolder, mPrefix, mSuffix, name);
 }
 
-std::vector<std::int64_t> FramePattern::framesOnDisk() const
+/// The names of the files in the frames' folder, in alphabetical order.
+std::vector<std::string> FramePattern::namesOnDisk() const
 {
     const std::filesystem::path folder = mFolder.empty() ? "." : mFolder;
     std::error_code error;
     std::filesystem::directory_iterator entries(folder, error);
     if (error) throw InputError(fmt::format("{}: cannot read the folder: {}", folder.string(), error.message()));
 
-    std::vector<std::int64_t> frames;
+    std::vector<std::string> names;
     for (const auto& entry : entries) {
-        if (entry.is_directory(error)) continue;
-        if (const auto frame = frameOf(entry.path())) frames.push_back(*frame);
+        if (!entry.is_directory(error)) names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+std::vector<std::int64_t> FramePattern::framesOnDisk() const
+{
+    std::vector<std::int64_t> frames;
+    for (const std::string& name : namesOnDisk()) {
+        if (const auto frame = frameOf(name)) frames.push_back(*frame);
     }
     std::sort(frames.begin(), frames.end());
+    frames.erase(std::unique(frames.begin(), frames.end()), frames.end()); // -003 and -0003 are one frame
     return frames;
+}
+
+std::vector<std::string> FramePattern::otherNumbersOnDisk() const
+{
+    static const std::regex number(R"(-?\d+(\.\d+)?)");
+    std::vector<std::string> names = namesOnDisk();
+    std::erase_if(names, [&](const std::string& name) {
+        const std::optional<std::string_view> field = fieldOf(name);
+        if (!field || !std::regex_match(field->begin(), field->end(), number)) return true;
+        const std::optional<std::int64_t> frame = frameOf(name);
+        return frame && path(*frame).filename() == name;
+    });
+    return names;
 }
 
 Parameters parametersOf(SequenceParams& params, std::string_view name, std::string_view text)
@@ -228,7 +275,8 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     if (found.empty()) {
         const std::string meant = pattern.onDisk();
         throw InputError(fmt::format("{}: no file matches the pattern{}", params.pattern,
-                                     meant.empty() ? "" : fmt::format("; the files on disk match {}", meant)));
+                                     meant.empty() ? leftOutText("; it", pattern)
+                                                   : fmt::format("; the files on disk match {}", meant)));
     }
     const bool chosen = !params.frames.empty();
     std::vector<std::int64_t> frames = chosen ? parseFrameList(params.frames) : everyFrame(found);
@@ -245,13 +293,23 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
     for (const std::int64_t frame : frames) {
         if (!std::binary_search(found.begin(), found.end(), frame)) {
             const bool overshoots = frame < found.front() || frame > found.back();
-            throw InputError(fmt::format("frame {} is missing: {}; {}", frame, pattern.path(frame).string(),
+            throw InputError(fmt::format("frame {} is missing: {}; {}{}", frame, pattern.path(frame).string(),
                                          overshoots ? "`clamp_frames` leaves out what lies beyond the files on disk"
-                                                    : "`frames` can select the others"));
+                                                    : "`frames` can select the others",
+                                         leftOutText("; the pattern", pattern)));
         }
         files.push_back({frame, pattern.path(frame)});
     }
     return repeated(std::move(files), params);
+}
+
+void warnOfOtherNumbers(const SequenceParams& params, Reporter& reporter)
+{
+    if (params.pattern == "-" || !params.frames.empty()) return;
+    const FramePattern pattern(params.pattern);
+    if (!pattern.hasField() || pattern.framesOnDisk().empty()) return; // the latter is an error
+    const std::string text = leftOutText(params.pattern, pattern);
+    if (!text.empty()) reporter.warn(text);
 }
 
 std::vector<std::int64_t> selectedFrames(const SequenceParams& params)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/core/parameters.h"
+#include "vdblic/core/reporter.h"
 #include "vdblic/io/frame_list.h"
 
 #include <cstddef>
@@ -28,7 +29,8 @@ class FramePattern {
     [[nodiscard]] bool hasField() const { return mWidth.has_value(); }
     [[nodiscard]] const std::string& text() const { return mText; }
 
-    /// The path of a frame. Zero-padded as by printf: the sign counts towards the width.
+    /// The path of a frame. Zero-padded as by printf, where a sign counts towards the width: -003 for `%04d`. If only
+    /// the file with all digits is on disk, -0003, that is the path.
     [[nodiscard]] std::filesystem::path path(std::int64_t frame) const;
 
     /// A further file in the frames' folder: the given name followed by the constant part of the frames' names, such as
@@ -40,15 +42,23 @@ class FramePattern {
     [[nodiscard]] FramePattern ofLevel(int level) const;
 
     /// A pattern that files on disk match, which differ from this one's in the width of the field; empty if none do.
-    [[nodiscard]] std::string onDisk() const;
+    /// @param name of the file to match; empty: any
+    [[nodiscard]] std::string onDisk(const std::string& name = {}) const;
 
     /// The frames on disk, in numeric order. @throws InputError if the folder cannot be read
     [[nodiscard]] std::vector<std::int64_t> framesOnDisk() const;
+
+    /// Names of the files beside the frames that have another number where the pattern has its field: of a subframe,
+    /// such as 1001.25, or padded to another width. In alphabetical order. Only for a pattern with a field.
+    [[nodiscard]] std::vector<std::string> otherNumbersOnDisk() const;
 
     /// The frame whose file has this name, if any; the folder is ignored. Only for a pattern with a field.
     [[nodiscard]] std::optional<std::int64_t> frameOf(const std::filesystem::path& path) const;
 
   private:
+    [[nodiscard]] std::optional<std::string_view> fieldOf(std::string_view name) const;
+    [[nodiscard]] std::vector<std::string> namesOnDisk() const;
+
     std::string mText;
     std::filesystem::path mFolder;
     std::string mPrefix, mSuffix;
@@ -95,6 +105,10 @@ struct SequenceParams {
 /// @throws InputError naming the missing frame, ParameterError on a frame list for a single file, or on several frames
 ///         that are to be steady
 [[nodiscard]] std::vector<FrameFile> selectFrames(const SequenceParams& params);
+
+/// Warn of files beside the frames of a pattern that it does not match (FramePattern::otherNumbersOnDisk()), if every
+/// frame found is to be used.
+void warnOfOtherNumbers(const SequenceParams& params, Reporter& reporter);
 
 /// The numbers of the frames that a sequence selects. @throws as selectFrames()
 [[nodiscard]] std::vector<std::int64_t> selectedFrames(const SequenceParams& params);

@@ -240,6 +240,65 @@ TEST(OpenSequence, GoesThroughAPattern)
     EXPECT_FALSE(next());
 }
 
+struct Warnings : Reporter {
+    void warn(std::string_view message) override { texts.emplace_back(message); }
+    std::vector<std::string> texts;
+};
+
+std::vector<std::string> warningsOf(const SequenceParams& params)
+{
+    Warnings warnings;
+    warnOfOtherNumbers(params, warnings);
+    return warnings.texts;
+}
+
+TEST(OtherNumbers, OfAnotherWidthAreNamed)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"v.998.vdb", "v.999.vdb", "v.1000.vdb", "v.1001.vdb", "v.rest.vdb", "v.level1.1000.vdb"})
+        folder.add(name);
+    const SequenceParams params{(folder / "v.%04d.vdb").string(), ""};
+    EXPECT_EQ(FramePattern(params.pattern).otherNumbersOnDisk(), (std::vector<std::string>{"v.998.vdb", "v.999.vdb"}));
+    const std::vector<std::string> warned = warningsOf(params);
+    ASSERT_EQ(warned.size(), 1u);
+    expectContains(warned[0], "v.%04d.vdb leaves out v.998.vdb and 1 more");
+    expectContains(warned[0], "v.%03d.vdb");
+    EXPECT_EQ(selectedFrames({(folder / "v.%03d.vdb").string(), ""}), (Frames{998, 999, 1000, 1001}));
+    EXPECT_TRUE(warningsOf({(folder / "v.%03d.vdb").string(), ""}).empty());
+    EXPECT_TRUE(warningsOf({params.pattern, "1000"}).empty()); // chosen
+    expectContains(messageOf<InputError>([&] { (void)selectFrames({params.pattern, "999-1001"}); }), "v.998.vdb");
+}
+
+TEST(OtherNumbers, SubframesAreNamed)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"v.1001.00.vdb", "v.1001.25.vdb"})
+        folder.add(name);
+    const SequenceParams params{(folder / "v.%04d.vdb").string(), ""};
+    const std::string message = messageOf<InputError>([&] { (void)selectFrames(params); });
+    expectContains(message, "it leaves out v.1001.00.vdb and 1 more");
+    expectContains(message, "`renumber`");
+    folder.add("v.1001.vdb");
+    EXPECT_EQ(selectedFrames(params), Frames{1001});
+    EXPECT_EQ(warningsOf(params).size(), 1u);
+}
+
+TEST(SelectFrames, TakesBothSpellingsOfNegativeNumbers)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"a.-0003.vdb", "a.-0002.vdb", "a.0000.vdb", "b.-003.vdb", "b.-0003.vdb"})
+        folder.add(name);
+    const std::vector<FrameFile> files = selectFrames({(folder / "a.%04d.vdb").string(), "-3,-2,0"});
+    ASSERT_EQ(files.size(), 3u);
+    EXPECT_EQ(files[0].path.filename(), "a.-0003.vdb");
+    EXPECT_EQ(files[1].path.filename(), "a.-0002.vdb");
+    EXPECT_EQ(FramePattern((folder / "a.$F4.vdb").string()).framesOnDisk(), (Frames{-3, -2, 0}));
+    const FramePattern both((folder / "b.%04d.vdb").string());
+    EXPECT_EQ(both.framesOnDisk(), Frames{-3});
+    EXPECT_EQ(both.path(-3).filename(), "b.-003.vdb");
+    EXPECT_EQ(both.otherNumbersOnDisk(), std::vector<std::string>{"b.-0003.vdb"});
+}
+
 TEST(FrameOfName, ReadsTheNumberAtTheEnd)
 {
     EXPECT_EQ(frameOfName("a/smoke_0012.vdb"), 12);
