@@ -168,6 +168,32 @@ class Info(ToolTest):
             file.unlink()
         return set(found)
 
+    def test_values_that_are_all_infinite(self):
+        self.write(1, self.constant(numpy.inf))
+        info, text = self.info("v.0001.vdb", "--values")
+        self.assertIn("none of 4096 values is finite", text)
+        self.assertNotIn("at rest", text)
+        grid, = info["grids"]
+        self.assertEqual((grid["not_finite"], "low" in grid), (4096, False))
+        film = self.run_tool("vdblic_film", "v.0001.vdb", "-o", "v.png")
+        self.assertEqual(film.returncode, 3)
+        self.assertIn("no value of grid 'velocity' is finite", film.stderr)
+
+    def test_grids_of_one_name(self):
+        grids = []
+        for size in 1, 2, 3:
+            grid = vdb.FloatGrid()
+            grid.fill((0, 0, 0), (size, 7, 7), float(size))
+            grid.transform = vdb.createLinearTransform(size)
+            grid.name = "density"
+            grids.append(grid)
+        vdb.write(str(self.folder / "d.0001.vdb"), grids)
+        info, text = self.info("d.0001.vdb", "--values")
+        self.assertIn("holds 3 grids 'density', and tools read the first", text)
+        self.assertNotIn("changes between frames", text)
+        grid, = info["grids"]
+        self.assertEqual((grid["of_name"], grid["voxel_size"], grid["high"]), (3, [1, 1, 1], 1))
+
     def test_damaged_files_are_named(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 16, 16, 16, "--frames", "1-4")
         self.assertEqual(self.info("v.%04d.vdb")[0]["with_checksums"], 4)

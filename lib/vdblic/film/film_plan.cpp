@@ -2,7 +2,6 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/core/memory.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/run/advect_params.h"
@@ -24,8 +23,7 @@
 namespace vdblic {
 namespace {
 
-constexpr double kPace = 10;   // pixels a picture
-constexpr double kShare = 0.5; // of the machine's memory: what may be used of it changes no picture
+constexpr double kPace = 10; // pixels a picture
 constexpr double kLeastSeconds = 2, kMostSeconds = 10, kSteadySeconds = 4;
 constexpr double kLeastMoves = 4; // voxels a frame, for a flow that moves too little or too far
 
@@ -211,7 +209,8 @@ class FilmPlanner {
             const StreakShape shape = streakShape(streaks, refinement, mVelocity.voxels, mGrid.box, mMoves);
             return streakCost(shape, double(mVelocity.voxels), leaves, mGrid.box).bytes;
         };
-        while (bytes() > kShare * double(machineMemory()) && coarsen(refinement.factors)) {
+        constexpr double kMostBytes = 4e9; // on every machine: another one makes the same film
+        while (bytes() > kMostBytes && coarsen(refinement.factors)) {
         }
         mPlan.textureVoxels = double(mVelocity.voxels) * refinement.voxels();
         mPlan.textureBytes = bytes();
@@ -226,11 +225,10 @@ class FilmPlanner {
         constexpr double kVoxel = 3, kMostVoxels = 8e6;
         std::array<int, 3> factors = refinedBy(std::round(mPixels / kVoxel));
         const auto voxels = [&] { return double(mVelocity.voxels) * factors[0] * factors[1] * factors[2]; };
-        const auto bytes = [&] { return advectBytes(1.5 * voxels()); };
-        while ((voxels() > kMostVoxels || bytes() > kShare * double(machineMemory())) && coarsen(factors)) {
+        while (voxels() > kMostVoxels && coarsen(factors)) {
         }
         mPlan.textureVoxels = voxels();
-        mPlan.textureBytes = bytes();
+        mPlan.textureBytes = advectBytes(1.5 * voxels());
         mPlan.advect["refine"] = wordsOfFactors(factors);
     }
 
@@ -319,6 +317,8 @@ FilmPlan planFilm(const FilmParams& params, const SequenceInfo& info)
                                      "what is in it",
                                      info.pattern));
     }
+    if (grid->values && !grid->values->isFinite())
+        throw InputError(fmt::format("{}: no value of grid '{}' is finite", info.pattern, grid->name));
     if (grid->box.empty() || info.velocity->voxels == 0)
         throw InputError(fmt::format("{}: grid '{}' has no active voxel", info.pattern, grid->name));
     return FilmPlanner(params, info).plan();

@@ -157,13 +157,19 @@ std::vector<std::string> adviceFor(const SequenceInfo& info)
                             "one grid, or switch an adaptive domain off",
                             grid.name));
         }
+        if (grid.ofName > 1) {
+            advice.push_back(fmt::format("a file holds {} grids '{}', and tools read the first: rename the others",
+                                         grid.ofName, grid.name));
+        }
         if (grid.values && grid.values->notFinite > 0) {
             advice.push_back(fmt::format("{} values of grid '{}' are not finite: mend them, or give `non_finite` zero",
                                          grid.values->notFinite, grid.name));
         }
     }
     if (!info.velocity) return advice;
-    if (const auto& motion = info.velocity->motion) {
+    const GridInfo* grid = velocityGridOf(info);
+    const bool isKnown = !grid || !grid->values || grid->values->isFinite();
+    if (const auto& motion = info.velocity->motion; motion && isKnown) {
         const auto text = motionAdvice(motion->fasterHalf, info.frames, motion->otherUnits);
         if (text) advice.push_back(*text);
     }
@@ -174,7 +180,6 @@ std::vector<std::string> adviceFor(const SequenceInfo& info)
                         "it is",
                         kFrames));
     }
-    const GridInfo* grid = velocityGridOf(info);
     adviseOnVoxels(*info.velocity, grid, advice);
     if (grid) adviseOnShape(*grid, advice);
     return advice;

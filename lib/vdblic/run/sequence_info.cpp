@@ -20,6 +20,8 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
+#include <string>
 #include <type_traits>
 
 namespace vdblic {
@@ -89,6 +91,16 @@ void addHeader(const openvdb::GridBase& grid, SequenceInfo& info)
     known->transformChanges = known->transformChanges || *known->transform != grid.transform();
 }
 
+void addHeaders(const openvdb::GridPtrVec& grids, SequenceInfo& info)
+{
+    std::map<std::string, std::size_t> ofName;
+    for (const openvdb::GridBase::Ptr& grid : grids) {
+        if (++ofName[grid->getName()] == 1) addHeader(*grid, info);
+    }
+    for (GridInfo& grid : info.grids)
+        grid.ofName = std::max(grid.ofName, ofName[grid.name]);
+}
+
 template<typename GridT>
 void addValues(const GridT& grid, ValueInfo& info)
 {
@@ -116,7 +128,7 @@ void addValues(const VdbFile& file, SequenceInfo& info)
         if (!grid) continue;
         ValueInfo values = of.values.value_or(ValueInfo{kInfinity, -kInfinity});
         const bool known = grid->apply<ValueGrids>([&](const auto& typed) { addValues(typed, values); });
-        if (known && values.low <= values.high) of.values = values;
+        if (known && (values.isFinite() || values.notFinite > 0)) of.values = values;
     }
 }
 
@@ -288,8 +300,7 @@ SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& r
             const std::uintmax_t size = std::filesystem::file_size(file.path);
             info.bytes += size;
             info.withChecksums += hasChecksums(readLayout(stream, size)) ? 1 : 0;
-            for (const openvdb::GridBase::Ptr& grid : header.grids)
-                addHeader(*grid, info);
+            addHeaders(header.grids, info);
             const auto creator = header.metadata.getMetadata<openvdb::StringMetadata>("creator");
             if (creator && info.creator.empty()) info.creator = creator->value();
             FrameTimes ofFrame;

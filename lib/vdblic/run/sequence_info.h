@@ -29,14 +29,18 @@ struct SequenceInfoParams {
 
 /// The values of a grid over all frames, those of vectors by their lengths.
 struct ValueInfo {
-    double low, high;
+    double low, high;            ///< of the finite values; low exceeds high if there are none
     std::uint64_t notFinite = 0; ///< voxels
+
+    [[nodiscard]] bool isFinite() const { return low <= high; } ///< whether any value is
 };
 
 /// A grid over the frames of a sequence.
 struct GridInfo {
     std::string name, type, gridClass;
-    std::size_t files = 0;                         ///< that hold it
+    std::size_t files = 0; ///< that hold it
+    std::size_t ofName =
+        1; ///< grids of the name in a file, at most; all that is told is of the first, which tools read
     std::uint64_t leastVoxels = 0, mostVoxels = 0; ///< active ones in a file, as its writer stored them
     std::uint64_t mostMemory = 0;                  ///< bytes of its tree in memory, the same
     openvdb::CoordBBox box{};                      ///< of the active voxels of all files, the same

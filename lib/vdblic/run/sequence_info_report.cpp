@@ -34,9 +34,10 @@ void addGrid(const GridInfo& grid, std::size_t files, std::vector<std::string>& 
     if (grid.files < files) text += fmt::format("; in {} of {} files", grid.files, files);
     lines.push_back(text);
     if (!grid.values) return;
-    lines.push_back(
-        fmt::format("    values {:.6g} to {:.6g}{}", grid.values->low, grid.values->high,
-                    grid.values->notFinite == 0 ? "" : fmt::format(", {} not finite", grid.values->notFinite)));
+    const ValueInfo& values = *grid.values;
+    if (!values.isFinite()) return lines.push_back(fmt::format("    none of {} values is finite", values.notFinite));
+    lines.push_back(fmt::format("    values {:.6g} to {:.6g}{}", values.low, values.high,
+                                values.notFinite == 0 ? "" : fmt::format(", {} not finite", values.notFinite)));
 }
 
 /// One number where three are the same.
@@ -78,14 +79,17 @@ nlohmann::json ofGrid(const GridInfo& grid)
                              {"type", grid.type},
                              {"class", grid.gridClass},
                              {"files", grid.files},
+                             {"of_name", grid.ofName},
                              {"least_voxels", grid.leastVoxels},
                              {"most_voxels", grid.mostVoxels},
                              {"voxel_size", array(grid.transform->voxelSize())},
                              {"transform_changes", grid.transformChanges}};
     if (!grid.box.empty()) result["box"] = {array(grid.box.min()), array(grid.box.max())};
     if (grid.values) {
-        result["low"] = grid.values->low;
-        result["high"] = grid.values->high;
+        if (grid.values->isFinite()) {
+            result["low"] = grid.values->low;
+            result["high"] = grid.values->high;
+        }
         result["not_finite"] = grid.values->notFinite;
     }
     return result;
