@@ -1,9 +1,12 @@
 #!/bin/sh
-# Gets what tests drive and Debian lacks, from PyPI: a current Blender (bpy) and OpenUSD (usd-core), each in a virtual
+# Gets what tests drive and Debian lacks, from PyPI: a current Blender (bpy), OpenUSD (usd-core) and NumPy, each in a virtual
 # environment below $VDBLIC_PEERS, by default ~/.cache/vdblic/peers. Tests skip by name what is not there.
+#
+#     tests/peers.sh [bpy|usd:usd-core|numpy ...]     some of them; all by default
 set -eu
 folder=${VDBLIC_PEERS:-$HOME/.cache/vdblic/peers}
-for peer in bpy usd:usd-core; do
+[ $# -gt 0 ] || set -- bpy usd:usd-core numpy
+for peer; do
     environment=$folder/${peer%%:*}
     [ -x "$environment/bin/python" ] || python3 -m venv "$environment"
     "$environment/bin/python" -m pip install --quiet --upgrade "${peer##*:}" numpy ||

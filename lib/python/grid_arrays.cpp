@@ -248,7 +248,7 @@ openvdb::Metadata::Ptr asMetadata(const py::handle& value)
     if (!array || array->ndim() > 1) return nullptr;
     const py::array& numbers = *array;
     const char kind = numbers.dtype().kind();
-    const py::ssize_t bytes = numbers.itemsize();
+    const auto bytes = numbers.attr("itemsize").cast<py::ssize_t>(); // pybind11 2.10 knows NumPy 1's structure only
     if (numbers.ndim() == 1) {
         using Limits = std::numeric_limits<std::int32_t>;
         if (kind == 'f') return bytes <= 4 ? vectorMetadata<float>(numbers) : vectorMetadata<double>(numbers);

@@ -86,7 +86,7 @@ py::array_t<float> render(Picture& picture, const py::list& dictionaries, const 
 Image imageOf(const Pixels& pixels)
 {
     Image image{{int(pixels.shape(1)), int(pixels.shape(0))}, std::vector<glm::vec4>(std::size_t(pixels.size() / 4))};
-    std::memcpy(image.pixels.data(), pixels.data(), std::size_t(pixels.nbytes()));
+    std::memcpy(image.pixels.data(), pixels.data(), std::size_t(pixels.size()) * sizeof(float));
     return image;
 }
 

@@ -15,7 +15,7 @@ from .labelled import is_labelled, members
 Array = numpy.ndarray
 
 
-@dataclasses.dataclass
+@dataclasses.dataclass(repr=False)
 class Grid:
     """A scalar or vector field on voxels."""
 
@@ -51,6 +51,13 @@ class Grid:
             self.active = first["active"]
         if self.transform is None:
             self.transform, self.origin = first["transform"], first.get("origin", self.origin)
+
+    def __repr__(self) -> str:
+        shape = numpy.shape(self.values)
+        sides = ", ".join(f"{axis}: {length}" for axis, length in zip("xyz", shape))
+        vector = ", 3" if len(shape) == 4 else ""
+        size = ", ".join(f"{length:.6g}" for length in dict.fromkeys(self.voxel_size))
+        return f"<vdblic.Grid '{self.name}' ({sides}{vector}) {numpy.asarray(self.values).dtype}, voxel size {size}>"
 
     def positions(self) -> Array:
         """The world positions of the voxels' centres, (x, y, z, 3)."""
