@@ -3,6 +3,7 @@
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import unittest
 
@@ -22,6 +23,16 @@ FOAM = pathlib.Path("/usr/share/openfoam")
 
 
 class Cgns(ImportTest):
+    def test_every_version_of_adf_is_known(self):
+        """By files of zeros behind a header, whose end is in another form in version A."""
+        for version, end in (b"A02011>", b"000000010020"), (b"B02012>", struct.pack("<QI", 1, 32)):
+            header = b"@(#)ADF Database Version " + version + bytes(0x64 - 32) + b"L" + bytes(0x92 - 0x65) + end
+            path = self.folder / "f.cgns"
+            path.write_bytes(header.ljust(4096 + 32, b"\0"))
+            self.assertNotRegex(self.refuses(3, "f.cgns", "-o", "v.vdb"), "neither of the forms|ends too early")
+            path.write_bytes(header.ljust(4096 + 31, b"\0"))
+            self.assertRegex(self.refuses(3, "f.cgns", "-o", "v.vdb"), "f.cgns: it ends too early: after 4127 of the 4128")
+
     @unittest.skipUnless(cgns.library(), "VTK has no library of CGNS")
     def test_both_forms(self):
         for form in cgns.FORMS:

@@ -176,6 +176,8 @@ class Layers(ToolTest):
         plain = self.layer("o.1.vdb").read_text()
         self.assertIn("metersPerUnit = 1000\n", plain)
         self.assertIn("timeCodesPerSecond = 25\n", plain)
+        self.assertIn("startTimeCode = 1\n", plain)
+        self.assertIn("endTimeCode = 2\n", plain)  # motion is blurred over an interval
         text = self.layer("-", "--up", "y", "--fps", 30, "--meters-per-unit", 0.01, stdin="o.1.vdb\n").read_text()
         for line in 'upAxis = "Y"', "timeCodesPerSecond = 30", "metersPerUnit = 0.01":
             self.assertIn(line + "\n", text)

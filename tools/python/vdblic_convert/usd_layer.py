@@ -91,6 +91,7 @@ def layer(path, frames, settings, camera, doc, proxy=None):
     if not bounds:
         raise InputError(f"{next(iter(frames.values())).path}: no voxel in any frame; there is nothing to show")
     numbers = sorted(frames)
+    end = max(numbers[-1], numbers[0] + 1)  # one frame lasts a frame: renderers blur motion over an interval
     purpose = 'uniform token purpose = "{}"'.format
     full = [purpose("render"), "rel proxyPrim = </flow/proxy>"] if proxy else []
     children = _volume("volume", path, frames, bounds, settings, full)
@@ -98,11 +99,11 @@ def layer(path, frames, settings, camera, doc, proxy=None):
         coarse = {number: box for number, frame in proxy.items() if (box := bounds_of(frame)) is not None}
         children += ["", *_volume("proxy", path, proxy, coarse, settings, [purpose("proxy")])]
     if camera:
-        children += ["", *_camera(camera, range(numbers[0], numbers[-1] + 1), bounds.values(), settings)]
+        children += ["", *_camera(camera, range(numbers[0], end + 1), bounds.values(), settings)]
     head = [
         'defaultPrim = "flow"',
         f"doc = {text(doc)}",
-        f"endTimeCode = {numbers[-1]}",
+        f"endTimeCode = {end}",
         f"framesPerSecond = {tuple_of([settings.rate])[1:-1]}",
         f"metersPerUnit = {tuple_of([settings.meters])[1:-1]}",
         f"startTimeCode = {numbers[0]}",

@@ -6,7 +6,7 @@ import struct
 from ..errors import InputError
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
-ADF = bytes(byte | 0x80 for byte in b"@(#)") + b"ADF Database Version B02"  # CGNS, as its library writes it since 1999
+ADF = b"ADF Database Version "  # of CGNS, after four bytes; then its version, such as A02011 or B02012
 WIDTHS = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8, 7: 1, 8: 2, 9: 4, 10: 8, 11: 8}  # bytes of a value of NetCDF's types
 STREAMING = 0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF  # numbers of records that nobody wrote down
 
@@ -17,11 +17,11 @@ def check_whole(path):
     Returns the form's name; None for files of another form.
     """
     with open(path, "rb") as file:
-        start = file.read(len(ADF))
-        form = next((name for name, (first, _) in FORMS.items() if start.startswith(first)), None)
+        start = file.read(4 + len(ADF))
+        form = next((name for name, (place, sign, _) in FORMS.items() if start.startswith(sign, place)), None)
         try:
-            needed = FORMS[form][1](file) if form else 0
-        except (struct.error, KeyError, IndexError):
+            needed = FORMS[form][2](file) if form else 0
+        except (struct.error, KeyError, IndexError, ValueError):
             raise InputError(f"{path}: cannot be read as {form}: its header ends too early or is damaged") from None
     size = os.path.getsize(path)
     if size < needed:
@@ -41,7 +41,10 @@ def _end_of_hdf5(file):
 
 
 def _end_of_adf(file):
-    """The last byte's place: the number of a block, and the byte in the block."""
+    """The last byte's place: the number of a block, and the byte in the block; in version A in hexadecimal digits."""
+    if _number(file, "c", 4 + len(ADF)) == b"A":
+        block, byte = _number(file, "8s", 0x92), _number(file, "4s")
+        return 4096 * int(block, 16) + int(byte, 16)
     order = ">" if _number(file, "c", 0x64) == b"B" else "<"
     return 4096 * _number(file, order + "Q", 0x92) + _number(file, order + "I")
 
@@ -51,7 +54,7 @@ def _end_of_netcdf(file):
     return _Header(file).end()
 
 
-FORMS = {"NetCDF": (b"CDF", _end_of_netcdf), "HDF5": (HDF5, _end_of_hdf5), "ADF": (ADF, _end_of_adf)}
+FORMS = {"NetCDF": (0, b"CDF", _end_of_netcdf), "HDF5": (0, HDF5, _end_of_hdf5), "ADF": (4, ADF, _end_of_adf)}
 
 
 class _Header:
