@@ -54,6 +54,12 @@ pybind11-dev            header  pybind11/pybind11.h
 python3-dev             command python3-config
 python3-vtk9            python  vtkmodules
 python3-netcdf4         python  netCDF4
+python3-xarray          python  xarray
+python3-pint            python  pint
+python3-pyproj          python  pyproj
+python3-cfgrib          python  cfgrib
+python3-zarr            python  zarr
+python3-h5py            python  h5py
 libopenvdb-tools        command vdb_print
 openexr                 command exrheader
 openimageio-tools       command idiff

@@ -1,6 +1,11 @@
 """Shared by the tests of vdblic_import: running it, and reading the flow that it wrote."""
 
+import contextlib
+import io
 import os
+import subprocess
+import sys
+import warnings
 
 import numpy
 import pyopenvdb as vdb
@@ -59,3 +64,24 @@ class ImportTest(ToolTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("velocity: grid velocity", done.stderr)
         self.assertRegex(done.stderr, r"s between frames \(by the files' times\)")
+
+
+class ImportHere(ImportTest):
+    """Tests that run vdblic_import many times: in this process, because a start of Python takes longer than an import."""
+
+    def run_tool(self, tool, *arguments, stdin="", **options):
+        if tool != "vdblic_import" or stdin or options:
+            return super().run_tool(tool, *arguments, stdin=stdin, **options)
+        sys.path.insert(0, str(BIN.parent / "python"))
+        from vdblic_convert import import_tool  # pylint: disable=import-outside-toplevel,import-error
+
+        here, output, messages = os.getcwd(), io.StringIO(), io.StringIO()
+        os.chdir(self.folder)
+        try:
+            with contextlib.redirect_stdout(output), contextlib.redirect_stderr(messages), warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # those of packages, which a tool does not show
+                status = import_tool.main("test", list(map(str, arguments)))
+        finally:
+            os.chdir(here)
+            sys.path.pop(0)
+        return subprocess.CompletedProcess(arguments, status, output.getvalue(), messages.getvalue())

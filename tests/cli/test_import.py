@@ -219,10 +219,10 @@ class NetCdf(ImportTest):
         data = netcdf_flows.create(self.folder / "flat.nc", y=3, x=4)
         netcdf_flows.put(data, "u", ("y", "x"), numpy.zeros((3, 4)))
         data.close()
-        self.assertIn("vertical axis", self.refuses(3, "flat.nc", "-o", "v.vdb"))
+        self.assertIn("no array is known as a velocity", self.refuses(3, "flat.nc", "-o", "v.vdb"))
         data = netcdf_flows.create(self.folder / "level.nc", lev=3, y=3, x=4)
         for name, size in ("lev", 3), ("y", 3), ("x", 4):
-            netcdf_flows.put(data, name, (name,), numpy.arange(size), units="1")
+            netcdf_flows.put(data, name, (name,), numpy.arange(size), units="1" if name == "lev" else "m")
         for name in "uvw":
             netcdf_flows.put(data, name, ("lev", "y", "x"), numpy.ones((3, 3, 4)))
         data.close()

@@ -137,7 +137,7 @@ class Truncated(ImportTest):
                         data.createDimension(name, size)
                         netcdf_flows.put(data, name, (name,), numpy.arange(size or 2), units="s" if not size else "m")
                     for i, name in enumerate("uvw"):
-                        netcdf_flows.put(data, name, ("time", "z", "y", "x"), numpy.full((2, 3, 4, 5), i + 1))
+                        netcdf_flows.put(data, name, ("time", "z", "y", "x"), numpy.full((2, 3, 4, 5), i + 1), units="m/s")
                 self.imports("w.nc", "-o", "v.%04d.vdb")
                 for path in self.folder.glob("v.*.vdb"):
                     path.unlink()

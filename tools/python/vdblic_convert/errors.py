@@ -13,7 +13,8 @@ def needed(module):
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        debian, pip = PACKAGES[module.partition(".")[0]]
+        name = module.partition(".")[0]
+        debian, pip = PACKAGES.get(name, (f"python3-{name}", name))
         raise ParameterError(
             f"the Python module {module} cannot be imported ({error}); Debian's package {debian} has "
             f"it, for /usr/bin/python3, pip's package {pip} for others"

@@ -1,7 +1,7 @@
 """vdblic_import: flows of other programs into velocity sequences."""
 
-import datetime
 import os
+import re
 
 from .errors import InputError, ParameterError
 from .outputs import Outputs
@@ -15,7 +15,8 @@ def main(version, words):
         version,
         (
             "Convert the flows of other programs into velocity volumes: files of VTK (.vti .vtr .vts "
-            ".vtu .vtm .vtk .pvd), cases of OpenFOAM, EnSight and CGNS, NetCDF (CF, WRF, ROMS), .npz and .npy."
+            ".vtu .vtm .vtk .pvd), cases of OpenFOAM, EnSight and CGNS, NetCDF (CF, WRF, ROMS, FVCOM, MPAS, UGRID), "
+            "Zarr, GRIB, arrays (.npz .npy .h5 .mat)."
         ),
     )
     tool.add(
@@ -45,6 +46,24 @@ def main(version, words):
         help="Array that is the velocity, or two or three that are its components: U or u,v,w.",
     )
     tool.add("--carry", metavar="TEXT", help="Further arrays to convert: NAME,NAME.")
+    tool.add(
+        "--attribute",
+        metavar="TEXT",
+        nargs="+",
+        help="What a file of NetCDF, Zarr or GRIB does not say, as if it did: NAME:ATTRIBUTE=VALUE ..., such as "
+        "depth:positive=down u:units=cm/s v:standard_name=northward_wind.",
+    )
+    tool.add(
+        "--layout",
+        metavar="TEXT",
+        help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such as "
+        "cxyz or tczyx; xyz, txyz, xyzc or txyzc by default.",
+    )
+    tool.add(
+        "--explain",
+        action="store_true",
+        help="Tell how each coordinate and component of the first step is understood, with two values and units.",
+    )
     tool.add("--like", metavar="TEXT", help="Resample to the voxels of a .vdb grid: FILE or FILE:GRID.")
     tool.add(
         "--size",
@@ -99,6 +118,9 @@ def _check(options):
     """Raise ParameterError for options that exclude each other or have values of the wrong number."""
     options.array = names_of(options.array) if options.array else ()
     options.carry = names_of(options.carry) if options.carry else ()
+    options.attribute = _answers(options.attribute or ())
+    if options.layout and not re.fullmatch(r"(?=.*x)(?!.*(.).*\1)[tcxyz]{2,5}", options.layout):
+        raise ParameterError("--layout is letters of t, c, x, y and z, each once, such as cxyz")
     if options.voxel_size and len(options.voxel_size) not in (1, 3):
         raise ParameterError("--voxel-size takes one number or three")
     if options.like and (options.size or options.voxel_size or options.bounds):
@@ -111,13 +133,24 @@ def _check(options):
         raise ParameterError(f"--times {options.times[0]:g} {options.times[1]:g} runs backwards")
 
 
+def _answers(words):
+    """Attributes by variable: NAME:ATTRIBUTE=VALUE. Raises ParameterError."""
+    answers = {}
+    for word in words:
+        match = re.fullmatch(r"([^=]+):(\w+)=(.*)", word)
+        if not match:
+            raise ParameterError(f"--attribute '{word[:60]}' is not NAME:ATTRIBUTE=VALUE, such as depth:positive=down")
+        answers.setdefault(match[1], {})[match[2].lower()] = match[3]
+    return answers
+
+
 class Conversion:
     """Resamples steps to one grid, which the first step of the whole series chooses."""
 
     def __init__(self, options, console):
         self._options, self._console = options, console
         self._names, self._target = (), None
-        self._told, self._coarse = set(), False
+        self._told, self._coarse, self._explained, self._summed = set(), False, [], False
 
     def write(self, step, series, path):
         """Write a step's .vdb file."""
@@ -133,7 +166,7 @@ class Conversion:
         check_carried(arrays, self._options.carry, where)
         names = (*self._names, *(name for name in self._options.carry if name not in self._names))
         volumes, mask = {}, True
-        for data, own in source.parts(step.index, names):
+        for data, own in source.parts(step.index, names, self._names):
             values, valid, met = sampled(data, own, self._target, where)
             volumes.update(zip(own, values))
             mask = mask & valid
@@ -142,12 +175,18 @@ class Conversion:
             self._tell(note)
         if not mask.any():
             self._console.warn(f"{source.path}: frame {step.frame} has no values within the voxels")
-        parts = [volumes[name] for name in self._names]
-        if len(parts) == 2:
-            parts.append(numpy.zeros_like(parts[0]))
+        velocity = numpy.zeros((*mask.shape, 3), numpy.float32)
+        for slot, name in enumerate(self._names):
+            if volumes[name].shape[3] == 3:  # all of the velocity, or what a component along the grid adds to it
+                velocity += volumes[name]
+            else:
+                velocity[..., slot : slot + 1] += volumes[name]
+        if self._options.explain and not self._explained:
+            self._explained = [self._console.say(text) for text in source.explained.values()]
         carried = [(name, volumes[name]) for name in self._options.carry]
+        self._tell_once(velocity, mask, source)
         grids = []
-        for name, values in [("velocity", numpy.concatenate(parts, axis=3)), *carried]:
+        for name, values in [("velocity", velocity), *carried]:
             vector = values.shape[3] == 3
             place = self._target.matrix, self._target.first, name
             kind = {"vector_type": "contravariant relative"} if vector else {}
@@ -172,7 +211,7 @@ class Conversion:
         if options.like:
             target = like(options.like)
         else:
-            data, names = source.parts(0, self._names)[0]
+            data, names = source.parts(0, self._names, self._names)[0]
             if options.size or options.voxel_size or options.bounds:
                 box = options.bounds or bounds_of(data, names, source.path)
                 size = options.size or (
@@ -194,6 +233,26 @@ class Conversion:
             self._console.warn(
                 f"only {100 * met:.0f} % of the cells have a voxel in them; --size or --voxel-size makes voxels finer"
             )
+
+    def _tell_once(self, velocity, mask, source):
+        """A line by which a person can check the import: size, mean flow, first date, and which way is up."""
+        import numpy
+        from .readers.times import date_of
+
+        if self._summed or not mask.any():
+            return
+        self._summed = True
+        size = self._target.spacing * self._target.size
+        unit, scale = ("km", 1000) if source.unit == "m" and size.max() >= 10000 else (source.unit or "units", 1)
+        mean = velocity[mask].astype(float).mean(axis=0)
+        speed = numpy.linalg.norm(velocity[mask].astype(float), axis=1).mean()
+        bearing = numpy.degrees(numpy.arctan2(mean[1], mean[0]))
+        start = date_of(source.times[0], source.calendar) if source.calendar else "no date"
+        self._tell(
+            f"{' x '.join(f'{length / scale:.4g}' for length in size)} {unit}; the mean flow is "
+            f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean speed "
+            f"of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
+        )
 
     def _tell(self, message):
         """Say something once."""
@@ -217,5 +276,7 @@ class Conversion:
         if step.dt is not None:
             found["dt"] = float(step.dt)
         if series.start is not None and not self._options.dt:
-            found["start"] = (datetime.datetime(1970, 1, 1) + datetime.timedelta(seconds=series.start)).isoformat()
+            from .readers.times import date_of
+
+            found["start"] = date_of(series.start, series.calendar)
         return found

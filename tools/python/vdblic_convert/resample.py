@@ -7,6 +7,7 @@ from .vtk_data import (
     GHOSTS,
     HIDDEN_CELL,
     HIDDEN_POINT,
+    LAYER,
     RESIDUE,
     add_array,
     array,
@@ -34,7 +35,8 @@ def usual_target(dataset, names, path):
     cells = solid(dataset, names, path)
     box = _bounds(cells)
     if not cells.IsA("vtkUnstructuredGrid"):
-        return on_points(box, dimensions_of(cells))
+        target = on_points(box, dimensions_of(cells))
+        return target.flattened() if cells.GetFieldData().GetArray(LAYER) else target
     return filling(box, _size_by_cells(cells, box))
 
 

@@ -37,6 +37,7 @@ class Series:
         self._chosen = parse_frames(options.frames) if options.frames else None
         self._first = self._last = None  # sources; the newest one is kept, so that a file is not read twice
         self.start = None  # the time of the first step of all, if the input has dates: the others count from it
+        self.calendar = None  # of that date
         self.count, self.frames, self._files = 0, [], []
         self.streamed = "-" in options.input
         if self.streamed and len(options.input) > 1:
@@ -144,12 +145,13 @@ class Series:
     def _open_first(self, paths):
         self._first = self._open(paths)
         self.start = self._first.times[0] if self._first.calendar else None
+        self.calendar = self._first.calendar
 
     def _open(self, paths):
         if self._last is None or self._last.paths != list(paths):
             if self._last is not None:
                 self._last.free()  # its memory, before the next file is read
-            sources = [open_source(path) for path in paths]
+            sources = [open_source(path, self._options) for path in paths]
             self._last = sources[0] if len(sources) == 1 else Joined(sources)
         return self._last
 

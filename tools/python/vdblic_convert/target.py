@@ -38,6 +38,12 @@ class Target:
         """The centre of the first voxel in world space."""
         return self.matrix[:3, :3] @ self.first + self.matrix[:3, 3]
 
+    def flattened(self):
+        """One layer of voxels in the place of two layers of points, which are its faces."""
+        matrix = self.matrix.copy()
+        matrix[:3, 3] += matrix[:3, 2] / 2
+        return Target((*self.size[:2], 1), matrix, self.first)
+
     def centres(self):
         """The centres of all voxels, x fastest."""
         z, y, x = numpy.meshgrid(

@@ -16,6 +16,7 @@ bridge = needed("vtkmodules.util.numpy_support")
 GHOSTS = "vtkGhostType"
 HIDDEN_POINT, HIDDEN_CELL = 2, 32
 RESIDUE = "residue of "
+LAYER = "one layer"  # field data of a grid whose points are the faces of a layer of voxels
 
 
 @contextlib.contextmanager

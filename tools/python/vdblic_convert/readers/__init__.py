@@ -11,47 +11,52 @@ from ..errors import InputError
 READERS = {
     "vtk_files": (".vti", ".vtr", ".vts", ".vtu", ".vtm", ".vtk", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd"),
     "cases": (".foam", ".case", ".encas", ".cgns"),
-    "netcdf": (".nc", ".nc4", ".cdf"),
-    "numpy_files": (".npy", ".npz"),
+    "dataset": (".nc", ".nc4", ".cdf", ".nc3", ".zarr", ".grib", ".grib1", ".grib2", ".grb", ".grb2"),
+    "arrays": (".npy", ".npz", ".h5", ".hdf5", ".mat"),
 }
 
 
-def open_source(path):
-    """The reader of a file or of an OpenFOAM case's folder. Raises InputError."""
+def open_source(path, options):
+    """The reader of a file, of an OpenFOAM case's folder or of one of Zarr. Raises InputError.
+
+    `options` are the tool's: `attribute`, `layout` and `dt` tell what a file does not.
+    """
     path = pathlib.Path(path)
     if not path.exists():
         raise InputError(f"{path}: no such file")
-    if path.is_dir() and not (path / "system" / "controlDict").is_file():
+    zarr = path.is_dir() and any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json"))
+    if path.is_dir() and not zarr and not (path / "system" / "controlDict").is_file():
         raise InputError(
-            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict; name a file or a "
+            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file or a "
             "pattern such as name.%04d.vti"
         )
     if path.is_file() and path.stat().st_size == 0 and path.suffix != ".foam":
         raise InputError(f"{path}: the file is empty")
     reader = (
-        "cases"
+        ("dataset" if zarr else "cases")
         if path.is_dir()
         else next((r for r, endings in READERS.items() if path.suffix.lower() in endings), None)
     )
     if not reader and path.name.startswith("wrfout"):  # named by date
-        reader = "netcdf"
+        reader = "dataset"
     if not reader:
         known = " ".join(ending for endings in READERS.values() for ending in endings)
         raise InputError(
             f"{path}: files of this kind cannot be read; known are {known} and the folders of OpenFOAM cases"
         )
-    return importlib.import_module(f".{reader}", __name__).open_source(path)
+    return importlib.import_module(f".{reader}", __name__).open_source(path, options)
 
 
 class Source:
     """A file or case that holds time steps.
 
-    `times` has one number of seconds a step, None where it is unknown. `calendar` tells that they count from 1970 on,
-    `unit` is the length's unit if it is known.
+    `times` has one number of seconds a step, None where it is unknown. `calendar` is the one by which they count from
+    1970 on, if they do, `unit` is the length's unit if it is known. `explained` tells how each variable was understood.
     """
 
     calendar = False
     unit = None
+    explained = {}
     middle = None  # longitude and latitude of the origin, if there is one
 
     def __init__(self, path, times):
@@ -76,8 +81,11 @@ class Source:
         """A VTK data set with the named arrays."""
         raise NotImplementedError
 
-    def parts(self, step, names):
-        """VTK data sets that have the named arrays together, each with the names of its own."""
+    def parts(self, step, names, velocity=()):  # pylint: disable=unused-argument
+        """VTK data sets that have the named arrays together, each with the names of its own.
+
+        An array of three components may stand for one that `velocity` names: its share of the velocity.
+        """
         return [(self.read(step, names), names)]
 
     def free(self):
@@ -86,6 +94,10 @@ class Source:
     def notes(self):
         """What a user should be told about how the file is read."""
         return []
+
+
+def _text(time):
+    return "no time" if time is None else f"{time:.15g} s"
 
 
 class Joined(Source):
@@ -102,9 +114,15 @@ class Joined(Source):
             for step, (a, b) in enumerate(zip(first.times, other.times)):
                 if a != b and (None in (a, b) or abs(a - b) > 1e-9 * max(abs(a), abs(b))):
                     raise InputError(
-                        f"{other.path}: step {step + 1} is at {b} s, in {first.path} at {a} s; files of one flow have "
+                        f"{other.path}: step {step + 1} is at {_text(b)}, in {first.path} at {_text(a)}; files of one flow have "
                         "the same times"
                     )
+            if {first.calendar, other.calendar} - {"standard", "gregorian", "proleptic_gregorian"} and (
+                first.calendar != other.calendar
+            ):
+                raise InputError(
+                    f"{other.path}: its calendar is {other.calendar or 'none'}, in {first.path} {first.calendar or 'none'}"
+                )
         super().__init__(first.path, first.times)
         self.paths = [path for source in sources for path in source.paths]
         self.calendar, self.unit, self._sources = first.calendar, first.unit, sources
@@ -113,15 +131,19 @@ class Joined(Source):
         found = [source.components(step) for source in self._sources]
         return tuple(next((names[axis] for names in found if names[axis]), None) for axis in range(3))
 
+    @property
+    def explained(self):
+        return {name: text for source in self._sources for name, text in source.explained.items()}
+
     def arrays(self, step):
         return {name: count for source in reversed(self._sources) for name, count in source.arrays(step).items()}
 
-    def parts(self, step, names):
+    def parts(self, step, names, velocity=()):
         parts, left = [], list(names)
         for source in self._sources:
             source.middle = source.middle or self.middle
             own = [name for name in left if name in source.arrays(step)]
-            parts += source.parts(step, own) if own else []
+            parts += source.parts(step, own, velocity) if own else []
             left = [name for name in left if name not in own]
             self.middle = self.middle or source.middle
         return parts

@@ -8,7 +8,7 @@ from . import Source, ensight
 from .whole_files import check_whole
 
 
-def open_source(path):
+def open_source(path, options):  # pylint: disable=unused-argument
     if path.is_dir() or path.suffix.lower() == ".foam":
         return OpenFoamCase(path)
     if path.suffix.lower() == ".cgns":

@@ -1,233 +1,198 @@
-"""NetCDF files by the CF conventions: axes, heights, and units of the velocity."""
+"""Gridded files by the CF conventions: which variables are the velocity, how it is directed, and where it is."""
+
+import re
 
 import numpy
 
 from ..errors import InputError
-from .earth import GRAVITY, local_plane, standard_atmosphere, upward_velocity
+from ..units import measures
+from .earth import standard_atmosphere, upward_velocity
+from .gridded import Gridded
 from .grids import grid_of
-from .netcdf_file import NetcdfFile, text
+from .heights import along_axis, vertical
+from .place import TURNED, axis_of, horizontal
 
-NAMES = {
-    "X": ("x", "lon", "longitude", "nx", "easting"),
-    "Y": ("y", "lat", "latitude", "ny", "northing"),
-    "Z": ("z", "lev", "level", "height", "altitude", "depth", "plev", "pressure", "pressure_level", "isobaricinhpa"),
-    "T": ("time", "valid_time", "t", "date", "year", "month", "day", "hour"),
-}
-UNITS = {
-    "X": ("degrees_east", "degree_east", "degree_e", "degrees_e"),
-    "Y": ("degrees_north", "degree_north", "degree_n", "degrees_n"),
-    "Z": ("pa", "hpa", "mbar", "millibar", "millibars", "bar"),
-}
-STANDARD = {
-    "X": ("longitude", "projection_x_coordinate", "grid_longitude"),
-    "Y": ("latitude", "projection_y_coordinate", "grid_latitude"),
-    "Z": ("air_pressure", "height", "altitude", "depth", "geopotential_height"),
-    "T": ("time",),
-}
-PRESSURE = {"pa": 1, "hpa": 100, "mbar": 100, "millibar": 100, "millibars": 100, "bar": 1e5}
-LENGTH = {"m": 1, "meter": 1, "meters": 1, "metre": 1, "metres": 1, "km": 1000, "kilometers": 1000}
-LENGTH |= {"cm": 0.01, "centimeters": 0.01}
-SPEED = {
-    "m s-1": 1,
-    "m/s": 1,
-    "m s**-1": 1,
-    "m s^-1": 1,
-    "meter second-1": 1,
-    "meters/second": 1,
-    "cm s-1": 0.01,
-    "cm/s": 0.01,
-    "centimeter/s": 0.01,
-    "km/h": 1 / 3.6,
-    "km h-1": 1 / 3.6,
-    "knots": 0.514444,
-    "kt": 0.514444,
-}
-TENDENCY = {"pa s-1": 1, "pa/s": 1, "pa s**-1": 1, "pa s^-1": 1, "hpa s-1": 100, "hpa/s": 100}  # of pressure
+MEDIUM = r"(wind|(sea_water_)?velocity)"
 COMPONENTS = (
-    ("eastward_wind", "eastward_sea_water_velocity", "x_wind", "sea_water_x_velocity", "grid_eastward_wind"),
-    ("northward_wind", "northward_sea_water_velocity", "y_wind", "sea_water_y_velocity", "grid_northward_wind"),
-    (
-        "upward_air_velocity",
-        "upward_sea_water_velocity",
-        "lagrangian_tendency_of_air_pressure",
-        "downward_air_velocity",
-    ),
+    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_x_velocity)",
+    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_y_velocity)",
+    rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
 )
-USUAL = (  # names of components without a standard name; the last ones are those of POP and NEMO
-    ("u", "U", "UVEL", "vozocrtx"),
-    ("v", "V", "VVEL", "vomecrty"),
-    ("w", "W", "WVEL", "vovecrtz"),
+EASTWARD, ALONG = r"(?!.*grid_).*(east|north)ward_.*", r".*grid_(east|north)ward_.*|.*(x|y)_wind|.*_(x|y)_velocity"
+USUAL = (  # names of components without a standard name; the last ones are those of models
+    ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "u10"),
+    ("v", "V", "VVEL", "vomecrty", "va", "vo", "water_v", "v10"),
+    ("w", "W", "WVEL", "vovecrtz", "wa", "wo"),
 )
 
 
-class CfFile(NetcdfFile):
-    def __init__(self, path, data):
-        axes = {name: _axis(name, data.variables.get(name)) for name in data.dimensions}
-        super().__init__(path, data, next((name for name, axis in axes.items() if axis == "T"), None))
-        self._axes = axes
-        self._notes = []
-        numbers = {n: v for n, v in data.variables.items() if n not in data.dimensions and v.dtype != str}
-        self._fields = {name: v for name, v in numbers.items() if len(self._space(v)) == 3}
+class CfFile(Gridded):
+    def __init__(self, data, options):
+        super().__init__(data, options)
+        self._axes = {dimension: axis_of(data, dimension) for dimension in data.sizes if dimension != self.time}
+        self._spaces = {
+            name: self._space(name)
+            for name, variable in data.variables.items()
+            if name not in data.sizes and variable.dtype.kind in "fiu"
+        }
+        self._fields = {name: space for name, space in self._spaces.items() if space}
+        found = self.components(0)
+        if not self._fields or not (found[0] or found[1] or found[2]):
+            for name in self._spaces:
+                self._check_axes(name)
         if not self._fields:
-            for name, variable in numbers.items():
-                self._check_axes(name, variable)
             raise InputError(
-                f"{path}: no variable has a vertical axis and two horizontal ones; it holds "
-                f"{', '.join(list(data.variables)[:20]) or 'no variables'}"
+                f"{self.path}: no variable has two horizontal axes, with or without a vertical axis, that are known; it "
+                f"holds {data.contents()}; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
             )
 
-    def notes(self):
-        return self._notes
-
     def components(self, step):
-        found = [self.named(*names) for names in COMPONENTS]
-        found = [name if name in self._fields else None for name in found]
-        for i, names in enumerate(USUAL):
-            found[i] = found[i] or next((name for name in names if name in self._fields), None)
+        found = []
+        for i, (standard, usual) in enumerate(zip(COMPONENTS, USUAL)):
+            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
+            named = [n for n in named if self._fields[n][0]] or named  # those with a vertical axis first
+            if len(named) > 1 and i < 2:
+                raise InputError(
+                    f"{self.path}: {', '.join(named)} are all {self.data.text(named[0], 'standard_name')}; choose with "
+                    "--array U,V,W"
+                )
+            other = rf"(?!{COMPONENTS[1 - i]})" if i < 2 else ""
+            unnamed = [n for n in usual if n in self._fields and re.match(other, self.data.text(n, "standard_name"))]
+            found.append((named + unnamed + [None])[0])
+        if found[0] and found[1] and found[2] and not self._fields[found[2]][0] and self._fields[found[0]][0]:
+            found[2] = None  # a vertical velocity of one level is none of the others
         return found
 
     def arrays(self, step):
         return {name: 1 for name in self._fields}
 
-    def read(self, step, names):
-        dimensions = self._space(self._fields[names[0]])
-        x, y = self._horizontal(names[0], dimensions)
-        fields = {name: self._field(name, step, dimensions) for name in names}
-        there = numpy.any([numpy.isfinite(values) for values in fields.values()], axis=0)
-        z, pressure = self._vertical(dimensions, step, there)
-        fields = {name: self._in_si(name, values, step, dimensions, pressure) for name, values in fields.items()}
-        surface = self.named("surface_air_pressure")
-        if pressure is not None and surface:
-            ground = self.place(surface, step, there.any(axis=0))
-            under = numpy.broadcast_to(pressure.reshape(-1, 1, 1), there.shape) > ground
-            fields = {name: numpy.where(under, numpy.nan, field) for name, field in fields.items()}
-        return grid_of(x, y, z, fields)
-
-    def parts(self, step, names):
+    def parts(self, step, names, velocity=()):
         """One for each grid: components may lie on different faces of the cells."""
-        self._notes, grids = [], {}
+        self._notes.clear()
+        self.used = {*velocity, *names}
+        grids = {}
         for name in names:
-            variable = self._fields[name]
-            grids.setdefault((self._space(variable), text(variable, "coordinates")), []).append(name)
-        return [(self.read(step, own), own) for own in grids.values()]
+            grids.setdefault((self._fields[name], self.data.text(name, "coordinates")), []).append(name)
+        return [(self._read(step, own, velocity), own) for own in grids.values()]
 
-    def _check_axes(self, name, variable):
+    def field(self, name, step, dimensions):
+        """A variable on (z, y, x)."""
+        order = [d for d in self.data.variables[name].dims if d in dimensions]
+        values = self.variable(name, step).reshape([self.data.sizes[d] for d in order])
+        return values.transpose([order.index(d) for d in dimensions if d in order])
+
+    def _read(self, step, names, velocity):
+        dimensions = self._fields[names[0]]
+        place = horizontal(self, names[0], dimensions)
+        fields = {name: self.field(name, step, dimensions) for name in names}
+        there = numpy.any([numpy.isfinite(values) for values in fields.values()], axis=0)
+        if dimensions[0] is None:
+            z, pressure = self._level(names[0], place), None
+            fields = {name: values[None] for name, values in fields.items()}
+        else:
+            z, pressure = vertical(self, names[0], dimensions, step, there)
+        fields = {
+            name: self._in_si(name, values, step, dimensions, pressure, velocity) for name, values in fields.items()
+        }
+        surface = pressure is not None and self.helper(
+            ("surface_air_pressure",), ("Pa",), tuple(d for d in self.data.variables[names[0]].dims if d != dimensions[0])
+        )
+        if surface:
+            ground = self.in_unit(surface, self.field(surface, step, dimensions[1:]), "Pa", role="the ground's pressure")
+            ground = self.placed(surface, ground, there.any(axis=0))
+            under = numpy.broadcast_to(pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure, there.shape) > ground
+            fields = {name: numpy.where(under, numpy.nan, field) for name, field in fields.items()}
+        fields = {name: self._turned(name, values[:, :, place.columns], place, velocity) for name, values in fields.items()}
+        return grid_of(place.x, place.y, z if z.ndim < 3 else z[:, :, place.columns], fields)
+
+    def _turned(self, name, values, place, velocity):
+        """A horizontal component as its share of a velocity along the world's axes, where they are others than its own."""
+        if name not in velocity[:2] or len(velocity) < 2:
+            return values
+        slot, standard = velocity.index(name), self.data.text(name, "standard_name")
+        kinds = ["eastward"] * bool(re.fullmatch(EASTWARD, standard)) + ["along"] * bool(re.fullmatch(ALONG, standard))
+        relative = str(self.data.attrs(name).get("GRIB_uvRelativeToGrid", ""))
+        if relative in ("0", "1"):
+            kinds = ["along" if relative == "1" else "eastward"]
+        if not kinds and self._fields[velocity[0]] != self._fields[velocity[1]]:
+            kinds = ["along"]  # on the faces of cells
+        turns = {kind: getattr(place, kind) for kind in kinds or ("eastward", "along")}
+        if kinds and turns[kinds[0]] is None:
+            raise InputError(
+                f"{self.path}: '{name}' is {standard}, and nothing tells where east is along its axes: neither longitude "
+                f"and latitude nor a grid_mapping; if it is along the axes: --attribute '{name}:standard_name="
+                f"{'xy'[slot]}_wind'"
+            )
+        known = [turn[slot] for turn in turns.values() if turn is not None]
+        against = [numpy.abs(numpy.angle(numpy.exp(1j * (angle - slot * numpy.pi / 2)))).max() for angle in known]
+        if not kinds and max(against) > TURNED:
+            raise InputError(
+                f"{self.path}: is '{name}' along the grid, which is turned by up to {numpy.degrees(max(against)):.3g} "
+                f"degrees against east and north, or along those? say it: --attribute '{name}:standard_name="
+                f"{'xy'[slot]}_wind' or '{name}:standard_name={('east', 'north')[slot]}ward_wind'"
+            )
+        self.explained[name] += f", {(kinds[0] if kinds[0] == 'along' else ('eastward', 'northward')[slot]) if kinds else 'along the axes'}"
+        if against[0] < 1e-6:
+            return values
+        if kinds == ["along"] and numpy.any(numpy.sin(place.along[1] - place.along[0]) < 0):
+            raise InputError(
+                f"{self.path}: '{name}' is along a grid whose rows run the other way round than its columns; say how it "
+                f"is directed: --attribute '{name}:standard_name={('east', 'north')[slot]}ward_wind', or turn the rows: "
+                f"ncpdq -a -{self._fields[name][1]}"
+            )
+        parts = [values * numpy.cos(known[0]), values * numpy.sin(known[0]), 0 * values]
+        return numpy.stack(parts, axis=-1)
+
+    def _check_axes(self, name):
         """Raise InputError for a variable that would be a field if one of its axes were known to be the time."""
-        long = [d for d in variable.dimensions if d != self._time and len(self.data.dimensions[d]) > 1]
+        long = self.long(name)
         if len(long) == 4 and self._axes[long[0]] is None:
             raise InputError(
                 f"{self.path}: the axis '{long[0]}' of '{name}' is of no known kind; if it is the time, give it units: "
                 f"ncatted -a units,{long[0]},o,c,'days since 2000-01-01' {self.path}"
             )
 
-    def _space(self, variable):
-        """The dimensions of a field as z, y, x; empty if the variable has others."""
-        long = [name for name in variable.dimensions if name != self._time and len(self.data.dimensions[name]) > 1]
-        if len(long) != 3:
-            return ()
-        kinds = [self._axes[name] for name in long]
-        if set(kinds) == {"X", "Y", "Z"}:
+    def _space(self, name):
+        """The dimensions of a field as z, y, x, without z for one level; empty if the variable has others."""
+        long = self.long(name)
+        kinds = [self._axes[d] for d in long]
+        if len(long) == 3 and set(kinds) == {"X", "Y", "Z"}:
             return tuple(long[kinds.index(kind)] for kind in "ZYX")
-        return tuple(long) if kinds[0] in ("Z", None) and kinds[1:] == [None, None] else ()
+        if len(long) == 2 and set(kinds) == {"X", "Y"}:
+            return (None, *(long[kinds.index(kind)] for kind in "YX"))
+        if len(long) == 3 and kinds[0] in ("Z", None) and kinds[1:] == [None, None]:
+            return tuple(long)
+        return ()
 
-    def _field(self, name, step, dimensions):
-        """A variable on (z, y, x)."""
-        variable = self.data.variables[name]
-        order = [d for d in variable.dimensions if d in dimensions]
-        values = self.variable(name, step).reshape([len(self.data.dimensions[d]) for d in order])
-        return values.transpose([order.index(d) for d in dimensions])
+    def _level(self, name, place):
+        """The height of a field that has one level, twice: the faces of a layer as thick as its voxels are wide."""
+        level = next(
+            (d for d in self.data.variables[name].dims if d not in (self.time, *self._fields[name]) and self._axes[d] == "Z"),
+            None,
+        )
+        height = 0.0
+        if level in self.data.variables and measures(self.data.text(level, "units") or "1", "m"):
+            height = float(numpy.ravel(along_axis(self, level))[0])
+        return numpy.array([height])
 
-    def _in_si(self, name, values, step, dimensions, pressure):
-        variable = self.data.variables[name]
-        unit = text(variable, "units").lower().strip()
-        if unit in TENDENCY:
-            if pressure is None:
-                raise InputError(
-                    f"{self.path}: '{name}' is in {variable.units}, but no axis has the pressure that makes metres "
-                    "a second of it; choose other arrays with --array"
-                )
-            warm = self.named("air_temperature", dimensions=variable.dimensions)
-            temperature = (
-                self._field(warm, step, dimensions) if warm else standard_atmosphere(pressure)[1].reshape(-1, 1, 1)
-            )
-            self._notes.append(
-                f"'{name}' becomes m/s by the {'temperature of ' + repr(warm) if warm else 'standard atmosphere'}"
-            )
-            return upward_velocity(values * TENDENCY[unit], pressure.reshape(-1, 1, 1), temperature)
-        down = -1 if text(variable, "standard_name").startswith("downward_") else 1
-        return values * SPEED.get(unit, 1) * down
-
-    def _horizontal(self, field, dimensions):
-        """x and y of a field in metres."""
-        names = dimensions[2], dimensions[1]
-        if all(name in self.data.variables for name in names):
-            coordinates = [self.place(name, 0) for name in names]
-        else:
-            declared = text(self._fields[field], "coordinates").split()
-            variables = sorted(self.data.variables.items(), key=lambda item: item[0] not in declared)
-            names = [
-                next(
-                    (
-                        name
-                        for name, v in variables
-                        if v.dimensions[-2:] == dimensions[1:] and v.ndim <= 3 and _axis("", v) == kind
-                    ),
-                    None,
-                )
-                for kind in "XY"
-            ]
-            if None in names:
-                raise InputError(f"{self.path}: the axes {dimensions[1]} and {dimensions[2]} have no coordinates")
-            coordinates = [self.place(name, 0) for name in names]
-            coordinates = [values.reshape(-1, *values.shape[-2:])[0] for values in coordinates]
-        units = [text(self.data.variables[name], "units") for name in names]
-        if units[0].lower().startswith("degree"):
-            x, y, stretch, self.middle = local_plane(*coordinates, self.middle)
-            if stretch > 1.05:
-                self._notes.append(
-                    f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}"
-                )
-            return x, y
-        return [values * LENGTH.get(unit.lower(), 1) for values, unit in zip(coordinates, units)]
-
-    def _vertical(self, dimensions, step, there):
-        """Heights in metres, an axis or (z, y, x), and pressures in Pa where they are the axis.
-
-        `there` tells where values are that need a height.
-        """
-        axis = self.data.variables.get(dimensions[0])
-        unit = text(axis, "units").lower()
-        pressure = self.place(dimensions[0], 0) * PRESSURE[unit] if unit in PRESSURE else None
-        full = next((v.dimensions for v in self._fields.values() if self._space(v) == dimensions), None)
-        if geopotential := self.named("geopotential", dimensions=full):
-            heights = self.placed(geopotential, self._field(geopotential, step, dimensions), there)
-            return heights / GRAVITY, pressure
-        if height := self.named("geopotential_height", "altitude", "height_above_reference_ellipsoid", dimensions=full):
-            return self.placed(height, self._field(height, step, dimensions), there), pressure
-        if pressure is not None:
-            self._notes.append("heights are those of the standard atmosphere, because there is no geopotential")
-            return standard_atmosphere(pressure)[0], pressure
-        if axis is None or unit and unit not in LENGTH:
+    def _in_si(self, name, values, step, dimensions, pressure, velocity):
+        standard, role = self.data.text(name, "standard_name"), f"component {'xyz'[velocity.index(name)]}" if name in velocity else ""
+        if name not in velocity:
+            return values
+        unit = self.data.text(name, "units")
+        if not (unit and measures(unit, "Pa/s") and velocity.index(name) == 2):
+            down = -1 if standard.startswith("downward_") else 1
+            return self.in_unit(name, values, "m/s", role=role) * down
+        if pressure is None:
             raise InputError(
-                f"{self.path}: the vertical axis '{dimensions[0]}' ({unit or 'no unit'}) is neither a height, a "
-                "depth nor a pressure, and there is no geopotential; add a variable with the standard_name "
-                "geopotential_height"
+                f"{self.path}: '{name}' is in {unit}, but no axis has the pressure that makes metres "
+                "a second of it; choose other arrays with --array"
             )
-        down = text(axis, "positive") == "down" or text(axis, "standard_name") == "depth"
-        return self.place(dimensions[0], 0) * LENGTH.get(unit, 1) * (-1 if down else 1), None
-
-
-def _axis(name, variable):
-    """X, Y, Z or T; None if it cannot be told."""
-    unit = text(variable, "units").lower()
-    if " since " in unit:
-        return "T"
-    declared = text(variable, "axis").upper()
-    if declared in NAMES:
-        return declared
-    for axis in "XYZT":
-        if unit in UNITS.get(axis, ()) or text(variable, "standard_name") in STANDARD[axis]:
-            return axis
-    if text(variable, "positive"):
-        return "Z"
-    return next((axis for axis, names in NAMES.items() if name.lower() in names), None)
+        pressure = pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure
+        warm = self.helper(("air_temperature",), ("K",), self.data.variables[name].dims)
+        if warm:
+            temperature = self.in_unit(warm, self.field(warm, step, dimensions), "K", role="the temperature")
+        else:
+            temperature = standard_atmosphere(pressure)[1]
+        self._notes.append(f"'{name}' becomes m/s by the {'temperature of ' + repr(warm) if warm else 'standard atmosphere'}")
+        return upward_velocity(self.in_unit(name, values, "Pa/s", role=role), pressure, temperature)

@@ -15,13 +15,15 @@ LAYERS = (
 )
 
 
-def local_plane(longitude, latitude, middle=None):
+def local_plane(longitude, latitude, middle=None, unordered=False):
     """Metres east and north of a middle, from degrees: y follows the meridians, x the parallel through the middle.
 
     The middle is a longitude and a latitude, those of the data unless given. Returns x, y, by how much lengths along x
     are too long off the middle at most (a factor), and the middle.
     """
-    longitude = numpy.unwrap(numpy.asarray(longitude, float), period=360, axis=-1)
+    longitude = numpy.array(longitude, float)
+    if not unordered:
+        longitude = numpy.unwrap(longitude, period=360, axis=-1)
     latitude = numpy.asarray(latitude, float)
     own = [(value.min() + value.max()) / 2 for value in (longitude, latitude)]
     middle = middle or own

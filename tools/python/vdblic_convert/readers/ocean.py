@@ -1,63 +1,116 @@
-"""Ocean models on s-levels, as ROMS writes them: u and v on the faces of cells, levels that follow the bottom."""
+"""ROMS and its like: u and v on the faces of cells, levels that follow the bottom."""
 
 import re
 
 import numpy
 
 from ..errors import InputError
+from .cf import COMPONENTS, EASTWARD
 from .earth import local_plane
+from .gridded import Gridded
 from .grids import grid_of
-from .netcdf_file import NetcdfFile, text
+from .heights import TERMS, by_formula
+from .place import angles, ordered
+
+METRES = dict.fromkeys(("eta", "depth", "depth_c"), "m")  # as ROMS has them where a file does not say so
 
 
-def is_level(variable):
+def is_level(data, name):
     """Whether a variable is the levels, or the faces between them."""
-    return text(variable, "standard_name").startswith("ocean_s") and text(variable, "formula_terms")
+    return data.text(name, "standard_name") in TERMS and data.text(name, "standard_name").startswith("ocean")
 
 
-class OceanFile(NetcdfFile):
+def is_ocean(data):
+    if not {"lon_rho", "x_rho"} & set(data.variables):
+        return False
+    levels = any(is_level(data, name) and data.variables[name].ndim == 1 for name in data.variables)
+    return levels or {"xi_rho", "eta_rho"} <= set(data.sizes)
+
+
+class OceanFile(Gridded):
     """Values are brought to the centres of cells (ROMS's rho points). Land has no values."""
 
-    def __init__(self, path, data):
-        self._levels = min(filter(is_level, data.variables.values()), key=len)  # of the cells, not of their faces
-        super().__init__(path, data, next((n for n in data.dimensions if n in ("ocean_time", "time")), None))
-        terms = dict(re.findall(r"(\w+): *(\w+)", self._levels.formula_terms))
-        self._terms = {term: name for term, name in terms.items() if name in data.variables}
-        if "depth" not in self._terms:
-            raise InputError(f"{path}: the formula_terms of {self._levels.name} name no depth that the file holds")
-        self._rows, self._columns = data.variables[self._terms["depth"]].dimensions[-2:]
-        self._fields = [name for name, v in data.variables.items() if self._is_field(v)]
+    def __init__(self, data, options):
+        super().__init__(data, options)
+        levels = [n for n, v in data.variables.items() if v.ndim == 1 and (is_level(data, n) or n == "s_rho")]
+        self._levels = min(levels, key=lambda name: data.variables[name].size) if levels else None
+        if self._levels and not is_level(data, self._levels):
+            self._levels_of_roms()
+        self._shape = self._columns()
+        self._fields = [name for name, variable in data.variables.items() if self._is_field(name, variable)]
+        if not self._fields:
+            raise InputError(f"{self.path}: no variable is on the cells or their faces; it holds {data.contents()}")
 
     def components(self, step):
-        return tuple(name if name in self._fields else None for name in "uvw")
+        found = []
+        for usual, standard in zip("uvw", COMPONENTS):
+            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
+            found.append(usual if usual in self._fields else (named + [None])[0])
+        return found
 
     def arrays(self, step):
         return {name: 1 for name in self._fields}
 
-    def read(self, step, names):
+    def parts(self, step, names, velocity=()):
+        self._notes.clear()
         water = self._water(step)
-        fields = {name: self._centred(name, step, water) for name in names}
-        if "angle" in self.data.variables and {"u", "v"} <= set(names):
-            angle = self.place("angle", step, water)
-            cosine, sine = numpy.cos(angle), numpy.sin(angle)
-            u, v = fields["u"], fields["v"]
-            fields["u"], fields["v"] = u * cosine - v * sine, u * sine + v * cosine
-        return grid_of(*self._horizontal(step), self._heights(step, water), fields)
+        x, y, columns, turn = self._horizontal(step, water)
+        fields = {name: self._centred(name, step, water)[..., columns] for name in names}
+        for slot, name in enumerate(velocity):
+            if name not in names:
+                continue
+            fields[name] = self.in_unit(name, fields[name], "m/s", "m/s", f"component {'xyz'[slot]}")
+            if slot < 2 and not re.fullmatch(EASTWARD, self.data.text(name, "standard_name")):
+                angle = turn + slot * numpy.pi / 2
+                fields[name] = numpy.stack(
+                    [fields[name] * numpy.cos(angle), fields[name] * numpy.sin(angle), 0 * fields[name]], axis=-1
+                )
+                self.explained[name] += ", along the grid"
+        z = numpy.zeros(1)
+        if self._levels:
+            z = by_formula(self, self._levels, step, water, METRES)[0][..., columns]
+        return [(grid_of(x, y, z, fields), names)]
 
-    def _is_field(self, variable):
-        sizes = [len(self.data.dimensions[d]) for d in variable.dimensions if d != self._time]
-        shape = [len(self._levels), len(self.data.dimensions[self._rows]), len(self.data.dimensions[self._columns])]
+    def _levels_of_roms(self):
+        """The formula of levels that only ROMS's own variables tell."""
+        data = self.data
+        if "Vtransform" not in data.variables:
+            raise InputError(
+                f"{self.path}: nothing tells the formula of the levels '{self._levels}', neither standard_name nor "
+                f"Vtransform; say it: --attribute '{self._levels}:standard_name=ocean_s_coordinate_g2' "
+                f"'{self._levels}:formula_terms=s: s_rho C: Cs_r eta: zeta depth: h depth_c: hc'"
+            )
+        transform = int(self.variable("Vtransform", 0))
+        data.variables[self._levels].attrs |= {
+            "standard_name": f"ocean_s_coordinate_g{transform}",
+            "formula_terms": f"s: {self._levels} C: Cs_r eta: zeta depth: h depth_c: hc",
+        }
+
+    def _columns(self):
+        """The cells: rows and columns, and levels before them if there are some."""
+        data = self.data
+        terms = dict(re.findall(r"(\w+): *(\w+)", data.text(self._levels, "formula_terms"))) if self._levels else {}
+        depth = terms.get("depth", "h")
+        if depth not in data.variables and not {"xi_rho", "eta_rho"} <= set(data.sizes):
+            raise InputError(f"{self.path}: the formula_terms of {self._levels} name no depth that the file holds")
+        last = data.variables[depth].dims[-2:] if depth in data.variables else ("eta_rho", "xi_rho")
+        return [data.variables[self._levels].size if self._levels else 1, *(data.sizes[name] for name in last)]
+
+    def _is_field(self, name, variable):
+        sizes = [self.data.sizes[d] for d in variable.dims if d != self.time]
+        if len(sizes) == 2 and not self._levels and name not in self.data.sizes and self.time in (None, *variable.dims):
+            sizes = [1, *sizes]
         return (
             len(sizes) == 3
-            and abs(sizes[0] - shape[0]) <= 1
-            and all(0 <= n - m <= 1 for n, m in zip(shape[1:], sizes[1:]))
+            and variable.dtype.kind in "fiu"
+            and abs(sizes[0] - self._shape[0]) <= 1
+            and all(0 <= n - m <= 1 for n, m in zip(self._shape[1:], sizes[1:]))
         )
 
     def _water(self, step):
         """The columns that are no land."""
-        shape = [len(self.data.dimensions[name]) for name in (self._rows, self._columns)]
         if "mask_rho" not in self.data.variables:
-            return numpy.ones(shape, bool)
+            return numpy.ones(self._shape[1:], bool)
         water = numpy.nan_to_num(self.variable("mask_rho", step)) != 0
         if not water.any():
             raise InputError(f"{self.path}: 'mask_rho' is 1 nowhere, so all is land")
@@ -66,8 +119,9 @@ class OceanFile(NetcdfFile):
     def _centred(self, name, step, water):
         """A variable at the centres of cells; on land NaN. A face towards land has no flow."""
         values = self.variable(name, step)
+        values = values if self._levels else values[None]
         rows, columns = water.shape
-        if values.shape[0] == len(self._levels) + 1:
+        if values.shape[0] == self._shape[0] + 1:
             values = (values[1:] + values[:-1]) / 2
         wet = water
         if values.shape[1] < rows:
@@ -82,43 +136,22 @@ class OceanFile(NetcdfFile):
                 values = (numpy.take(wide, range(1, count + 1), axis) + numpy.take(wide, range(count), axis)) / 2
         return numpy.where(water, values, numpy.nan)
 
-    def _horizontal(self, step):
-        for x, y in ("lon_rho", "lat_rho"), ("x_rho", "y_rho"):
-            if x in self.data.variables and y in self.data.variables:
-                degrees = x == "lon_rho"
-                x, y = self.place(x, step), self.place(y, step)
-                if degrees:
-                    x, y, _, self.middle = local_plane(x, y, self.middle)
-                return x, y
+    def _horizontal(self, step, water):
+        """x and y, the order of columns, and how far the grid is turned against x [radians]."""
+        for names, unit in (("lon_rho", "lat_rho"), "degree"), (("x_rho", "y_rho"), "m"):
+            if not set(names) <= set(self.data.variables):
+                continue
+            x, y = (self.in_unit(name, self.place(name, step), unit, unit, "the cells' place") for name in names)
+            columns, turn = numpy.arange(x.shape[1]), None
+            if unit == "degree":
+                x, columns = ordered(x)
+                y = y[:, columns]
+                turn = angles(x, y)[0]
+                x, y, _, self.middle = local_plane(x, y, self.middle)
+            if "angle" in self.data.variables:
+                turn = self.place("angle", step, water)[:, columns]
+                turn = self.in_unit("angle", turn, "radian", "radian", "how the grid is turned")
+            elif turn is None:
+                turn = numpy.arctan2(numpy.gradient(y, axis=1), numpy.gradient(x, axis=1))
+            return x, y, columns, turn
         raise InputError(f"{self.path}: there are neither lon_rho and lat_rho nor x_rho and y_rho")
-
-    def _heights(self, step, water):
-        """Heights of the cells' centres by the CF conventions, appendix D."""
-
-        def term(name):
-            if name not in self._terms:
-                return 0.0
-            values = self.variable(self._terms[name], step)
-            return self.placed(self._terms[name], values, water if values.ndim == 2 else True)
-
-        depth, surface = numpy.maximum(term("depth"), 1e-3), term("eta")
-        kind = text(self._levels, "standard_name")
-        if kind == "ocean_sigma_coordinate":
-            sigma = self._column(term("sigma"))
-            return surface + sigma * (depth + surface)
-        s, critical = self._column(term("s")), term("depth_c")
-        if kind == "ocean_s_coordinate":
-            a, b = term("a"), term("b")
-            stretching = (1 - b) * numpy.sinh(a * s) / numpy.sinh(a) + b * (
-                numpy.tanh(a * (s + 0.5)) / (2 * numpy.tanh(a / 2)) - 0.5
-            )
-            return surface * (1 + s) + critical * s + (depth - critical) * stretching
-        stretching = self._column(term("C"))
-        if kind == "ocean_s_coordinate_g2":
-            return surface + (surface + depth) * (critical * s + depth * stretching) / (critical + depth)
-        level = critical * s + (depth - critical) * stretching
-        return level + surface * (1 + level / depth)
-
-    @staticmethod
-    def _column(values):
-        return numpy.asarray(values).reshape(-1, 1, 1)

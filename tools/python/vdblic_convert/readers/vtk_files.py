@@ -10,7 +10,7 @@ from . import Source
 TIME_ARRAYS = ("TimeValue", "TIME", "time")
 
 
-def open_source(path):
+def open_source(path, options):  # pylint: disable=unused-argument
     return PvdFile(path) if path.suffix.lower() == ".pvd" else VtkFile(path)
 
 

@@ -3,27 +3,27 @@
 import numpy
 
 from ..errors import InputError
+from .gridded import Gridded
 from .grids import grid_of
-from .netcdf_file import NetcdfFile
 
 GRAVITY = 9.81  # m/s², WRF's own
 SPACE = ("bottom_top", "south_north", "west_east")
 
 
-class WrfFile(NetcdfFile):
+class WrfFile(Gridded):
     """Values are brought to the centres of WRF's cells. x and y count from the first one, along the model's grid."""
 
-    def __init__(self, path, data):
-        super().__init__(path, data, "Time" if "Time" in data.dimensions else None)
+    def __init__(self, data, options):
+        super().__init__(data, options)
         self._fields = [
             name
             for name, v in data.variables.items()
-            if tuple(d.removesuffix("_stag") for d in v.dimensions if d != "Time") == SPACE
+            if tuple(d.removesuffix("_stag") for d in v.dims if d != "Time") == SPACE and v.dtype.kind in "fiu"
         ]
-        spacing = [getattr(data, name, 0) for name in ("DX", "DY")]
+        spacing = [float(data.attributes.get(name, 0)) for name in ("DX", "DY")]
         if not min(spacing) > 0:
-            raise InputError(f"{path}: WRF's global attributes DX and DY, the spacing of the grid, are missing")
-        self._axes = [(numpy.arange(len(data.dimensions[name])) * step) for name, step in zip(SPACE[:0:-1], spacing)]
+            raise InputError(f"{self.path}: WRF's global attributes DX and DY, the spacing of the grid, are missing")
+        self._axes = [numpy.arange(data.sizes[name]) * step for name, step in zip(SPACE[:0:-1], spacing)]
 
     def components(self, step):
         return tuple(name if name in self._fields else None for name in "UVW")
@@ -32,13 +32,16 @@ class WrfFile(NetcdfFile):
         return {name: 1 for name in self._fields}
 
     def read(self, step, names):
-        height = sum(self._centred(name, step, self.place) for name in ("PH", "PHB")) / GRAVITY
-        return grid_of(*self._axes, height, {name: self._centred(name, step) for name in names})
+        height = sum(self._centred(name, step, "m**2/s**2", self.place) for name in ("PH", "PHB")) / GRAVITY
+        return grid_of(
+            *self._axes, height, {name: self._centred(name, step, "m/s" * (name in "UVW")) for name in names}
+        )
 
-    def _centred(self, name, step, read=None):
+    def _centred(self, name, step, wanted, read=None):
         """A variable at the centres of cells: the mean of two faces where it lies on faces."""
         values = (read or self.variable)(name, step)
-        for axis, dimension in enumerate(d for d in self.data.variables[name].dimensions if d != "Time"):
+        values = self.in_unit(name, values, wanted, wanted) if wanted else values
+        for axis, dimension in enumerate(d for d in self.data.variables[name].dims if d != "Time"):
             if dimension.endswith("_stag"):
                 low, high = [slice(None)] * 3, [slice(None)] * 3
                 low[axis], high[axis] = slice(None, -1), slice(1, None)

@@ -1,0 +1,177 @@
+"""Arrays without names for their axes: NumPy's files, HDF5 and MATLAB's.
+
+Their order is [x, y, z] or [time, x, y, z], with the components of a vector last, unless --layout tells another one, which
+HDF5 needs. Beside its fields a file may hold `time` (seconds or dates, one a step), `origin` (centre of voxel 0 0 0),
+`voxel_size` (one or three lengths), `matrix` (4 × 4, indices to world space, in place of both), or the axes `x`, `y` and
+`z`, and `active` (a mask). Values that are not finite are left out.
+"""
+
+import tokenize
+import zipfile
+
+import numpy
+
+from ..errors import InputError, needed
+from ..velocity import VECTORS
+from ..vtk_data import add_array, model
+from . import Source
+from .grids import grid_of
+from .whole_files import check_whole
+
+PLACE = ("time", "frame", "dt", "origin", "voxel_size", "matrix", "active")
+
+
+def open_source(path, options):
+    try:
+        if path.suffix.lower() in (".npy", ".npz"):
+            loaded = numpy.load(path, mmap_mode="r", allow_pickle=False)
+            arrays = {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
+        else:
+            arrays = _of_hdf5(path)
+    except InputError:
+        raise
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, KeyError, tokenize.TokenError) as error:
+        form = "NumPy's arrays" if path.suffix.lower() in (".npy", ".npz") else "HDF5"
+        raise InputError(f"{path}: cannot be read as {form}: {error}") from None
+    return ArrayFile(path, arrays, options.layout)
+
+
+def _of_hdf5(path):
+    """The datasets of a file by name; they are read when they are asked for."""
+    with open(path, "rb") as file:
+        if file.read(10).startswith(b"MATLAB 5.0"):
+            file.seek(512)
+            if file.read(4) != b"\x89HDF":
+                raise InputError(f"{path}: it is of MATLAB before version 7.3; write it anew: save -v7.3")
+    check_whole(path)
+    h5py, arrays = needed("h5py"), {}
+
+    def keep(name, item):
+        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+            arrays[name] = item
+
+    h5py.File(path, "r").visititems(keep)
+    return {name: item[()] if name in PLACE or item.ndim < 2 else item for name, item in arrays.items()}
+
+
+class ArrayFile(Source):
+    def __init__(self, path, arrays, layout):
+        self._place = {name: arrays.pop(name) for name in PLACE if name in arrays}
+        self._told = bool(layout)
+        self._order = {name: _order(path, name, array, layout) for name, array in arrays.items()}
+        self._order = {name: order for name, order in self._order.items() if order}
+        self._arrays = {name: arrays[name] for name in self._order}
+        if not self._arrays:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in list(arrays.items())[:10])
+            raise InputError(
+                f"{path}: no array is a field: one has the axes x y z or time x y z, and components last; others are told "
+                f"by --layout; it holds {shapes or 'nothing else'}"
+            )
+        shapes = {tuple(self._sizes(name).get(axis, 1) for axis in "xyz") for name in self._arrays}
+        steps = {self._sizes(name)["t"] for name in self._arrays if "t" in self._order[name]} or {1}
+        if len(shapes) > 1 or len(steps) > 1:
+            told = ", ".join(sorted(str(array.shape) for array in self._arrays.values()))
+            raise InputError(f"{path}: the fields have different shapes: {told}")
+        (self._shape,), (steps,) = shapes, steps
+        self._axes = [arrays.get(axis) for axis in "xyz"]
+        alike = [numpy.shape(axis) == (size,) for axis, size in zip(self._axes, self._shape)]
+        if not all(alike) or "voxel_size" in self._place or "matrix" in self._place:
+            self._axes = None
+        self._mask(path)
+        times = numpy.ravel(self._place.get("time", []))
+        if times.dtype.kind == "M":
+            times, self.calendar = times.astype("datetime64[us]").astype(float) / 1e6, "proleptic_gregorian"
+        if times.dtype.kind == "m":
+            times = times / numpy.timedelta64(1, "s")
+        if len(times) not in (0, steps):
+            raise InputError(f"{path}: there are {steps} steps but {len(times)} times")
+        super().__init__(path, times.astype(float).tolist() or [None] * steps)
+
+    def notes(self):
+        name, order = next(iter(self._order.items()))
+        axes = ", ".join({"t": "time", "c": "components"}.get(axis, axis) for axis in order)
+        return [f"the axes of '{name}' {self._arrays[name].shape} are {axes}" + "; --layout tells others" * (not self._told)]
+
+    def arrays(self, step):
+        return {name: 3 if "c" in order else 1 for name, order in self._order.items()}
+
+    def read(self, step, names):
+        fields = {name: self._field(name, step) for name in names}
+        if self._axes:
+            fields = {name: (v[..., 0] if v.shape[3] == 1 else v).swapaxes(0, 2) for name, v in fields.items()}
+            return grid_of(*(numpy.array(axis, float) for axis in self._axes), fields)
+        image = model.vtkImageData()
+        image.SetDimensions(*self._shape)
+        self._put(image)
+        for name, values in fields.items():
+            add_array(image.GetPointData(), name, values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))
+        return image
+
+    def _sizes(self, name):
+        return dict(zip(self._order[name], self._arrays[name].shape))
+
+    def _field(self, name, step):
+        """A field of a step as (x, y, z, components), NaN where it is not active."""
+        order = self._order[name]
+        values = self._arrays[name][tuple(step if axis == "t" else slice(None) for axis in order)]
+        values = numpy.asarray(values, float if values.dtype.itemsize > 4 else numpy.float32)
+        order = order.replace("t", "")
+        values = values.transpose([order.index(axis) for axis in "xyzc" if axis in order])
+        values = values if "z" in order else numpy.expand_dims(values, 2)
+        values = values if "c" in order else values[..., None]
+        if values.shape[3] == 2:
+            values = numpy.concatenate([values, numpy.zeros_like(values[..., :1])], axis=3)
+        return numpy.where(self._active[..., None], values, numpy.nan)
+
+    def _mask(self, path):
+        self._active = numpy.asarray(self._place.get("active", numpy.ones(self._shape, bool)), bool)
+        if self._active.shape != self._shape:
+            raise InputError(f"{path}: 'active' has the shape {self._active.shape}, the fields {self._shape}")
+
+    def _put(self, image):
+        """Give an image its place in world space."""
+        try:
+            matrix = numpy.array(self._place["matrix"], float) if "matrix" in self._place else None
+            spacing = numpy.broadcast_to(numpy.array(self._place.get("voxel_size", 1), float), 3)
+            origin = numpy.broadcast_to(numpy.array(self._place.get("origin", 0), float), 3)
+            if matrix is not None:
+                spacing, origin = numpy.linalg.norm(matrix[:3, :3], axis=0), matrix[:3, 3]
+                image.SetDirectionMatrix(*(matrix[:3, :3] / spacing).ravel())
+        except (ValueError, IndexError):
+            raise InputError(
+                f"{self.path}: 'origin' and 'voxel_size' have one or three numbers, 'matrix' 4 x 4"
+            ) from None
+        if not ((spacing > 0).all() and numpy.isfinite([*spacing, *origin]).all()):
+            raise InputError(f"{self.path}: voxels of {spacing} at {origin} have no size or no place")
+        image.SetSpacing(*spacing)
+        image.SetOrigin(*origin)
+
+
+def _order(path, name, array, layout):
+    """The axes of a field as letters of t, c, x, y, z; empty for other arrays. Raises InputError for what may be two."""
+    shape = numpy.shape(array)
+    is_velocity = name.rpartition("/")[2] in VECTORS and len(name) > 1
+    if array.dtype.kind not in "fiu":
+        if array.dtype.kind == "c" and is_velocity:
+            raise InputError(f"{path}: '{name}' has complex numbers; a velocity has real ones")
+        return ""
+    if layout:
+        for left_out in "", "c", "t", "tc":
+            order = "".join(axis for axis in layout if axis not in left_out)
+            if len(order) == len(shape) and ("c" not in order or shape[order.index("c")] in (2, 3)):
+                return order
+        return ""
+    if path.suffix.lower() not in (".npy", ".npz") and len(shape) > 1:
+        raise InputError(
+            f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout with letters of t, c, x, y "
+            "and z, such as txyz (MATLAB's files have MATLAB's order reversed)"
+        )
+    if len(shape) > 3 and shape[-1] == 3:
+        return {4: "xyzc", 5: "txyzc"}.get(len(shape), "")
+    if is_velocity and len(shape) in (3, 4, 5):
+        likely = {3: "xyc", 4: "cxyz" if shape[0] == 3 else "xyzc", 5: "tcxyz"}[len(shape)]
+        raise InputError(
+            f"{path}: '{name}' has the shape {shape}, whose last axis is not three components; say the order of its axes: "
+            f"--layout {likely}, or another one"
+        )
+    return {3: "xyz", 4: "txyz"}.get(len(shape), "")

@@ -1,0 +1,84 @@
+"""Gridded files of every form as xarray's variables, and which convention a file follows."""
+
+import warnings
+
+from ..errors import InputError, needed
+from .gridded import Data
+from .whole_files import check_whole
+
+
+def open_source(path, options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # xarray's, of attributes
+        data = Data(path, *_variables(path), options.attribute)
+    from . import cf, mesh, ocean, wrf
+
+    if {"PH", "PHB"} <= set(data.variables):
+        return wrf.WrfFile(data, options)
+    if mesh.is_mesh(data):
+        return mesh.MeshFile(data, options)
+    if ocean.is_ocean(data):
+        return ocean.OceanFile(data, options)
+    return cf.CfFile(data, options)
+
+
+def _variables(path):
+    """The variables of a file by name, decoded but for their times, and its attributes."""
+    xarray, kind = needed("xarray"), path.suffix.lower()
+    read = _zarr if path.is_dir() or kind == ".zarr" else _grib if kind.startswith(".gr") else _netcdf
+    form = {_zarr: "Zarr", _grib: "GRIB", _netcdf: "NetCDF"}[read]
+    if read == _netcdf:
+        check_whole(path)
+        needed("netCDF4")
+    else:
+        needed("zarr" if read == _zarr else "cfgrib")
+    try:
+        return read(xarray, path)
+    except InputError:
+        raise
+    except Exception as error:  # pylint: disable=broad-except  # the libraries raise any kind
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read as {form}: {type(error).__name__ if not str(reason) else reason}") from None
+
+
+def _netcdf(xarray, path):
+    """The variables of all groups; those of a group have its name before theirs where another one has theirs."""
+    found, attributes, groups = {}, {}, [""]
+    with needed("netCDF4").Dataset(path) as data:
+        stack = list(data.groups.values())
+        while stack:
+            group = stack.pop(0)
+            groups.append(group.path.strip("/"))
+            stack += group.groups.values()
+    for group in groups:
+        store = xarray.backends.NetCDF4DataStore.open(path, group=group or None)
+        variables, own, _ = xarray.conventions.decode_cf_variables(*store.load(), decode_times=False, decode_coords=False)
+        attributes = dict(own) | attributes
+        for name, variable in variables.items():
+            found[f"{group}/{name}" if name in found else name] = variable
+    return found, attributes
+
+
+def _zarr(xarray, path):
+    data = xarray.open_dataset(
+        path, engine="zarr", chunks=None, decode_times=False, decode_coords=False, consolidated=None, cache=False
+    )
+    return dict(data.variables), data.attrs
+
+
+def _grib(xarray, path):  # pylint: disable=unused-argument
+    """The messages of all levels and times; fields on other axes have their own."""
+    options = {"backend_kwargs": {"indexpath": ""}, "decode_times": False, "cache": False}
+    found = {}
+    for data in needed("cfgrib").open_datasets(str(path), **options):
+        clash = any(n in found and not found[n].equals(v) for n, v in data.variables.items() if n in data.dims)
+        if clash and set("uv") & set(data.variables):
+            if set("uv") & set(found):
+                raise InputError(
+                    f"{path}: it holds winds on several sets of levels or times; keep one: grib_copy -w typeOfLevel=..."
+                )
+            found = {}
+        elif clash:
+            continue
+        found.update(data.variables)
+    return found, {}

@@ -1,0 +1,240 @@
+"""What files with named axes share, whatever their form: xarray's variables, in known units, at known times."""
+
+import re
+
+import numpy
+
+from ..errors import InputError, ParameterError
+from ..units import converted
+from . import Source
+from .times import is_date, seconds_of, seconds_of_texts
+
+TIME = r"(ocean_|model_|valid_|forecast_)?time(_counter|_instant)?\d*|t|mt|date|step|year|month|day|hour"
+PACKED = "valid_min", "valid_max", "valid_range"
+
+
+class Data:
+    """The variables of a file by name, read when they are asked for, and what the user answered about them."""
+
+    def __init__(self, path, variables, attributes, answers):
+        self.path, self.variables, self.attributes = path, variables, attributes
+        self.sizes = {d: n for variable in variables.values() for d, n in zip(variable.dims, variable.shape)}
+        for name, answer in answers.items():
+            if name not in variables:
+                raise ParameterError(f"--attribute {name}: {path} has no variable '{name}'; it has {self.contents()}")
+            kept = {key: value for key, value in variables[name].attrs.items() if key.lower() not in answer}
+            variables[name].attrs = kept | answer
+
+    def contents(self):
+        return ", ".join(list(self.variables)[:20]) or "no variables"
+
+    def text(self, name, attribute):
+        """An attribute, in whatever letters its name is; empty if there is none. Raises InputError for two of them."""
+        found = {str(value).strip() for key, value in self.attrs(name).items() if key.lower() == attribute}
+        if len(found) > 1:
+            raise InputError(f"{self.path}: '{name}' has several attributes '{attribute}': {', '.join(sorted(found))}")
+        return found.pop() if found else ""
+
+    def attrs(self, name):
+        return self.variables[name].attrs if name in self.variables else {}
+
+
+class Gridded(Source):
+    """A file of xarray's variables. `explained` tells how each variable was understood."""
+
+    unit = "m"
+
+    def __init__(self, data, options):
+        self.data, self.path = data, data.path
+        self.explained, self._notes = {}, []
+        self.time = self._time_axis()
+        try:
+            super().__init__(data.path, self._times())
+        except (ValueError, TypeError, OverflowError) as error:
+            if not options.dt:
+                raise InputError(f"{self.path}: its times cannot be read: {error}; or --dt gives their spacing") from None
+            super().__init__(data.path, [None] * data.sizes.get(self.time, 1))
+
+    def notes(self):
+        return self._notes
+
+    def long(self, name):
+        """The dimensions of a variable that have several values and are not the time."""
+        return [d for d in self.data.variables[name].dims if d != self.time and self.data.sizes[d] > 1]
+
+    def variable(self, name, step):
+        """A variable at a step in double precision, NaN where it is missing, without axes of one value."""
+        variable = self.data.variables[name]
+        try:
+            if self.time in variable.dims:
+                variable = variable.isel({self.time: step})
+            values = numpy.array(variable.values, float)
+        except (OSError, RuntimeError, IndexError, ValueError, TypeError) as error:
+            raise InputError(f"{self.path}: variable '{name}' cannot be read: {error}") from None
+        values[~numpy.isfinite(values)] = numpy.nan
+        scale, offset = (float(variable.encoding.get(key, n)) for key, n in (("scale_factor", 1), ("add_offset", 0)))
+        low, high, both = (variable.attrs.get(key) for key in PACKED)
+        low, high = both if numpy.size(both) == 2 else (low, high)
+        raw = values if (scale, offset) == (1, 0) else (values - offset) / scale
+        if raw is not values and numpy.dtype(variable.encoding.get("dtype", float)).kind in "iu":
+            raw = numpy.rint(raw)  # xarray unpacks short numbers in single precision
+            values = raw * scale + offset
+        with numpy.errstate(invalid="ignore"):
+            wrong = numpy.abs(values) > 9e36  # what NetCDF fills with where no fill value is declared
+            wrong |= False if low is None else raw < float(low)
+            wrong |= False if high is None else raw > float(high)
+        return numpy.where(wrong, numpy.nan, values).squeeze()
+
+    def place(self, name, step, needed=True):
+        """A variable that places others. Raises InputError if it lacks a value, or one where it is `needed`."""
+        return self.placed(name, self.variable(name, step), needed)
+
+    def placed(self, name, values, needed):
+        """The values of such a variable, where those that are not needed are some number."""
+        missing = ~numpy.isfinite(values)
+        lacks = numpy.count_nonzero(missing & needed)
+        if lacks:
+            ranges = [a for a in PACKED if a in self.data.variables[name].attrs]
+            mend = f"correct {' and '.join(ranges)}, which are in packed numbers" if ranges else "complete the file"
+            raise InputError(
+                f"{self.path}: '{name}', which gives other values their place, lacks {lacks} of {values.size} values; "
+                f"{mend}"
+            )
+        return numpy.where(missing, numpy.mean(values[~missing]) if not missing.all() else 0, values)
+
+    def in_unit(self, name, values, wanted, usual="", role=""):
+        """Values of a variable in another unit. Raises InputError unless its own is known; `usual` stands for none."""
+        unit = self.data.text(name, "units") or usual
+        if not unit:
+            raise InputError(
+                f"{self.path}: '{name}' has no units; say which: --attribute '{name}:units={wanted.replace('**', '')}'"
+            )
+        try:
+            result = converted(values, unit, wanted)
+        except ValueError:
+            raise InputError(
+                f"{self.path}: '{name}' is in '{unit}', which cannot be converted to {wanted.replace('**', '')}; if "
+                f"that is wrong, say what it is in: --attribute '{name}:units={wanted.replace('**', '')}'"
+            ) from None
+        self.explain(name, role, unit, values)
+        return result
+
+    def explain(self, name, role, unit, values):
+        some = numpy.ravel(values)[numpy.isfinite(numpy.ravel(values))]
+        some = ", ".join(f"{value:.6g}" for value in (some[0], some[-1])) if len(some) else "no values"
+        self.explained[name] = f"'{name}' is {role or 'read'}: {some} {unit}"
+
+    def named(self, *standard_names, dimensions=None):
+        """The first variable with one of these standard names, and on these dimensions if given; else None."""
+        for standard_name in standard_names:
+            for name, variable in self.data.variables.items():
+                if self.data.text(name, "standard_name") == standard_name and dimensions in (None, variable.dims):
+                    return name
+        return None
+
+    def helper(self, standard_names, units, dimensions):
+        """The variable of a standard name on some dimensions; None without. Raises InputError for one that may be it."""
+        if found := self.named(*standard_names, dimensions=dimensions):
+            return found
+        for name, variable in self.data.variables.items():
+            own = self.data.text(name, "standard_name"), self.data.text(name, "units")
+            if variable.dims == dimensions and not own[0] and name not in self.used and _may_be(own[1], units):
+                raise InputError(
+                    f"{self.path}: '{name}' may be the {standard_names[0]}, but has no standard_name; say: --attribute "
+                    f"'{name}:standard_name={standard_names[0]}', or =other"
+                )
+        return None
+
+    used = ()  # the names of variables that are known as something else
+
+    def _time_axis(self):
+        """The dimension that is the time, if there is one."""
+        dims = [d for d in self.data.sizes if self._is_time(d)]
+        long = [d for d in dims if self.data.sizes[d] > 1]
+        if any(self.data.sizes[d] == 0 for d in dims):
+            raise InputError(f"{self.path}: it holds no time steps")
+        if len(long) > 1:
+            sizes = " and ".join(f"'{d}' ({self.data.sizes[d]})" for d in long)
+            raise InputError(f"{self.path}: it has several axes of time, {sizes}; keep one value of the others")
+        return (long or dims or [None])[0]
+
+    def _is_time(self, dimension):
+        text = self.data.text
+        if dimension not in self.data.variables:
+            return re.fullmatch(TIME, dimension, re.I) is not None
+        kind = text(dimension, "axis").upper() or text(dimension, "cartesian_axis").upper()
+        standard = text(dimension, "standard_name")
+        return (
+            is_date(text(dimension, "units"))
+            or kind == "T"
+            or standard in ("time", "forecast_period", "forecast_reference_time")
+            or not kind and not standard and re.fullmatch(TIME, dimension, re.I) is not None
+        )
+
+    def _times(self):
+        """The times in seconds; None where the file has none."""
+        count = self.data.sizes.get(self.time, 1)
+        name = self._time_variable()
+        if name is None:
+            if self.time and count > 1 and self.time not in self.data.variables:
+                return [None] * count
+            name = self.time if self.time in self.data.variables else None
+        if name is None:
+            return [None] * count
+        values, units = self.data.variables[name].values, self.data.text(name, "units")
+        if values.dtype.kind in "SU":
+            times, self.calendar = seconds_of_texts(values), "standard"
+            self.explain(name, "the time, as text", "s from 1970 on", times)
+            return times.tolist()
+        if not units:
+            raise ValueError(
+                f"the time axis '{self.time or name}' has no units; give it units such as days since a date: "
+                f"ncatted -a units,{name},o,c,'days since 2000-01-01' {self.path}"
+            )
+        try:
+            times = seconds_of(values, units, self.data.text(name, "calendar").lower() or "standard")
+        except ValueError as error:
+            reason = f" ({error})" if str(error) != units else ""
+            raise ValueError(
+                f"the time axis '{self.time or name}' is in '{units}'{reason}; give it units such as days since a date: "
+                f"ncatted -a units,{name},o,c,'days since 2000-01-01' {self.path}"
+            ) from None
+        self.calendar = is_date(units) and (self.data.text(name, "calendar").lower() or "standard")
+        reference = self.named("forecast_reference_time")
+        if self.data.text(name, "standard_name") == "forecast_period" and reference:
+            start = self.data.variables[reference]
+            if start.size == 1:
+                calendar = self.data.text(reference, "calendar").lower() or "standard"
+                times = times + seconds_of(start.values, self.data.text(reference, "units"), calendar)
+                self.calendar = calendar
+        self.explain(name, "the time", f"{units}{', calendar ' + self.calendar if self.calendar else ''}", values)
+        return times.tolist()
+
+    def _time_variable(self):
+        """The variable of the times: dates as text, else what is called time, else the axis itself, else a date."""
+
+        def rank(name):
+            variable, text = self.data.variables[name], self.data.text
+            along = tuple(d for d in variable.dims if self.data.sizes[d] > 1 or d == self.time)
+            if along != ((self.time,) if self.time else ()) and (self.data.sizes.get(self.time, 1) > 1 or along):
+                return None
+            standard, units = text(name, "standard_name"), text(name, "units")
+            if variable.dtype.kind in "SU":
+                return 0 if name in ("Times", "xtime") else None
+            if standard in ("forecast_reference_time", "forecast_period"):
+                return 4 if name == self.time else None
+            if standard == "time":
+                return 1
+            if name == self.time:
+                return 2
+            return 3 if is_date(units) and (self.time or "time" in name.lower()) else None
+
+        ranked = [(rank(name), name) for name in self.data.variables]
+        ranked = [(value, name) for value, name in ranked if value is not None]
+        return min(ranked, key=lambda pair: pair[0])[1] if ranked else None
+
+
+def _may_be(unit, units):
+    from ..units import measures
+
+    return not unit or measures(unit, *units)

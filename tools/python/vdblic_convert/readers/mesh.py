@@ -1,0 +1,220 @@
+"""Unstructured meshes in layers: FVCOM, MPAS and what UGRID describes, as prisms between the layers."""
+
+import re
+
+import numpy
+
+from ..errors import InputError
+from ..units import measures
+from ..vtk_data import add_array, bridge, core, model
+from .cf import COMPONENTS
+from .earth import local_plane
+from .gridded import Gridded
+from .heights import HEIGHTS, TERMS, along_axis, by_formula
+
+METRES = {"eta": "m", "depth": "m"}  # as FVCOM has them where a file does not say so
+WEDGE = 13  # VTK's number of the cell type
+DIMENSIONS = "nSCHISM_hgrid_node", "nCells", "ncells", "nod2", "nele"  # of meshes whose files do not describe them
+USUAL = (
+    ("u", "uReconstructZonal", "velocityZonal"),
+    ("v", "uReconstructMeridional", "velocityMeridional"),
+    ("ww", "w", "vertVelocityTop"),
+)
+
+
+def is_mesh(data):
+    return bool(_topologies(data)) or any(name in data.sizes for name in DIMENSIONS)
+
+
+def _topologies(data):
+    return [name for name in data.variables if data.text(name, "face_node_connectivity")]
+
+
+class MeshFile(Gridded):
+    """Fields at the nodes, or in the middle of the faces, of a mesh of polygons, which are cut into triangles.
+
+    MPAS's velocity in its hexagons is at the nodes of the dual mesh, whose triangles join three hexagons.
+    """
+
+    def __init__(self, data, options):
+        super().__init__(data, options)
+        nodes, connectivity, start = self._topology()
+        self._nodes, self._node = nodes, data.variables[nodes[0]].dims[-1]
+        self._triangles, self._of_face = self._cut(connectivity, start)
+        self._face = next((d for d in data.variables[connectivity].dims if data.sizes[d] == self._of_face[-1] + 1), None)
+        if "cellsOnVertex" in data.variables:
+            self._face = None
+        self._fields = {name: space for name in data.variables if (space := self._space(name))}
+        if not self._fields:
+            raise InputError(f"{self.path}: no variable is on the mesh's nodes or faces; it holds {data.contents()}")
+
+    def components(self, step):
+        found = []
+        for standard, usual in zip(COMPONENTS, USUAL):
+            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
+            found.append((named + [n for n in usual if n in self._fields] + [None])[0])
+        return found
+
+    def arrays(self, step):
+        return {name: 1 for name in self._fields}
+
+    def parts(self, step, names, velocity=()):
+        self._notes.clear()
+        grids = {}
+        for name in names:
+            grids.setdefault(self._fields[name], []).append(name)
+        return [(self._read(step, own, velocity, *space), own) for space, own in grids.items()]
+
+    def _topology(self):
+        """The names of the nodes' coordinates and of the nodes around a face, and the number of the first node."""
+        data = self.data
+        if found := _topologies(data):
+            connectivity = data.text(found[0], "face_node_connectivity")
+            nodes = data.text(found[0], "node_coordinates").split()
+            for name in (connectivity, *nodes):
+                if name not in data.variables:
+                    raise InputError(f"{self.path}: the mesh '{found[0]}' names '{name}', which the file lacks")
+            if len(nodes) < 2:
+                raise InputError(f"{self.path}: the mesh '{found[0]}' names no node_coordinates")
+            start = data.text(connectivity, "start_index") or "0"
+            return tuple(nodes[:2]), connectivity, int(start)
+        for connectivity, nodes in ("nv", ("lon", "lat")), ("nv", ("x", "y")), ("cellsOnVertex", ("lonCell", "latCell")):
+            if connectivity in data.variables and set(nodes) <= set(data.variables):
+                if numpy.ptp(self.place(nodes[0], 0)) > 0:
+                    return nodes, connectivity, 1
+        raise InputError(
+            f"{self.path}: it is an unstructured mesh ({', '.join(d for d in DIMENSIONS if d in data.sizes)}), but nothing "
+            "tells which nodes its cells join: neither a mesh of UGRID (face_node_connectivity), FVCOM's nv, lon and lat "
+            "nor MPAS's cellsOnVertex, lonCell and latCell; add them from the file of the mesh: ncks -A mesh.nc "
+            f"{self.path}"
+        )
+
+    def _cut(self, connectivity, start):
+        """Triangles as numbers of nodes (triangles, 3), and the face that each is of."""
+        joined = self.variable(connectivity, 0)
+        dims = self.data.variables[connectivity].dims
+        if self.data.sizes[dims[0]] < self.data.sizes[dims[-1]] and self.data.sizes[dims[0]] <= 12:
+            joined = joined.T
+        joined = numpy.where(numpy.isfinite(joined), joined - start, -1).astype(int)
+        count = self.data.sizes[self._node]
+        if joined.max() >= count:
+            raise InputError(f"{self.path}: '{connectivity}' names node {joined.max() + start} of {count}")
+        faces = numpy.arange(len(joined))
+        fans = [numpy.stack([joined[:, 0], joined[:, i], joined[:, i + 1]], 1) for i in range(1, joined.shape[1] - 1)]
+        triangles, faces = numpy.concatenate(fans), numpy.tile(faces, len(fans))
+        whole = (triangles >= 0).all(axis=1)
+        order = numpy.argsort(faces[whole], kind="stable")
+        return triangles[whole][order], faces[whole][order]
+
+    def _space(self, name):
+        """Where a field is, at nodes or in faces, and its vertical dimension or None; empty for other variables."""
+        variable, long = self.data.variables[name], self.long(name)
+        place = [d for d in long if d in (self._node, self._face)]
+        is_field = variable.dtype.kind in "fiu" and self.time in (None, *variable.dims)
+        if len(place) != 1 or len(long) > 2 or not is_field or name in self._nodes:
+            return ()
+        return (place[0], next((d for d in long if d != place[0]), None))
+
+    def _read(self, step, names, velocity, place, levels):
+        x, y, keep = self._horizontal()
+        fields = {name: self._field(name, step, place, velocity) for name in names}
+        z = self._heights(step, place, levels, next(iter(fields.values())).shape[0], x, y)
+        count, layers = z.shape[1], len(z) - 1
+        triangles, faces = self._triangles[keep], self._of_face[keep]
+        lower = numpy.concatenate([triangles + layer * count for layer in range(layers)])
+        points, cells, grid = core.vtkPoints(), model.vtkCellArray(), model.vtkUnstructuredGrid()
+        points.SetData(bridge.numpy_to_vtk(
+            numpy.stack([numpy.tile(x, len(z)), numpy.tile(y, len(z)), z.ravel()], axis=1), deep=True))  # fmt: skip
+        corners = numpy.concatenate([lower, lower + count], axis=1)
+        cells.SetData(6, bridge.numpy_to_vtkIdTypeArray(corners.ravel().astype(numpy.int64), deep=True))
+        grid.SetPoints(points)
+        grid.SetCells(WEDGE, cells)
+        for name, values in fields.items():
+            if place == self._node:
+                if len(values) == 1:
+                    values = numpy.repeat(values, 2, axis=0)
+                add_array(grid.GetPointData(), name, values.ravel().astype(numpy.float32))
+            else:
+                add_array(grid.GetCellData(), name, values[:, faces].ravel().astype(numpy.float32))
+        return grid
+
+    def _field(self, name, step, place, velocity):
+        """A variable as (levels, nodes or faces)."""
+        values = self.variable(name, step)
+        long = self.long(name)
+        values = values.T if long[0] == place and len(long) > 1 else values
+        values = values.reshape(-1, self.data.sizes[place])
+        if name in velocity:
+            values = self.in_unit(name, values, "m/s", role=f"component {'xyz'[velocity.index(name)]}")
+        return values
+
+    def _horizontal(self):
+        """x and y of the nodes, and which triangles do not lie across the end of the plane."""
+        units = [self.data.text(name, "units") for name in self._nodes]
+        usual = "radian" if self._nodes == ("lonCell", "latCell") else ""
+        x, y = (self.place(name, 0) for name in self._nodes)
+        if all(unit and measures(unit, "m") for unit in units):
+            x, y = (self.in_unit(name, v, "m", role="a coordinate of nodes") for name, v in zip(self._nodes, (x, y)))
+            return x, y, slice(None)
+        x, y = (self.in_unit(name, v, "degree", usual, "nodes") for name, v in zip(self._nodes, (x, y)))
+        around = numpy.sort(x % 360)
+        gaps = numpy.diff(around, append=around[0] + 360)
+        first = around[(numpy.argmax(gaps) + 1) % len(around)]
+        x = (x - first + 1e-9) % 360 + first
+        keep = numpy.ptp(x[self._triangles], axis=1) < 180
+        if not keep.all():
+            self._notes.append(f"{numpy.count_nonzero(~keep)} triangles across {first:.4g} degrees are left out")
+        x, y, _, self.middle = local_plane(x, y, self.middle, unordered=True)
+        return x, y, keep
+
+    def _heights(self, step, place, levels, count, x, y):
+        """Heights (levels, nodes): those of values at nodes, or those of the faces between the layers."""
+        between = place != self._node
+        nodes = self.data.sizes[self._node]
+        if levels is None:
+            width = numpy.median(numpy.hypot(numpy.diff(x[self._triangles[:, :2]]), numpy.diff(y[self._triangles[:, :2]])))
+            return numpy.repeat(numpy.array([[-0.5], [0.5]]) * width, nodes, axis=1)
+        z = self._heights_of(step, levels, nodes)
+        if between:
+            edges = self._between(step, levels, nodes)
+            z = _edges(z) if edges is None else edges
+        return z
+
+    def _heights_of(self, step, levels, nodes):
+        """The heights of a vertical dimension at the nodes."""
+        data = self.data
+        if "zgrid" in data.variables and self._nodes == ("lonCell", "latCell"):
+            faces = self.in_unit("zgrid", self.place("zgrid", step), "m", "m", "the heights between layers").T
+            return faces if len(faces) == data.sizes[levels] else (faces[1:] + faces[:-1]) / 2
+        for name, variable in data.variables.items():
+            if levels in variable.dims and data.text(name, "standard_name") in TERMS and variable.ndim <= 2:
+                return self._formula(name, step, nodes)
+            if data.text(name, "standard_name") in HEIGHTS and set(self.long(name)) == {levels, self._node}:
+                return self._field(name, step, self._node, ())
+        if levels in data.variables:
+            return numpy.repeat(along_axis(self, levels)[:, None], nodes, axis=1)
+        raise InputError(
+            f"{self.path}: nothing tells the heights of the levels '{levels}': neither formula_terms nor a variable of "
+            "heights"
+        )
+
+    def _between(self, step, levels, nodes):
+        """The heights between the layers, where a coordinate of one level more tells them."""
+        for name, variable in self.data.variables.items():
+            more = [d for d in variable.dims if self.data.sizes[d] == self.data.sizes[levels] + 1]
+            if more and self.data.text(name, "standard_name") in TERMS and variable.ndim <= 2:
+                return self._formula(name, step, nodes)
+        return None
+
+    def _formula(self, axis, step, nodes):
+        kind = self.data.text(axis, "standard_name")
+        if kind != "ocean_sigma_coordinate":
+            raise InputError(f"{self.path}: levels of the kind {kind} are not read on a mesh")
+        z, _ = by_formula(self, axis, step, True, METRES if "nv" in self.data.variables else None, 1, axis)
+        return numpy.broadcast_to(z, (len(z), nodes))
+
+
+def _edges(z):
+    """Heights half way between those of layers, and as far beyond the outer ones."""
+    middle = (z[1:] + z[:-1]) / 2
+    return numpy.concatenate([z[:1] - (middle[:1] - z[:1]), middle, z[-1:] + (z[-1:] - middle[-1:])])

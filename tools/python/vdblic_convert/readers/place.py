@@ -1,0 +1,203 @@
+"""Where the values of a field lie on the Earth or on a plane, and how its grid is turned against east."""
+
+import dataclasses
+import re
+
+import numpy
+
+from ..errors import InputError, needed
+from ..units import measures
+from .earth import local_plane
+
+LONGITUDE, LATITUDE = r"degrees?_?(east|e)", r"degrees?_?(north|n)"
+STANDARD = {
+    "X": ("longitude", "projection_x_coordinate", "grid_longitude"),
+    "Y": ("latitude", "projection_y_coordinate", "grid_latitude"),
+    "Z": r"(air_|sea_water_)?pressure|height.*|altitude|depth|geopotential_height|(ocean|atmosphere)_.*coordinate.*|.*"
+    "model_level_number",
+}
+NAMES = {  # how the names of axes begin that nothing else tells of
+    "X": r"x|lon|rlon|easting|i\b|ni\b|nx|west_east",
+    "Y": r"y|lat|rlat|northing|j\b|nj\b|ny|south_north",
+    "Z": r"z|dep|lev|height|alt|pres|plev|isobaric|k\b|st_ocean|sw_ocean|bottom_top|s_rho|s_w|sig|level",
+}
+TURNED = 0.005  # rad: a grid that is turned by less lies along the meridians
+
+
+@dataclasses.dataclass
+class Place:
+    """x and y in metres, axes or (y, x); `columns` puts a field's columns in their order.
+
+    `eastward` and `along` are the directions of the grid's axes, two angles each: of what is eastward and northward,
+    against the world's x, and of what is along the grid; None where they are unknown.
+    """
+
+    x: numpy.ndarray
+    y: numpy.ndarray
+    columns: object = dataclasses.field(default_factory=lambda: slice(None))
+    eastward: tuple | None = None
+    along: tuple | None = None
+
+
+def axis_of(data, name):
+    """X, Y or Z for a dimension; None if it cannot be told. Raises InputError for contradictions."""
+    known = name in data.variables and data.variables[name].ndim == 1
+    text = data.text if known else lambda *_: ""
+    unit, standard = text(name, "units"), text(name, "standard_name")
+    by_unit = {"X": re.fullmatch(LONGITUDE, unit, re.I), "Y": re.fullmatch(LATITUDE, unit, re.I)}
+    found = {axis for axis, match in by_unit.items() if match}
+    found |= {axis for axis in "XY" if standard in STANDARD[axis]}
+    found |= {"Z"} if re.fullmatch(STANDARD["Z"], standard) or text(name, "positive") or _is_pressure(unit) else set()
+    declared = text(name, "axis").upper() or text(name, "cartesian_axis").upper()
+    found |= {declared} & set("XYZ")
+    if len(found) > 1:
+        raise InputError(
+            f"{data.path}: '{name}' contradicts itself: its units '{unit}', standard_name '{standard}', axis "
+            f"'{declared}' and positive '{text(name, 'positive')}' are not of one axis; correct one by --attribute "
+            f"'{name}:ATTRIBUTE=VALUE'"
+        )
+    if found:
+        return found.pop()
+    if match := re.match(r"([xyz])-coordinate", text(name, "long_name"), re.I):
+        return match[1].upper()
+    return next((axis for axis, names in NAMES.items() if re.match(names, name, re.I)), None)
+
+
+def _is_pressure(unit):
+    return bool(unit) and measures(unit, "Pa")
+
+
+def ordered(longitude):
+    """Longitudes [degrees] without jumps at a cut, (x) or (y, x), and the order of columns that makes them rise or fall.
+
+    Columns that repeat others are left out.
+    """
+    longitude = numpy.unwrap(longitude, period=360, axis=-1)
+    if longitude.ndim == 2:
+        first = numpy.unwrap(longitude[:, 0], period=360)
+        longitude += (first - longitude[:, 0])[:, None]
+    row = longitude if longitude.ndim == 1 else longitude[len(longitude) // 2]
+    steps = numpy.diff(row)
+    if len(row) > 2 and ((steps > 0).all() or (steps < 0).all() or longitude.ndim == 2 and abs(steps).max() < 20):
+        once = numpy.abs(row - row[0]) < 360 - 0.01 * numpy.abs(steps).mean()
+        return longitude[..., once], numpy.flatnonzero(once)
+    around = numpy.round(row % 360, 9)
+    _, order = numpy.unique(around, return_index=True)
+    gaps = numpy.diff(around[order], append=around[order[0]] + 360)
+    order = numpy.roll(order, -1 - int(numpy.argmax(gaps)))
+    return numpy.unwrap(longitude[..., order], period=360, axis=-1), order
+
+
+def angles(longitude, latitude):
+    """Directions, against east, of a grid's columns and rows, at its points (y, x); degrees to radians."""
+    across = numpy.cos(numpy.radians(latitude))
+    return tuple(
+        numpy.arctan2(numpy.gradient(latitude, axis=axis), numpy.gradient(longitude, axis=axis) * across)
+        for axis in (-1, -2)
+    )
+
+
+def horizontal(source, field, dimensions):
+    """The Place of a field on dimensions (z, y, x). Raises InputError where the file does not tell it."""
+    data, names = source.data, (dimensions[2], dimensions[1])
+    have = all(name in data.variables and data.variables[name].ndim == 1 for name in names)
+    units = [data.text(name, "units") for name in names] if have else []
+    if have and all(re.fullmatch(kind, unit, re.I) for kind, unit in zip((LONGITUDE, LATITUDE), units)):
+        standard = [data.text(name, "standard_name") for name in names]
+        if not any(name.startswith("grid_") for name in standard):
+            return _on_earth(source, *(source.place(name, 0) for name in names), names)
+    lonlat = _longitude_latitude(source, field, dimensions[1:])
+    lengths = have and all(unit and measures(unit, "m") for unit in units)
+    mapping = data.text(field, "grid_mapping").partition(":")[0]
+    if lengths:
+        x, y = (source.in_unit(name, source.place(name, 0), "m", role="an axis") for name in names)
+        place = Place(x, y, along=(0.0, numpy.pi / 2))
+        if lonlat is None and mapping in data.variables:
+            lonlat = _unprojected(data, mapping, x, y)
+        if lonlat is not None:
+            turn = angles(numpy.unwrap(lonlat[0], period=360), lonlat[1])[0] + (numpy.pi if x[0] > x[-1] else 0)
+            place.eastward = -turn, numpy.pi / 2 - turn
+        return place
+    if lonlat is None and have and mapping in data.variables:
+        lonlat = _unprojected(data, mapping, *(source.place(name, 0) for name in names))
+    if lonlat is not None:
+        return _on_earth(source, *lonlat, names)
+    for name in names if have else ():
+        if not data.text(name, "units"):
+            _check_degrees(source, name)
+    if have and all(axis_of(data, name) in "XY" and _is_lonlat(data, name) for name in names):
+        return _on_earth(source, *(source.in_unit(name, source.place(name, 0), "degree", "degrees",
+                                                  f"an axis, {name}") for name in names), names)  # fmt: skip
+    if have:
+        told = " and ".join(f"'{name}' ({unit or 'no units'})" for name, unit in zip(names, units))
+        raise InputError(
+            f"{source.path}: the axes {told} are neither lengths nor longitude and latitude; say what they are: "
+            f"--attribute '{names[0]}:units=m' or '{names[0]}:units=degrees_east', and so '{names[1]}'"
+        )
+    raise InputError(f"{source.path}: the axes {dimensions[1]} and {dimensions[2]} have no coordinates")
+
+
+def _is_lonlat(data, name):
+    return re.match("lon|lat", data.text(name, "standard_name") or name, re.I) is not None
+
+
+def _check_degrees(source, name):
+    """Raise InputError for an axis without units that may be in another one than degrees or is no angle at all."""
+    angle = _is_lonlat(source.data, name)
+    if not angle or abs(source.place(name, 0)).max() < 7:
+        kind = "degrees_east" if axis_of(source.data, name) == "X" else "degrees_north"
+        raise InputError(
+            f"{source.path}: '{name}' has no units; say which: --attribute '{name}:units={kind if angle else 'm'}'"
+        )
+
+
+def _on_earth(source, longitude, latitude, names):
+    longitude, columns = ordered(numpy.array(longitude, float))
+    turn = (0.0, numpy.pi / 2)
+    if longitude.ndim == 2:
+        latitude = latitude[:, columns]
+        turn = angles(longitude, latitude)
+    elif names[0] not in source.explained:
+        for name, values in zip(names, (longitude, latitude)):
+            source.explain(name, "an axis on the Earth", "degrees", values)
+    x, y, stretch, source.middle = local_plane(longitude, latitude, source.middle)
+    if stretch > 1.05:
+        source.notes().append(f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}")
+    return Place(x, y, columns, (0.0, numpy.pi / 2), turn)
+
+
+def _longitude_latitude(source, field, dimensions):
+    """Longitude and latitude (y, x) of a field in degrees: the variables that it names, else those on its dimensions."""
+    data = source.data
+    declared = re.sub(r"\w+:", " ", data.text(field, "coordinates")).split() + [field]
+    candidates = sorted(data.variables, key=lambda name: name not in declared)
+    found = []
+    for kind, standard, start in (LONGITUDE, "longitude", "lon"), (LATITUDE, "latitude", "lat"):
+
+        def is_it(name, kind=kind, standard=standard, start=start):
+            if data.variables[name].dims[-2:] != dimensions or data.variables[name].ndim > 3:
+                return False
+            said = data.text(name, "standard_name"), data.text(name, "units")
+            return said[0] == standard or not said[0] and (
+                re.fullmatch(kind, said[1], re.I) or not said[1] and re.search(start, name, re.I)
+            )
+
+        name = next(filter(is_it, candidates), None)
+        if name is None:
+            return None
+        values = source.place(name, 0)
+        if not data.text(name, "units") and abs(values).max() < 7:
+            raise InputError(f"{source.path}: '{name}' has no units; say which: --attribute '{name}:units=degrees'")
+        found.append(source.in_unit(name, values, "degree", "degrees", standard))
+    return [values.reshape(-1, *values.shape[-2:])[0] for values in found]
+
+
+def _unprojected(data, mapping, x, y):
+    """Longitude and latitude (y, x) of projected coordinates, by the grid mapping. Raises InputError."""
+    pyproj = needed("pyproj")
+    try:
+        crs = pyproj.CRS.from_cf(dict(data.variables[mapping].attrs))
+        to_earth = pyproj.Transformer.from_crs(crs, crs.geodetic_crs, always_xy=True)
+    except (pyproj.exceptions.ProjError, KeyError, ValueError, TypeError) as error:
+        raise InputError(f"{data.path}: the grid mapping '{mapping}' is not understood: {error}") from None
+    return to_earth.transform(*numpy.meshgrid(x, y))
