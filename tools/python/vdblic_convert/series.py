@@ -6,7 +6,7 @@ import pathlib
 from vdblic._core import FramePattern, InputPaths, files_of, frame_of_name, parse_frames
 
 from .errors import InputError, ParameterError
-from .readers import Joined, Source, open_source
+from .readers import Source, open_sources
 
 
 @dataclasses.dataclass
@@ -51,7 +51,9 @@ class Series:
         """The files and the frames of the inputs."""
         text = self._options.input[0]
         found = [_files_of(text) for text in self._options.input]
-        for other, files in zip(self._options.input[1:], found[1:]):
+        for i, (other, files) in enumerate(zip(self._options.input[1:], found[1:]), 1):
+            if len(files) == 1 < len(found[0]):  # as that of a grid
+                found[i] = files = dict.fromkeys(found[0], *files.values())
             if len(files) != len(found[0]) or len(files) > 1 and files.keys() != found[0].keys():
                 raise InputError(f"{other}: its files are not numbered as those of {text}; inputs of one flow are")
         self._files = [(frame, tuple(paths)) for frame, *paths in zip(found[0], *(files.values() for files in found))]
@@ -151,8 +153,7 @@ class Series:
         if self._last is None or self._last.paths != list(paths):
             if self._last is not None:
                 self._last.free()  # its memory, before the next file is read
-            sources = [open_source(path, self._options) for path in paths]
-            self._last = sources[0] if len(sources) == 1 else Joined(sources)
+            self._last = open_sources(paths, self._options)
         return self._last
 
     def _first_number(self):

@@ -16,10 +16,24 @@ READERS = {
 }
 
 
-def open_source(path, options):
+def open_sources(paths, options):
+    """The source of files that are one flow; one without a flow of its own tells the grid of the others."""
+    grids = []
+    if len(paths) > 1 and all(pathlib.Path(path).suffix.lower() in READERS["dataset"][:4] for path in paths):
+        from . import dataset
+
+        grids = [path for path in map(pathlib.Path, paths) if path.is_file() and dataset.is_grid(path)]
+    flows = [path for path in paths if pathlib.Path(path) not in grids] or paths
+    sources = [open_source(path, options, grids if flows is not paths else ()) for path in flows]
+    source = sources[0] if len(sources) == 1 else Joined(sources)
+    source.paths = list(paths)
+    return source
+
+
+def open_source(path, options, grids=()):
     """The reader of a file, of an OpenFOAM case's folder or of one of Zarr. Raises InputError.
 
-    `options` are the tool's: `attribute`, `layout` and `dt` tell what a file does not.
+    `options` are the tool's: `attribute`, `layout` and `dt` tell what a file does not. `grids` are files of its grid.
     """
     path = pathlib.Path(path)
     if not path.exists():
@@ -44,7 +58,8 @@ def open_source(path, options):
         raise InputError(
             f"{path}: files of this kind cannot be read; known are {known} and the folders of OpenFOAM cases"
         )
-    return importlib.import_module(f".{reader}", __name__).open_source(path, options)
+    open_file = importlib.import_module(f".{reader}", __name__).open_source
+    return open_file(path, options, grids) if grids else open_file(path, options)
 
 
 class Source:

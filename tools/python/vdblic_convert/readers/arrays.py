@@ -161,7 +161,7 @@ def _order(path, name, array, layout):
             if len(order) == len(shape) and ("c" not in order or shape[order.index("c")] in (2, 3)):
                 return order
         return ""
-    if path.suffix.lower() not in (".npy", ".npz") and len(shape) > 1:
+    if path.suffix.lower() not in (".npy", ".npz") and len(shape) > 2:
         raise InputError(
             f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout with letters of t, c, x, y "
             "and z, such as txyz (MATLAB's files have MATLAB's order reversed)"

@@ -14,14 +14,14 @@ from .place import TURNED, axis_of, horizontal
 
 MEDIUM = r"(wind|(sea_water_)?velocity)"
 COMPONENTS = (
-    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_x_velocity)",
-    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_y_velocity)",
+    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_(surface_)?x_velocity)",
+    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity)",
     rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
 )
 EASTWARD, ALONG = r"(?!.*grid_).*(east|north)ward_.*", r".*grid_(east|north)ward_.*|.*(x|y)_wind|.*_(x|y)_velocity"
 USUAL = (  # names of components without a standard name; the last ones are those of models
-    ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "u10"),
-    ("v", "V", "VVEL", "vomecrty", "va", "vo", "water_v", "v10"),
+    ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "air_u", "u10"),
+    ("v", "V", "VVEL", "vomecrty", "va", "vo", "water_v", "air_v", "v10"),
     ("w", "W", "WVEL", "vovecrtz", "wa", "wo"),
 )
 
@@ -87,7 +87,7 @@ class CfFile(Gridded):
         fields = {name: self.field(name, step, dimensions) for name in names}
         there = numpy.any([numpy.isfinite(values) for values in fields.values()], axis=0)
         if dimensions[0] is None:
-            z, pressure = self._level(names[0], place), None
+            z, pressure = self._level(names[0]), None
             fields = {name: values[None] for name, values in fields.items()}
         else:
             z, pressure = vertical(self, names[0], dimensions, step, there)
@@ -112,8 +112,9 @@ class CfFile(Gridded):
         slot, standard = velocity.index(name), self.data.text(name, "standard_name")
         kinds = ["eastward"] * bool(re.fullmatch(EASTWARD, standard)) + ["along"] * bool(re.fullmatch(ALONG, standard))
         relative = str(self.data.attrs(name).get("GRIB_uvRelativeToGrid", ""))
-        if relative in ("0", "1"):
+        if relative in ("0", "1"):  # GRIB's own word; its y runs northwards, however the rows are stored
             kinds = ["along" if relative == "1" else "eastward"]
+            place.along = place.along and (place.along[0], place.along[0] + numpy.pi / 2)
         if not kinds and self._fields[velocity[0]] != self._fields[velocity[1]]:
             kinds = ["along"]  # on the faces of cells
         turns = {kind: getattr(place, kind) for kind in kinds or ("eastward", "along")}
@@ -164,16 +165,22 @@ class CfFile(Gridded):
             return tuple(long)
         return ()
 
-    def _level(self, name, place):
-        """The height of a field that has one level, twice: the faces of a layer as thick as its voxels are wide."""
+    def _level(self, name):
+        """The height of a field that has one level."""
         level = next(
             (d for d in self.data.variables[name].dims if d not in (self.time, *self._fields[name]) and self._axes[d] == "Z"),
             None,
         )
-        height = 0.0
-        if level in self.data.variables and measures(self.data.text(level, "units") or "1", "m"):
-            height = float(numpy.ravel(along_axis(self, level))[0])
-        return numpy.array([height])
+        if level not in self.data.variables:
+            return numpy.zeros(1)
+        unit = self.data.text(level, "units")
+        if unit and measures(unit, "Pa"):
+            pressure = self.in_unit(level, self.place(level, 0), "Pa", role="the pressure")
+            return numpy.atleast_1d(standard_atmosphere(pressure)[0])
+        if unit and not measures(unit, "m"):
+            self._notes.append(f"the one level of '{level}' ({unit}) is put at height 0")
+            return numpy.zeros(1)
+        return numpy.atleast_1d(along_axis(self, level))
 
     def _in_si(self, name, values, step, dimensions, pressure, velocity):
         standard, role = self.data.text(name, "standard_name"), f"component {'xyz'[velocity.index(name)]}" if name in velocity else ""

@@ -1,5 +1,6 @@
 """Gridded files of every form as xarray's variables, and which convention a file follows."""
 
+import re
 import warnings
 
 from ..errors import InputError, needed
@@ -7,12 +8,15 @@ from .gridded import Data
 from .whole_files import check_whole
 
 
-def open_source(path, options):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # xarray's, of attributes
-        data = Data(path, *_variables(path), options.attribute)
+def open_source(path, options, grids=()):
     from . import cf, mesh, ocean, wrf
 
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # xarray's, of attributes
+        variables, attributes = _variables(path)
+        for grid in grids:
+            variables = _variables(grid)[0] | variables
+    data = Data(path, variables, attributes, options.attribute)
     if {"PH", "PHB"} <= set(data.variables):
         return wrf.WrfFile(data, options)
     if mesh.is_mesh(data):
@@ -20,6 +24,21 @@ def open_source(path, options):
     if ocean.is_ocean(data):
         return ocean.OceanFile(data, options)
     return cf.CfFile(data, options)
+
+
+def is_grid(path):
+    """Whether a file tells a grid, as meshes and ROMS have it, and no flow on it."""
+    from . import cf, mesh, ocean
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        data = Data(path, *_variables(path), {})
+    flows = [names for usual in (cf.USUAL, mesh.USUAL) for names in usual[:2]]
+    has_flow = any(
+        any(name in names for names in flows) or any(re.fullmatch(c, data.text(name, "standard_name")) for c in cf.COMPONENTS)
+        for name in data.variables
+    )
+    return not has_flow and (mesh.has_topology(data) or ocean.is_ocean(data))
 
 
 def _variables(path):
@@ -68,7 +87,8 @@ def _zarr(xarray, path):
 
 def _grib(xarray, path):  # pylint: disable=unused-argument
     """The messages of all levels and times; fields on other axes have their own."""
-    options = {"backend_kwargs": {"indexpath": ""}, "decode_times": False, "cache": False}
+    keys = {"indexpath": "", "read_keys": ["uvRelativeToGrid"]}
+    options = {"backend_kwargs": keys, "decode_times": False, "cache": False}
     found = {}
     for data in needed("cfgrib").open_datasets(str(path), **options):
         clash = any(n in found and not found[n].equals(v) for n, v in data.variables.items() if n in data.dims)

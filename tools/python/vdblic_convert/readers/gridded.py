@@ -18,7 +18,14 @@ class Data:
 
     def __init__(self, path, variables, attributes, answers):
         self.path, self.variables, self.attributes = path, variables, attributes
-        self.sizes = {d: n for variable in variables.values() for d, n in zip(variable.dims, variable.shape)}
+        self.sizes = {}
+        for name, variable in variables.items():
+            for dimension, size in zip(variable.dims, variable.shape):
+                if self.sizes.setdefault(dimension, size) != size:
+                    raise InputError(
+                        f"{path}: '{name}' has {size} values along '{dimension}', others {self.sizes[dimension]}: its grid "
+                        "is another one"
+                    )
         for name, answer in answers.items():
             if name not in variables:
                 raise ParameterError(f"--attribute {name}: {path} has no variable '{name}'; it has {self.contents()}")
@@ -33,7 +40,10 @@ class Data:
         found = {str(value).strip() for key, value in self.attrs(name).items() if key.lower() == attribute}
         if len(found) > 1:
             raise InputError(f"{self.path}: '{name}' has several attributes '{attribute}': {', '.join(sorted(found))}")
-        return found.pop() if found else ""
+        value = found.pop() if found else ""
+        if attribute == "standard_name":
+            value = value.lower().replace("ocean_sigma/general_coordinate", "ocean_sigma_coordinate")  # as FVCOM has it
+        return value
 
     def attrs(self, name):
         return self.variables[name].attrs if name in self.variables else {}
@@ -161,7 +171,8 @@ class Gridded(Source):
     def _is_time(self, dimension):
         text = self.data.text
         if dimension not in self.data.variables:
-            return re.fullmatch(TIME, dimension, re.I) is not None
+            on_it = [name for name, variable in self.data.variables.items() if variable.dims == (dimension,)]
+            return re.fullmatch(TIME, dimension, re.I) is not None or any(self._tells_time(name) for name in on_it)
         kind = text(dimension, "axis").upper() or text(dimension, "cartesian_axis").upper()
         standard = text(dimension, "standard_name")
         return (
@@ -170,6 +181,10 @@ class Gridded(Source):
             or standard in ("time", "forecast_period", "forecast_reference_time")
             or not kind and not standard and re.fullmatch(TIME, dimension, re.I) is not None
         )
+
+    def _tells_time(self, name):
+        standard = self.data.text(name, "standard_name")
+        return is_date(self.data.text(name, "units")) and standard in ("", "time") or name == "ocean_time"
 
     def _times(self):
         """The times in seconds; None where the file has none."""
@@ -188,7 +203,7 @@ class Gridded(Source):
             return times.tolist()
         if not units:
             raise ValueError(
-                f"the time axis '{self.time or name}' has no units; give it units such as days since a date: "
+                f"the time axis '{name}' has no units; give it units such as days since a date: "
                 f"ncatted -a units,{name},o,c,'days since 2000-01-01' {self.path}"
             )
         try:
@@ -223,7 +238,7 @@ class Gridded(Source):
                 return 0 if name in ("Times", "xtime") else None
             if standard in ("forecast_reference_time", "forecast_period"):
                 return 4 if name == self.time else None
-            if standard == "time":
+            if standard == "time" or name == "ocean_time":
                 return 1
             if name == self.time:
                 return 2

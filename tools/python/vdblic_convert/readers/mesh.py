@@ -23,7 +23,12 @@ USUAL = (
 
 
 def is_mesh(data):
-    return bool(_topologies(data)) or any(name in data.sizes for name in DIMENSIONS)
+    located = any(data.text(name, "mesh") and data.text(name, "location") for name in data.variables)
+    return bool(_topologies(data)) or located or any(name in data.sizes for name in DIMENSIONS)
+
+
+def has_topology(data):
+    return bool(_topologies(data)) or bool({"cellsOnVertex", "nv"} & set(data.variables))
 
 
 def _topologies(data):
@@ -83,10 +88,9 @@ class MeshFile(Gridded):
                 if numpy.ptp(self.place(nodes[0], 0)) > 0:
                     return nodes, connectivity, 1
         raise InputError(
-            f"{self.path}: it is an unstructured mesh ({', '.join(d for d in DIMENSIONS if d in data.sizes)}), but nothing "
-            "tells which nodes its cells join: neither a mesh of UGRID (face_node_connectivity), FVCOM's nv, lon and lat "
-            "nor MPAS's cellsOnVertex, lonCell and latCell; add them from the file of the mesh: ncks -A mesh.nc "
-            f"{self.path}"
+            f"{self.path}: it is an unstructured mesh ({', '.join(data.sizes)}), but nothing tells which nodes its cells "
+            "join: neither a mesh of UGRID (face_node_connectivity), FVCOM's nv, lon and lat nor MPAS's cellsOnVertex, "
+            f"lonCell and latCell; name the file of the mesh, too: vdblic_import {self.path} MESH.nc"
         )
 
     def _cut(self, connectivity, start):

@@ -118,8 +118,9 @@ def horizontal(source, field, dimensions):
             turn = angles(numpy.unwrap(lonlat[0], period=360), lonlat[1])[0] + (numpy.pi if x[0] > x[-1] else 0)
             place.eastward = -turn, numpy.pi / 2 - turn
         return place
-    if lonlat is None and have and mapping in data.variables:
-        lonlat = _unprojected(data, mapping, *(source.place(name, 0) for name in names))
+    if lonlat is None and mapping in data.variables and all(unit and measures(unit, "degree") for unit in units or [""]):
+        turned = [source.in_unit(name, source.place(name, 0), "degree", role="a turned axis") for name in names]
+        lonlat = _unprojected(data, mapping, *turned, degrees=True)
     if lonlat is not None:
         return _on_earth(source, *lonlat, names)
     for name in names if have else ():
@@ -192,12 +193,14 @@ def _longitude_latitude(source, field, dimensions):
     return [values.reshape(-1, *values.shape[-2:])[0] for values in found]
 
 
-def _unprojected(data, mapping, x, y):
-    """Longitude and latitude (y, x) of projected coordinates, by the grid mapping. Raises InputError."""
+def _unprojected(data, mapping, x, y, degrees=False):
+    """Longitude and latitude (y, x) of coordinates in metres, or of degrees, by the grid mapping. Raises InputError."""
     pyproj = needed("pyproj")
     try:
         crs = pyproj.CRS.from_cf(dict(data.variables[mapping].attrs))
         to_earth = pyproj.Transformer.from_crs(crs, crs.geodetic_crs, always_xy=True)
     except (pyproj.exceptions.ProjError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"{data.path}: the grid mapping '{mapping}' is not understood: {error}") from None
+    if crs.is_geographic != degrees:
+        raise InputError(f"{data.path}: the grid mapping '{mapping}' is not of axes in {'degrees' if degrees else 'metres'}")
     return to_earth.transform(*numpy.meshgrid(x, y))
