@@ -54,7 +54,7 @@ def surface():
 
 class Headers(ImportHere):
     def result(self, file):
-        """The velocity, where it is and when, as bytes; None if the file was refused."""
+        """The velocity, where it is and when; None if the file was refused."""
         earth_flows.write(self.folder / "f.nc", file)
         done = self.run_tool("vdblic_import", "f.nc", "-o", "v.%04d.vdb", "-q")
         if done.returncode:
@@ -67,8 +67,13 @@ class Headers(ImportHere):
         grid.copyToArray(values, low)
         told = vdb.readMetadata(str(self.folder / "v.0001.vdb"))
         place = [grid.transform.indexToWorld(at) for at in (low, high)]
-        return (numpy.round(values, 6).tobytes(), numpy.round(place, 3).tobytes(), grid.activeVoxelCount(),
-                told["start"], told["time"])
+        return values, numpy.array(place), grid.activeVoxelCount(), told["start"], told["time"]
+
+    def assert_same(self, one, other):
+        # A voxel on the border of two cells belongs to either: VTK probes in several threads.
+        numpy.testing.assert_allclose(one[0], other[0], atol=1e-3)
+        numpy.testing.assert_allclose(one[1], other[1], rtol=1e-6, atol=1e-3)
+        self.assertEqual(one[2:], other[2:])
 
     @staticmethod
     def changed(file, random):
@@ -105,8 +110,9 @@ class Headers(ImportHere):
             file, changes = self.changed(files[kind], random)
             with self.subTest(kind, changes=changes):
                 result = self.result(file)
-                taken += result is not None
-                self.assertIn(result, (None, known[kind]))
+                if result is not None:
+                    taken += 1
+                    self.assert_same(result, known[kind])
         self.assertGreater(taken, COUNT / 5)  # most of the header may be changed without harm
 
 

@@ -25,6 +25,7 @@ from .vtk_data import (
 
 MOST_VOXELS = 256**3  # of a grid that nobody chose
 CELL = "cell of the voxel"
+FIRST_CURVED = 21  # of VTK's numbers of cell types
 
 
 def usual_target(dataset, names, path):
@@ -45,6 +46,10 @@ def _size_by_cells(cells, box):
     volumes, extents = cell_sizes(cells)
     finer = volumes <= numpy.median(volumes)
     volume, spacing = numpy.median(volumes[finer]), numpy.median(extents[finer], axis=0)
+    corners = cells.GetCells().GetConnectivityArray().GetNumberOfTuples() / len(volumes)
+    if cells.GetCellType(0) >= FIRST_CURVED:  # cells of order n are n voxels long
+        order = max(round(corners ** (1 / 3)) - 1, 1)
+        volume, spacing = volume / order**3, spacing / order
     lengths = numpy.array(box[3:]) - numpy.array(box[:3])
     layer = spacing > 0.99 * lengths
     spacing = numpy.where(layer, lengths, spacing)

@@ -9,6 +9,7 @@ TRIPLES = (
     ("vx", "vy", "vz"),
     ("VX", "VY", "VZ"),
     ("Vx", "Vy", "Vz"),
+    ("vx1", "vx2", "vx3"),
     ("Ux", "Uy", "Uz"),
     ("velocity_x", "velocity_y", "velocity_z"),
     ("velocityX", "velocityY", "velocityZ"),

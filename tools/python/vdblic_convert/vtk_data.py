@@ -16,6 +16,7 @@ bridge = needed("vtkmodules.util.numpy_support")
 GHOSTS = "vtkGhostType"
 HIDDEN_POINT, HIDDEN_CELL = 2, 32
 RESIDUE = "residue of "
+WEDGE = 13  # VTK's number of the cell type
 LAYER = "one layer"  # field data of a grid whose points are the faces of a layer of voxels
 
 
@@ -74,6 +75,8 @@ def solid(dataset, names, path):
     """
     blocks = [_cells_of_three_dimensions(block) for block in blocks_of(dataset) if _has(block, names)]
     blocks = [block for block in blocks if block.GetNumberOfCells() > 0]
+    if not blocks:
+        blocks = [thick for block in blocks_of(dataset) if _has(block, names) and (thick := _thickened(block))]
     if not blocks:
         raise InputError(f"{path}: no cells of three dimensions have {', '.join(names)}")
     if len(blocks) == 1:
@@ -205,6 +208,38 @@ def _cells_of_three_dimensions(block):
     chosen.SetInputData(block)
     chosen.Update()
     return chosen.GetOutput()
+
+
+def _thickened(block):
+    """A plane across an axis as a layer of wedges, as thick as its cells are wide; None for other blocks."""
+    bounds = numpy.array(block.GetBounds()).reshape(3, 2)
+    lengths = bounds[:, 1] - bounds[:, 0]
+    flat = int(numpy.argmin(lengths))
+    if not (numpy.delete(lengths, flat) > 0).all() or lengths[flat] > 1e-6 * lengths.max():
+        return None
+    surface, triangles = needed("vtkmodules.vtkFiltersGeometry").vtkGeometryFilter(), filters.vtkTriangleFilter()
+    surface.SetInputData(block)
+    triangles.SetInputConnection(surface.GetOutputPort())
+    triangles.Update()
+    plane = triangles.GetOutput()
+    if not plane.GetNumberOfPolys():
+        return None
+    corners = bridge.vtk_to_numpy(plane.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(numpy.int64)
+    points, count = bridge.vtk_to_numpy(plane.GetPoints().GetData()).astype(float), plane.GetNumberOfPoints()
+    width = numpy.sqrt(numpy.prod(numpy.delete(lengths, flat)) / block.GetNumberOfCells())
+    both = numpy.concatenate([points, points])
+    both[:, flat] += numpy.repeat((-0.5, 0.5), count) * width
+    places, cells, result = core.vtkPoints(), model.vtkCellArray(), model.vtkUnstructuredGrid()
+    places.SetData(bridge.numpy_to_vtk(both, deep=True))
+    cells.SetData(6, bridge.numpy_to_vtkIdTypeArray(numpy.hstack([corners, corners + count]).ravel(), deep=True))
+    result.SetPoints(places)
+    result.SetCells(WEDGE, cells)
+    for data, copy, times in (plane.GetPointData(), result.GetPointData(), 2), (plane.GetCellData(), result.GetCellData(), 1):
+        for i in range(data.GetNumberOfArrays()):
+            if data.GetArray(i) is not None and data.GetArray(i).GetName():
+                values = bridge.vtk_to_numpy(data.GetArray(i))
+                add_array(copy, data.GetArray(i).GetName(), numpy.concatenate([values] * times))
+    return result
 
 
 def dimensions_of(grid):

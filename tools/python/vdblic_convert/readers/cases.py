@@ -8,6 +8,13 @@ from . import Source, ensight
 from .whole_files import check_whole
 
 
+OTHERS = dict.fromkeys((".e", ".ex2", ".exo"), ("vtkIOExodus", "vtkExodusIIReader")) | {
+    ".vtkhdf": ("vtkIOHDF", "vtkHDFReader"),
+    ".cas": ("vtkIOGeometry", "vtkFLUENTReader"),
+    ".tec": ("vtkIOGeometry", "vtkTecplotReader"),
+}
+
+
 def open_source(path, options):  # pylint: disable=unused-argument
     if path.is_dir() or path.suffix.lower() == ".foam":
         return OpenFoamCase(path)
@@ -15,6 +22,10 @@ def open_source(path, options):  # pylint: disable=unused-argument
         if check_whole(path) not in ("HDF5", "ADF"):  # its library would end the process
             raise InputError(f"{path}: cannot be read: it is neither of the forms of CGNS, HDF5 and ADF")
         return Case(path, needed("vtkmodules.vtkIOCGNSReader").vtkCGNSReader())
+    if path.suffix.lower() in OTHERS:
+        check_whole(path)
+        module, name = OTHERS[path.suffix.lower()]
+        return Case(path, getattr(needed(f"vtkmodules.{module}"), name)())
     return EnSightCase(path)
 
 
@@ -27,6 +38,10 @@ class Case(Source):
         set_name = reader.SetCaseFileName if reader.IsA("vtkGenericEnSightReader") else reader.SetFileName
         with errors_of(path):
             set_name(name or str(path))
+            if reader.IsA("vtkExodusIIReader"):
+                reader.UpdateInformation()
+                for kind in reader.NODAL, reader.ELEM_BLOCK:
+                    reader.SetAllArrayStatus(kind, 1)
             if reader.IsA("vtkCGNSReader"):
                 reader.UpdateInformation()
                 reader.EnableAllPointArrays()

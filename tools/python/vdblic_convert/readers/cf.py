@@ -177,7 +177,7 @@ class CfFile(Gridded):
         if unit and measures(unit, "Pa"):
             pressure = self.in_unit(level, self.place(level, 0), "Pa", role="the pressure")
             return numpy.atleast_1d(standard_atmosphere(pressure)[0])
-        if unit and not measures(unit, "m"):
+        if unit == "1" or re.match("level|layer|sigma", unit):
             self._notes.append(f"the one level of '{level}' ({unit}) is put at height 0")
             return numpy.zeros(1)
         return numpy.atleast_1d(along_axis(self, level))

@@ -6,14 +6,13 @@ import numpy
 
 from ..errors import InputError
 from ..units import measures
-from ..vtk_data import add_array, bridge, core, model
+from ..vtk_data import WEDGE, add_array, bridge, core, model
 from .cf import COMPONENTS
 from .earth import local_plane
 from .gridded import Gridded
 from .heights import HEIGHTS, TERMS, along_axis, by_formula
 
 METRES = {"eta": "m", "depth": "m"}  # as FVCOM has them where a file does not say so
-WEDGE = 13  # VTK's number of the cell type
 DIMENSIONS = "nSCHISM_hgrid_node", "nCells", "ncells", "nod2", "nele"  # of meshes whose files do not describe them
 USUAL = (
     ("u", "uReconstructZonal", "velocityZonal"),

@@ -21,6 +21,7 @@ NAMES = {  # how the names of axes begin that nothing else tells of
     "Y": r"y|lat|rlat|northing|j\b|nj\b|ny|south_north",
     "Z": r"z|dep|lev|height|alt|pres|plev|isobaric|k\b|st_ocean|sw_ocean|bottom_top|s_rho|s_w|sig|level",
 }
+PARAMETERS = "standard_parallel|scale_factor|(latitude|longitude)_of_(projection|central)|straight|grid_north|azimuth|perspective"
 TURNED = 0.005  # rad: a grid that is turned by less lies along the meridians
 
 
@@ -197,7 +198,11 @@ def _unprojected(data, mapping, x, y, degrees=False):
     """Longitude and latitude (y, x) of coordinates in metres, or of degrees, by the grid mapping. Raises InputError."""
     pyproj = needed("pyproj")
     try:
-        crs = pyproj.CRS.from_cf(dict(data.variables[mapping].attrs))
+        told = {name.lower(): value for name, value in data.variables[mapping].attrs.items()}
+        crs = pyproj.CRS.from_cf(told)
+        assumed = [name for name in crs.to_cf() if re.match(PARAMETERS, name) and name not in told]
+        if assumed:
+            raise ValueError(f"it lacks {assumed[0]}; say it: --attribute '{mapping}:{assumed[0]}=NUMBER'")
         to_earth = pyproj.Transformer.from_crs(crs, crs.geodetic_crs, always_xy=True)
     except (pyproj.exceptions.ProjError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"{data.path}: the grid mapping '{mapping}' is not understood: {error}") from None

@@ -1,6 +1,6 @@
 """VTK's own files, in XML and legacy form, and ParaView's .pvd lists of them."""
 
-import pathlib
+import json
 import xml.etree.ElementTree
 
 from ..errors import InputError, needed
@@ -11,13 +11,15 @@ TIME_ARRAYS = ("TimeValue", "TIME", "time")
 
 
 def open_source(path, options):  # pylint: disable=unused-argument
-    return PvdFile(path) if path.suffix.lower() == ".pvd" else VtkFile(path)
+    return PvdFile(path) if path.suffix.lower() in (".pvd", ".series") else VtkFile(path)
 
 
 def read_file(path):
     """The data set of one file. Raises InputError."""
     if path.suffix.lower() == ".vtk":
         reader = needed("vtkmodules.vtkIOLegacy").vtkGenericDataObjectReader()
+        for kind in "Scalars", "Vectors", "Fields", "Tensors", "Normals":  # not only the first of each
+            getattr(reader, f"ReadAll{kind}On")()
     elif path.suffix.lower().startswith(".pvt"):
         xml_io = needed("vtkmodules.vtkIOXML")
         reader = {
@@ -34,6 +36,12 @@ def read_file(path):
     data = reader.GetOutputDataObject(0)
     if not any(block.GetNumberOfPoints() for block in blocks_of(data)):
         raise InputError(f"{path}: cannot be read as a VTK file, or it has no points")
+    for block in blocks_of(data):
+        if block.IsA("vtkImageData"):  # a plane may have no spacing across it
+            spacing = block.GetSpacing()
+            thin = [n == 1 and size == 0 for n, size in zip(block.GetDimensions(), spacing)]
+            usual = min((size for size in spacing if size > 0), default=1.0)
+            block.SetSpacing([usual if flat else size for flat, size in zip(thin, spacing)])
     return data
 
 
@@ -66,26 +74,42 @@ class VtkFile(Source):
         self._data = None
 
 
+def _listed(path):
+    """The files of a .pvd or .series, as (time, part, file); without times each is a step. Raises InputError."""
+    try:
+        if path.suffix.lower() == ".series":
+            with open(path, encoding="utf-8") as file:
+                found = [(entry.get("time"), None, entry["name"]) for entry in json.load(file)["files"]]
+        else:
+            root = xml.etree.ElementTree.parse(path).getroot()
+            found = [(e.get("timestep"), e.get("part"), e.get("file")) for e in root.iter("DataSet")]
+        if found and all(time is None for time, *_ in found) and len({part for _, part, _ in found}) < len(found):
+            return [(None, i, path.parent / file) for i, (*_, file) in enumerate(found)]
+        return [(float(time or 0), part, path.parent / file) for time, part, file in found]
+    except (xml.etree.ElementTree.ParseError, ValueError, TypeError, KeyError, AttributeError) as error:
+        raise InputError(f"{path}: cannot be read as a list of files: {error}") from None
+
+
 class PvdFile(Source):
-    """A list of files with their times; the files of one time are parts of one data set."""
+    """A list of files with their times; the files of one time are parts of one data set, or the last of one part."""
 
     def __init__(self, path):
-        try:
-            root = xml.etree.ElementTree.parse(path).getroot()
-            entries = [
-                (float(entry.get("timestep", 0)), path.parent / entry.get("file")) for entry in root.iter("DataSet")
-            ]
-        except (xml.etree.ElementTree.ParseError, UnicodeDecodeError, ValueError, TypeError) as error:
-            raise InputError(f"{path}: cannot be read as a list of files: {error}") from None
+        entries = _listed(path)
         if not entries:
             raise InputError(f"{path}: the list names no files")
-        self._parts = {}
-        for time, part in entries:
-            if not part.is_file():
-                raise InputError(f"{path}: the list names {part}, which does not exist")
-            self._parts.setdefault(time, []).append(pathlib.Path(part))
+        steps, self._notes = {}, []
+        for time, part, file in entries:
+            if not file.is_file():
+                raise InputError(f"{path}: the list names {file}, which does not exist")
+            files = steps.setdefault(part if time is None else time, {})
+            key = file if part is None or time is None else part
+            if key in files:
+                self._notes.append(f"{path}: {time:g} s is listed twice; {file.name} is taken")
+            files[key] = file
+        order = list(steps) if entries[0][0] is None else sorted(steps)
+        self._parts = [list(steps[step].values()) for step in order]
         self._read = None, None  # the last step and its data: a step is read once
-        super().__init__(path, sorted(self._parts))
+        super().__init__(path, [None] * len(order) if entries[0][0] is None else order)
 
     def arrays(self, step):
         return arrays_of(self.read(step, ()))
@@ -93,7 +117,7 @@ class PvdFile(Source):
     def read(self, step, names):
         if self._read[0] != step:
             self._read = None, None
-            parts = [read_file(part) for part in self._parts[self.times[step]]]
+            parts = [read_file(part) for part in self._parts[step]]
             whole = parts[0]
             if len(parts) > 1:
                 whole = model.vtkMultiBlockDataSet()
@@ -104,3 +128,6 @@ class PvdFile(Source):
 
     def free(self):
         self._read = None, None
+
+    def notes(self):
+        return self._notes
