@@ -13,6 +13,7 @@ import unittest
 
 import pyopenvdb as vdb
 
+import earth_flows
 import flows
 import netcdf_flows
 from support import BIN, ToolTest
@@ -87,6 +88,10 @@ class Documents(ToolTest):
         flows.write_foam(cls.data / "cavity", [0, 1])
         netcdf_flows.write_heights(cls.data / "winds.nc")
         netcdf_flows.write_c_grid(cls.data, [0, 1])
+        earth_flows.write(cls.data / "sea.nc", earth_flows.sea())
+        mesh = earth_flows.fvcom()[0]
+        earth_flows.write(cls.data / "history.nc", {name: mesh.pop(name) for name in ("u", "v", "zeta", "time")})
+        earth_flows.write(cls.data / "mesh.nc", mesh)
 
     def copy_of_the_data(self, folder):
         for patterns, made in (VELOCITIES, "v.%04d.vdb"), (TEXTURES, "lic.%04d.vdb"):
@@ -95,7 +100,7 @@ class Documents(ToolTest):
                 for frame in FRAMES if "%" in pattern else [None]:
                     os.link(str(self.data / made) % (frame or 1), str(folder / pattern) % frame if frame else folder / pattern)
 
-        for name in "flow.pvd", "part0.vtu", "part1.vtu", "winds.nc", "U.nc", "V.nc", "W.nc", "cavity":
+        for name in "flow.pvd", "part0.vtu", "part1.vtu", "winds.nc", "U.nc", "V.nc", "W.nc", "cavity", "sea.nc", "history.nc", "mesh.nc":
             (folder / name).symlink_to(self.data / name)
         for frame in FRAMES:
             (folder / f"run.{frame:04}.vtu").symlink_to(self.data / "part0.vtu")

@@ -214,9 +214,7 @@ class Conversion:
             data, names = source.parts(0, self._names, self._names)[0]
             if options.size or options.voxel_size or options.bounds:
                 box = options.bounds or bounds_of(data, names, source.path)
-                size = options.size or (
-                    None if options.voxel_size else usual_target(data, names, source.path).size
-                )
+                size = options.size or (None if options.voxel_size else usual_target(data, names, source.path).size)
                 target = filling(box, size, options.voxel_size)
             else:
                 target = usual_target(data, names, source.path)

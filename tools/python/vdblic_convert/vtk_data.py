@@ -234,7 +234,11 @@ def _thickened(block):
     cells.SetData(6, bridge.numpy_to_vtkIdTypeArray(numpy.hstack([corners, corners + count]).ravel(), deep=True))
     result.SetPoints(places)
     result.SetCells(WEDGE, cells)
-    for data, copy, times in (plane.GetPointData(), result.GetPointData(), 2), (plane.GetCellData(), result.GetCellData(), 1):
+    for data, copy, times in (plane.GetPointData(), result.GetPointData(), 2), (
+        plane.GetCellData(),
+        result.GetCellData(),
+        1,
+    ):
         for i in range(data.GetNumberOfArrays()):
             if data.GetArray(i) is not None and data.GetArray(i).GetName():
                 values = bridge.vtk_to_numpy(data.GetArray(i))

@@ -9,7 +9,20 @@ import pathlib
 from ..errors import InputError
 
 READERS = {
-    "vtk_files": (".vti", ".vtr", ".vts", ".vtu", ".vtm", ".vtk", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd", ".series"),
+    "vtk_files": (
+        ".vti",
+        ".vtr",
+        ".vts",
+        ".vtu",
+        ".vtm",
+        ".vtk",
+        ".pvti",
+        ".pvtr",
+        ".pvts",
+        ".pvtu",
+        ".pvd",
+        ".series",
+    ),
     "cases": (".foam", ".case", ".encas", ".cgns", ".vtkhdf", ".e", ".ex2", ".exo", ".cas", ".tec"),
     "dataset": (".nc", ".nc4", ".cdf", ".nc3", ".zarr", ".grib", ".grib1", ".grib2", ".grb", ".grb2"),
     "arrays": (".npy", ".npz", ".h5", ".hdf5", ".mat"),

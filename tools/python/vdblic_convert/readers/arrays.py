@@ -90,7 +90,9 @@ class ArrayFile(Source):
     def notes(self):
         name, order = next(iter(self._order.items()))
         axes = ", ".join({"t": "time", "c": "components"}.get(axis, axis) for axis in order)
-        return [f"the axes of '{name}' {self._arrays[name].shape} are {axes}" + "; --layout tells others" * (not self._told)]
+        return [
+            f"the axes of '{name}' {self._arrays[name].shape} are {axes}" + "; --layout tells others" * (not self._told)
+        ]
 
     def arrays(self, step):
         return {name: 3 if "c" in order else 1 for name, order in self._order.items()}

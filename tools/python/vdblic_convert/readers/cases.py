@@ -7,7 +7,6 @@ from ..vtk_data import arrays_of, blocks_of, errors_of, joined, model
 from . import Source, ensight
 from .whole_files import check_whole
 
-
 OTHERS = dict.fromkeys((".e", ".ex2", ".exo"), ("vtkIOExodus", "vtkExodusIIReader")) | {
     ".vtkhdf": ("vtkIOHDF", "vtkHDFReader"),
     ".cas": ("vtkIOGeometry", "vtkFLUENTReader"),

@@ -95,14 +95,22 @@ class CfFile(Gridded):
             name: self._in_si(name, values, step, dimensions, pressure, velocity) for name, values in fields.items()
         }
         surface = pressure is not None and self.helper(
-            ("surface_air_pressure",), ("Pa",), tuple(d for d in self.data.variables[names[0]].dims if d != dimensions[0])
+            ("surface_air_pressure",),
+            ("Pa",),
+            tuple(d for d in self.data.variables[names[0]].dims if d != dimensions[0]),
         )
         if surface:
-            ground = self.in_unit(surface, self.field(surface, step, dimensions[1:]), "Pa", role="the ground's pressure")
+            ground = self.in_unit(
+                surface, self.field(surface, step, dimensions[1:]), "Pa", role="the ground's pressure"
+            )
             ground = self.placed(surface, ground, there.any(axis=0))
-            under = numpy.broadcast_to(pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure, there.shape) > ground
+            under = (
+                numpy.broadcast_to(pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure, there.shape) > ground
+            )
             fields = {name: numpy.where(under, numpy.nan, field) for name, field in fields.items()}
-        fields = {name: self._turned(name, values[:, :, place.columns], place, velocity) for name, values in fields.items()}
+        fields = {
+            name: self._turned(name, values[:, :, place.columns], place, velocity) for name, values in fields.items()
+        }
         return grid_of(place.x, place.y, z if z.ndim < 3 else z[:, :, place.columns], fields)
 
     def _turned(self, name, values, place, velocity):
@@ -132,7 +140,11 @@ class CfFile(Gridded):
                 f"degrees against east and north, or along those? say it: --attribute '{name}:standard_name="
                 f"{'xy'[slot]}_wind' or '{name}:standard_name={('east', 'north')[slot]}ward_wind'"
             )
-        self.explained[name] += f", {(kinds[0] if kinds[0] == 'along' else ('eastward', 'northward')[slot]) if kinds else 'along the axes'}"
+        self.explained[
+            name
+        ] += (
+            f", {(kinds[0] if kinds[0] == 'along' else ('eastward', 'northward')[slot]) if kinds else 'along the axes'}"
+        )
         if against[0] < 1e-6:
             return values
         if kinds == ["along"] and numpy.any(numpy.sin(place.along[1] - place.along[0]) < 0):
@@ -168,7 +180,11 @@ class CfFile(Gridded):
     def _level(self, name):
         """The height of a field that has one level."""
         level = next(
-            (d for d in self.data.variables[name].dims if d not in (self.time, *self._fields[name]) and self._axes[d] == "Z"),
+            (
+                d
+                for d in self.data.variables[name].dims
+                if d not in (self.time, *self._fields[name]) and self._axes[d] == "Z"
+            ),
             None,
         )
         if level not in self.data.variables:
@@ -183,7 +199,9 @@ class CfFile(Gridded):
         return numpy.atleast_1d(along_axis(self, level))
 
     def _in_si(self, name, values, step, dimensions, pressure, velocity):
-        standard, role = self.data.text(name, "standard_name"), f"component {'xyz'[velocity.index(name)]}" if name in velocity else ""
+        standard, role = self.data.text(name, "standard_name"), (
+            f"component {'xyz'[velocity.index(name)]}" if name in velocity else ""
+        )
         if name not in velocity:
             return values
         unit = self.data.text(name, "units")
@@ -201,5 +219,7 @@ class CfFile(Gridded):
             temperature = self.in_unit(warm, self.field(warm, step, dimensions), "K", role="the temperature")
         else:
             temperature = standard_atmosphere(pressure)[1]
-        self._notes.append(f"'{name}' becomes m/s by the {'temperature of ' + repr(warm) if warm else 'standard atmosphere'}")
+        self._notes.append(
+            f"'{name}' becomes m/s by the {'temperature of ' + repr(warm) if warm else 'standard atmosphere'}"
+        )
         return upward_velocity(self.in_unit(name, values, "Pa/s", role=role), pressure, temperature)

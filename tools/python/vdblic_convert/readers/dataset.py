@@ -35,7 +35,8 @@ def is_grid(path):
         data = Data(path, *_variables(path), {})
     flows = [names for usual in (cf.USUAL, mesh.USUAL) for names in usual[:2]]
     has_flow = any(
-        any(name in names for names in flows) or any(re.fullmatch(c, data.text(name, "standard_name")) for c in cf.COMPONENTS)
+        any(name in names for names in flows)
+        or any(re.fullmatch(c, data.text(name, "standard_name")) for c in cf.COMPONENTS)
         for name in data.variables
     )
     return not has_flow and (mesh.has_topology(data) or ocean.is_ocean(data))
@@ -57,7 +58,9 @@ def _variables(path):
         raise
     except Exception as error:  # pylint: disable=broad-except  # the libraries raise any kind
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: cannot be read as {form}: {type(error).__name__ if not str(reason) else reason}") from None
+        raise InputError(
+            f"{path}: cannot be read as {form}: {type(error).__name__ if not str(reason) else reason}"
+        ) from None
 
 
 def _netcdf(xarray, path):
@@ -71,7 +74,9 @@ def _netcdf(xarray, path):
             stack += group.groups.values()
     for group in groups:
         store = xarray.backends.NetCDF4DataStore.open(path, group=group or None)
-        variables, own, _ = xarray.conventions.decode_cf_variables(*store.load(), decode_times=False, decode_coords=False)
+        variables, own, _ = xarray.conventions.decode_cf_variables(
+            *store.load(), decode_times=False, decode_coords=False
+        )
         attributes = dict(own) | attributes
         for name, variable in variables.items():
             found[f"{group}/{name}" if name in found else name] = variable

@@ -62,7 +62,9 @@ class Gridded(Source):
             super().__init__(data.path, self._times())
         except (ValueError, TypeError, OverflowError) as error:
             if not options.dt:
-                raise InputError(f"{self.path}: its times cannot be read: {error}; or --dt gives their spacing") from None
+                raise InputError(
+                    f"{self.path}: its times cannot be read: {error}; or --dt gives their spacing"
+                ) from None
             super().__init__(data.path, [None] * data.sizes.get(self.time, 1))
 
     def notes(self):
@@ -179,7 +181,9 @@ class Gridded(Source):
             is_date(text(dimension, "units"))
             or kind == "T"
             or standard in ("time", "forecast_period", "forecast_reference_time")
-            or not kind and not standard and re.fullmatch(TIME, dimension, re.I) is not None
+            or not kind
+            and not standard
+            and re.fullmatch(TIME, dimension, re.I) is not None
         )
 
     def _tells_time(self, name):

@@ -132,7 +132,9 @@ def vertical(source, field, dimensions, step, there):
 def z_by_variable(source, dimensions, full, step, there):
     """Heights by a geopotential or by heights on the field's own dimensions, or on those between them; else None."""
     on_pressure = measures(source.data.text(dimensions[0], "units") or "1", "Pa")
-    find = (lambda *a: source.helper(*a, full)) if on_pressure else lambda names, _: source.named(*names, dimensions=full)
+    find = (
+        (lambda *a: source.helper(*a, full)) if on_pressure else lambda names, _: source.named(*names, dimensions=full)
+    )
     name = source.named(*HEIGHTS, dimensions=full) or find(("geopotential",), ("m**2/s**2", "m"))
     if name is None:
         return _half_levels(source, dimensions, step)

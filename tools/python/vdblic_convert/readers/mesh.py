@@ -45,7 +45,9 @@ class MeshFile(Gridded):
         nodes, connectivity, start = self._topology()
         self._nodes, self._node = nodes, data.variables[nodes[0]].dims[-1]
         self._triangles, self._of_face = self._cut(connectivity, start)
-        self._face = next((d for d in data.variables[connectivity].dims if data.sizes[d] == self._of_face[-1] + 1), None)
+        self._face = next(
+            (d for d in data.variables[connectivity].dims if data.sizes[d] == self._of_face[-1] + 1), None
+        )
         if "cellsOnVertex" in data.variables:
             self._face = None
         self._fields = {name: space for name in data.variables if (space := self._space(name))}
@@ -82,7 +84,11 @@ class MeshFile(Gridded):
                 raise InputError(f"{self.path}: the mesh '{found[0]}' names no node_coordinates")
             start = data.text(connectivity, "start_index") or "0"
             return tuple(nodes[:2]), connectivity, int(start)
-        for connectivity, nodes in ("nv", ("lon", "lat")), ("nv", ("x", "y")), ("cellsOnVertex", ("lonCell", "latCell")):
+        for connectivity, nodes in (
+            ("nv", ("lon", "lat")),
+            ("nv", ("x", "y")),
+            ("cellsOnVertex", ("lonCell", "latCell")),
+        ):
             if connectivity in data.variables and set(nodes) <= set(data.variables):
                 if numpy.ptp(self.place(nodes[0], 0)) > 0:
                     return nodes, connectivity, 1
@@ -175,7 +181,9 @@ class MeshFile(Gridded):
         between = place != self._node
         nodes = self.data.sizes[self._node]
         if levels is None:
-            width = numpy.median(numpy.hypot(numpy.diff(x[self._triangles[:, :2]]), numpy.diff(y[self._triangles[:, :2]])))
+            width = numpy.median(
+                numpy.hypot(numpy.diff(x[self._triangles[:, :2]]), numpy.diff(y[self._triangles[:, :2]]))
+            )
             return numpy.repeat(numpy.array([[-0.5], [0.5]]) * width, nodes, axis=1)
         z = self._heights_of(step, levels, nodes)
         if between:

@@ -119,7 +119,11 @@ def horizontal(source, field, dimensions):
             turn = angles(numpy.unwrap(lonlat[0], period=360), lonlat[1])[0] + (numpy.pi if x[0] > x[-1] else 0)
             place.eastward = -turn, numpy.pi / 2 - turn
         return place
-    if lonlat is None and mapping in data.variables and all(unit and measures(unit, "degree") for unit in units or [""]):
+    if (
+        lonlat is None
+        and mapping in data.variables
+        and all(unit and measures(unit, "degree") for unit in units or [""])
+    ):
         turned = [source.in_unit(name, source.place(name, 0), "degree", role="a turned axis") for name in names]
         lonlat = _unprojected(data, mapping, *turned, degrees=True)
     if lonlat is not None:
@@ -164,7 +168,9 @@ def _on_earth(source, longitude, latitude, names):
             source.explain(name, "an axis on the Earth", "degrees", values)
     x, y, stretch, source.middle = local_plane(longitude, latitude, source.middle)
     if stretch > 1.05:
-        source.notes().append(f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}")
+        source.notes().append(
+            f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}"
+        )
     return Place(x, y, columns, (0.0, numpy.pi / 2), turn)
 
 
@@ -180,8 +186,10 @@ def _longitude_latitude(source, field, dimensions):
             if data.variables[name].dims[-2:] != dimensions or data.variables[name].ndim > 3:
                 return False
             said = data.text(name, "standard_name"), data.text(name, "units")
-            return said[0] == standard or not said[0] and (
-                re.fullmatch(kind, said[1], re.I) or not said[1] and re.search(start, name, re.I)
+            return (
+                said[0] == standard
+                or not said[0]
+                and (re.fullmatch(kind, said[1], re.I) or not said[1] and re.search(start, name, re.I))
             )
 
         name = next(filter(is_it, candidates), None)
@@ -207,5 +215,7 @@ def _unprojected(data, mapping, x, y, degrees=False):
     except (pyproj.exceptions.ProjError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"{data.path}: the grid mapping '{mapping}' is not understood: {error}") from None
     if crs.is_geographic != degrees:
-        raise InputError(f"{data.path}: the grid mapping '{mapping}' is not of axes in {'degrees' if degrees else 'metres'}")
+        raise InputError(
+            f"{data.path}: the grid mapping '{mapping}' is not of axes in {'degrees' if degrees else 'metres'}"
+        )
     return to_earth.transform(*numpy.meshgrid(x, y))
