@@ -65,6 +65,28 @@ class Info(ToolTest):
         for options, source in ((("--dt", 2), "as given"), (("--fps", 8), "as given")):
             self.assertEqual(self.info("v.0001.vdb", *options)[0]["velocity"]["interval_source"], source)
 
+    def test_only_the_grids_of_the_velocity_count(self):
+        """Grids whose names are parts of the velocity's: `velocity` holds `v`, and `vel.x, vel.y, vel.z` holds `x`."""
+        field = numpy.ascontiguousarray(self.constant(1), numpy.float32)
+        velocity, other = vdb.Vec3SGrid(), vdb.FloatGrid()
+        velocity.name, other.name = "velocity", "v"
+        velocity.copyFromArray(field, tolerance=(-1, -1, -1))
+        other.copyFromArray(numpy.ones((48, 48, 48), numpy.float32), tolerance=-1)
+        vdb.write(str(self.folder / "alone.vdb"), velocity)
+        vdb.write(str(self.folder / "beside.vdb"), [velocity, other])
+        components = []
+        for axis in "xyz":
+            components.append(vdb.FloatGrid())
+            components[-1].name = f"vel.{axis}"
+            components[-1].copyFromArray(field[..., 0], tolerance=-1)
+        other.name = "x"
+        vdb.write(str(self.folder / "three.vdb"), components)
+        vdb.write(str(self.folder / "four.vdb"), [*components, other])
+        for alone, beside in ("alone.vdb", "beside.vdb"), ("three.vdb", "four.vdb"):
+            cost = [self.info(name, "--values")[0]["velocity"] for name in (alone, beside)]
+            self.assertEqual(cost[0], cost[1])
+            self.assertGreater(cost[0]["memory"], 0)
+
     def test_streaks(self):
         """The command for streaks is one that vdblic_advect takes, and what it takes is as told."""
         pattern = str(pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/wake/wake.%04d.vdb")

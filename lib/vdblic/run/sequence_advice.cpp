@@ -71,9 +71,9 @@ void adviseOnShape(const GridInfo& grid, std::vector<std::string>& advice)
 const GridInfo* velocityGridOf(const SequenceInfo& info)
 {
     if (!info.velocity) return nullptr;
-    const std::string& name = info.velocity->grid; // of three scalars it lists them
-    const auto found = std::find_if(info.grids.begin(), info.grids.end(),
-                                    [&](const GridInfo& grid) { return grid.name == name.substr(0, name.find(',')); });
+    const std::string& name = info.velocity->gridNames.front();
+    const auto found =
+        std::find_if(info.grids.begin(), info.grids.end(), [&](const GridInfo& grid) { return grid.name == name; });
     return found == info.grids.end() ? nullptr : &*found;
 }
 

@@ -142,6 +142,8 @@ std::optional<VelocityInfo> velocityOf(const VdbFile& header, const VelocityPara
     const VelocityGrids grids = findVelocityGrids(header, names.front());
     VelocityInfo velocity;
     velocity.grid = grids.name;
+    for (const openvdb::GridBase::Ptr& grid : grids.values)
+        velocity.gridNames.push_back(grid->getName());
     const openvdb::GridBase& first = *grids.values.front();
     const VelocityConvention convention = conventionOf(first, params);
     velocity.unit = convention.unit;
@@ -203,6 +205,12 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     }
 }
 
+/// Whether a grid holds the velocity, or a component of it.
+bool isOf(const VelocityInfo& velocity, const GridInfo& grid)
+{
+    return std::find(velocity.gridNames.begin(), velocity.gridNames.end(), grid.name) != velocity.gridNames.end();
+}
+
 /// What a run takes whose other parameters are the defaults. @param frames to compute
 void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std::size_t frames, VelocityInfo& velocity)
 {
@@ -210,7 +218,7 @@ void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std
     constexpr double kPreroll = 4;
     double memory = 0;
     for (const GridInfo& grid : info.grids) {
-        if (velocity.grid.find(grid.name) == std::string::npos) continue;
+        if (!isOf(velocity, grid)) continue;
         velocity.voxels = std::max(velocity.voxels, grid.mostVoxels);
         memory += double(grid.mostMemory);
     }
@@ -238,7 +246,7 @@ void estimateStreaks(const SequenceInfoParams& params, const SequenceInfo& info,
     openvdb::CoordBBox box;
     double memory = 0;
     for (const GridInfo& grid : info.grids) {
-        if (velocity.grid.find(grid.name) == std::string::npos) continue;
+        if (!isOf(velocity, grid)) continue;
         box.expand(grid.box);
         memory += double(grid.mostMemory);
     }

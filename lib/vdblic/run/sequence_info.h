@@ -73,7 +73,8 @@ struct MethodCost {
 
 /// How vdblic_advect would understand and compute the sequence's velocity.
 struct VelocityInfo {
-    std::string grid;
+    std::string grid;                   ///< its name; of three scalars, their names
+    std::vector<std::string> gridNames; ///< of the grids that hold it
     VelocityUnit unit = VelocityUnit::kWorldPerSecond;
     double scale = 1;
     double interval = 0;                   ///< seconds between frames
