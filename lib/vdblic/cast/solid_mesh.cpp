@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/hazard.h"
+#include "vdblic/io/input_file.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
@@ -60,6 +61,7 @@ TriangleMesh readMesh(const std::filesystem::path& path)
     const auto refuse = [&](const std::string& reason) {
         return InputError(fmt::format("{}: {}", path.string(), reason));
     };
+    checkRegular(path);
     std::error_code error;
     const auto size = std::filesystem::file_size(path, error);
     if (error) throw refuse(error.message());

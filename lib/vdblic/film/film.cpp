@@ -48,7 +48,8 @@ class FilmFolder {
         const std::string key = std::string(kTitle) + madeFrom;
         std::error_code error;
         if (fs::exists(mFolder, error)) {
-            std::ifstream file(mKey, std::ios::binary);
+            std::ifstream file;
+            if (isFinished(mKey)) file.open(mKey, std::ios::binary);
             const std::string known(std::istreambuf_iterator<char>(file), {});
             if (known == key) return reporter.say(fmt::format("{}: going on with its textures", mFolder.string()));
             if (!known.starts_with(kTitle) && !fs::is_empty(mFolder, error)) {

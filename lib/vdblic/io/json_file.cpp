@@ -1,6 +1,7 @@
 #include "vdblic/io/json_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/input_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,7 @@ std::string plainWords(const std::string& message)
 
 nlohmann::json readJson(const std::filesystem::path& path)
 {
+    checkRegular(path);
     errno = 0;
     std::ifstream stream(path);
     if (!stream) {

@@ -8,6 +8,7 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/checksum.h"
 #include "vdblic/io/guarded_buffer.h"
+#include "vdblic/io/input_file.h"
 #include "vdblic/io/vdb_assembly.h"
 #include "vdblic/io/vdb_layout.h"
 #include "vdblic/io/vdb_parser.h"
@@ -74,9 +75,7 @@ class GuardedFile {
     {
         std::error_code error;
         if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
-        if (!std::filesystem::is_regular_file(path, error)) {
-            throw InputError(fmt::format("{}: is no regular file; a .vdb file must be one", path.string()));
-        }
+        checkRegular(path);
         try {
             mBuffer.pubsetbuf(mMemory.data(), std::streamsize(mMemory.size()));
             errno = 0;

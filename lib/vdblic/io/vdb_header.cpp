@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/hazard.h"
+#include "vdblic/io/input_file.h"
 #include "vdblic/io/vdb_archive.h"
 #include "vdblic/io/vdb_layout.h"
 
@@ -46,6 +47,7 @@ class HeaderArchive : public VdbArchive {
 VdbHeader readVdbHeader(const std::filesystem::path& path)
 {
     openvdb::initialize();
+    checkRegular(path);
     try {
         std::ifstream stream(path, std::ios::binary);
         const std::uintmax_t size = std::filesystem::file_size(path);

@@ -51,6 +51,8 @@ def open_source(path, options, grids=()):
     path = pathlib.Path(path)
     if not path.exists():
         raise InputError(f"{path}: no such file")
+    if not path.is_dir() and not path.is_file():
+        raise InputError(f"{path}: is no regular file; an input must be one")
     zarr = path.is_dir() and any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json"))
     if path.is_dir() and not zarr and not (path / "system" / "controlDict").is_file():
         raise InputError(
