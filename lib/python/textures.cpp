@@ -15,7 +15,6 @@
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -54,6 +53,8 @@ Textures::Textures(const py::dict& keywords, py::object frames, py::function tel
     : mFrames(std::move(frames)), mTell(std::move(tell))
 {
     setFrom(keywords, advectParameters(mParams));
+    if (mFrames.is_none() && mParams.flow.input.pattern == "-")
+        throw ParameterError("paths on standard input are for the tools; name a file or a pattern");
     mParams.output = "texture.vdb"; // which is not written
     mParams.validate();
     if (mFrames.is_none()) {
@@ -73,8 +74,7 @@ FrameSource Textures::source()
         return steadyFrames > 1 ? steadySource(std::move(source), steadyFrames) : source;
     }
     std::size_t total = 0;
-    std::istringstream noLines;
-    return openSequence(mParams.flow.input, noLines, total);
+    return openSequence(mParams.flow.input, mNoLines, total);
 }
 
 /// A frame of the iterator, whose errors become the caller's.

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <exception>
 #include <optional>
+#include <sstream>
 
 namespace vdblic::python {
 
@@ -38,6 +39,7 @@ class __attribute__((visibility("hidden"))) Textures : private Reporter { // as 
     pybind11::object mFrames;
     pybind11::function mTell;
     OneProcess mAlone;
+    std::istringstream mNoLines; // of standard input
     std::optional<TextureRun> mRun;
     std::int64_t mTaken = 0; // frames of the iterator
     std::optional<std::int64_t> mFirst;
