@@ -9,12 +9,11 @@ int main(int argc, char** argv)
     vdblic::cli::Tool tool("vdblic_synth", "Make a velocity sequence of an analytic, unsteady flow.");
     tool.options(parametersOf(params));
     tool.usesScratch(1, [&] { return params.output; });
-    const auto list = [] {
-        for (const vdblic::AnalyticFlow& flow : vdblic::analyticFlows()) {
-            fmt::print("{:<10}{}\n", flow.name, flow.description);
-        }
-        throw CLI::Success{}; // before the required options are missed
-    };
-    tool.app().add_flag_callback("--list", list, "Name the flows, each with a line about it, and exit.");
+    tool.answers("--list", "Name the flows, each with a line about it, and exit.", [] {
+        std::string lines;
+        for (const vdblic::AnalyticFlow& flow : vdblic::analyticFlows())
+            lines += fmt::format("{:<10}{}\n", flow.name, flow.description);
+        return lines;
+    });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) { vdblic::synthSequence(params, reporter); });
 }

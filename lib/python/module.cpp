@@ -9,7 +9,10 @@
 #include "vdblic/coherence/coherence_sequence.h"
 #include "vdblic/compare/compare.h"
 #include "vdblic/compare/report.h"
+#include "vdblic/core/crash_guard.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/startable_threads.h"
+#include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
 #include "vdblic/field/box_domain.h"
 #include "vdblic/field/synth.h"
@@ -23,6 +26,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <tbb/global_control.h>
 
 #include <array>
 #include <cstddef>
@@ -195,6 +199,14 @@ py::list parametersOfFunction(const std::string& function)
                                              : parametersOf(measured));
 }
 
+/// Let TBB use no more threads than the system starts, which it would abort the process for.
+void useStartableThreads()
+{
+    const std::size_t wanted = threadCount(), startable = 1 + startableThreads(wanted - 1);
+    if (startable < wanted)
+        static const tbb::global_control forEver(tbb::global_control::max_allowed_parallelism, startable);
+}
+
 } // namespace
 } // namespace vdblic::python
 
@@ -203,11 +215,13 @@ PYBIND11_MODULE(_core, module)
     using namespace vdblic;
     using namespace vdblic::python;
     openvdb::initialize();
+    useStartableThreads();
     module.attr("__version__") = kVersion;
     bindCameraFile(module);
     bindFiles(module);
     bindGridHeaders(module);
     bindLevels(module);
+    module.def("guard_against_crashes", [](const std::string& tool) { guardAgainstCrashes(tool); });
     module.def("read", &readVolume);
     module.def("write", &writeVolume);
     module.def("synth", &synth);

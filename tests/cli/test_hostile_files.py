@@ -176,6 +176,25 @@ class HostileFiles(ToolTest):
         listed = "".join(f"\n{number}, {' '.join(way)}: {complaint}" for number, way, complaint in sorted(complaints))
         self.assertFalse(complaints, f"{len(complaints)} of {len(jobs)} runs:{listed}")
 
+    def test_every_tool_has_handlers_of_crashes(self):
+        """Also those in Python. A crash outside of a parser stays one."""
+        crashes = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT, signal.SIGXCPU)
+        for tool, output in (("vdblic_advect", "a.%04d.vdb"), ("vdblic_render", "r.%04d.png"), ("vdblic_export", "e.%04d.npz"),
+                             ("vdblic_import", "i.%04d.vdb")):
+            with self.subTest(tool=tool):
+                run = subprocess.Popen([BIN / tool, "-", "-o", output], cwd=self.folder, stdin=subprocess.PIPE,
+                                       stderr=subprocess.PIPE)
+                status = pathlib.Path(f"/proc/{run.pid}/status")
+
+                def caught():
+                    mask = re.search(r"SigCgt:\s*(\w+)", status.read_text(encoding="ascii"))[1]
+                    return all(int(mask, 16) >> (number - 1) & 1 for number in (*crashes, signal.SIGTERM))
+
+                self.wait_until(caught, "not all signals have handlers")
+                run.send_signal(signal.SIGSEGV)
+                said = run.communicate(timeout=60)[1]
+                self.assertEqual(run.returncode, -signal.SIGSEGV, said)
+
     def test_the_undamaged_files_are_taken(self):
         self.assertEqual(len(self.originals.files), 10, self.originals.files.keys())
         for path in self.undamaged.iterdir():

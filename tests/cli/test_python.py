@@ -209,6 +209,7 @@ class Advect(ToolTest):
                 (ValueError, r"`voxel_size` cannot be \(1, 2\);", (fields(1),), {"voxel_size": (1, 2)}),
                 (ValueError, "`method` cannot be x; it is one of auflic, auflic-2004, uflic, lic", (fields(1),), {"method": "x"}),
                 (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
+                (ValueError, "paths on standard input are for the tools", ("-",), {}),
                 (ValueError, "`steady_frames` 3 repeats a single frame|steady_frames", (fields(2),), {"steady_frames": 3}),
                 (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
                 (ValueError, "no frame to compute$", ([],), {})):

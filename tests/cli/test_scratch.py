@@ -162,6 +162,11 @@ class Scratch(ToolTest):
         messages, _ = self.run_in(256, "lic", *flow, "--scratch", ".", preexec_fn=limit)
         self.assertNotIn("scratch", messages)
 
+    def test_the_operator_new_of_the_tools(self):
+        """Its alignments where the memory is used up, and what it leaves of errno."""
+        for folder in self.folder, "/dev/shm":  # which knows fewer calls, and so errors
+            subprocess.run([pathlib.Path(os.environ["VDBLIC_TEST_SUPPORT"]) / "use_scratch", folder], check=True)
+
     @unittest.skipIf(os.geteuid() != 0, "only root may mount a small file system")
     def test_a_full_disk(self):
         small = self.folder / "small"

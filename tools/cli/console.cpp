@@ -37,14 +37,13 @@ bool isPipe(int descriptor)
     return ::fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
 }
 
-/// Failing to print a message does not stop the work.
-void toStandardError(const std::string& text)
+} // namespace
+
+void printMessage(const std::string& text)
 {
     (void)!std::fwrite(text.data(), 1, text.size(), stderr);
     std::fflush(stderr);
 }
-
-} // namespace
 
 Console::Console(std::string tool, Level level, const Parameters& parameters)
     : mTool(std::move(tool)), mParameters(parameters), mLevel(level),
@@ -76,12 +75,12 @@ void Console::progress(std::size_t done, std::size_t total)
         const std::size_t filled = total > 0 ? width * done / total : 0;
         const std::string bar =
             width > 0 ? fmt::format("{} [{:#<{}}{:.<{}}]", mTool, "", filled, "", width - filled) : "";
-        toStandardError(fmt::format("\r\033[K{:.{}}", bar + text, columns - 1));
+        printMessage(fmt::format("\r\033[K{:.{}}", bar + text, columns - 1));
         mBarShown = true;
         if (total > 0 && done == total) clearBar();
     } else if (done > *mBefore && (!mShared || now - mLastFrame >= kSharedInterval || done == total)) {
         const std::string frame = mFrame ? fmt::format("frame {}: ", *mFrame) : "";
-        toStandardError(
+        printMessage(
             fmt::format("{}: {}{:.1f} s, {} done{}\n", mTool, frame, Seconds(now - mLastFrame).count(), count, rest));
         mLastFrame = now;
         mFrame.reset();
@@ -120,6 +119,7 @@ void Console::finished(const std::filesystem::path& output)
     const std::string line = output.string() + '\n';
     if (std::fwrite(line.data(), 1, line.size(), stdout) == line.size() && std::fflush(stdout) == 0) return;
     if (errno == EPIPE) throw ClosedPipe{};
+    if (errno == EINTR) throw Stopped{};
     throw OutputError(fmt::format("standard output: cannot be written: {}", std::generic_category().message(errno)));
 }
 
@@ -127,13 +127,13 @@ void Console::print(std::string_view kind, std::string_view message)
 {
     if (mLevel == Level::kSilent) return;
     clearBar();
-    toStandardError(fmt::format("{}: {}{}\n", mTool, kind, withOptionNames(message, mParameters)));
+    printMessage(fmt::format("{}: {}{}\n", mTool, kind, withOptionNames(message, mParameters)));
 }
 
 void Console::clearBar()
 {
     if (!mBarShown) return;
-    toStandardError("\r\033[K");
+    printMessage("\r\033[K");
     mBarShown = false;
 }
 

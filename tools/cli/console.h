@@ -16,6 +16,9 @@ namespace vdblic::cli {
 /// The reader of standard output has closed it.
 struct ClosedPipe {};
 
+/// Print a text on standard error. Failing to print a message does not stop the work.
+void printMessage(const std::string& text);
+
 /// Reports to a terminal or a log: messages and progress on standard error, finished paths on standard output. Messages
 /// name options where the library names parameters (option_names.h).
 ///
@@ -28,6 +31,7 @@ class Console : public Reporter {
     /// @param parameters of the tool; must outlive this
     Console(std::string tool, Level level, const Parameters& parameters);
     ~Console() override;
+    void setLevel(Level level) { mLevel = level; }
 
     void progress(std::size_t done, std::size_t total) override;
     void detail(std::string_view message) override;

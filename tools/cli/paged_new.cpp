@@ -1,8 +1,9 @@
 #include "vdblic/core/memory.h"
-#include "vdblic/core/paging.h"
+#include "vdblic/core/scratch_memory.h"
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -11,59 +12,86 @@
 
 namespace {
 
+using vdblic::ScratchMemory;
+
+// Where ordinary memory is used up, small objects are paged, too, in places that suit any usual alignment.
+constexpr std::size_t kLeastPaged = 2048, kMostAlignment = 128;
+
 // Objects of stricter alignment are bricks, which are in use all the time: they stay in ordinary memory up to a share
-// of the limit.
+// of the limit. Those from before the scratch file began are not counted.
 constexpr std::int64_t kShare = 8;
 std::atomic<std::int64_t> gAligned = 0;
-// Where ordinary memory is used up, small objects are paged, too, in places that suit any alignment in use.
-constexpr std::size_t kLeastPaged = 2048;
+
+void countAligned(std::int64_t sign, void* memory)
+{
+    if (ScratchMemory::isBegun()) gAligned += sign * std::int64_t(::malloc_usable_size(memory));
+}
+
+bool isShareUsedUp(std::size_t bytes)
+{
+    if (!ScratchMemory::isBegun()) return false;
+    static const auto most = std::int64_t(vdblic::memoryLimit()) / kShare;
+    return gAligned + std::int64_t(bytes) > most;
+}
+
+/// What lies in the scratch file if nothing else is left.
+void* lastMemory(std::size_t bytes, std::size_t alignment)
+{
+    return alignment <= kMostAlignment ? ScratchMemory::allocate(std::max(bytes, kLeastPaged)) : nullptr;
+}
+
+/// Call what the program does when memory is used up.
+void handleLack()
+{
+    const std::new_handler handler = std::get_new_handler();
+    if (!handler) throw std::bad_alloc();
+    handler();
+}
 
 void* alignedMemoryFor(std::size_t bytes, std::size_t alignment)
 {
-    if (vdblic::paging::isOn()) {
-        static const auto most = std::int64_t(vdblic::memoryLimit()) / kShare;
-        constexpr std::size_t kMostAlignment = 128;
-        if (gAligned + std::int64_t(bytes) > most && alignment <= kMostAlignment) {
-            if (void* const paged = vdblic::paging::allocate(std::max(bytes, kLeastPaged))) return paged;
-        }
+    if (isShareUsedUp(bytes)) {
+        if (void* const paged = lastMemory(bytes, alignment)) return paged;
     }
-    for (;;) {
+    for (;; handleLack()) {
         if (void* const memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment)) {
-            gAligned += std::int64_t(::malloc_usable_size(memory));
+            countAligned(1, memory);
             return memory;
         }
-        if (void* const paged = vdblic::paging::allocate(std::max(bytes, kLeastPaged))) return paged;
-        const std::new_handler handler = std::get_new_handler();
-        if (!handler) throw std::bad_alloc();
-        handler();
+        if (void* const paged = lastMemory(bytes, alignment)) return paged;
     }
-}
-
-void releaseAligned(void* memory)
-{
-    if (!memory || vdblic::paging::release(memory)) return;
-    gAligned -= std::int64_t(::malloc_usable_size(memory));
-    std::free(memory);
 }
 
 void* memoryFor(std::size_t bytes)
 {
-    if (void* const paged = vdblic::paging::allocate(bytes)) return paged;
-    for (;;) {
+    if (void* const paged = ScratchMemory::allocate(bytes)) return paged;
+    for (;; handleLack()) {
         if (void* const memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
-        if (void* const paged = vdblic::paging::allocate(std::max(bytes, kLeastPaged))) return paged;
-        const std::new_handler handler = std::get_new_handler();
-        if (!handler) throw std::bad_alloc();
-        handler();
+        if (void* const paged = lastMemory(bytes, 1)) return paged;
     }
+}
+
+/// Free memory of the scratch file. An expression that ends in a delete keeps its errno. @return whether it was such
+bool releasePaged(void* memory)
+{
+    if (!ScratchMemory::isBegun()) return false;
+    const int before = errno;
+    const bool wasPaged = ScratchMemory::release(memory);
+    errno = before;
+    return wasPaged;
+}
+
+void releaseAligned(void* memory)
+{
+    if (!memory || releasePaged(memory)) return;
+    countAligned(-1, memory);
+    std::free(memory);
 }
 
 void release(void* memory)
 {
-    if (!vdblic::paging::release(memory)) std::free(memory);
+    if (!releasePaged(memory)) std::free(memory);
 }
-
-[[maybe_unused]] const bool kIsLent = (vdblic::paging::lend(), true);
 
 } // namespace
 

@@ -66,7 +66,7 @@ void catchStopSignals()
         if (before.sa_handler == SIG_IGN) continue;
         struct sigaction action {};
         action.sa_handler = onStopSignal;
-        action.sa_flags = int(SA_RESTART | SA_RESETHAND);
+        action.sa_flags = int(SA_RESETHAND); // without SA_RESTART: a wait for a pipe ends, too
         ::sigaction(signal, &action, nullptr);
     }
 }

@@ -1,12 +1,16 @@
 #include "cli/tool.h"
 
 #include "cli/console.h"
-#include "cli/crash_guard.h"
+#include "cli/failure.h"
 #include "cli/mistyped_option.h"
+#include "cli/standard_streams.h"
 #include "cli/stop_signals.h"
+#include "vdblic/core/crash_guard.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
+#include "vdblic/core/scratch_memory.h"
+#include "vdblic/core/startable_threads.h"
 #include "vdblic/core/system_memory.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
@@ -22,10 +26,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <iostream>
-#include <new>
 #include <optional>
 #include <sys/resource.h>
 #include <system_error>
@@ -75,6 +77,7 @@ Tool::Tool(std::string name, const std::string& description)
     mApp.add_option("--threads", mThreads,
                     "Threads to compute with; every core by default. Results do not depend on it.")
         ->check(CLI::Range(1, kMaxThreads));
+    setMemoryOption();
     mApp.add_option("--max-memory", mMaxMemory,
                     "Memory that may be taken, such as 800M or 16G; what the machine has by default.")
         ->type_name("SIZE");
@@ -88,12 +91,18 @@ Tool::Tool(std::string name, const std::string& description)
 void Tool::options(Parameters parameters)
 {
     mOptions.emplace(mApp, std::move(parameters));
-    const auto list = [this] {
-        fmt::print("{}", toJson(mOptions->parameters()));
+    answers("--parameters", "Print the options as JSON, for programs, and exit.", [this] {
+        return toJson(mOptions->parameters());
+    })->group(kExpertGroup);
+}
+
+CLI::Option* Tool::answers(const std::string& flag, const std::string& help, std::function<std::string()> text)
+{
+    const auto answer = [this, text = std::move(text)] {
+        mAnswer = text();
         throw CLI::Success{}; // before the required options are missed
     };
-    mApp.add_flag_callback("--parameters", list, "Print the options as JSON, for programs, and exit.")
-        ->group(kExpertGroup);
+    return mApp.add_flag_callback(flag, answer, help);
 }
 
 void Tool::reads(std::function<std::vector<SequenceParams>()> inputs)
@@ -120,6 +129,22 @@ void Tool::limitMemory() const
     ::setrlimit(RLIMIT_DATA, &data);
 }
 
+/// As many as are asked for, or fewer where the system does not start so many: TBB would abort the process.
+std::size_t Tool::threadsToUse(Reporter& reporter) const
+{
+    constexpr std::size_t kOthers = 2; // of which one reads ahead, one writes
+    const std::size_t wanted = mThreads > 0 ? std::size_t(mThreads) : threadCount();
+    const std::size_t more = startableThreads(wanted - 1 + kOthers);
+    if (more == wanted - 1 + kOthers) return wanted;
+    const std::size_t used = 1 + more - std::min(more, kOthers);
+    if (used < wanted) {
+        reporter.say(fmt::format("{} of {} threads compute: no more can be started; raise --max-memory, which includes "
+                                 "8 MiB a thread, or allow the user more processes (ulimit -u)",
+                                 used, wanted));
+    }
+    return used;
+}
+
 void Tool::usesScratch(double inFiles, std::function<std::string()> output)
 {
     mInFiles = inFiles;
@@ -140,7 +165,7 @@ void Tool::offerScratch() const
     if (mInFiles == 0 || mIsShared) return; // ranks divide the work instead
     std::filesystem::path folder = mScratch;
     if (folder.empty()) folder = mOutput ? std::filesystem::path(mOutput()).parent_path() : temporaryFolder();
-    paging::offer(folder.empty() ? "." : folder, memoryLimit(), mInFiles);
+    paging::setMemory(*new ScratchMemory(folder.empty() ? "." : folder, memoryLimit(), mInFiles)); // for ever
 }
 
 void Tool::verify(Reporter& reporter) const
@@ -201,11 +226,11 @@ int Tool::tell(const CLI::Success& asked) const
 {
     errno = 0;
     mApp.exit(asked);
-    std::cout.flush();
+    std::cout << mAnswer << std::flush;
     if (std::cout && std::fflush(stdout) == 0) return status(ExitStatus::kDone);
     if (errno == EPIPE) dieBy(SIGPIPE);
-    fmt::print(stderr, "{}: error: standard output: cannot be written: {}\n", mApp.get_name(),
-               std::generic_category().message(errno));
+    printMessage(fmt::format("{}: error: standard output: cannot be written: {}\n", mApp.get_name(),
+                             std::generic_category().message(errno)));
     return status(ExitStatus::kCannotWrite);
 }
 
@@ -217,13 +242,9 @@ int Tool::run(int argc, char** argv, const std::function<void(Reporter&)>& job)
                }));
 }
 
-int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>& job)
+/// @return the exit status if the command line asks for no job, or has a mistake
+std::optional<int> Tool::parse(int argc, char** argv)
 {
-    // A closed pipe and a file that is too large become errors of the write, not signals in the middle of a file.
-    std::signal(SIGPIPE, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);
-    catchStopSignals();
-    guardAgainstCrashes(mApp.get_name());
     try {
         // CLI11 ignores an empty value or reads it as 0. It mostly comes from an unset variable of a shell.
         for (int i = 1; i < argc; ++i) {
@@ -236,22 +257,31 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
     } catch (const CLI::ParseError& error) {
         const std::string expanded = expandedPattern();
         if (!mPrints) return status(ExitStatus::kUsage);
-        fmt::print(stderr, "{}: {}\n{} --help lists the options.\n", mApp.get_name(),
-                   expanded.empty() ? error.what() : expanded, mApp.get_name());
+        printMessage(fmt::format("{}: {}\n{} --help lists the options.\n", mApp.get_name(),
+                                 expanded.empty() ? error.what() : expanded, mApp.get_name()));
         return status(ExitStatus::kUsage);
     }
+    return std::nullopt;
+}
 
-    std::optional<tbb::global_control> threads;
-    if (mThreads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(mThreads));
-    limitArenas(threadCount());
-    const Console::Level level = !mPrints   ? Console::Level::kSilent
-                                 : mQuiet   ? Console::Level::kQuiet
-                                 : mVerbose ? Console::Level::kVerbose
-                                            : Console::Level::kNormal;
-    Console console(mApp.get_name(), level, mOptions->parameters());
+int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>& job)
+{
+    holdStandardStreams();
+    // A closed pipe and a file that is too large become errors of the write, not signals in the middle of a file.
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
+    catchStopSignals();
+    guardAgainstCrashes(mApp.get_name(), {status(ExitStatus::kBadInput), status(ExitStatus::kCannotWrite)});
+    Console console(mApp.get_name(), mPrints ? Console::Level::kNormal : Console::Level::kSilent,
+                    mOptions->parameters());
     try {
+        if (const std::optional<int> told = parse(argc, argv)) return *told;
+        if (mPrints && mQuiet) console.setLevel(Console::Level::kQuiet);
+        if (mPrints && mVerbose) console.setLevel(Console::Level::kVerbose);
         mOptions->apply();
         limitMemory();
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, threadsToUse(console));
+        limitArenas(threadCount());
         offerScratch();
         if (mInputs) {
             for (const SequenceParams& input : mInputs())
@@ -264,36 +294,9 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
     } catch (const Stopped&) {
         console.say("stopped");
         return endBy(stopSignal());
-    } catch (const ParameterError& error) {
-        console.error(error.what());
-        return status(ExitStatus::kUsage);
-    } catch (const InputError& error) {
-        console.error(error.what());
-        return status(ExitStatus::kBadInput);
-    } catch (const OutputError& error) {
-        console.error(error.what());
-        return status(ExitStatus::kCannotWrite);
-    } catch (const std::bad_alloc&) {
-        if (const char* const scratch = paging::problem()) {
-            console.error(scratch);
-            return status(ExitStatus::kCannotWrite);
-        }
-        console.error(fmt::format("this takes more than the {} of memory that may be used: cut the domain, use fewer "
-                                  "threads, or raise --max-memory",
-                                  memoryText(double(memoryLimit()))));
-        return status(ExitStatus::kBadInput);
-    } catch (const std::system_error& error) {
-        if (error.code() == std::errc::resource_unavailable_try_again) { // a thread's stack
-            console.error(fmt::format("no thread can be started within the {} of memory that may be used: use fewer "
-                                      "threads, or raise --max-memory",
-                                      memoryText(double(memoryLimit()))));
-            return status(ExitStatus::kBadInput);
-        }
-        console.error(fmt::format("internal error, please report it: {}", error.what()));
-    } catch (const std::exception& error) {
-        console.error(fmt::format("internal error, please report it: {}", error.what()));
+    } catch (...) {
+        return status(tellFailure(console));
     }
-    return status(ExitStatus::kBug);
 }
 
 } // namespace vdblic::cli

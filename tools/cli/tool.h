@@ -45,6 +45,9 @@ class Tool {
     /// rank 0 prints, but for crashes.
     void share(const Ranks& ranks);
 
+    /// A flag that prints a text instead of doing the job. @param text made when the flag is given
+    CLI::Option* answers(const std::string& flag, const std::string& help, std::function<std::string()> text);
+
     CLI::App& app() { return mApp; }
     /// Standard input, for the job. It ends when a stop is requested.
     std::istream& standardInput() { return *mInput; }
@@ -56,9 +59,11 @@ class Tool {
 
   private:
     void limitMemory() const;
+    [[nodiscard]] std::size_t threadsToUse(Reporter& reporter) const;
     void offerScratch() const;
     void verify(Reporter& reporter) const;
     [[nodiscard]] std::string expandedPattern() const;
+    [[nodiscard]] std::optional<int> parse(int argc, char** argv);
     [[nodiscard]] int endBy(int signal) const;
     [[nodiscard]] int tell(const CLI::Success& asked) const;
 
@@ -68,7 +73,7 @@ class Tool {
     std::function<std::vector<SequenceParams>()> mInputs;
     int mThreads = 0, mProcesses = 1; // processes on this machine
     bool mIsShared = false, mPrints = true;
-    std::string mMaxMemory, mScratch;
+    std::string mMaxMemory, mScratch, mAnswer;
     double mInFiles = 0; // 0: without a scratch file
     std::function<std::string()> mOutput;
     bool mQuiet = false, mVerbose = false, mVerify = false;

@@ -15,7 +15,7 @@ struct HazardHooks {
 };
 
 /// Set the hooks of the process. Call it once, before the process has other threads. Like the signal handlers they
-/// serve, the hooks are global; nothing else in this library is.
+/// serve, the hooks are global.
 void setHazardHooks(const HazardHooks& hooks);
 
 /// Calls the hooks: this thread parses a file during the object's lifetime. Within the lifetime of another Hazard of

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -16,6 +17,20 @@
 #include <unistd.h>
 
 namespace vdblic {
+namespace {
+
+std::atomic<bool> gHasOption = false;
+
+/// The process's limit on a resource [bytes]; no limit if it has none.
+std::uint64_t limitOn(int resource)
+{
+    rlimit own{};
+    const bool isLimited = ::getrlimit(resource, &own) == 0 && own.rlim_cur != RLIM_INFINITY;
+    return isLimited ? std::uint64_t(own.rlim_cur) : UINT64_MAX;
+}
+
+} // namespace
+
 std::uint64_t machineMemory()
 {
     return std::min(std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)),
@@ -24,9 +39,17 @@ std::uint64_t machineMemory()
 
 std::uint64_t memoryLimit()
 {
-    rlimit own{};
-    const bool isLimited = ::getrlimit(RLIMIT_DATA, &own) == 0 && own.rlim_cur != RLIM_INFINITY;
-    return isLimited ? std::min(machineMemory(), std::uint64_t(own.rlim_cur)) : machineMemory();
+    return std::min({machineMemory(), limitOn(RLIMIT_DATA), limitOn(RLIMIT_AS)});
+}
+
+void setMemoryOption()
+{
+    gHasOption = true;
+}
+
+bool hasMemoryOption()
+{
+    return gHasOption;
 }
 
 std::uint64_t parseMemory(std::string_view text)
@@ -57,7 +80,7 @@ std::string memoryText(double bytes)
 
 std::string_view memoryMend()
 {
-    return paging::isLent() ? "raise `max_memory`" : "give the process more memory";
+    return gHasOption ? "raise `max_memory`" : "give the process more memory";
 }
 
 void checkMemory(double needed, const std::string& what, const std::string& mend)

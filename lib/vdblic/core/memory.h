@@ -9,8 +9,8 @@ namespace vdblic {
 /// The bytes of the machine's memory, or the control group's limit if that is less.
 [[nodiscard]] std::uint64_t machineMemory();
 
-/// The bytes this process may use: machineMemory(), or the process's data limit (`ulimit -d`, RLIMIT_DATA) if that is
-/// less. A program may set it as its budget.
+/// The bytes this process may use: machineMemory(), or the process's limit on data or on addresses (`ulimit -d`,
+/// RLIMIT_DATA; `ulimit -v`, RLIMIT_AS) if that is less. A program may set the one on data as its budget.
 [[nodiscard]] std::uint64_t memoryLimit();
 
 /// Parse `800M`, `16G`, `1.5T`: a number of bytes, or of KiB, MiB, GiB or TiB with a suffix K to T.
@@ -19,6 +19,10 @@ namespace vdblic {
 
 /// "1.5 GiB"
 [[nodiscard]] std::string memoryText(double bytes);
+
+/// Tell that the program has an option `max_memory`, for messages.
+void setMemoryOption();
+[[nodiscard]] bool hasMemoryOption();
 
 /// How to have more memory, for messages: "raise `max_memory`" in a program that has that.
 [[nodiscard]] std::string_view memoryMend();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <new>
+#include <optional>
 #include <sys/mman.h>
 
 namespace vdblic {
@@ -25,7 +26,8 @@ std::size_t threadNumber()
 
 PagedHeap::PagedHeap(ScratchFile& file)
     : mFile(file), mBegin(file.begin()), mEnd(file.begin() + file.capacity()),
-      mUse(new std::atomic<Use>[file.capacity() / kRun]()), mShelves(new Shelf[kShards * kSizes])
+      mUse(new std::atomic<Use>[file.capacity() / kRun]()), mShelves(new Shelf[kShards * kSizes]),
+      mWarm(file.capacity() / kRun), mEmpty(file.capacity() / kRun)
 {
     void* const runs = ::mmap(nullptr, file.capacity() / kRun * sizeof(Run), PROT_READ | PROT_WRITE,
                               MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -85,21 +87,27 @@ int PagedHeap::reserve(std::size_t bytes) noexcept
 }
 
 /// The first of free runs that follow one another; kNone if there are none.
-std::uint32_t PagedHeap::findFree(std::size_t count) const
+std::uint32_t PagedHeap::takeFree(std::size_t count) noexcept
 {
-    std::size_t found = 0;
-    for (std::size_t run = 0; run < mTop; ++run) {
-        const Use use = mUse[run];
-        found = use == Use::kFree || use == Use::kFreeAndEmpty ? found + 1 : 0;
-        if (found == count) return std::uint32_t(run + 1 - count);
+    const auto number = std::uint32_t(count);
+    if (const std::optional<std::uint32_t> first = mWarm.take(number)) {
+        mWarmRuns -= count;
+        return *first;
     }
-    return kNone;
+    if (const std::optional<std::uint32_t> first = mEmpty.take(number)) return *first;
+    if (mWarmRuns == 0) return kNone;
+    while (const std::optional<FreeRuns::Range> range = mWarm.takeAny()) { // beside empty ones there may be room
+        mFile.discard(range->first * kRun, range->count * kRun);
+        mEmpty.add(*range);
+    }
+    mWarmRuns = 0;
+    return mEmpty.take(number).value_or(kNone);
 }
 
 std::uint32_t PagedHeap::takeRuns(std::size_t count, Use use) noexcept
 {
     const std::lock_guard lock(mMutex);
-    std::uint32_t first = count > 1 ? findFree(count) : mWarm.first != kNone ? mWarm.first : mEmpty.first;
+    std::uint32_t first = takeFree(count);
     if (first == kNone) {
         const std::size_t end = (mTop + count) * kRun;
         if (end > mFile.size() && mFile.grow(end + kGrowth) != 0) {
@@ -110,12 +118,6 @@ std::uint32_t PagedHeap::takeRuns(std::size_t count, Use use) noexcept
         }
         first = std::uint32_t(mTop);
         mTop += count;
-    } else {
-        for (std::size_t run = first; run < first + count; ++run) {
-            const bool isWarm = mUse[run] == Use::kFree;
-            remove(isWarm ? mWarm : mEmpty, std::uint32_t(run));
-            mWarmRuns -= isWarm ? 1 : 0;
-        }
     }
     for (std::size_t run = first; run < first + count; ++run)
         mUse[run] = use;
@@ -131,10 +133,9 @@ void PagedHeap::giveBack(std::uint32_t first, std::size_t count) noexcept
         mFile.discard(first * kRun, count * kRun);
         lock.lock();
     }
-    for (std::size_t run = first; run < first + count; ++run) {
-        mUse[run] = staysWarm ? Use::kFree : Use::kFreeAndEmpty;
-        prepend(staysWarm ? mWarm : mEmpty, std::uint32_t(run));
-    }
+    for (std::size_t run = first; run < first + count; ++run)
+        mUse[run] = Use::kFree;
+    (staysWarm ? mWarm : mEmpty).add({first, std::uint32_t(count)});
     mWarmRuns += staysWarm ? count : 0;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/core/free_runs.h"
 #include "vdblic/core/scratch_file.h"
 
 #include <array>
@@ -51,7 +52,7 @@ class PagedHeap {
     static constexpr std::size_t kSizes = (kFine - kLeast) / kFineStep + 1 + kSteps * kOctaves;
     static constexpr std::size_t kShards = 8; // threads allocate in runs of their own
 
-    enum class Use : std::uint8_t { kFree, kFreeAndEmpty, kObjects, kLarge };
+    enum class Use : std::uint8_t { kFree, kObjects, kLarge };
     struct Run {
         std::uint32_t before, after;   ///< in its list
         std::uint32_t size;            ///< number of the objects' size; of a large object: its runs
@@ -74,7 +75,7 @@ class PagedHeap {
     void append(List& list, std::uint32_t run);
     void remove(List& list, std::uint32_t run);
     [[nodiscard]] std::uint32_t takeRuns(std::size_t count, Use use) noexcept;
-    [[nodiscard]] std::uint32_t findFree(std::size_t count) const;
+    [[nodiscard]] std::uint32_t takeFree(std::size_t count) noexcept;
     void giveBack(std::uint32_t first, std::size_t count) noexcept;
     [[nodiscard]] void* place(std::size_t run, std::size_t offset) const { return mBegin + run * kRun + offset; }
 
@@ -83,8 +84,8 @@ class PagedHeap {
     Run* mRuns; // untouched ones take no memory
     std::unique_ptr<std::atomic<Use>[]> mUse;
     std::unique_ptr<Shelf[]> mShelves;
-    std::mutex mMutex; // of what follows
-    List mWarm, mEmpty;
+    std::mutex mMutex;      // of what follows
+    FreeRuns mWarm, mEmpty; // whose pages are used again as they are; which were given up
     std::size_t mWarmRuns = 0;
     std::atomic<std::size_t> mTop = 0;
     std::atomic<int> mProblem = 0;

@@ -1,36 +1,42 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
-#include <cstdint>
-#include <filesystem>
 
 namespace vdblic::paging {
 
 /// \file
-/// Memory in a scratch file: what is larger than the memory that may be taken lies on disk, and is resident only as far
-/// as it is in use (docs/architecture.md, "Larger than memory").
-///
-/// The file is mapped into the process and has no name, so nothing is left of it after the process, however that ends.
-/// A thread watches how much of the process is resident and lets go of parts of the mapping, in the order in which they
-/// were allocated; the system writes and reads them as it does any file's. What is in the memory, and so all results,
-/// are the same.
-///
-/// Like the operator new that allocates here, all of this is of the process, not of an object. Thread-safe.
+/// What the library tells of the memory that its work takes, for a program that can hold it elsewhere: in a scratch
+/// file (core/scratch_memory.h; docs/architecture.md, "Larger than memory"). What is in the memory, and so all results,
+/// are the same. In other programs all of this does nothing.
 
-/// Tell that the program's operator new asks allocate() before it takes other memory. Without that nothing is paged.
-void lend();
-[[nodiscard]] bool isLent();
+/// Where a program's memory lies. Like its operator new it is of the process, not of an object. Thread-safe.
+class Memory {
+  public:
+    Memory() = default;
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+    virtual ~Memory() = default;
 
-/// Allow what follows to begin paging. Nothing is done yet.
-/// @param folder  of the scratch file
-/// @param limit   of the process's resident memory [bytes]
-/// @param inFiles what the job holds at a time, in files that it reads
-void offer(const std::filesystem::path& folder, std::uint64_t limit, double inFiles);
+    virtual bool makeRoom(double bytes) = 0;
+    virtual void expectFiles(double bytes) = 0;
+    [[nodiscard]] virtual bool mayHold(double bytes) const = 0;
+    virtual void breathe(std::size_t bytes) = 0;
+    [[nodiscard]] virtual const char* problem() const noexcept = 0;
+    [[nodiscard]] virtual const char* failureAt(const void* address) const noexcept = 0;
+};
 
-/// Make room for what a run takes in all: begin paging if that is more than the limit, or near it. The scratch is then
-/// on the disk, so that the disk cannot become full later.
+/// Set it once, before the work begins. @param memory must live as long as the process
+void setMemory(Memory& memory);
+
+namespace detail {
+extern std::atomic<Memory*> gMemory;
+} // namespace detail
+
+/// Make room for what a run takes in all: begin a scratch file if that is more than the limit, or near it. The scratch
+/// is then on the disk, so that the disk cannot become full later.
 /// @param bytes that the run takes
-/// @return whether memory is paged now and the scratch file holds as much; always false without lend() and offer()
+/// @return whether memory is paged now and the scratch file holds as much
 /// @throws OutputError, naming the folder and the reason, if the scratch file cannot be made or grow so far
 bool makeRoom(double bytes);
 
@@ -38,26 +44,25 @@ bool makeRoom(double bytes);
 /// @throws OutputError if no scratch file can be made
 void expectFiles(double bytes);
 
-/// Whether so much can be held: in memory, and in a scratch file on the disk as it is. Always false without an offer.
+/// Whether so much can be held: in memory, and in a scratch file on the disk as it is. False without a scratch file.
 [[nodiscard]] bool mayHold(double bytes);
 
 /// Called by threads that work on much memory, before they take up the next so many bytes: a thread that is faster than
-/// those that let go waits here. Costs nothing while memory is not paged.
-void breathe(std::size_t bytes);
+/// those that let go waits here.
+inline void breathe(std::size_t bytes)
+{
+    Memory* const memory = detail::gMemory.load(std::memory_order_acquire);
+    if (__builtin_expect(memory != nullptr, 0)) memory->breathe(bytes);
+}
 inline constexpr std::size_t kLeafBytes = 16384;    ///< that work on a leaf takes up, about
 inline constexpr std::size_t kPointBytes = 1 << 19; ///< that a look around a point far from the last one does
 
-[[nodiscard]] bool isOn(); ///< whether memory is being paged
-
 /// Why the scratch file could not grow, as a message; null if it could. May be called in a signal handler.
 [[nodiscard]] const char* problem() noexcept;
+/// What a bus error at an address means, as a message: the disk fails a page of the scratch file. Null if the address
+/// is not in it. May be called in a signal handler.
+[[nodiscard]] const char* failureAt(const void* address) noexcept;
 /// @throws OutputError with problem() if there is one
 void checkScratch();
-
-/// Memory for an object, aligned as by operator new, and to 128 bytes if it has more than 1 KiB; null if memory is not
-/// paged, the object is small, or the scratch file cannot grow (problem()).
-[[nodiscard]] void* allocate(std::size_t bytes) noexcept;
-/// Free memory of allocate(). @return whether it was such
-bool release(void* memory) noexcept;
 
 } // namespace vdblic::paging

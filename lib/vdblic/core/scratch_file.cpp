@@ -8,7 +8,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <fcntl.h>
+#include <linux/fs.h>
 #include <string>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <system_error>
 #include <unistd.h>
@@ -33,11 +35,22 @@ int openUnnamed(const std::filesystem::path& folder)
     return named;
 }
 
+/// Let the file system write changed pages where they are. Btrfs writes them elsewhere otherwise, for which a full disk
+/// has no room, although the file has its own.
+void writeInPlace(int descriptor)
+{
+    int flags = 0;
+    if (::ioctl(descriptor, FS_IOC_GETFLAGS, &flags) != 0) return; // a file system without such flags
+    flags |= FS_NOCOW_FL;
+    (void)::ioctl(descriptor, FS_IOC_SETFLAGS, &flags);
+}
+
 } // namespace
 
 ScratchFile::ScratchFile(const std::filesystem::path& folder, bool readsAhead) : mDescriptor(openUnnamed(folder))
 {
     if (mDescriptor < 0) refuseScratch(folder, errno);
+    writeInPlace(mDescriptor);
     std::error_code ignored;
     constexpr std::size_t kMost = std::size_t(1) << 40, kLeast = std::size_t(1) << 30;
     mCapacity = std::clamp(std::size_t(std::filesystem::space(folder, ignored).available), kLeast, kMost);

@@ -37,7 +37,7 @@ ProcessMemory processMemory()
         if (at != end) ++at; // a space
     }
     const auto page = std::uint64_t(::sysconf(_SC_PAGESIZE));
-    return {pages[1] * page, pages[2] * page, pages[5] * page};
+    return {pages[1] * page, pages[2] * page, pages[5] * page, pages[0] * page};
 }
 
 std::uint64_t freeMemory()

@@ -11,8 +11,9 @@ namespace vdblic {
 /// Of this process [bytes].
 struct ProcessMemory {
     std::uint64_t resident = 0;
-    std::uint64_t files = 0; ///< of which mapped files
-    std::uint64_t data = 0;  ///< what counts against RLIMIT_DATA
+    std::uint64_t files = 0;     ///< of which mapped files
+    std::uint64_t data = 0;      ///< what counts against RLIMIT_DATA
+    std::uint64_t addresses = 0; ///< what counts against RLIMIT_AS
 };
 /// Allocates nothing; signal handlers may call it. Nothing where it cannot be read.
 [[nodiscard]] ProcessMemory processMemory();

@@ -72,7 +72,8 @@ std::optional<LoadedFrame> FlowSequence::next()
     if (!file) return std::nullopt;
     LoadedFrame frame = loadPart(*file);
     if (!mPartition) mPartition = frame.partition;
-    lookAhead(file->contents ? std::launch::deferred : std::launch::async);
+    // Deferred, too, where no thread can be started.
+    lookAhead(file->contents ? std::launch::deferred : std::launch::async | std::launch::deferred);
     checkSuccession(frame.velocity);
     mLast = frame.flow();
     if (!mExchange.isAlone()) mLast.domain = mLast.refinedFrom = nullptr; // parts of what the next frame needs

@@ -202,8 +202,10 @@ void FilmWriter::fail()
     std::string text;
     std::array<char, 1024> part{};
     ssize_t count = 0;
-    while (text.size() < 4096 && (count = ::read(mMessages, part.data(), part.size())) > 0)
-        text.append(part.data(), std::size_t(count));
+    do {
+        count = ::read(mMessages, part.data(), part.size());
+        text.append(part.data(), std::size_t(std::max<ssize_t>(count, 0)));
+    } while (text.size() < 4096 && (count > 0 || (count < 0 && errno == EINTR)));
     while (!text.empty() && text.back() == '\n')
         text.pop_back();
     throw OutputError(fmt::format("{}: ffmpeg cannot write the film: {}", mPath.string(),

@@ -1,6 +1,7 @@
 #include "vdblic/io/atomic_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/reporter.h"
 
 #include <fmt/format.h>
 
@@ -254,6 +255,7 @@ bool writeReport(const std::filesystem::path& named, std::string_view text)
     errno = 0;
     std::ofstream stream(path, std::ios::binary | std::ios::app);
     stream << text << std::flush;
+    if (!stream && errno == EINTR) throw Stopped{}; // while it waited for the reader
     if (!stream) fail(path, "cannot be written");
     return isFile;
 }

@@ -57,7 +57,8 @@ void checkReport(const std::filesystem::path& named);
 /// Write a text as an AtomicFile. @throws OutputError naming the file and the system's reason
 void writeTextFile(const std::filesystem::path& path, std::string_view text);
 /// Write a report: as a text file, or through a pipe or a device, which keeps its name; `-` is standard output.
-/// @return whether it is a file  @throws OutputError naming the file and the system's reason
+/// @return whether it is a file  @throws OutputError naming the file and the system's reason; Stopped if a signal ends
+/// the wait for a pipe's reader
 bool writeReport(const std::filesystem::path& named, std::string_view text);
 
 } // namespace vdblic

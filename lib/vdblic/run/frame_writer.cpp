@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
 
 namespace vdblic {
@@ -58,18 +59,20 @@ FrameWriter::Paths FrameWriter::begin()
     const auto rank = std::size_t(mExchange.rank());
     if (rank < mWaiting.size()) {
         mStream.emplace(mFile.computed);
-        mPending =
-            std::async(std::launch::async, [this, path = mWaiting[rank].path, held = std::move(mFile)]() mutable {
-                const TextureFile file = std::move(held); // freed when written; `held` lives as long as mPending
-                Stopwatch watch;
-                try {
-                    writeStoredVdb(path, file.grids, file.metadata, mCompression, &*mStream);
-                } catch (...) {
-                    mStream->giveUp();
-                    throw;
-                }
-                return watch.lap();
-            });
+        // Where no thread can be started, a process alone writes when it waits for the file. Of several each needs one.
+        const auto how = mExchange.isAlone() ? std::launch::async | std::launch::deferred : std::launch::async;
+        const auto write = [this, path = mWaiting[rank].path, held = std::make_shared<TextureFile>(std::move(mFile))] {
+            const TextureFile file = std::move(*held); // freed when written; `held` lives as long as mPending
+            Stopwatch watch;
+            try {
+                writeStoredVdb(path, file.grids, file.metadata, mCompression, &*mStream);
+            } catch (...) {
+                mStream->giveUp();
+                throw;
+            }
+            return watch.lap();
+        };
+        mPending = std::async(how, write); // not moved: a thread that fails to start would have it
     }
     deliverWaiting();
     for (Waiting& file : mWaiting)

@@ -135,7 +135,7 @@ void TextureRun::checkMemoryFor(const LoadedFrame& first) const
         mReporter.say(fmt::format("{} take about {}, and {} of memory may be used: the rest lies in a scratch file",
                                   voxels, memoryText(bytes), memoryText(double(memoryLimit()))));
     } else {
-        const std::string tool = paging::isLent() ? "" : ", or let vdblic_advect do it, which takes a scratch file";
+        const std::string tool = hasMemoryOption() ? "" : ", or let vdblic_advect do it, which takes a scratch file";
         checkMemory(kLeast * bytes, voxels, "lower `refine`, or cut the domain with `box` or `mask`" + tool);
     }
 }

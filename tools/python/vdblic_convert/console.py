@@ -13,8 +13,9 @@ class ClosedPipe(Exception):
 
 
 class Console:
-    def __init__(self, tool, level):
+    def __init__(self, tool, level, stop):
         self.tool = tool
+        self._stop = stop
         self._level = level  # 0 quiet, 1 normal, 2 verbose
         self._terminal = sys.stderr.isatty() and sys.stdin.isatty() and sys.stdout.isatty()
         self._start = self._last = time.monotonic()
@@ -51,7 +52,8 @@ class Console:
         """Print the path of a finished output."""
         self.clear()
         try:
-            print(path, flush=True)
+            with self._stop.ends_waits():  # for the reader
+                print(path, flush=True)
         except BrokenPipeError:
             raise ClosedPipe from None
         except OSError as error:

@@ -9,6 +9,8 @@ import re
 import signal
 import sys
 
+from vdblic._core import guard_against_crashes
+
 from .console import ClosedPipe, Console
 from .errors import STATUS, OutputError, ParameterError
 from .stop import Stop, Stopped, die_by
@@ -100,6 +102,19 @@ def whole(least, most):
     return parse
 
 
+def _hold_standard_streams():
+    """Take the descriptors of streams that the caller has closed, so that no file gets one and then what is printed."""
+    for number, mode in enumerate((os.O_WRONLY, os.O_RDONLY, os.O_RDONLY)):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, mode)  # the lowest free descriptor
+    if sys.stdout is None:  # writing fails, as it should
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # pylint: disable=consider-using-with
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # pylint: disable=consider-using-with
+
+
 class Tool:
     """The command line of a tool. `add` takes what argparse's add_argument does."""
 
@@ -149,8 +164,10 @@ class Tool:
 
     def run(self, words, job):
         """Parse the command line and run `job(options, console, stop)`. Returns the exit status."""
+        _hold_standard_streams()
+        guard_against_crashes(self.name)
         stop = Stop()
-        console = Console(self.name, 1)
+        console = Console(self.name, 1, stop)
         try:
             self._parser.check(words)
             options = self._parser.parse_args(words)
@@ -161,7 +178,7 @@ class Tool:
             return self._told(console)
         except OSError as error:
             return self._told(console, error)
-        console = Console(self.name, options.level)
+        console = Console(self.name, options.level, stop)
         try:
             job(options, console, stop)
             return 0
@@ -174,7 +191,7 @@ class Tool:
             console.error(str(error))
             return STATUS[type(error)]
         except MemoryError:
-            console.error("this takes more memory than there is; choose fewer voxels with --size or --voxel-size")
+            console.error("this takes more memory than may be used; choose fewer voxels, or give the process more memory")
             return 3
         except Exception as error:  # pylint: disable=broad-except
             console.error(f"internal error, please report it: {type(error).__name__}: {error}")

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace vdblic::cli {
+
+/// Take the descriptors of standard streams that the caller has closed (`>&-`), so that no file gets one of them and
+/// then what is printed. Reading or writing such a stream fails. Call it before any file is opened.
+void holdStandardStreams();
+
+} // namespace vdblic::cli
