@@ -5,6 +5,13 @@ if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     return()
 endif()
 include(CheckCXXSourceCompiles)
+# The answer is kept for this library and compiler. A No is asked again: another missing package may have been its cause.
+file(TIMESTAMP "${OpenVDB_openvdb_LIBRARY}" changed UTC)
+set(asked "${OpenVDB_openvdb_LIBRARY} of ${changed}, ${CMAKE_CXX_COMPILER} ${CMAKE_CXX_COMPILER_VERSION}")
+if(NOT VDBLIC_OPENVDB_HAS_GRIDS OR NOT VDBLIC_OPENVDB_ASKED STREQUAL asked)
+    unset(VDBLIC_OPENVDB_HAS_GRIDS CACHE)
+    set(VDBLIC_OPENVDB_ASKED "${asked}" CACHE INTERNAL "What VDBLIC_OPENVDB_HAS_GRIDS is about")
+endif()
 set(CMAKE_REQUIRED_LIBRARIES OpenVDB::openvdb)
 set(CMAKE_REQUIRED_FLAGS -O2)
 check_cxx_source_compiles([[
