@@ -1,5 +1,6 @@
 """Shared by the command-line tests: running a tool like a user, in a fresh folder."""
 
+import fcntl
 import os
 import pathlib
 import re
@@ -7,21 +8,40 @@ import signal
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import unittest
 
 import numpy
 
 BIN = pathlib.Path(os.environ["VDBLIC_BIN"])
+# tests/nightly.sh sets it: every case instead of one of each kind. Nothing else reads the variable.
+NIGHTLY = os.environ.get("VDBLIC_NIGHTLY") == "1"
 # A shell ignores the one for what runs in its background, nohup the other.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
+def often(each, nightly):
+    """How often: in the run for every push, and at night."""
+    return nightly if NIGHTLY else each
+
+
+# What does not run says so in a line that begins with "skipped: "; tests/skipped.sh collects them.
+
 def skip(reason):
     """End the whole file; CTest lists it as skipped (SKIP_RETURN_CODE)."""
     print(f"skipped: {reason}")
     sys.exit(77)
+
+
+class Result(unittest.TextTestResult):
+    def addSkip(self, test, reason):
+        super().addSkip(test, reason)
+        print(f"skipped: {test.id().removeprefix('__main__.')}: {reason}", flush=True)
+
+
+unittest.TextTestRunner.resultclass = Result
 
 
 def peer(name, module):
@@ -30,6 +50,36 @@ def peer(name, module):
     python = folder / name / "bin/python"
     has = [python, "-c", f"import importlib.util as u, sys; sys.exit(u.find_spec('{module}') is None)"]
     return python if python.exists() and subprocess.run(has).returncode == 0 else None
+
+
+class LinePipe:
+    """Standard output of a tool that waits in its line after the first so many, until somebody reads.
+
+    So a run is still there when a test acts on it, however late the test is.
+    """
+
+    def __init__(self, lines, line):
+        """@param line one of them; all are as long"""
+        self.reading, self.writing = os.pipe()
+        size = fcntl.fcntl(self.writing, fcntl.F_SETPIPE_SZ, os.sysconf("SC_PAGE_SIZE"))
+        self.length = len(line) + 1
+        self.before = size - lines * self.length
+        os.write(self.writing, bytes(self.before))
+
+    def lines(self):
+        """How many lines are in it."""
+        waiting = fcntl.ioctl(self.reading, termios.FIONREAD, bytes(4))
+        return (int.from_bytes(waiting, sys.byteorder) - self.before) // self.length
+
+    def read(self):
+        """All lines to the end of the run, as text; once."""
+        os.close(self.writing)
+        with os.fdopen(self.reading, "rb") as lines:
+            return lines.read()[self.before:].decode()
+
+    def close(self):
+        for end in self.reading, self.writing:
+            os.close(end)
 
 
 class ToolTest(unittest.TestCase):
@@ -70,12 +120,12 @@ class ToolTest(unittest.TestCase):
         self.assertNotEqual(done.stderr.strip(), "")
         return done.stderr
 
-    def wait_until(self, condition, what, seconds=120):
+    def wait_until(self, condition, what, seconds=120, pause=0.02):
         """Wait for an event, as long as a busy machine may take."""
         deadline = time.monotonic() + seconds
         while not condition():
             self.assertLess(time.monotonic(), deadline, what)
-            time.sleep(0.02)
+            time.sleep(pause)
 
     def contents(self, path):
         return (self.folder / path).read_bytes()

@@ -124,6 +124,13 @@ std::filesystem::path temporaryName(const std::filesystem::path& final, int numb
     return folderOf(final) / fmt::format(".{}.{}-{}.part", name, hostName(), number);
 }
 
+/// Remove the files of dead processes from a number on.
+void removeLeftovers(const std::filesystem::path& final, int number)
+{
+    while (removeIfDead(temporaryName(final, number)))
+        ++number;
+}
+
 /// Take the first temporary name of an output that no living process has, and remove the files of dead processes.
 /// @param create makes the file; false with EEXIST if the name is taken
 template<typename Create>
@@ -136,13 +143,16 @@ std::filesystem::path takeName(const std::filesystem::path& final, const Create&
         if (create(temporaryName(final, number))) break;
         if (errno != EEXIST || number == kMostWriters) fail(final, "cannot be written");
     }
-    std::filesystem::path taken = temporaryName(final, number);
-    while (removeIfDead(temporaryName(final, ++number))) {
-    }
-    return taken;
+    removeLeftovers(final, number + 1);
+    return temporaryName(final, number);
 }
 
 } // namespace
+
+void removeLeftovers(const std::filesystem::path& output)
+{
+    removeLeftovers(fileBehind(output), 0);
+}
 
 bool isFinished(const std::filesystem::path& output)
 {
@@ -192,6 +202,8 @@ void AtomicFile::commit()
         if (mUnnamed) mNamed = takeName(mFinal, give);
         mUnnamed = false;
         if (::rename(mNamed.c_str(), mFinal.c_str()) != 0) fail(mFinal, "cannot be renamed into place");
+    } else {
+        removeLeftovers(mFinal, 0);
     }
     ::close(mDescriptor);
     mDescriptor = -1;

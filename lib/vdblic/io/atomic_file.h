@@ -42,6 +42,9 @@ class AtomicFile {
     bool mUnnamed = false;
 };
 
+/// Remove what killed writers of an output have left beside it on this host, under temporary names.
+void removeLeftovers(const std::filesystem::path& output);
+
 /// Check that an output will not replace an input. @throws ParameterError if they are the same file
 void checkNotInput(const std::filesystem::path& output, const std::filesystem::path& input);
 /// Check that two outputs of a run have different paths; they need not exist. @throws ParameterError

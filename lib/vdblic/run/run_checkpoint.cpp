@@ -220,6 +220,7 @@ void RunCheckpoint::removeParts(std::optional<std::uint64_t> but) const
     for (const std::filesystem::path& part : mOutputs.checkpointParts(but)) {
         std::error_code error;
         std::filesystem::remove(part, error);
+        removeLeftovers(part);
         if (error) throw OutputError(fmt::format("{}: cannot be removed: {}", part.string(), error.message()));
     }
 }
@@ -229,6 +230,7 @@ void RunCheckpoint::remove() const
     if (!mExchange.isFirst()) return;
     std::error_code error;
     std::filesystem::remove(mOutputs.checkpoint(), error);
+    removeLeftovers(mOutputs.checkpoint());
     if (!error) {
         removeParts({});
         return;
