@@ -63,6 +63,11 @@ python3-h5py            python  h5py
 libopenvdb-tools        command vdb_print
 openexr                 command exrheader
 openimageio-tools       command idiff
+xvfb                    command xvfb-run
+xauth                   command xauth
+groff-base              command groff
+python3-xarray          python  xarray
+openfoam                command icoFoam
 blender                 command blender
 chromium                command chromium
 chromium-driver         command chromedriver

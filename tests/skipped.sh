@@ -1,0 +1,27 @@
+#!/bin/sh
+# Names what the last run of ctest in build/release did not run, and why.
+#
+#     tests/skipped.sh           all of it
+#     tests/skipped.sh --fail    what lacks something that .ci/packages.sh installs; fails if there is any
+set -eu
+cd "$(dirname "$0")/.."
+# What a test may lack where .ci/packages.sh has run: packages of PyPI (tests/peers.sh), large data sets, a right that
+# containers do not give or root has.
+peers='usd-core|bpy|pyvista'
+may_lack="$peers|VDBLIC_DATA|mount|root"
+
+did_not_run() {
+    awk '/^[0-9]+\/[0-9]+ Testing: / { test = $3 }
+        sub(/^skipped: /, "") { count[test ": " $0]++ }
+        END { for (what in count) print "    " what }' build/release/Testing/Temporary/LastTest.log | sort
+}
+
+if [ "${1-}" = --fail ]; then
+    lacking=$(did_not_run | grep -Ev ": .*($may_lack)" || true)
+    [ -z "$lacking" ] && exit 0
+    echo "did not run, though .ci/packages.sh has what is missing:"
+    echo "$lacking"
+    exit 1
+fi
+skipped=$(did_not_run)
+[ -z "$skipped" ] || printf 'did not run:\n%s\n' "$skipped"
