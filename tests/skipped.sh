@@ -5,10 +5,10 @@
 #     tests/skipped.sh --fail    what lacks something that .ci/packages.sh installs; fails if there is any
 set -eu
 cd "$(dirname "$0")/.."
-# What a test may lack where .ci/packages.sh has run: packages of PyPI (tests/peers.sh), large data sets, a right that
-# containers do not give or root has.
+# What a test may lack where .ci/packages.sh has run: packages of PyPI (tests/peers.sh), the time of a night, large data
+# sets, a right to mount.
 peers='usd-core|bpy|pyvista'
-may_lack="$peers|VDBLIC_DATA|mount|root"
+may_lack="$peers|tests/nightly.sh|VDBLIC_DATA|mount"
 
 did_not_run() {
     awk '/^[0-9]+\/[0-9]+ Testing: / { test = $3 }

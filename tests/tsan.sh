@@ -1,8 +1,12 @@
 #!/bin/sh
-# Runs the unit tests under the thread sanitizer: tests/tsan.sh [options of vdblic_tests]
+# Looks for races with the thread sanitizer.
+#
+#     tests/tsan.sh --tools                     tools beside each other, a film, the viewer and a comparison
+#                                               (tests/cli/test_threads.py)
+#     tests/tsan.sh [options of vdblic_tests]   all of that and the unit tests
 #
 # The sanitizer must see how TBB hands work from thread to thread, so TBB is built with it, too, from Debian's source:
-# that needs a Debian with the network, as root. Takes some twenty minutes the first time.
+# that needs a Debian with the network, as root.
 set -eu
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -22,10 +26,13 @@ if [ -z "$(library)" ]; then
         tar xf onetbb_*.orig.tar.* -C source --strip-components=1
     )
     cmake -S "$tbb/source" -B "$tbb/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTBB_SANITIZE=thread \
-        -DTBB_TEST=OFF -DTBBMALLOC_BUILD=OFF -DTBB_STRICT=OFF
+        -DTBB_TEST=OFF -DTBBMALLOC_BUILD=OFF -DTBB_STRICT=OFF -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
     cmake --build "$tbb/build"
 fi
 cmake --preset tsan
-cmake --build --preset tsan --target vdblic_tests
+cmake --build --preset tsan --target tool_synth tool_advect tool_render tool_film tool_view tool_diff
 export LD_LIBRARY_PATH="$(dirname "$(library)")" TSAN_OPTIONS="suppressions=$root/tests/support/tsan.supp"
+VDBLIC_BIN=$root/build/tsan/tools /usr/bin/python3 -B tests/cli/test_threads.py
+[ "${1-}" != --tools ] || exit 0
+cmake --build --preset tsan --target vdblic_tests
 exec build/tsan/tests/vdblic_tests "$@"

@@ -27,6 +27,9 @@ def often(each, nightly):
     return nightly if NIGHTLY else each
 
 
+nightly = unittest.skipUnless(NIGHTLY, "tests/nightly.sh runs it")
+
+
 # What does not run says so in a line that begins with "skipped: "; tests/skipped.sh collects them.
 
 def skip(reason):
@@ -38,7 +41,7 @@ def skip(reason):
 class Result(unittest.TextTestResult):
     def addSkip(self, test, reason):
         super().addSkip(test, reason)
-        print(f"skipped: {test.id().removeprefix('__main__.')}: {reason}", flush=True)
+        print(f"\nskipped: {test.id().removeprefix('__main__.')}: {reason}", flush=True)
 
 
 unittest.TextTestRunner.resultclass = Result

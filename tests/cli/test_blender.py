@@ -17,7 +17,7 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
-from support import ToolTest, skip
+from support import ToolTest, nightly, skip
 
 HERE = pathlib.Path(__file__).parent
 SAMPLE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "tools/blender/flow_texture.py"
@@ -116,6 +116,7 @@ class Blender(ToolTest):
         self.assertGreater(like[0.5], 0.99)
         self.assertAlmostEqual(image.mean(), expected[0.5].mean(), delta=0.02 * image.mean())
 
+    @nightly
     def test_a_mantaflow_bake_through_advect_is_where_and_when_its_voxels_are(self):
         files = self.outputs("vdblic_advect", self.bake(20, 6), "-o", "lic.%04d.vdb", "--frames", "3-6")
         grids = [vdb.read(str(file), "density") for file in files]
@@ -162,6 +163,7 @@ class Blender(ToolTest):
                 window = x0, x1, z0, z1
                 self.assert_shows(self.show([file], [1], window, 48)[1][1], grid, window, 48)
 
+    @nightly
     def test_scalars_on_the_textures_voxels_are_where_the_texture_is(self):
         """Blender shifts a grid by half its own voxel, so a texture of finer voxels lies beside coarse scalars."""
         size, factor, first, centre = 0.2, 4, numpy.array((-8, 3, 2)), numpy.array((0.3, 2.0, 1.9))
@@ -195,6 +197,7 @@ class Blender(ToolTest):
         fine, = self.outputs("vdblic_advect", "w.vdb", "-o", "fine.vdb", "--refine", 2)
         self.assertNotIn("warning", self.sample(fine, frame=1)[1])  # apart by a hundred-and-sixtieth
 
+    @nightly
     def test_only_empty_frames_are_blank(self):
         files = self.velocities("gap", UNIFORM, range(7, 11), empty=(7, 9))
         images = self.show(files, (1, 2, 3, 4), (-1, 2, -1, 2), 32, samples=4)[1]
@@ -222,6 +225,7 @@ class Blender(ToolTest):
         self.assertGreater(pixels.std(axis=0).min(), 0.03)  # not blank: each colour varies
         self.assertLess(likeness(pixels[:, 0], pixels[:, 2]), 0.8)  # and the colours differ
 
+    @nightly
     def test_the_sample_shows_sparse_textures_with_their_material(self):
         """Streaks begin where the texture does, and are seen."""
         file, = self.velocities("swirl", UNIFORM)
@@ -235,6 +239,7 @@ class Blender(ToolTest):
             self.assertIn(begin, done.stdout.splitlines(), done.stdout + done.stderr)
         self.assertGreater(self.sample(streaks, frame=1)[0].std(axis=0).min(), 0.01)
 
+    @nightly
     def test_a_preview_is_small(self):
         file, = self.velocities("swirl", UNIFORM)
         report = ("import bpy; scene = bpy.context.scene; print('preview', scene.render.resolution_percentage, "
@@ -243,6 +248,7 @@ class Blender(ToolTest):
             done = blender(SAMPLE, file, *arguments, options=("--python-expr", report))
             self.assertIn(expected, done.stdout.splitlines(), done.stdout + done.stderr)
 
+    @nightly
     def test_the_sample_leaves_a_scene_as_it_is_and_stands_on_a_domain(self):
         file, = self.velocities("swirl", UNIFORM)
         domain = ("import bpy; box = bpy.data.objects['Cube']; box.name = 'Smoke box'; box.location = 1, 2, 3; "

@@ -1,7 +1,7 @@
 """Every tool on damaged files: no crash, no hang, no more memory than allowed, status 0 or 3, no partial outputs.
 
-VDBLIC_ALL_MUTATIONS=1 runs every file through every tool that may read it. VDBLIC_MUTATIONS sets the number of files.
-The files are the same in every run.
+For every push each file goes through one tool; tests/nightly.sh runs more files through every tool that may read them. A
+file is known by its number: the first ones are the same in every run.
 """
 
 import concurrent.futures
@@ -19,10 +19,9 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import BIN, NIGHTLY, ToolTest, often
 
-FILES = int(os.environ.get("VDBLIC_MUTATIONS", 2000))
-ALL = bool(os.environ.get("VDBLIC_ALL_MUTATIONS"))
+FILES = often(300, 2000)
 MEMORY = 300 << 20
 SUPPORT = os.environ["VDBLIC_TEST_SUPPORT"]
 SANITIZED = os.environ.get("VDBLIC_SANITIZED") == "1"
@@ -164,7 +163,7 @@ class HostileFiles(ToolTest):
         for number in range(FILES):
             kind, _ = self.originals.mutated(number)
             ways = commands(kind)
-            jobs += [(number, way) for way in (ways if ALL else [ways[number % len(ways)]])]
+            jobs += [(number, way) for way in (ways if NIGHTLY else [ways[number % len(ways)]])]
         complaints = []
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             # Each job makes its own file: the peak memory of a child starts at the memory of this process.

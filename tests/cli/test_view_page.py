@@ -16,7 +16,6 @@ except ImportError:
 if not shutil.which("chromium") or not shutil.which("chromedriver"):
     skip("chromium is not installed")
 
-from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -27,15 +26,25 @@ from selenium.webdriver.support.select import Select
 from viewer import ViewerTest
 
 
-# What the page does later, such as writing its state into the address; not what it repeats every second and a half.
-TIMERS = """
-    const waiting = new Set(), later = setTimeout, never = clearTimeout;
+# What the page does later, such as writing its state into the address, and what it asks for; not what it repeats every
+# second and a half.
+WAITING = """
+    const waiting = new Set(), later = setTimeout, never = clearTimeout, ask = fetch;
     window.setTimeout = (act, delay) => {
         const timer = later(() => { waiting.delete(timer); act(); }, delay);
         if (delay < 1000) waiting.add(timer);
         return timer;
     };
     window.clearTimeout = (timer) => { waiting.delete(timer); never(timer); };
+    window.fetch = (...asked) => {
+        const answer = ask(...asked);
+        if (asked[0] !== "status") {
+            waiting.add(answer);
+            const end = () => later(() => waiting.delete(answer), 0);
+            answer.then(end, end);
+        }
+        return answer;
+    };
     window.waiting = waiting;
 """
 
@@ -55,7 +64,7 @@ class Page(ViewerTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.browser = browser()
-        cls.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": TIMERS})
+        cls.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WAITING})
         cls.addClassCleanup(cls.browser.quit)
 
     def open(self, *arguments):
@@ -83,20 +92,27 @@ class Page(ViewerTest):
         text = self.browser.execute_script("return decodeURIComponent(location.hash.slice(1))")
         return json.loads(text)["options"] if text else {}
 
+    def wait_until_at_rest(self):
+        """Wait until the page waits for nothing but the user."""
+        self.wait_until(lambda: self.browser.execute_script("return waiting.size") == 0, "the page is not at rest")
+
     def wait_for_refined(self):
         """Wait until the picture of the state is there with all its samples."""
-        self.wait_until(lambda: self.browser.execute_script("return waiting.size") == 0, "the page is not at rest")
+        self.wait_until_at_rest()
         progress = lambda: self.element("progress").get_attribute("textContent")
         self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
 
-    def drag(self, find, x, y):
-        """@param find the element, anew if the page has replaced it meanwhile"""
-        for attempt in range(20):
-            try:
-                return ActionChains(self.browser, duration=30).click_and_hold(find()).move_by_offset(
-                    x // 2, y // 2).move_by_offset(x - x // 2, y - y // 2).release().perform()
-            except StaleElementReferenceException:
-                self.assertLess(attempt, 19)
+    def drag(self, selector, x, y, index=0):
+        """Drag what is at the place of an element, which the page may replace meanwhile."""
+        self.wait_until_at_rest()
+        place = self.browser.execute_script("""
+            const element = document.querySelectorAll(arguments[0])[arguments[1]];
+            element.scrollIntoViewIfNeeded();
+            const box = element.getBoundingClientRect();
+            return [box.left + box.width / 2, box.top + box.height / 2]""", selector, index)
+        hand = ActionChains(self.browser, duration=30)
+        hand.w3c_actions.pointer_action.move_to_location(*map(round, place))
+        hand.click_and_hold().move_by_offset(x // 2, y // 2).move_by_offset(x - x // 2, y - y // 2).release().perform()
 
     def press(self, selector, index, *keys):
         """Keys on an element."""
@@ -119,7 +135,7 @@ class Page(ViewerTest):
         first = self.pixels()
 
         # Drag: the camera is in the state, and the picture differs.
-        self.drag(lambda: self.element("picture"), 80, 30)
+        self.drag("#picture", 80, 30)
         self.wait_for_refined()
         dragged = self.options()
         self.assertEqual(len(dragged["eye"]), 3)
@@ -127,7 +143,7 @@ class Page(ViewerTest):
 
         # Move a point of opacity by hand and by key.
         self.assertGreater(len(self.find(".curve .point")), 3)
-        self.drag(lambda: self.find(".curve .point")[3], 0, -25)
+        self.drag(".curve .point", 0, -25, index=3)
         self.wait_for_refined()
         moved = self.options()["opacity"]
         self.press(".curve .point", 3, Keys.ARROW_UP)
@@ -207,7 +223,7 @@ class Page(ViewerTest):
             input.value = "#ff8000";
             for (const type of ["input", "change"]) input.dispatchEvent(new Event(type));""")
         self.wait_until(lambda: self.options().get("colors") == "0:#000000,0.5:#ff8000,1:#ffffff", "not painted")
-        self.drag(lambda: points()[1], 30, 0)
+        self.drag(".curve .color", 30, 0, index=1)
         position = lambda: float(self.options()["colors"].split(",")[1].split(":")[0])
         self.wait_until(lambda: 0.52 < position() < 0.9, "not dragged")
         dragged = position()
@@ -283,7 +299,7 @@ class Page(ViewerTest):
         self.wait_for_refined()
         self.wait_until(lambda: self.pixels() != shown, "the picture is the same")
         pressed = self.options()["roi-box"]
-        self.drag(lambda: self.find(self.handle(side))[0], -60, 20)
+        self.drag(self.handle(side), -60, 20)
         self.wait_until(lambda: self.options()["roi-box"] != pressed, "not dragged")
         self.assertEqual(self.options()["roi-box"][:3], whole[:3])
         self.wait_for_refined()
@@ -308,7 +324,7 @@ class Page(ViewerTest):
         self.assertAlmostEqual(length(turned), 1, places=4)
         self.assertGreater(turned[0], 0.99)  # by five degrees
         self.wait_for_refined()
-        self.drag(lambda: self.find(self.handle("Tilt of plane 1"))[0], -70, -40)
+        self.drag(self.handle("Tilt of plane 1"), -70, -40)
         self.wait_until(lambda: abs(normal()[0] - turned[0]) > 0.1, "not turned by hand")
         self.assertAlmostEqual(length(normal()), 1, places=4)
         self.assertEqual(self.options()["clip-plane"][0][:3], point)
@@ -336,7 +352,7 @@ class Page(ViewerTest):
         self.open_cuts()
         self.element("cut-box").click()
         side = self.handle("Upper x side of the box")
-        self.drag(lambda: self.find(side)[0], -80, 0)
+        self.drag(side, -80, 0)
         self.wait_for_refined()
         self.assertEqual(self.options()["eye"], eye)
         self.browser.execute_script("document.getElementById('auto-view').click()")
@@ -381,7 +397,7 @@ class Page(ViewerTest):
         self.wait_until(lambda: self.options()["light"][0] != before, "not turned by a key")
         turned = self.options()["light"][0]
         self.assertAlmostEqual(sum(c * c for c in turned), 1, places=4)
-        self.drag(lambda: self.find(self.handle("Direction of the light"))[0], 60, -40)
+        self.drag(self.handle("Direction of the light"), 60, -40)
         self.wait_until(lambda: self.options()["light"][0] != turned, "not turned by hand")
         self.assert_undoable("light")
         self.assertEqual(len(self.options()["light"]), 1)
@@ -462,7 +478,7 @@ class Page(ViewerTest):
         self.browser.execute_script("document.getElementById('add-key').closest('details').open = true")
         self.element("add-key").click()
         self.wait_until(lambda: "keys" in self.options(), "no key")
-        self.drag(lambda: self.element("picture"), 120, 20)
+        self.drag("#picture", 120, 20)
         self.wait_for_refined()
         state = self.options()
         state["size"] = self.browser.execute_script(
