@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy
 import pyopenvdb as vdb
@@ -17,6 +18,9 @@ SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 DOCUMENT = (SOURCE / "docs/library.md").read_text(encoding="utf-8")
 
 
+CCACHE = [ccache] if (ccache := shutil.which("ccache")) else []
+
+
 class Library(ToolTest):
     @classmethod
     def setUpClass(cls):
@@ -24,6 +28,13 @@ class Library(ToolTest):
         cls.addClassCleanup(folder.cleanup)
         cls.installed = pathlib.Path(folder.name)
         subprocess.run(["cmake", "--install", BIN.parent, "--prefix", cls.installed], check=True, capture_output=True)
+
+    def setUp(self):
+        """The programs are below what is installed, so that their compilers' calls are the same in every run."""
+        self.folder = self.installed / "programs" / self.id().split(".")[-1]
+        self.folder.mkdir(parents=True)
+        for name, value in ("CCACHE_BASEDIR", str(self.installed)), ("CCACHE_NOHASHDIR", "1"):
+            self.enterContext(unittest.mock.patch.dict(os.environ, {name: value}))
 
     def run_command(self, *command):
         done = subprocess.run(list(map(str, command)), cwd=self.folder, text=True, capture_output=True, timeout=600)
@@ -39,7 +50,7 @@ class Library(ToolTest):
         for name, text in programs:
             (self.folder / name).write_text(text)
         self.run_command("cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={self.installed}",
-                         "-DCMAKE_BUILD_TYPE=Release")
+                         "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_CXX_COMPILER_LAUNCHER={';'.join(CCACHE)}")
         self.run_command("cmake", "--build", "build")
 
         paths = self.run_command("build/sequence").split()
@@ -55,7 +66,7 @@ class Library(ToolTest):
     @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a program of its own has no sanitizer")
     @unittest.skipUnless(shutil.which("pkg-config"), "pkg-config is not installed")
     def test_pkg_config(self):
-        """One compiler call makes a program that uses folders from the top to the bottom."""
+        """A program that uses folders from the top to the bottom."""
         (self.folder / "film.cpp").write_text("""
             #include <vdblic/compare/compare.h>
             #include <vdblic/coherence/coherence_sequence.h>
@@ -74,7 +85,8 @@ class Library(ToolTest):
             }
         """)
         os.environ["PKG_CONFIG_PATH"] = ":".join(map(str, self.installed.glob("lib*/**/pkgconfig")))
-        self.run_command("bash", "-c", "c++ film.cpp -o film $(pkg-config --cflags --libs vdblic)")
+        self.run_command("bash", "-c", f"{' '.join(CCACHE)} c++ -c film.cpp $(pkg-config --cflags vdblic)")
+        self.run_command("bash", "-c", "c++ film.o -o film $(pkg-config --libs vdblic)")
         version = self.run_command("pkg-config", "--modversion", "vdblic")
         self.assertEqual(self.run_command("./film"), version)
         self.assertEqual(self.run_tool("vdblic_advect", "--version").stdout.split()[-1], version.strip())
