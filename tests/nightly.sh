@@ -4,7 +4,7 @@
 # minutes of fuzzing. Goes on after a failure; the end tells each part's result and its time, and the status is 1 if one
 # failed.
 set -u
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 summary=$(mktemp)
 trap 'rm -f "$summary"' EXIT
 failed=0
@@ -17,7 +17,7 @@ part() {
 
 part .ci/packages.sh
 part tests/peers.sh
-part env VDBLIC_NIGHTLY=1 tests/run.sh
+part env VDBLIC_NIGHTLY=1 tests/run.sh --timeout 7200
 part tests/tsan.sh
 part tests/clang.sh
 part tests/fuzz/run.sh 600

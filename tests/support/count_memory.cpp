@@ -7,13 +7,12 @@
 #include <cstdlib>
 #include <malloc.h>
 
-extern "C" {
-void* __libc_malloc(std::size_t bytes);
-void* __libc_calloc(std::size_t count, std::size_t bytes);
-void* __libc_realloc(void* memory, std::size_t bytes);
-void* __libc_memalign(std::size_t alignment, std::size_t bytes);
-void __libc_free(void* memory);
-}
+// The allocator of glibc, below those that are defined here.
+void* systemMalloc(std::size_t bytes) asm("__libc_malloc");
+void* systemCalloc(std::size_t count, std::size_t bytes) asm("__libc_calloc");
+void* systemRealloc(void* memory, std::size_t bytes) asm("__libc_realloc");
+void* systemMemalign(std::size_t alignment, std::size_t bytes) asm("__libc_memalign");
+void systemFree(void* memory) asm("__libc_free");
 
 namespace {
 
@@ -51,39 +50,39 @@ extern "C" {
 
 void* malloc(std::size_t bytes)
 {
-    return counted(__libc_malloc(bytes));
+    return counted(systemMalloc(bytes));
 }
 
 void* calloc(std::size_t count, std::size_t bytes)
 {
-    return counted(__libc_calloc(count, bytes));
+    return counted(systemCalloc(count, bytes));
 }
 
 void* realloc(void* memory, std::size_t bytes)
 {
     if (memory) count(-long(::malloc_usable_size(memory)));
-    return counted(__libc_realloc(memory, bytes));
+    return counted(systemRealloc(memory, bytes));
 }
 
 void* memalign(std::size_t alignment, std::size_t bytes)
 {
-    return counted(__libc_memalign(alignment, bytes));
+    return counted(systemMemalign(alignment, bytes));
 }
 
 void* aligned_alloc(std::size_t alignment, std::size_t bytes)
 {
-    return counted(__libc_memalign(alignment, bytes));
+    return counted(systemMemalign(alignment, bytes));
 }
 
 int posix_memalign(void** memory, std::size_t alignment, std::size_t bytes)
 {
-    *memory = counted(__libc_memalign(alignment, bytes));
+    *memory = counted(systemMemalign(alignment, bytes));
     return *memory ? 0 : ENOMEM;
 }
 
 void free(void* memory)
 {
     if (memory) count(-long(::malloc_usable_size(memory)));
-    __libc_free(memory);
+    systemFree(memory);
 }
 }
