@@ -12,8 +12,12 @@ may_lack="$peers|tests/nightly.sh|VDBLIC_DATA|mount"
 
 did_not_run() {
     awk '/^[0-9]+\/[0-9]+ Testing: / { test = $3 }
-        sub(/^skipped: /, "") { count[test ": " $0]++ }
-        END { for (what in count) print "    " what }' build/release/Testing/Temporary/LastTest.log | sort
+        sub(/^skipped: /, "") {
+            name = sub(/^[A-Za-z0-9_]+\.test_[a-z0-9_]+: /, "") ? " in part" : ""
+            count[test name ": " $0]++
+        }
+        END { for (what in count) printf "    %s%s\n", what, (count[what] > 1 ? " (" count[what] " tests)" : "") }' \
+        build/release/Testing/Temporary/LastTest.log | sort
 }
 
 if [ "${1-}" = --fail ]; then
