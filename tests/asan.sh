@@ -1,0 +1,18 @@
+#!/bin/sh
+# Runs the unit tests under the address and undefined-behaviour sanitizers.
+#
+#     tests/asan.sh           all of them
+#     tests/asan.sh --quick   without those that take many samples of what others run, too
+set -eu
+cd "$(dirname "$0")/.."
+case ${1-} in
+    --quick) export GTEST_FILTER='-Coherence.Of*:Coherence.FindsTheLength*:Lens.*' ;;
+    '') ;;
+    *) echo "usage: tests/asan.sh [--quick]" >&2 && exit 2 ;;
+esac
+cmake --preset asan-ubsan
+cmake --build --preset asan-ubsan --target vdblic_tests
+export LSAN_OPTIONS=suppressions=tests/support/lsan.supp:print_suppressions=0
+# In many parts that take turns on the cores: some tests take a hundred times as long as others.
+seq 0 23 | xargs -P "$(nproc)" -I "{}" env GTEST_TOTAL_SHARDS=24 "GTEST_SHARD_INDEX={}" \
+    build/asan-ubsan/tests/vdblic_tests --gtest_brief=1
