@@ -1,11 +1,7 @@
 #include "lic/literal_lic.h"
 
-#include "vdblic/field/leaf_window.h"
-#include "vdblic/field/velocity_field.h"
-#include "vdblic/lic/along_flow.h"
-#include "vdblic/lic/feedback.h"
-#include "vdblic/lic/hits.h"
-#include "vdblic/lic/pathline.h"
+#include "lic/literal_filter.h"
+#include "lic/literal_path.h"
 #include "vdblic/noise/noise_field.h"
 
 #include <algorithm>
@@ -20,92 +16,45 @@ namespace vdblic::test {
 namespace {
 
 using openvdb::Coord;
+using openvdb::Vec3f;
 
 struct Bucket {
     std::map<Coord, std::pair<std::uint64_t, std::uint64_t>> hits; // sum, count
-};
-
-/// A voxel that a pathline passes.
-struct Sample {
-    Coord voxel;
-    bool early; // within the release window
 };
 
 /// A pathline, step by step from the SCAP that started it.
 struct Path {
     std::uint64_t releaseStep, releaseRank;
     std::size_t firstStep;
-    std::vector<Coord> starts;                // voxel in which step firstStep + i began
-    std::vector<std::vector<Sample>> samples; // voxels that it passed
-    bool ended = false;                       // left the domain in the last step
-    Float4 position, slope;
+    std::vector<Coord> starts;                       // voxel in which step firstStep + i began
+    std::vector<std::vector<LiteralSample>> samples; // voxels that it passed
+    bool ended = false;                              // left the domain in the last step
+    Vec3f position, slope;
 
     [[nodiscard]] std::size_t nextStep() const { return firstStep + samples.size(); }
 };
 
-/// What AUFLIC makes of the mean of its hits.
-LeafValues<float> alongFlow(const VelocityField& field, const LeafValues<float>& texture)
-{
-    return meanAlongFlow(field.domain(), field.fieldDomain().refinement, field.start(), texture, FeedbackParams{}.taps);
-}
-
-Coord voxelAt(Float4 position)
-{
-    const Int4 voxel = voxelOf(position);
-    return {voxel[0], voxel[1], voxel[2]};
-}
 Coord tileOf(const Coord& voxel)
 {
     return voxel & ~7;
 }
-Float4 centreOf(const Coord& voxel)
+Vec3f centreOf(const Coord& voxel)
 {
-    return Float4{float(voxel[0]), float(voxel[1]), float(voxel[2]), 0};
+    return Vec3f(voxel.asVec3s());
 }
-
-/// One particle over one step.
-struct Trace {
-    Float4 position, slope;      // at the end
-    std::vector<Sample> samples; // inside the domain
-    bool ended = false;          // left the domain
-};
-
-Trace trace(const VelocityField& field, const TextureParams& params, Float4 position, Float4 slope)
+Vec3f velocityAt(const LiteralField& field, const Coord& voxel)
 {
-    const Domain& domain = field.domain();
-    const Coord tile = tileOf(voxelAt(position));
-    const LeafWindow window(domain, tile);
-    PathBatch batch;
-    batch.lanes = 1;
-    batch.position.setLane(0, position);
-    batch.slope.setLane(0, slope);
-    advancePaths(field, field.window(tile), params.pathline, batch);
-    PathSamples samples;
-    samplePaths(batch, domain, window, params.pathline.sampleSpacing, params.releaseWindow, samples);
-    Trace result{batch.position.lane(0), batch.slope.lane(0), {}, false};
-    for (const PathSamples::Run& run : samples.runs) {
-        for (int i = 0; i < run.count[0] && !result.ended; ++i) {
-            const WindowVoxel sample = samples.rows[run.firstRow + std::size_t(i)].voxel(0);
-            const auto [leaf, offset] = samples.find(sample, window);
-            result.ended = leaf < 0 || !domain.isActive(leaf, offset);
-            if (result.ended) break;
-            const Coord voxel = domain.origin(std::size_t(leaf)) + Domain::Leaf::offsetToLocalCoord(offset);
-            result.samples.push_back({voxel, i < run.early[0]});
-        }
-    }
-    return result;
+    return field.at(centreOf(voxel), 0).value_or(Vec3f(0));
 }
 
 class LiteralLic {
   public:
     LiteralLic(const std::vector<FlowFrame>& frames, int steps, const TextureParams& params)
-        : mParams(params), mFields(std::size_t(steps)), mBuckets(std::size_t(params.lifeSpan)), mNoise(7)
+        : mParams(params), mBuckets(std::size_t(params.lifeSpan)), mNoise(7),
+          mInput(noiseInput(*frames[0].domain, mNoise))
     {
-        for (std::size_t k = 0; k < mFields.size(); ++k) {
-            mFields[k].build(frames[k].fieldDomain(), {frames[k].velocities->tree(), openvdb::Mat3d::identity()},
-                             {frames[k + 1].velocities->tree(), openvdb::Mat3d::identity()});
-        }
-        mInput = noiseInput(mFields[0].domain(), mNoise);
+        for (std::size_t k = 0; k < std::size_t(steps); ++k)
+            mFields.emplace_back(frames[k], frames[k + 1]);
     }
 
     LeafValues<float> scatteringProcess(std::size_t k, const Domain& next)
@@ -122,8 +71,7 @@ class LiteralLic {
 
         // Convolve the bucket of step k, which no later SCAP adds to.
         Bucket& bucket = mBuckets[k % mBuckets.size()];
-        const Domain& domain = mFields[k].domain();
-        LeafValues<float> texture(domain, 0.0f);
+        LeafValues<float> texture(*mFields[k].start().domain, 0.0f);
         for (auto leaf = texture.tree()->beginLeaf(); leaf; ++leaf) {
             for (auto value = leaf->beginValueOn(); value; ++value) {
                 const auto hits = bucket.hits.find(value.getCoord());
@@ -134,7 +82,7 @@ class LiteralLic {
             }
         }
         bucket = {};
-        mInput = feedForward(mFields[k], texture, next, mNoise, {}, k);
+        mInput = literalFeedForward(mFields[k], texture, next, mNoise, {}, k);
         return texture;
     }
 
@@ -142,24 +90,21 @@ class LiteralLic {
     template<typename Visit>
     void forEachVoxel(std::size_t k, const Visit& visit)
     {
-        const Domain& domain = mFields[k].domain();
         std::uint64_t rank = 0;
-        for (auto leaf = domain.topology().cbeginLeaf(); leaf; ++leaf) {
+        for (auto leaf = topology(k).cbeginLeaf(); leaf; ++leaf) {
             for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel)
                 visit(voxel.getCoord(), rank++);
         }
     }
 
+    const openvdb::MaskTree& topology(std::size_t step) const { return mFields[step].start().domain->topology(); }
     std::uint32_t inputAt(const Coord& voxel) const { return std::uint32_t(mInput.tree()->getValue(voxel)); }
 
-    bool inDomain(std::size_t step, const Coord& voxel) const
-    {
-        return mFields[step].domain().topology().isValueOn(voxel);
-    }
+    bool inDomain(std::size_t step, const Coord& voxel) const { return topology(step).isValueOn(voxel); }
 
     Path start(std::size_t k, const Coord& voxel, std::uint64_t rank) const
     {
-        return {k, rank, k, {}, {}, false, centreOf(voxel), mFields[k].sample(centreOf(voxel), 0, Float4{})};
+        return {k, rank, k, {}, {}, false, centreOf(voxel), velocityAt(mFields[k], voxel)};
     }
 
     /// Integrate a path up to, not including, step `end`; steps after the last texture are left out.
@@ -167,13 +112,13 @@ class LiteralLic {
     {
         while (!path.ended && path.nextStep() < std::min(end, mFields.size())) {
             const std::size_t step = path.nextStep();
-            path.starts.push_back(voxelAt(path.position));
+            path.starts.push_back(voxelAround(path.position));
             path.samples.emplace_back();
-            if (!inDomain(step, voxelAt(path.position))) {
+            if (!inDomain(step, voxelAround(path.position))) {
                 path.ended = true;
                 return;
             }
-            Trace oneStep = trace(mFields[step], mParams, path.position, path.slope);
+            LiteralTrace oneStep = literalTrace(mFields[step], mParams, path.position, path.slope);
             path.samples.back() = std::move(oneStep.samples);
             path.ended = oneStep.ended;
             path.position = oneStep.position;
@@ -246,7 +191,7 @@ class LiteralLic {
     }
 
     TextureParams mParams;
-    std::vector<VelocityField> mFields;
+    std::vector<LiteralField> mFields;
     std::vector<Bucket> mBuckets;
     NoiseField mNoise;
     LeafValues<std::int32_t> mInput;
@@ -261,17 +206,17 @@ class LiteralHistory {
     {
     }
 
-    LeafValues<float> step(std::size_t k, VelocityField& field, const Domain& next)
+    LeafValues<float> step(std::size_t k, const LiteralField& field, const Domain& next)
     {
-        const openvdb::MaskTree& domain = field.domain().topology();
+        const openvdb::MaskTree& domain = field.start().domain->topology();
         mHits.clear();
         mOpen.clear();
         std::vector<Mote> scan;
         for (auto leaf = domain.cbeginLeaf(); leaf; ++leaf) {
             for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
-                const Float4 centre = centreOf(voxel.getCoord());
-                mOpen.insert(voxel.getCoord());
-                scan.push_back({k, scan.size(), centre, field.sample(centre, 0, Float4{})});
+                const Coord at = voxel.getCoord();
+                mOpen.insert(at);
+                scan.push_back({k, scan.size(), centreOf(at), velocityAt(field, at)});
             }
         }
 
@@ -279,8 +224,8 @@ class LiteralHistory {
         std::map<Coord, Mote> byVoxel;
         std::sort(mMotes.begin(), mMotes.end(), goesFirst);
         for (const Mote& mote : mMotes) {
-            if (!domain.isValueOn(voxelAt(mote.position))) continue;
-            const auto [heir, isFirst] = byVoxel.try_emplace(voxelAt(mote.position), mote);
+            if (!domain.isValueOn(voxelAround(mote.position))) continue;
+            const auto [heir, isFirst] = byVoxel.try_emplace(voxelAround(mote.position), mote);
             if (isFirst) continue;
             heir->second.sum += mote.sum;
             heir->second.weight += mote.weight;
@@ -295,22 +240,22 @@ class LiteralHistory {
         for (Mote& mote : live)
             scatter(field, mote);
         for (Mote& mote : scan) {
-            const Coord voxel = voxelAt(mote.position);
+            const Coord voxel = voxelAround(mote.position);
             const auto before = std::uint32_t(mInput.tree()->getValue(voxel));
             if (mParams.lifeSpan > 1) mote.weight = kWeight * (3 * std::uint64_t(mParams.lifeSpan) - 4) / 4;
             mote.sum = mote.weight * before;
             scatter(field, mote);
         }
 
-        LeafValues<float> texture(field.domain(), 0.0f);
+        LeafValues<float> texture(*field.start().domain, 0.0f);
         for (auto value = texture.tree()->beginValueOn(); value; ++value) {
             const auto hits = mHits.find(value.getCoord());
             value.setValue((hits == mHits.end() ? float(mInput.tree()->getValue(value.getCoord()))
                                                 : float(double(hits->second.first) / double(hits->second.second))) /
                            65535.0f);
         }
-        texture = alongFlow(field, texture);
-        mInput = feedForward(field, texture, next, mNoise, {.deviation = 1.08f * FeedbackParams{}.deviation}, k);
+        texture = literalMeanAlongFlow(field.start(), texture);
+        mInput = literalFeedForward(field, texture, next, mNoise, {.deviation = 1.08f * FeedbackParams{}.deviation}, k);
         return texture;
     }
 
@@ -319,7 +264,7 @@ class LiteralHistory {
 
     struct Mote {
         std::size_t releaseStep, rank;
-        Float4 position, slope;
+        Vec3f position, slope;
         std::uint64_t sum = 0, weight = 0; // of the values it carries
     };
     static bool goesFirst(const Mote& a, const Mote& b)
@@ -327,9 +272,9 @@ class LiteralHistory {
         return a.releaseStep != b.releaseStep ? a.releaseStep > b.releaseStep : a.rank < b.rank;
     }
 
-    void scatter(const VelocityField& field, Mote mote)
+    void scatter(const LiteralField& field, Mote mote)
     {
-        const Coord start = voxelAt(mote.position);
+        const Coord start = voxelAround(mote.position);
         if (!mOpen.contains(start)) return;
         const auto takeUp = [&](const Coord& voxel) {
             if (tileOf(voxel) != tileOf(start) || mOpen.erase(voxel) == 0) return;
@@ -337,8 +282,8 @@ class LiteralHistory {
             mote.weight += kWeight;
         };
         takeUp(start);
-        const Trace path = trace(field, mParams, mote.position, mote.slope);
-        for (const Sample& sample : path.samples) {
+        const LiteralTrace path = literalTrace(field, mParams, mote.position, mote.slope);
+        for (const LiteralSample& sample : path.samples) {
             if (sample.early) takeUp(sample.voxel);
             mHits[sample.voxel].first += mote.sum;
             mHits[sample.voxel].second += mote.weight;
@@ -369,10 +314,7 @@ std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<Flow
     LiteralHistory literal(scatter, *frames[0].domain);
     std::vector<LeafValues<float>> textures;
     for (std::size_t k = 0; k < std::size_t(steps); ++k) {
-        VelocityField field;
-        field.build(frames[k].fieldDomain(), {frames[k].velocities->tree(), openvdb::Mat3d::identity()},
-                    {frames[k + 1].velocities->tree(), openvdb::Mat3d::identity()});
-        textures.push_back(literal.step(k, field, *frames[k + 1].domain));
+        textures.push_back(literal.step(k, {frames[k], frames[k + 1]}, *frames[k + 1].domain));
     }
     return textures;
 }

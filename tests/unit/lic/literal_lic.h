@@ -9,7 +9,8 @@ namespace vdblic::test {
 /// UFLIC and AUFLIC literally as in the paper, slowly: scattering process (SCAP) after scattering process, each seed
 /// carried through its whole life span at once into a ring of L buckets, seed by seed and deposit by deposit.
 ///
-/// Shares only the integration of one step and the filter with the library.
+/// Shares only the noise and the containers with the library: literal_path.h has the pathlines, literal_filter.h the
+/// filters.
 std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
                                                const TextureParams& scatter);
 
