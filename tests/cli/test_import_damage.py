@@ -1,5 +1,6 @@
 """vdblic_import refuses files that end too early, and values whose place is missing."""
 
+import pickle
 import shutil
 import unittest
 
@@ -161,6 +162,29 @@ class Truncated(ImportTest):
         numpy.save(self.folder / "a.npy", numpy.ones((8, 8, 8, 3)))
         (self.folder / "a.npy").write_bytes(self.contents("a.npy").replace(b"}", b"("))
         self.assertIn("a.npy: cannot be read as NumPy's arrays", self.refuses(3, "a.npy", "-o", "v.vdb"))
+
+    def test_shapes_and_types_of_numpy(self):
+        for shape, kind, words in (
+                ("(0, 8, 8, 3)", "<f4", "a.npy: "), ("(-1, 8, 8, 3)", "<f4", "a.npy: "),
+                ("(-2, -4, 8, 3)", "<f4", "a.npy: "), ("(8, 8, 8, 3)", "|O", "a.npy: cannot be read"),
+                ("(8, 8, 'a', 3)", "<f4", "a.npy: cannot be read"), ("(99999999999, 8, 8, 3)", "<f8", "a.npy: "),
+                ("(8, 8, 8, 3)", "<m8[s]", "no array is a field"), ("(8, 8, 8, 3)", "<c8", "no array is a field"),
+                ("(8, 8, 8)", "<U4", "no array is a field")):
+            header = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+            (self.folder / "a.npy").write_bytes(b"\x93NUMPY\x01\x00v\x00" + header.encode() + bytes(16 * 8**3 * 3))
+            with self.subTest(shape, kind=kind):
+                self.assertIn(words, self.refuses(3, "a.npy", "-o", "v.vdb"))
+        (self.folder / "a.npy").write_bytes(pickle.dumps(numpy.ones((8, 8, 8, 3))))
+        self.assertIn("a.npy: cannot be read", self.refuses(3, "a.npy", "-o", "v.vdb"))
+        for place in {"time": "noon"}, {"voxel_size": "wide"}, {"origin": [{}]}:
+            for name, value in place.items():
+                numpy.savez(self.folder / "a.npz", velocity=numpy.ones((8, 8, 8, 3)), **place)
+                with self.subTest(name):
+                    self.assertIn("a.npz: ", self.refuses(3, "a.npz", "-o", "v.vdb"))
+        for name, shape in ("velocity", (8, 0, 8, 3)), ("velocity", (0, 8, 8, 8, 3)), ("active", (0, 8, 8)):
+            numpy.savez(self.folder / "a.npz", **({"velocity": numpy.ones((8, 8, 8, 3))} | {name: numpy.ones(shape)}))
+            with self.subTest(name, shape=shape):
+                self.assertIn("a.npz: ", self.refuses(3, "a.npz", "-o", "v.vdb"))
 
     def test_other_forms(self):
         flows.write_vtk(flows.image(), self.folder / "a.vti")
