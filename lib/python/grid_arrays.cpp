@@ -275,6 +275,11 @@ bool isOfNumbers(const openvdb::GridBase& grid)
            grid.transform().isLinear();
 }
 
+bool hasArrays(const openvdb::GridBase& grid)
+{
+    return isOfNumbers(grid) || (grid.isType<openvdb::Int32Grid>() && grid.transform().isLinear());
+}
+
 py::object matrixOf(const openvdb::math::Transform& transform)
 {
     const openvdb::Mat4d rows = transform.baseMap()->getAffineMap()->getMat4();
@@ -291,6 +296,7 @@ py::dict toDictionary(const openvdb::GridBase& grid, const std::optional<openvdb
     py::dict result;
     if (grid.isType<openvdb::FloatGrid>()) result = arraysOf<openvdb::FloatGrid>(grid, box);
     if (grid.isType<openvdb::DoubleGrid>()) result = arraysOf<openvdb::DoubleGrid>(grid, box);
+    if (grid.isType<openvdb::Int32Grid>()) result = arraysOf<openvdb::Int32Grid>(grid, box);
     if (grid.isType<openvdb::Vec3SGrid>()) result = arraysOf<openvdb::Vec3SGrid>(grid, box);
     if (grid.isType<openvdb::Vec3DGrid>()) result = arraysOf<openvdb::Vec3DGrid>(grid, box);
     result["name"] = grid.getName();

@@ -12,6 +12,8 @@ namespace vdblic::python {
 
 /// Whether a grid holds floats, doubles or vectors of them, on a linear transform.
 [[nodiscard]] bool isOfNumbers(const openvdb::GridBase& grid);
+/// Whether toDictionary() takes a grid: one of numbers, or of 32-bit integers on a linear transform.
+[[nodiscard]] bool hasArrays(const openvdb::GridBase& grid);
 
 /// A linear transform as a matrix, 4 × 4, on columns.
 [[nodiscard]] pybind11::object matrixOf(const openvdb::math::Transform& transform);

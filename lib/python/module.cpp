@@ -2,6 +2,7 @@
 #include "files.h"
 #include "grid_arrays.h"
 #include "grid_headers.h"
+#include "levels.h"
 #include "options.h"
 #include "picture.h"
 #include "textures.h"
@@ -53,7 +54,7 @@ py::tuple readVolume(const std::string& path)
     }
     py::list grids;
     for (openvdb::GridBase::Ptr& grid : file.grids) {
-        if (isOfNumbers(*grid)) grids.append(toDictionary(*grid));
+        if (hasArrays(*grid)) grids.append(toDictionary(*grid));
         grid.reset();
     }
     return py::make_tuple(grids, toDictionary(file.metadata));

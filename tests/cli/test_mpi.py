@@ -57,7 +57,7 @@ class Ranks(ToolTest):
             self.assertEqual(len(run.stdout.splitlines()), len(list(self.folder.glob("one.*.vdb"))))  # by rank 0 alone
 
     def test_a_refined_wake(self):
-        self.compare([1, 2, 7], WAKE, "--frames", "1-2", "--refine", 2, "--with", "vorticity,q", "--preroll", 2)
+        self.compare([1, 2, 7], WAKE, "--frames", "1-2", "--refine", 2, "--with", "vorticity,q,hits", "--preroll", 2)
 
     def test_streaks(self):
         self.compare([1, 3, 5], WAKE, "--frames", "1-3", "--method", "streaks", "--refine", 4, "--substeps", 2,

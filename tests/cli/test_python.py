@@ -158,8 +158,8 @@ class Advect(ToolTest):
     def test_arrays_and_files_give_the_textures_of_the_tool(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *SIZE, "--frames", "1-5")
         paths = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--refine", 2, "--substeps", 2,
-                             "--seed", 3, "--with", "q")
-        options = {"refine": 2, "substeps": 2, "seed": 3, "derived": ["q"]}
+                             "--seed", 3, "--with", "q,hits")
+        options = {"refine": 2, "substeps": 2, "seed": 3, "derived": ["q", "hits"]}
         self.assert_equal(list(vdblic.advect(f"{self.folder}/v.%04d.vdb", **options)), paths)
         self.assert_equal(list(vdblic.advect(fields(5), voxel_size=0.1, **options)), paths)
         self.assert_equal(list(vdblic.advect(vdblic.synth("abc", SIZE, range(1, 6)), **options)), paths)

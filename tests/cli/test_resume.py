@@ -165,7 +165,7 @@ class Resume(ToolTest):
     def test_kills_with_other_methods_and_parameters(self):
         last = often(8, FRAMES)
         for seed, arguments in enumerate((("--method", "uflic"), ("--method", "lic"), ("--life", 1), ("--life", 9),
-                                          ("--method", "auflic-2004", "--with", "vorticity"),
+                                          ("--method", "auflic-2004", "--with", "vorticity,hits"),
                                           ("--method", "streaks", "--refine", 2), ("--method", "ibfv"),
                                           ("--method", "lea"), ("--method", "ufac"))):
             self.check_kills(often(1, 4), random.Random(seed), self.flow(), *arguments, last=last)

@@ -77,7 +77,7 @@ class VelocityOutput(ToolTest):
         self.velocity("v.vdb", [[0.2, 0, 0, 0], [0, 0.2, 0, 0], [0, 0, 0.2, 0], [0, 0, 0, 1]])
         for words, *options in (
             ("'velocity' is asked for twice", "--with", "velocity,velocity"),
-            ("known are vorticity, q, and velocity itself", "--with", "vel"),
+            ("known are vorticity, q, velocity and hits", "--with", "vel"),
             ("'vel' cannot be the texture's name", "--with", "velocity", "--texture-name", "vel"),
             ("'vel' to carry along has the name of an output", "--with", "velocity", "--carry", "vel"),
         ):

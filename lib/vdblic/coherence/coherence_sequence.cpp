@@ -15,6 +15,7 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/hits.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -86,7 +87,7 @@ struct MeasuredTexture {
 template<typename GridT>
 std::optional<HitFigures> hitsOf(const VdbFile& file)
 {
-    const auto grid = file.find<GridT>("hits");
+    const auto grid = file.find<GridT>(kHitsGrid);
     if (!grid) return std::nullopt;
     double count = 0, sum = 0, zeros = 0;
     for (auto value = grid->cbeginValueOn(); value; ++value) {

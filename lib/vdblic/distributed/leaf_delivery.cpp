@@ -7,12 +7,13 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 namespace vdblic {
 namespace {
 
-using FloatLeaf = openvdb::FloatTree::LeafNodeType;
+using DeliveredGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Int32Grid>;
 
 constexpr std::size_t kLeavesPerChunk = std::size_t(1) << 13; // some 8 MB
 
@@ -118,13 +119,18 @@ class ChunkWriter {
 
 } // namespace
 
-OwnLeaves storeOwn(const Domain& domain, const openvdb::FloatGrid& grid, VdbCompression compression)
+OwnLeaves storeOwn(const Domain& domain, const openvdb::GridBase& grid, VdbCompression compression)
 {
-    std::vector<const FloatLeaf*> own;
-    own.reserve(domain.own().size());
-    for (const std::uint32_t leaf : domain.own())
-        own.push_back(grid.constTree().probeConstLeaf(domain.origin(leaf)));
-    return {domain.leafCount(), {domain.own().begin(), domain.own().end()}, storeLeaves(grid, own, compression)};
+    OwnLeaves leaves{domain.leafCount(), {domain.own().begin(), domain.own().end()}, {}};
+    grid.apply<DeliveredGrids>([&](const auto& typed) {
+        using GridT = std::decay_t<decltype(typed)>;
+        std::vector<const typename GridT::TreeType::LeafNodeType*> own;
+        own.reserve(domain.own().size());
+        for (const std::uint32_t leaf : domain.own())
+            own.push_back(typed.constTree().probeConstLeaf(domain.origin(leaf)));
+        leaves.stored = storeLeaves(typed, own, compression);
+    });
+    return leaves;
 }
 
 void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* stream)
@@ -154,17 +160,17 @@ void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* strea
     if (stream) stream->end();
 }
 
-openvdb::FloatGrid::Ptr withoutValues(const Domain& domain, const openvdb::FloatGrid& grid)
+openvdb::GridBase::Ptr withoutValues(const Domain& domain, const openvdb::GridBase& grid)
 {
-    auto tree = std::make_shared<openvdb::FloatTree>(grid.background());
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
-        auto node = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), domain.origin(leaf), grid.background());
-        node->setValueMask(domain.mask(leaf));
-        tree->addLeaf(node.release()); // takes it over
-    }
-    auto result = openvdb::FloatGrid::create(tree);
-    result->insertMeta(grid);
-    result->setTransform(grid.transform().copy());
+    const openvdb::GridBase::Ptr result = grid.copyGridWithNewTree();
+    result->apply<DeliveredGrids>([&](auto& typed) {
+        using Leaf = typename std::decay_t<decltype(typed)>::TreeType::LeafNodeType;
+        for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
+            auto node = std::make_unique<Leaf>(openvdb::PartialCreate(), domain.origin(leaf), typed.background());
+            node->setValueMask(domain.mask(leaf));
+            typed.tree().addLeaf(node.release()); // takes it over
+        }
+    });
     return result;
 }
 

@@ -21,8 +21,8 @@ struct OwnLeaves {
     StoredLeaves stored;
 };
 
-/// Store a domain's own leaves of a grid. @param grid has at least those
-[[nodiscard]] OwnLeaves storeOwn(const Domain& domain, const openvdb::FloatGrid& grid, VdbCompression compression);
+/// Store a domain's own leaves of a grid. @param grid of float or int32; has at least those
+[[nodiscard]] OwnLeaves storeOwn(const Domain& domain, const openvdb::GridBase& grid, VdbCompression compression);
 
 /// Bring the leaves of grids that the ranks computed together to the ranks that write them: all of rank r's grid to
 /// rank r. Collective. It goes on in chunks, so a writer needs no memory for a whole grid.
@@ -31,6 +31,7 @@ struct OwnLeaves {
 void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* stream);
 
 /// A grid with all leaves of a domain and no values, and otherwise as `grid`: to be written with stored leaves.
-[[nodiscard]] openvdb::FloatGrid::Ptr withoutValues(const Domain& domain, const openvdb::FloatGrid& grid);
+/// @param grid of float or int32
+[[nodiscard]] openvdb::GridBase::Ptr withoutValues(const Domain& domain, const openvdb::GridBase& grid);
 
 } // namespace vdblic

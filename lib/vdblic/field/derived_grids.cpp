@@ -56,7 +56,7 @@ void checkDerivedNames(const std::vector<std::string>& names)
     for (auto name = names.begin(); name != names.end(); ++name) {
         if (std::find(std::begin(kDerivedNames), std::end(kDerivedNames), *name) == std::end(kDerivedNames)) {
             throw ParameterError(
-                fmt::format("'{}' cannot be computed from a velocity; known are {}, and velocity itself", *name,
+                fmt::format("no grid '{}' can be made beside the texture; known are {}, velocity and hits", *name,
                             fmt::join(kDerivedNames, ", ")));
         }
         if (std::find(names.begin(), name, *name) != name) {

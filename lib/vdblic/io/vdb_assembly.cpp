@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <ostream>
 #include <set>
@@ -87,11 +88,16 @@ std::uint32_t VdbAssembly::flagsOf(const openvdb::GridBase& grid) const
     return vdb_io::getDataCompression(scratch);
 }
 
-StoredLeaves VdbAssembly::store(const openvdb::FloatGrid& grid,
-                                const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves) const
+template<typename GridT>
+StoredLeaves VdbAssembly::store(const GridT& grid,
+                                const std::vector<const typename GridT::TreeType::LeafNodeType*>& leaves) const
 {
     return storeLeaves(grid, leaves, flagsOf(grid), compression());
 }
+template StoredLeaves VdbAssembly::store(const openvdb::FloatGrid&,
+                                         const std::vector<const openvdb::FloatTree::LeafNodeType*>&) const;
+template StoredLeaves VdbAssembly::store(const openvdb::Int32Grid&,
+                                         const std::vector<const openvdb::Int32Tree::LeafNodeType*>&) const;
 
 void VdbAssembly::assemble(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
                            LeafSource* source) const
@@ -152,7 +158,8 @@ void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::G
     insertLeafList(*head, leaves);
     const std::size_t nodes = grid->memUsage(); // before statistics, for which OpenVDB 12.1 allocates values
     head->addStatsMetadata();
-    if (source) { // OpenVDB counts the values of the nodes, which have none
+    if (source) {                                             // OpenVDB counts the values of the nodes, which have none
+        static_assert(sizeof(float) == sizeof(std::int32_t)); // of the grids that store() takes
         const std::size_t values = leaves.kinds.size() * LeafFormat::kVoxels * sizeof(float);
         head->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES, openvdb::Int64Metadata(std::int64_t(nodes + values)));
     }

@@ -21,6 +21,13 @@ struct StoredLeaves {
     std::vector<std::int64_t> sizes;    ///< of each leaf's values, as OpenVDB lists them; empty if it does not
 };
 
+enum class VdbCompression;
+/// Some leaves of a grid as writeVdb() stores them. @tparam GridT a float or an int32 grid
+template<typename GridT>
+[[nodiscard]] StoredLeaves storeLeaves(const GridT& grid,
+                                       const std::vector<const typename GridT::TreeType::LeafNodeType*>& leaves,
+                                       VdbCompression compression);
+
 /// Gives VdbAssembly::assemble() the leaves of the first grids of a file, while the file is being written.
 class LeafSource {
   public:
@@ -49,8 +56,10 @@ class VdbAssembly : public openvdb::io::Archive {
                   LeafSource* source = nullptr) const;
 
     /// Some leaves of a grid, stored as write() would. @param grid gives class, precision and background
-    [[nodiscard]] StoredLeaves store(const openvdb::FloatGrid& grid,
-                                     const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves) const;
+    /// @tparam GridT a float or an int32 grid
+    template<typename GridT>
+    [[nodiscard]] StoredLeaves store(const GridT& grid,
+                                     const std::vector<const typename GridT::TreeType::LeafNodeType*>& leaves) const;
 
   private:
     [[nodiscard]] std::uint32_t flagsOf(const openvdb::GridBase& grid) const;

@@ -185,11 +185,16 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
     writeStoredVdb(path, grids, metadata, compression, nullptr);
 }
 
-StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
-                         const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves, VdbCompression compression)
+template<typename GridT>
+StoredLeaves storeLeaves(const GridT& grid, const std::vector<const typename GridT::TreeType::LeafNodeType*>& leaves,
+                         VdbCompression compression)
 {
     return VdbAssembly(compressionFlags(compression)).store(grid, leaves);
 }
+template StoredLeaves storeLeaves(const openvdb::FloatGrid&,
+                                  const std::vector<const openvdb::FloatTree::LeafNodeType*>&, VdbCompression);
+template StoredLeaves storeLeaves(const openvdb::Int32Grid&,
+                                  const std::vector<const openvdb::Int32Tree::LeafNodeType*>&, VdbCompression);
 
 void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& given,
                     VdbCompression compression, LeafSource* source)

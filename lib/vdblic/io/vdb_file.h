@@ -91,12 +91,7 @@ inline constexpr auto kNames<VdbCompression> = std::to_array<std::string_view>({
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
               VdbCompression compression = VdbCompression::kBlosc);
 
-struct StoredLeaves;
 class LeafSource;
-/// Some leaves of a grid as writeVdb() stores them.
-[[nodiscard]] StoredLeaves storeLeaves(const openvdb::FloatGrid& grid,
-                                       const std::vector<const openvdb::FloatTree::LeafNodeType*>& leaves,
-                                       VdbCompression compression);
 /// writeVdb() of grids whose leaves are stored already. @param source of the leaves of the first grids, or null
 /// @throws what the source throws, if that is no std::exception
 void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,

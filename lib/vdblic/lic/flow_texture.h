@@ -40,6 +40,7 @@ struct FlowStep {
     const LeafOwners& owners = kSoleOwner; ///< of the leaves of the first frame's domain
     const FlowInterval* frame = nullptr;   ///< that the step is a part of; null if it is all of it
     bool isShown = true;                   ///< whether its texture is written, and does not only prepare others
+    bool withHits = false;                 ///< whether FlowTextureStep::hits is asked for; of methods that scatter
 };
 
 /// The texture of one step, with the work and the time spent on it.
@@ -51,6 +52,7 @@ struct FlowTextureStep {
     Refinement refinement{};                ///< texture voxels in those of the velocity
     openvdb::MetaMap metadata{};            ///< what the method tells of itself in a file
     LeafValues<float> source{};             ///< of streaks with sources: the numbers of those; else no tree
+    LeafValues<std::int32_t> hits{};        ///< if asked for: the values that own voxels received; else no tree
 };
 
 /// The textures of one field in memory, step by step.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -22,6 +23,14 @@ struct Hits {
     }
     [[nodiscard]] static constexpr std::uint64_t sum(std::uint64_t word) { return word >> kCountBits; }
     [[nodiscard]] static constexpr std::uint64_t count(std::uint64_t word) { return word & kCountMask; }
+    /// The number of values in a word that counts each of them `weight` times: rounded, and 0 only without a hit.
+    [[nodiscard]] static constexpr std::int32_t values(std::uint64_t word, std::uint64_t weight)
+    {
+        return std::int32_t(std::max((count(word) + weight / 2) / weight, std::min<std::uint64_t>(count(word), 1)));
+    }
 };
+
+/// The grid of a texture file that tells how many values each voxel received in its step.
+inline constexpr const char* kHitsGrid = "hits";
 
 } // namespace vdblic

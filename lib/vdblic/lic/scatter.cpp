@@ -228,6 +228,11 @@ std::size_t Scatter::wordsOfParticles() const
     return withCarried(mParams.method, [&]<typename Carried>() { return Carried::words(mParams); });
 }
 
+std::uint64_t Scatter::weightOfValue() const
+{
+    return withCarried(mParams.method, []<typename Carried>() { return Carried::kWeight; });
+}
+
 void Scatter::handOver(const LeafOwners& owners, const Domain& domain)
 {
     if (!owners.areSeveral()) return;
@@ -286,7 +291,7 @@ ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>&
     Collected found = collector.all();
     sumOver(owners, stats, found);
     stats.emptyVoxels = found.emptyVoxels;
-    const std::uint64_t weight = withCarried(mParams.method, []<typename Carried>() { return Carried::kWeight; });
+    const std::uint64_t weight = weightOfValue();
     if (found.hits != stats.hits) {
         throw InputError(
             fmt::format("a voxel collected more than {} hits in one step: the flow has a sink that swallows "

@@ -49,6 +49,7 @@ class Scatter {
     [[nodiscard]] const std::vector<ParticleBins>& particles() const { return mBins; }
 
     [[nodiscard]] std::size_t wordsOfParticles() const; ///< that each particle carries beside its Hits
+    [[nodiscard]] std::uint64_t weightOfValue() const;  ///< how often the Hits count a value that has not faded
 
     /// Hand the particles over to the ranks that own the leaves they are in. Collective.
     /// @param domain of the step to come; its local leaves are all that a particle can be in

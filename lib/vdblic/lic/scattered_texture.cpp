@@ -1,9 +1,11 @@
 #include "vdblic/lic/scattered_texture.h"
 
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/feedback.h"
 #include "vdblic/lic/flow_state.h"
 #include "vdblic/lic/hand_over.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/lic/path_reach.h"
 #include "vdblic/lic/state_grids.h"
 
@@ -26,6 +28,13 @@ FeedbackParams feedbackOf(const TextureParams& params)
         feedback.taps = 0;
     }
     return feedback;
+}
+
+/// @param hits the 512 Hits words of a leaf  @param counts of the values in each
+void countValues(const std::int64_t* hits, std::uint64_t weight, std::int32_t* counts)
+{
+    for (int i = 0; i < LeafVoxel::kCount; ++i)
+        counts[i] = Hits::values(std::uint64_t(hits[i]), weight);
 }
 
 } // namespace
@@ -52,9 +61,13 @@ FlowTextureStep ScatteredTexture::advance(const FlowStep& step)
     }
     {
         const auto stage = clock.enter(&StageTimes::scatter);
-        result.stats = mScatter.step(
-            field, *mInput, [&](std::size_t leaf, const std::int64_t* hits) { convolution.take(leaf, hits); },
-            *step.end.domain, slopeScale(step.interval), step.owners, clock);
+        if (step.withHits) result.hits = LeafValues<std::int32_t>(domain, 0, domain.own());
+        const auto take = [&](std::size_t leaf, const std::int64_t* hits) {
+            convolution.take(leaf, hits);
+            if (step.withHits) countValues(hits, mScatter.weightOfValue(), result.hits[leaf]);
+        };
+        result.stats =
+            mScatter.step(field, *mInput, take, *step.end.domain, slopeScale(step.interval), step.owners, clock);
     }
     {
         const auto stage = clock.enter(&StageTimes::convolve);

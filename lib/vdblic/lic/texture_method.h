@@ -31,6 +31,12 @@ inline constexpr auto kNames<TextureMethod> = std::to_array<std::string_view>({"
     return method == TextureMethod::kIbfv || method == TextureMethod::kLea || method == TextureMethod::kUfac;
 }
 
+/// Whether values are scattered along pathlines, so that voxels collect hits.
+[[nodiscard]] constexpr bool scatters(TextureMethod method)
+{
+    return method == TextureMethod::kAuflic || method == TextureMethod::kAuflic2004 || method == TextureMethod::kUflic;
+}
+
 /// Whether textures are blended from frame to frame, with a share of the new one.
 [[nodiscard]] constexpr bool blends(TextureMethod method)
 {

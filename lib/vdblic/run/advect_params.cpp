@@ -6,6 +6,7 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/finish.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/run/velocity_output.h"
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string_view>
 
 namespace vdblic {
 namespace {
@@ -70,8 +72,9 @@ Parameters parametersOf(AdvectParams& params)
         parameter("carry", "Other grids of the files to copy into the outputs.", params.flow.velocity.carry,
                   {.words = "NAME,NAME", .group = "Output"}),
         parameter("derived",
-                  "Further grids computed from the velocity: vorticity (|curl v|, 1/s), q (Q criterion, 1/s2), and "
-                  "velocity: the grid vel, world units per second, for motion blur.",
+                  "Further grids beside the texture: vorticity (|curl v|, 1/s), q (Q criterion, 1/s2), velocity: the "
+                  "grid vel, world units per second, for motion blur, and hits: the values that each voxel received in "
+                  "the step, with auflic, auflic-2004 and uflic.",
                   params.derived, {.option = "--with", .words = "NAME,NAME", .group = "Output"}),
         parameter("texture_name", "Name of the texture grid.", params.textureName,
                   {.words = "NAME", .group = "Output"}),
@@ -130,10 +133,18 @@ void AdvectParams::validate() const
     }
     const std::vector<std::string> scalars = derivedScalars();
     checkDerivedNames(scalars);
-    if (derived.size() - scalars.size() > 1) throw ParameterError("'velocity' is asked for twice");
+    for (const std::string_view name : {kVelocityName, std::string_view(kHitsGrid)}) {
+        if (std::count(derived.begin(), derived.end(), name) > 1)
+            throw ParameterError(fmt::format("'{}' is asked for twice", name));
+    }
+    if (writesHits() && !scatters(texture.method)) {
+        throw ParameterError(fmt::format("`derived` hits: with `method` {} no values are scattered into voxels; take "
+                                         "auflic, auflic-2004 or uflic, or leave hits out",
+                                         nameOf(texture.method)));
+    }
     const auto isOutput = [&](const std::string& name) {
         return name == "magnitude" || std::find(scalars.begin(), scalars.end(), name) != scalars.end() ||
-               (writesVelocity() && name == kVelocityGrid);
+               (writesVelocity() && name == kVelocityGrid) || (writesHits() && name == kHitsGrid);
     };
     if (textureName.empty() || isOutput(textureName)) {
         throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
@@ -151,10 +162,16 @@ bool AdvectParams::writesVelocity() const
     return std::find(derived.begin(), derived.end(), kVelocityName) != derived.end();
 }
 
+bool AdvectParams::writesHits() const
+{
+    return std::find(derived.begin(), derived.end(), kHitsGrid) != derived.end();
+}
+
 std::vector<std::string> AdvectParams::derivedScalars() const
 {
     std::vector<std::string> scalars = derived;
     std::erase(scalars, kVelocityName);
+    std::erase(scalars, kHitsGrid);
     return scalars;
 }
 

@@ -35,7 +35,7 @@ struct AdvectParams {
     std::optional<double> voxelsPerFrame{};
     int framesBefore = 0; ///< on disk, without a gap, before the first that is computed; set by withLeadIn()
     std::string textureName = "density";
-    std::vector<std::string> derived{}; ///< further grids from the velocity: of kDerivedNames, and kVelocityName
+    std::vector<std::string> derived{}; ///< further grids: of kDerivedNames, kVelocityName, kHitsGrid
     TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
     bool resume = false;                  ///< go on from the checkpoint that an earlier run left, if there is one
@@ -48,6 +48,7 @@ struct AdvectParams {
     /// Whether textures are sparse: drawn into voxels of their own, and not computed on refined voxels of the velocity.
     [[nodiscard]] bool isSparse() const { return texture.method == TextureMethod::kStreaks; }
     [[nodiscard]] bool writesVelocity() const;                     ///< whether `derived` asks for the velocity
+    [[nodiscard]] bool writesHits() const;                         ///< whether `derived` asks for the hits
     [[nodiscard]] std::vector<std::string> derivedScalars() const; ///< the other names of `derived`
     [[nodiscard]] int prerollFrames() const;                       ///< as given, else the default
     [[nodiscard]] std::uint64_t prerollSteps() const;              ///< with their substeps

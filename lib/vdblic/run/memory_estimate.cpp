@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace vdblic {
 
@@ -75,6 +76,7 @@ double advectBytes(const AdvectParams& params, const FieldDomain& first)
     if (params.texture.method == TextureMethod::kUflic) voxel += kParticle * (params.texture.lifeSpan - 1);
     if (params.texture.method == TextureMethod::kAuflic2004) voxel += kParticle + 4 * params.texture.lifeSpan;
     if (params.texture.substeps > 1) voxel += 20;
+    if (params.writesHits()) voxel += sizeof(std::int32_t);
     const bool isCubic = first.refinement.interpolation == Interpolation::kCubic;
     return kProcess + (kVelocity * velocity + voxel * texture) * Domain::kLeafVoxels +
            shareInBricks(texture) * ((isCubic ? texture : velocity) * kVelocityBrick + texture * kTextureBrick);

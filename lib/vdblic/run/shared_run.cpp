@@ -101,10 +101,9 @@ std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& f
 {
     std::vector<OwnLeaves> stored;
     for (std::size_t i = 0; i < file.computed; ++i) {
-        const auto grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[i]);
         const Domain& domain = i < file.onTexture ? *file.domain : *frame.domain.velocity;
-        stored.push_back(storeOwn(domain, *grid, mParams.format.compression));
-        if (isWriter) file.grids[i] = withoutValues(domain, *grid);
+        stored.push_back(storeOwn(domain, *file.grids[i], mParams.format.compression));
+        if (isWriter) file.grids[i] = withoutValues(domain, *file.grids[i]);
     }
     return stored;
 }

@@ -11,6 +11,7 @@
 #include "vdblic/field/velocity_leaf.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/lic/finish.h"
+#include "vdblic/lic/hits.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/texture_run.h"
 #include "vdblic/run/velocity_output.h"
@@ -55,6 +56,14 @@ openvdb::FloatGrid::Ptr fogVolume(const openvdb::FloatTree::Ptr& tree, const std
     return grid;
 }
 
+openvdb::Int32Grid::Ptr hitsGrid(const openvdb::Int32Tree::Ptr& tree, const openvdb::math::Transform& transform)
+{
+    auto grid = openvdb::Int32Grid::create(tree);
+    grid->setName(kHitsGrid);
+    grid->setTransform(transform.copy());
+    return grid;
+}
+
 /// A tree with all of a domain's voxels: the texture's, unless other ranks have parts of it.
 openvdb::FloatTree::Ptr wholeTree(const Domain& domain, const openvdb::FloatTree::Ptr& texture)
 {
@@ -81,7 +90,7 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement&
     metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));
     if (blends(texture.method)) {
         metadata.insertMeta("alpha", openvdb::FloatMetadata(float(params.backward.shareFor(texture.lifeSpan))));
-    } else if (!isSteady(texture.method) && !looksBack(texture.method) && !params.isSparse()) {
+    } else if (scatters(texture.method)) {
         metadata.insertMeta("sharpen", openvdb::FloatMetadata(texture.feedback.sharpen));
         metadata.insertMeta("noise_share", openvdb::FloatMetadata(texture.feedback.noiseShare));
     }
@@ -142,9 +151,11 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
 
     TextureFile file;
     file.grids = {textureGrid};
+    if (made.step.hits.tree()) file.grids.push_back(hitsGrid(made.step.hits.tree(), transform));
     file.grids.insert(file.grids.end(), scalars.begin(), scalars.end());
     file.computed = file.grids.size();
-    file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : made.step.source.tree() ? 2 : 1;
+    const bool hasSecond = made.step.source.tree() || made.step.hits.tree();
+    file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : hasSecond ? 2 : 1;
     file.domain = made.step.domain;
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
     file.metadata = parameterMetadata(params, made.step.refinement);

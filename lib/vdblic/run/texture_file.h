@@ -21,8 +21,8 @@ struct TextureFile {
     openvdb::MetaMap metadata;
 };
 
-/// Assemble a texture file: the texture, `magnitude` (|v| [world units per second]), the derived grids and the
-/// velocity where the parameters name them, grids carried along from the velocity's file, and the parameters as
+/// Assemble a texture file: the texture, `magnitude` (|v| [world units per second]), the derived grids, the velocity
+/// and the hits where the parameters name them, grids carried along from the velocity's file, and the parameters as
 /// metadata.
 ///
 /// Textures are finished for display (finish()). Grids other than the texture have the velocity's transform, unless

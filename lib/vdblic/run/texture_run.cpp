@@ -250,7 +250,7 @@ FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame&
                              mCurrent->velocity.file.frame};
     return mTexture->advance({from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
                               end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners,
-                              &whole, isShown});
+                              &whole, isShown, isShown && mParams.writesHits()});
 }
 
 RunPosition TextureRun::position() const

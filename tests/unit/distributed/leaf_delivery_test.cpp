@@ -98,11 +98,14 @@ TEST(LeafDelivery, AFileOfStoredLeavesIsTheSame)
 {
     const TemporaryFolder folder;
     OneProcess alone;
-    for (const char* precision : {"unsaid", "half", "full"}) {
-        const openvdb::FloatGrid::Ptr grid = manyLeaves(0.25f);
+    const openvdb::FloatGrid::Ptr floats = manyLeaves(0.25f);
+    const Domain domain(std::make_shared<openvdb::MaskTree>(floats->tree(), false, true, openvdb::TopologyCopy()));
+    for (const char* precision : {"unsaid", "half", "full", "integers"}) {
+        openvdb::GridBase::Ptr grid = floats->deepCopy();
+        if (precision == std::string("integers"))
+            grid = openvdb::Int32Grid::create(std::make_shared<openvdb::Int32Tree>(floats->tree()));
         grid->setName(precision);
         if (precision != std::string("unsaid")) grid->setSaveFloatAsHalf(precision == std::string("half"));
-        const Domain domain(std::make_shared<openvdb::MaskTree>(grid->tree(), false, true, openvdb::TopologyCopy()));
         const std::filesystem::path whole = folder / "whole.vdb", stored = folder / "stored.vdb";
         writeStoredVdb(whole, {grid}, {}, VdbCompression::kBlosc, nullptr);
         LeafStream stream(1);

@@ -63,16 +63,20 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
     params.textureName = "texture";
     params.derived = {"vorticity", "q"};
     params.finish = 0;
+    made.step.hits = LeafValues<std::int32_t>(*made.step.domain, 3);
     const auto texture = made.step.texture.tree();
     const openvdb::math::Transform::Ptr finer = made.frame.textureTransform();
 
     const TextureFile file = makeTextureFile(params, made, 5);
-    EXPECT_EQ(namesOf(file), (std::vector<std::string>{"texture", "magnitude", "vorticity", "q", "smoke"}));
+    EXPECT_EQ(namesOf(file), (std::vector<std::string>{"texture", "hits", "magnitude", "vorticity", "q", "smoke"}));
     EXPECT_EQ(file.grids[0]->transform(), *finer);
     EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[0])->treePtr(), texture);
-    for (const std::size_t other : {1, 2, 3})
+    EXPECT_EQ(file.grids[1]->transform(), *finer);
+    EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::Int32Grid>(file.grids[1])->treePtr(), made.step.hits.tree());
+    EXPECT_EQ(file.onTexture, 2u);
+    for (const std::size_t other : {2, 3, 4})
         EXPECT_EQ(file.grids[other]->transform(), made.frame.velocity.values->transform()) << other;
-    for (const std::size_t fog : {0, 1, 2, 3})
+    for (const std::size_t fog : {0, 2, 3, 4})
         EXPECT_EQ(file.grids[fog]->getGridClass(), openvdb::GRID_FOG_VOLUME) << fog;
 }
 
