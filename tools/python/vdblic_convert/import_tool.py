@@ -56,7 +56,8 @@ def main(version, words):
     tool.add(
         "--layout",
         metavar="TEXT",
-        help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such as "
+        help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such "
+        "as "
         "cxyz or tczyx; xyz, txyz, xyzc or txyzc by default.",
     )
     tool.add(
@@ -248,7 +249,8 @@ class Conversion:
         start = date_of(source.times[0], source.calendar) if source.calendar else "no date"
         self._tell(
             f"{' x '.join(f'{length / scale:.4g}' for length in size)} {unit}; the mean flow is "
-            f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean speed "
+            f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean "
+            f"speed "
             f"of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
         )
 

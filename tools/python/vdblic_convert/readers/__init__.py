@@ -56,7 +56,8 @@ def open_source(path, options, grids=()):
     zarr = path.is_dir() and any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json"))
     if path.is_dir() and not zarr and not (path / "system" / "controlDict").is_file():
         raise InputError(
-            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file or a "
+            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file "
+            f"or a "
             "pattern such as name.%04d.vti"
         )
     if path.is_file() and path.stat().st_size == 0 and path.suffix != ".foam":
@@ -144,14 +145,16 @@ class Joined(Source):
             for step, (a, b) in enumerate(zip(first.times, other.times)):
                 if a != b and (None in (a, b) or abs(a - b) > 1e-9 * max(abs(a), abs(b))):
                     raise InputError(
-                        f"{other.path}: step {step + 1} is at {_text(b)}, in {first.path} at {_text(a)}; files of one flow have "
+                        f"{other.path}: step {step + 1} is at {_text(b)}, in {first.path} at {_text(a)}; files of one "
+                        f"flow have "
                         "the same times"
                     )
             if {first.calendar, other.calendar} - {"standard", "gregorian", "proleptic_gregorian"} and (
                 first.calendar != other.calendar
             ):
                 raise InputError(
-                    f"{other.path}: its calendar is {other.calendar or 'none'}, in {first.path} {first.calendar or 'none'}"
+                    f"{other.path}: its calendar is {other.calendar or 'none'}, in {first.path} "
+                    f"{first.calendar or 'none'}"
                 )
         super().__init__(first.path, first.times)
         self.paths = [path for source in sources for path in source.paths]

@@ -1,9 +1,9 @@
 """Arrays without names for their axes: NumPy's files, HDF5 and MATLAB's.
 
-Their order is [x, y, z] or [time, x, y, z], with the components of a vector last, unless --layout tells another one, which
-HDF5 needs. Beside its fields a file may hold `time` (seconds or dates, one a step), `origin` (centre of voxel 0 0 0),
-`voxel_size` (one or three lengths), `matrix` (4 × 4, indices to world space, in place of both), or the axes `x`, `y` and
-`z`, and `active` (a mask). Values that are not finite are left out.
+Their order is [x, y, z] or [time, x, y, z], with the components of a vector last, unless --layout tells another one,
+which HDF5 needs. Beside its fields a file may hold `time` (seconds or dates, one a step), `origin` (centre of voxel
+0 0 0), `voxel_size` (one or three lengths), `matrix` (4 × 4, indices to world space, in place of both), or the axes
+`x`, `y` and `z`, and `active` (a mask). Values that are not finite are left out.
 """
 
 import tokenize
@@ -64,7 +64,8 @@ class ArrayFile(Source):
         if not self._arrays:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in list(arrays.items())[:10])
             raise InputError(
-                f"{path}: no array is a field: one has the axes x y z or time x y z, and components last; others are told "
+                f"{path}: no array is a field: one has the axes x y z or time x y z, and components last; others are "
+                f"told "
                 f"by --layout; it holds {shapes or 'nothing else'}"
             )
         shapes = {tuple(self._sizes(name).get(axis, 1) for axis in "xyz") for name in self._arrays}
@@ -150,7 +151,7 @@ class ArrayFile(Source):
 
 
 def _order(path, name, array, layout):
-    """The axes of a field as letters of t, c, x, y, z; empty for other arrays. Raises InputError for what may be two."""
+    """The axes of a field as letters of t, c, x, y, z; empty for other arrays. Raises InputError if unclear."""
     shape = numpy.shape(array)
     is_velocity = name.rpartition("/")[2] in VECTORS and len(name) > 1
     if array.dtype.kind not in "fiu":
@@ -165,7 +166,8 @@ def _order(path, name, array, layout):
         return ""
     if path.suffix.lower() not in (".npy", ".npz") and len(shape) > 2:
         raise InputError(
-            f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout with letters of t, c, x, y "
+            f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout with letters of t, c, "
+            f"x, y "
             "and z, such as txyz (MATLAB's files have MATLAB's order reversed)"
         )
     if len(shape) > 3 and shape[-1] == 3:
@@ -173,7 +175,8 @@ def _order(path, name, array, layout):
     if is_velocity and len(shape) in (3, 4, 5):
         likely = {3: "xyc", 4: "cxyz" if shape[0] == 3 else "xyzc", 5: "tcxyz"}[len(shape)]
         raise InputError(
-            f"{path}: '{name}' has the shape {shape}, whose last axis is not three components; say the order of its axes: "
+            f"{path}: '{name}' has the shape {shape}, whose last axis is not three components; say the order of its "
+            f"axes: "
             f"--layout {likely}, or another one"
         )
     return {3: "xyz", 4: "txyz"}.get(len(shape), "")

@@ -42,7 +42,8 @@ class CfFile(Gridded):
                 self._check_axes(name)
         if not self._fields:
             raise InputError(
-                f"{self.path}: no variable has two horizontal axes, with or without a vertical axis, that are known; it "
+                f"{self.path}: no variable has two horizontal axes, with or without a vertical axis, that are known; "
+                f"it "
                 f"holds {data.contents()}; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
             )
 
@@ -114,7 +115,7 @@ class CfFile(Gridded):
         return grid_of(place.x, place.y, z if z.ndim < 3 else z[:, :, place.columns], fields)
 
     def _turned(self, name, values, place, velocity):
-        """A horizontal component as its share of a velocity along the world's axes, where they are others than its own."""
+        """A horizontal component as its share of a velocity along the world's axes, where its own are others."""
         if name not in velocity[:2] or len(velocity) < 2:
             return values
         slot, standard = velocity.index(name), self.data.text(name, "standard_name")
@@ -128,7 +129,8 @@ class CfFile(Gridded):
         turns = {kind: getattr(place, kind) for kind in kinds or ("eastward", "along")}
         if kinds and turns[kinds[0]] is None:
             raise InputError(
-                f"{self.path}: '{name}' is {standard}, and nothing tells where east is along its axes: neither longitude "
+                f"{self.path}: '{name}' is {standard}, and nothing tells where east is along its axes: neither "
+                f"longitude "
                 f"and latitude nor a grid_mapping; if it is along the axes: --attribute '{name}:standard_name="
                 f"{'xy'[slot]}_wind'"
             )
@@ -149,8 +151,10 @@ class CfFile(Gridded):
             return values
         if kinds == ["along"] and numpy.any(numpy.sin(place.along[1] - place.along[0]) < 0):
             raise InputError(
-                f"{self.path}: '{name}' is along a grid whose rows run the other way round than its columns; say how it "
-                f"is directed: --attribute '{name}:standard_name={('east', 'north')[slot]}ward_wind', or turn the rows: "
+                f"{self.path}: '{name}' is along a grid whose rows run the other way round than its columns; say how "
+                f"it "
+                f"is directed: --attribute '{name}:standard_name={('east', 'north')[slot]}ward_wind', or turn the "
+                f"rows: "
                 f"ncpdq -a -{self._fields[name][1]}"
             )
         parts = [values * numpy.cos(known[0]), values * numpy.sin(known[0]), 0 * values]

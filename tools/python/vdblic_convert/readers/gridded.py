@@ -23,7 +23,8 @@ class Data:
             for dimension, size in zip(variable.dims, variable.shape):
                 if self.sizes.setdefault(dimension, size) != size:
                     raise InputError(
-                        f"{path}: '{name}' has {size} values along '{dimension}', others {self.sizes[dimension]}: its grid "
+                        f"{path}: '{name}' has {size} values along '{dimension}', others {self.sizes[dimension]}: its "
+                        f"grid "
                         "is another one"
                     )
         for name, answer in answers.items():
@@ -145,7 +146,7 @@ class Gridded(Source):
         return None
 
     def helper(self, standard_names, units, dimensions):
-        """The variable of a standard name on some dimensions; None without. Raises InputError for one that may be it."""
+        """The variable of a standard name on some dimensions, or None. Raises InputError for one that may be it."""
         if found := self.named(*standard_names, dimensions=dimensions):
             return found
         for name, variable in self.data.variables.items():
@@ -215,7 +216,8 @@ class Gridded(Source):
         except ValueError as error:
             reason = f" ({error})" if str(error) != units else ""
             raise ValueError(
-                f"the time axis '{self.time or name}' is in '{units}'{reason}; give it units such as days since a date: "
+                f"the time axis '{self.time or name}' is in '{units}'{reason}; give it units such as days since a "
+                f"date: "
                 f"ncatted -a units,{name},o,c,'days since 2000-01-01' {self.path}"
             ) from None
         self.calendar = is_date(units) and (self.data.text(name, "calendar").lower() or "standard")

@@ -110,7 +110,8 @@ def vertical(source, field, dimensions, step, there):
     if pressure is not None:
         if data.text(axis, "standard_name") == "sea_water_pressure" or pressure.max() > MOST_PRESSURE:
             raise InputError(
-                f"{source.path}: '{axis}' is a pressure of up to {pressure.max():g} Pa, which is none of air; depths in "
+                f"{source.path}: '{axis}' is a pressure of up to {pressure.max():g} Pa, which is none of air; depths "
+                f"in "
                 f"the sea are not computed from it; if a decibar may count as a metre: --attribute '{axis}:units=m' "
                 f"'{axis}:standard_name=depth'"
             )

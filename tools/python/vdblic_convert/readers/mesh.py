@@ -93,7 +93,8 @@ class MeshFile(Gridded):
                 if numpy.ptp(self.place(nodes[0], 0)) > 0:
                     return nodes, connectivity, 1
         raise InputError(
-            f"{self.path}: it is an unstructured mesh ({', '.join(data.sizes)}), but nothing tells which nodes its cells "
+            f"{self.path}: it is an unstructured mesh ({', '.join(data.sizes)}), but nothing tells which nodes its "
+            f"cells "
             "join: neither a mesh of UGRID (face_node_connectivity), FVCOM's nv, lon and lat nor MPAS's cellsOnVertex, "
             f"lonCell and latCell; name the file of the mesh, too: vdblic_import {self.path} MESH.nc"
         )

@@ -21,7 +21,7 @@ NAMES = {  # how the names of axes begin that nothing else tells of
     "Y": r"y|lat|rlat|northing|j\b|nj\b|ny|south_north",
     "Z": r"z|dep|lev|height|alt|pres|plev|isobaric|k\b|st_ocean|sw_ocean|bottom_top|s_rho|s_w|sig|level",
 }
-PARAMETERS = "standard_parallel|scale_factor|(latitude|longitude)_of_(projection|central)|straight|grid_north|azimuth|perspective"
+PARAMETERS = "standard_parallel|scale_factor|(latitude|longitude)_of_(projection|central)|straight|grid_north|azimuth"
 TURNED = 0.005  # rad: a grid that is turned by less lies along the meridians
 
 
@@ -69,7 +69,7 @@ def _is_pressure(unit):
 
 
 def ordered(longitude):
-    """Longitudes [degrees] without jumps at a cut, (x) or (y, x), and the order of columns that makes them rise or fall.
+    """Longitudes [degrees] without jumps at a cut, (x) or (y, x), and the order of columns by which they rise or fall.
 
     Columns that repeat others are left out.
     """
@@ -175,7 +175,7 @@ def _on_earth(source, longitude, latitude, names):
 
 
 def _longitude_latitude(source, field, dimensions):
-    """Longitude and latitude (y, x) of a field in degrees: the variables that it names, else those on its dimensions."""
+    """Longitude and latitude (y, x) of a field: the variables that it names, else those on its dimensions."""
     data = source.data
     declared = re.sub(r"\w+:", " ", data.text(field, "coordinates")).split() + [field]
     candidates = sorted(data.variables, key=lambda name: name not in declared)
