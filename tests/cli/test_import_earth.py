@@ -176,6 +176,9 @@ class Directions(EarthTest):
     def test_along_a_turned_grid(self):
         file = earth_flows.turned()
         numpy.testing.assert_allclose(self.mean(file), (0.5, 0, 0), atol=2e-3)
+        for name, older in ("u", "x_sea_water_velocity"), ("v", "y_sea_water_velocity"):
+            file[name][2]["standard_name"] = older
+        numpy.testing.assert_allclose(self.mean(file), (0.5, 0, 0), atol=2e-3)
         for slot, name in enumerate("uv"):
             file[name][1][:] = (0.5, -0.1)[slot]
             file[name][2]["standard_name"] = ("eastward_sea_water_velocity", "northward_sea_water_velocity")[slot]

@@ -2,6 +2,7 @@
 
 import os
 import re
+import warnings
 
 from .errors import InputError, ParameterError
 from .outputs import Outputs
@@ -99,6 +100,7 @@ def main(version, words):
 def run(options, console, stop):
     """Convert every selected step."""
     _check(options)
+    warnings.simplefilter("ignore")  # those of packages, for programmers
     from .series import Series  # what takes long to load is loaded once the options are right
 
     outputs = Outputs(options, [".vdb"], console, stop)

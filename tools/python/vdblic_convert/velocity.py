@@ -10,6 +10,7 @@ TRIPLES = (
     ("VX", "VY", "VZ"),
     ("Vx", "Vy", "Vz"),
     ("vx1", "vx2", "vx3"),
+    ("v1", "v2", "v3"),
     ("Ux", "Uy", "Uz"),
     ("velocity_x", "velocity_y", "velocity_z"),
     ("velocityX", "velocityY", "velocityZ"),

@@ -14,11 +14,14 @@ from .place import TURNED, axis_of, horizontal
 
 MEDIUM = r"(wind|(sea_water_)?velocity)"
 COMPONENTS = (
-    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_(surface_)?x_velocity)",
-    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity)",
+    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_(surface_)?x_velocity|x_sea_water_velocity)",
+    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity|y_sea_water_velocity)",
     rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
 )
-EASTWARD, ALONG = r"(?!.*grid_).*(east|north)ward_.*", r".*grid_(east|north)ward_.*|.*(x|y)_wind|.*_(x|y)_velocity"
+EASTWARD, ALONG = (
+    r"(?!.*grid_).*(east|north)ward_.*",
+    r".*grid_(east|north)ward_.*|.*(x|y)_wind|.*_(x|y)_velocity|[xy]_sea_.*",
+)
 USUAL = (  # names of components without a standard name; the last ones are those of models
     ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "air_u", "u10"),
     ("v", "V", "VVEL", "vomecrty", "va", "vo", "water_v", "air_v", "v10"),

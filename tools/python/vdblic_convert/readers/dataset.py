@@ -1,7 +1,7 @@
 """Gridded files of every form as xarray's variables, and which convention a file follows."""
 
+import logging
 import re
-import warnings
 
 from ..errors import InputError, needed
 from .gridded import Data
@@ -11,11 +11,9 @@ from .whole_files import check_whole
 def open_source(path, options, grids=()):
     from . import cf, mesh, ocean, wrf
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # xarray's, of attributes
-        variables, attributes = _variables(path)
-        for grid in grids:
-            variables = _variables(grid)[0] | variables
+    variables, attributes = _variables(path)
+    for grid in grids:
+        variables = _variables(grid)[0] | variables
     data = Data(path, variables, attributes, options.attribute)
     if {"PH", "PHB"} <= set(data.variables):
         return wrf.WrfFile(data, options)
@@ -30,9 +28,7 @@ def is_grid(path):
     """Whether a file tells a grid, as meshes and ROMS have it, and no flow on it."""
     from . import cf, mesh, ocean
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        data = Data(path, *_variables(path), {})
+    data = Data(path, *_variables(path), {})
     flows = [names for usual in (cf.USUAL, mesh.USUAL) for names in usual[:2]]
     has_flow = any(
         any(name in names for names in flows)
@@ -92,6 +88,7 @@ def _zarr(xarray, path):
 
 def _grib(xarray, path):  # pylint: disable=unused-argument
     """The messages of all levels and times; fields on other axes have their own."""
+    logging.disable()  # cfgrib's, of messages that are left out
     keys = {"indexpath": "", "read_keys": ["uvRelativeToGrid"]}
     options = {"backend_kwargs": keys, "decode_times": False, "cache": False}
     found = {}
