@@ -191,7 +191,9 @@ class Tool:
             console.error(str(error))
             return STATUS[type(error)]
         except MemoryError:
-            console.error("this takes more memory than may be used; choose fewer voxels, or give the process more memory")
+            console.error(
+                "this takes more memory than may be used; choose fewer voxels, or give the process more memory"
+            )
             return 3
         except Exception as error:  # pylint: disable=broad-except
             console.error(f"internal error, please report it: {type(error).__name__}: {error}")

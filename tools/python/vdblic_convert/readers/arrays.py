@@ -30,10 +30,25 @@ def open_source(path, options):
             arrays = _of_hdf5(path)
     except InputError:
         raise
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, KeyError, tokenize.TokenError) as error:
+    except (
+        OSError,
+        ValueError,
+        TypeError,
+        OverflowError,
+        MemoryError,
+        EOFError,
+        zipfile.BadZipFile,
+        KeyError,
+        tokenize.TokenError,
+    ) as error:
         form = "NumPy's arrays" if path.suffix.lower() in (".npy", ".npz") else "HDF5"
         raise InputError(f"{path}: cannot be read as {form}: {error}") from None
-    return ArrayFile(path, arrays, options.layout)
+    try:
+        return ArrayFile(path, arrays, options.layout)
+    except InputError:
+        raise
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{path}: its arrays are not understood: {error}") from None
 
 
 def _of_hdf5(path):
@@ -74,6 +89,8 @@ class ArrayFile(Source):
             told = ", ".join(sorted(str(array.shape) for array in self._arrays.values()))
             raise InputError(f"{path}: the fields have different shapes: {told}")
         (self._shape,), (steps,) = shapes, steps
+        if not (steps > 0 and all(size > 0 for size in self._shape)):
+            raise InputError(f"{path}: the fields have no values: their shape is {self._shape}, with {steps} steps")
         self._axes = [arrays.get(axis) for axis in "xyz"]
         alike = [numpy.shape(axis) == (size,) for axis, size in zip(self._axes, self._shape)]
         if not all(alike) or "voxel_size" in self._place or "matrix" in self._place:
@@ -156,7 +173,7 @@ def _order(path, name, array, layout):
     is_velocity = name.rpartition("/")[2] in VECTORS and len(name) > 1
     if array.dtype.kind not in "fiu":
         if array.dtype.kind == "c" and is_velocity:
-            raise InputError(f"{path}: '{name}' has complex numbers; a velocity has real ones")
+            raise InputError(f"{path}: no array is a field: '{name}' has complex numbers, and a velocity has real ones")
         return ""
     if layout:
         for left_out in "", "c", "t", "tc":
