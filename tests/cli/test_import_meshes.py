@@ -48,6 +48,20 @@ class Cgns(ImportTest):
                     self.assertRegex(message, "box.cgns: .*(ends too early|neither of the forms)")
 
 
+class Regions(ImportTest):
+    def test_cells_of_a_region(self):
+        """A mesh and its fields in folders of a region."""
+        flows.write_foam(self.folder / "case", [0.0])
+        for folder in "constant", "0":
+            inner = self.folder / "case" / folder / "air"
+            inner.mkdir()
+            for entry in (self.folder / "case" / folder).iterdir():
+                if entry != inner:
+                    entry.rename(inner / entry.name)
+        path, = self.imports("case", "-o", "v.%04d.vdb", "--size", 8, 6, 4)
+        self.assert_flow(path, flows.flow, (8, 6, 4))
+
+
 class Collated(ImportTest):
     def test_the_layout(self):
         flows.write_foam(self.folder / "case", [0.0])

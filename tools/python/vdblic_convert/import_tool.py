@@ -232,7 +232,8 @@ class Conversion:
         if met < 0.5 and not are_chosen and not self._coarse:
             self._coarse = True
             self._console.warn(
-                f"only {100 * met:.0f} % of the cells have a voxel in them; --size or --voxel-size makes voxels finer"
+                f"only {100 * met:.0f} % of the cells have a voxel in them, because they differ in size or are turned "
+                "against the axes; --size or --voxel-size makes voxels finer"
             )
 
     def _tell_once(self, velocity, mask, source):

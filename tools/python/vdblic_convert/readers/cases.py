@@ -121,7 +121,9 @@ class OpenFoamCase(Case):
 
     def _update(self, time):
         self._reader.DisableAllPatchArrays()
-        self._reader.SetPatchArrayStatus("internalMesh", 1)
+        names = map(self._reader.GetPatchArrayName, range(self._reader.GetNumberOfPatchArrays()))
+        for name in [name for name in names if name.endswith("internalMesh")]:  # one for each region
+            self._reader.SetPatchArrayStatus(name, 1)
         data = super()._update(time)
         if not self._decomposed:
             return data
