@@ -4,7 +4,6 @@ vdblic_import makes the velocity of the untouched file of it, or refuses it by n
 """
 
 import copy
-import os
 import unittest
 
 import numpy
@@ -12,8 +11,9 @@ import pyopenvdb as vdb
 
 import earth_flows
 from imports import ImportHere
+from support import often
 
-COUNT = 2000 if os.environ.get("VDBLIC_NIGHTLY") == "1" else 200
+COUNT = often(200, 2000)
 
 
 def projected():
