@@ -113,7 +113,7 @@ class Documents(ToolTest):
                 for command in commands(document):
                     with self.subTest(document=document.name, command=command):
                         done = subprocess.run(["bash", "-o", "pipefail", "-c", runnable(command)], cwd=folder,
-                                              env=environment, text=True, capture_output=True, timeout=60)
+                                              env=environment, text=True, capture_output=True, timeout=600)
                         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_every_document_is_read(self):
