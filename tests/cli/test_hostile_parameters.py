@@ -1,7 +1,7 @@
 """Every option in every tool's --help refuses impossible values: status 2 and a message, at once.
 
 New options are tested automatically; their legal values among those tried go into LEGAL. For every push each option gets
-every fifth value, the next option the values beside them; tests/nightly.sh tries all of them.
+every eighth value, the next option the values beside them; tests/nightly.sh tries all of them.
 """
 
 import re
@@ -142,7 +142,7 @@ class HostileParameters(ToolTest):
         return TEXTS[:1] if name in NAMES else TEXTS if kind in ("TEXT", "POSITION") else NUMBERS
 
     def test_every_option_of_every_tool(self):
-        seen, step = 0, often(5, 1)
+        seen, step = 0, often(8, 1)
         of_pictures = options(self.run_tool("vdblic_render", "--help").stdout)
         for tool in COMMANDS:
             help_text = self.run_tool(tool, "--help").stdout
