@@ -4,6 +4,7 @@
 #include "vdblic/cast/solid_mesh.h"
 #include "vdblic/cast/terrain.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/extent.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/image/vector_text.h"
 #include "vdblic/io/grid_reference.h"
@@ -88,7 +89,7 @@ openvdb::FloatGrid::Ptr complementOf(const openvdb::FloatGrid& texture)
     const openvdb::CoordBBox box = texture.evalActiveVoxelBoundingBox();
     const auto rest = std::make_shared<openvdb::MaskTree>();
     if (!box.empty()) {
-        checkVoxels(box.volume());
+        checkVoxels(std::uint64_t(voxelsOf(box)));
         rest->fill(box, true, true);
         rest->topologyDifference(openvdb::MaskTree(texture.tree(), false, true, openvdb::TopologyCopy()));
     }

@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/extent.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/run/advect_params.h"
@@ -250,7 +251,7 @@ class FilmPlanner {
     [[nodiscard]] bool flowsAroundSolid() const
     {
         constexpr double kMost = 0.2; // of the box; more is space that a cloud of smoke does not fill
-        const auto box = double(mGrid.box.volume());
+        const double box = voxelsOf(mGrid.box);
         return mLayer < 0 && double(mVelocity.voxels)<box&& double(mVelocity.voxels)>(1 - kMost) * box;
     }
 

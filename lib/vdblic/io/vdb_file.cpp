@@ -1,6 +1,7 @@
 #include "vdblic/io/vdb_file.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/extent.h"
 #include "vdblic/core/hazard.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
@@ -18,6 +19,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -53,6 +55,36 @@ std::uint32_t compressionFlags(VdbCompression compression)
 {
     namespace io = openvdb::io;
     return io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC : io::COMPRESS_NONE);
+}
+
+/// Whether each place in world space is at one place in index space.
+bool isInvertible(const openvdb::math::Transform& transform)
+{
+    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+    return std::abs(matrix.getMat3().det()) > 0 && std::isfinite(matrix.det());
+}
+
+/// Refuse transforms that flatten space, and voxels whose distances to others no integer of 32 bits holds, as all
+/// indices of OpenVDB are.
+void checkPlaces(const VdbFile& file)
+{
+    for (const openvdb::GridBase::Ptr& grid : file.grids) {
+        if (!grid->transform().isLinear() || isInvertible(grid->transform())) continue;
+        throw InputError(fmt::format("{}: grid '{}' has a transform that flattens space; give its voxels a size",
+                                     file.path.string(), grid->getName()));
+    }
+    const openvdb::CoordBBox all(openvdb::Coord(-kFarthestIndex), openvdb::Coord(kFarthestIndex));
+    for (const openvdb::GridBase::Ptr& grid : file.grids) {
+        openvdb::CoordBBox nodes;
+        grid->baseTree().getIndexRange(nodes);
+        if (nodes.empty() || all.isInside(nodes)) continue;
+        const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
+        if (box.empty() || all.isInside(box)) continue;
+        throw InputError(fmt::format("{}: grid '{}': active voxels reach from [{} {} {}] to [{} {} {}]; indices "
+                                     "beyond ±{} cannot be used: move the grid's origin or cut it",
+                                     file.path.string(), grid->getName(), box.min()[0], box.min()[1], box.min()[2],
+                                     box.max()[0], box.max()[1], box.max()[2], kFarthestIndex));
+    }
 }
 
 /// Overwrite the placeholders of the checksums and of the identity.
@@ -159,6 +191,7 @@ std::string VdbFile::contents() const
 VdbFile readVdb(const std::filesystem::path& path, const LeafFilter& isKept, bool verify)
 {
     VdbFile file = GuardedFile(path, verify).read(isKept);
+    checkPlaces(file);
     file.metadata.removeMeta("checksum"); // describes the bytes on disk, not the result
     return file;
 }

@@ -5,6 +5,7 @@
 #include "vdblic/cast/solid_extent.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
+#include "vdblic/core/extent.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
@@ -25,6 +26,7 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -229,9 +231,10 @@ void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
     openvdb::CoordBBox box;
     frame.volume.domain().topology().evalActiveVoxelBoundingBox(box);
     // Of a sparse texture a ray meets its share of the box.
-    const double share = frame.isSparse ? active / double(box.volume()) : 1;
+    const double share = frame.isSparse ? active / voxelsOf(box) : 1;
     voxels = std::max(voxels, active * share * share);
-    narrowest = std::max(narrowest, share * double(box.dim()[int(box.minExtent())]));
+    const std::array<std::int64_t, 3> extent = extentOf(box);
+    narrowest = std::max(narrowest, share * double(*std::min_element(extent.begin(), extent.end())));
     volumeBytes = std::max(volumeBytes, frame.bytes());
     lastFrame = std::max(lastFrame, frame.file.frame);
     longest = std::max(longest, std::abs(frame.clock.time.value_or(0)));

@@ -1,5 +1,6 @@
 #include "vdblic/run/memory_estimate.h"
 
+#include "vdblic/core/extent.h"
 #include "vdblic/field/bricks.h"
 #include "vdblic/field/field_domain.h"
 #include "vdblic/field/slabs.h"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace vdblic {
@@ -33,11 +35,10 @@ StreakCost streakCost(const StreakShape& shape, double voxels, double leaves, co
 {
     constexpr double kDrawn = 90, kSeconds = 1.86e-7; // for the square of the texture voxels in a spacing, a streak
     double cells = voxels, inCell = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto at = std::size_t(axis);
-        const double spacing = std::min(double(shape.spacing[at]), double(box.dim()[axis]));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double spacing = std::min(double(shape.spacing[axis]), double(extentOf(box)[axis]));
         cells /= spacing;
-        inCell *= spacing * shape.refinement.factors[at];
+        inCell *= spacing * shape.refinement.factors[axis];
     }
     const double drawn = cells * std::pow(inCell, 2.0 / 3);
     return {kProcess + (kVelocity * Domain::kLeafVoxels + kVelocityBrick) * leaves + kDrawn * drawn, kSeconds * drawn};

@@ -1,5 +1,6 @@
 #include "vdblic/run/sequence_advice.h"
 
+#include "vdblic/core/extent.h"
 #include "vdblic/run/texture_run.h"
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -80,8 +82,9 @@ const GridInfo* velocityGridOf(const SequenceInfo& info)
 int layerAxis(const openvdb::CoordBBox& box)
 {
     int layer = -1;
+    const std::array<std::int64_t, 3> extent = extentOf(box);
     for (int axis = 0; axis < 3; ++axis) {
-        if (box.dim()[axis] > 1) continue;
+        if (extent[std::size_t(axis)] > 1) continue;
         if (layer >= 0) return -1;
         layer = axis;
     }

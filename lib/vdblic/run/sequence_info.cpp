@@ -81,7 +81,11 @@ void addHeader(const openvdb::GridBase& grid, SequenceInfo& info)
         first.transform = grid.transform().copy();
         known = info.grids.insert(known, first);
     }
-    const auto number = [&](const char* key) { return std::uint64_t(numericMetadata(grid, key).value_or(0)); };
+    const auto number = [&](const char* key) { // of a file, which may tell anything
+        constexpr double kMost = 1e18;
+        const double told = numericMetadata(grid, key).value_or(0);
+        return told > 0 ? std::uint64_t(std::min(told, kMost)) : std::uint64_t(0);
+    };
     const std::uint64_t voxels = number(openvdb::GridBase::META_FILE_VOXEL_COUNT);
     ++known->files;
     known->leastVoxels = std::min(known->leastVoxels, voxels);

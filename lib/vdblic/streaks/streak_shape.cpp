@@ -1,12 +1,15 @@
 #include "vdblic/streaks/streak_shape.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/extent.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace vdblic {
 namespace {
@@ -28,9 +31,9 @@ std::array<float, 3> chosenSpacing(double voxels, const openvdb::CoordBBox& box)
 {
     constexpr double kInVolume = 30e3, kInLayer = 6e3; // cells of one spacing
     constexpr double kLeast = 0.25, kThin = 4;
-    const openvdb::Coord extent = box.dim();
-    const int least = std::min({extent[0], extent[1], extent[2]});
-    const bool isLayer = least <= kThin && least * 8 <= std::max({extent[0], extent[1], extent[2]});
+    const auto [x, y, z] = extentOf(box);
+    const auto least = double(std::min({x, y, z}));
+    const bool isLayer = least <= kThin && least * 8 <= double(std::max({x, y, z}));
     const double spacing = isLayer ? std::sqrt(voxels / least / kInLayer) : std::cbrt(voxels / kInVolume);
     const float chosen = rounded(std::max(spacing, kLeast));
     return {chosen, chosen, chosen};
@@ -38,11 +41,12 @@ std::array<float, 3> chosenSpacing(double voxels, const openvdb::CoordBBox& box)
 
 void checkSpacing(const std::array<float, 3>& spacing, const openvdb::CoordBBox& box)
 {
-    const auto isLarger = [&](int axis) { return spacing[std::size_t(axis)] > float(box.dim()[axis]); };
+    const std::array<std::int64_t, 3> extent = extentOf(box);
+    const auto isLarger = [&](std::size_t axis) { return spacing[axis] > float(extent[axis]); };
     if (!isLarger(0) || !isLarger(1) || !isLarger(2)) return;
     throw ParameterError(fmt::format("`spacing` {} is larger than the velocity's {} x {} x {} voxels: give a smaller "
                                      "one",
-                                     numbersText(spacing), box.dim()[0], box.dim()[1], box.dim()[2]));
+                                     numbersText(spacing), extent[0], extent[1], extent[2]));
 }
 
 } // namespace
