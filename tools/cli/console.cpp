@@ -3,6 +3,7 @@
 #include "cli/option_names.h"
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/io/sequence.h"
 
 #include <fmt/format.h>
@@ -127,7 +128,8 @@ void Console::print(std::string_view kind, std::string_view message)
 {
     if (mLevel == Level::kSilent) return;
     clearBar();
-    printMessage(fmt::format("{}: {}{}\n", mTool, kind, withOptionNames(message, mParameters)));
+    printMessage(fmt::format("{}: {}{}
+", mTool, kind, printable(withOptionNames(message, mParameters))));
 }
 
 void Console::clearBar()

@@ -1,5 +1,7 @@
 #include "vdblic/coherence/coherence_report.h"
 
+#include "vdblic/io/json_file.h"
+
 #include <nlohmann/json.hpp>
 
 #include <array>
@@ -137,8 +139,7 @@ std::string toJson(const SequenceCoherence& coherence, const SequenceCoherencePa
                           {"smoothed", ofMeans(coherence.smoothed)},
                           {"by_displacement", ofMeans(coherence.byDisplacement)}};
     }
-    // File names need not be valid UTF-8, JSON must be.
-    return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    return jsonText(report);
 }
 
 } // namespace vdblic

@@ -1,5 +1,7 @@
 #include "vdblic/compare/report.h"
 
+#include "vdblic/io/json_file.h"
+
 #include <nlohmann/json.hpp>
 
 #include <array>
@@ -159,8 +161,7 @@ std::string toJson(const SequenceDifference& difference, const CompareParams& pa
                          {"stopped_early", difference.stoppedEarly},
                          {"parameters", ofParams(params)},
                          {"frames", list(difference.frames, ofFrame)}};
-    // Names and metadata in a file may be invalid UTF-8; JSON must be valid.
-    return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    return jsonText(report);
 }
 
 } // namespace vdblic

@@ -25,6 +25,12 @@ std::string plainWords(const std::string& message)
     return fmt::format("{}: {}", message.substr(line, colon - line), message.substr(dash + 3));
 }
 
+template<typename Json>
+std::string textOf(const Json& json, int indent)
+{
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
 } // namespace
 
 nlohmann::json readJson(const std::filesystem::path& path)
@@ -43,6 +49,16 @@ nlohmann::json readJson(const std::filesystem::path& path)
     } catch (const nlohmann::json::exception& error) {
         throw InputError(fmt::format("{}: is no JSON: {}", path.string(), plainWords(error.what())));
     }
+}
+
+std::string jsonText(const nlohmann::json& json, int indent)
+{
+    return textOf(json, indent);
+}
+
+std::string jsonText(const nlohmann::ordered_json& json, int indent)
+{
+    return textOf(json, indent);
 }
 
 } // namespace vdblic

@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/json_file.h"
 #include "vdblic/io/output_pattern.h"
 
 #include <fmt/format.h>
@@ -114,7 +115,7 @@ std::string histogramJson(const TextureHistograms& histograms, const Look& look,
           {"colorMap", transfer.colorMapName()},
           {"opacity", points}}},
     };
-    return json.dump(1) + "\n";
+    return jsonText(json, 1);
 }
 
 void checkHistogramPath(const std::filesystem::path& path)

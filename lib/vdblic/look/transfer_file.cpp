@@ -107,7 +107,7 @@ bool writeTransferFile(const std::filesystem::path& path, const TransferParams& 
     if (params.opacityRange) file["opacity_range"] = *params.opacityRange;
     if (params.opacityScale) file["opacity_scale"] = nameOf(*params.opacityScale);
     if (!params.opacityUnit.empty()) file["opacity_unit"] = params.opacityUnit;
-    return writeReport(path, file.dump(2) + '\n');
+    return writeReport(path, jsonText(file));
 }
 
 } // namespace vdblic

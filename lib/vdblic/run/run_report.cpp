@@ -1,5 +1,7 @@
 #include "vdblic/run/run_report.h"
 
+#include "vdblic/io/json_file.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -118,7 +120,7 @@ std::string toJson(const RunReport& report)
                          {"computing_seconds", figures(spreadOf(report, computing))},
                          {"steps_per_voxel", figures(spreadOf(report, stepsPerVoxel))},
                          {"frames", frames}};
-    return result.dump(2) + '\n';
+    return jsonText(result);
 }
 
 } // namespace vdblic

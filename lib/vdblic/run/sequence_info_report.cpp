@@ -1,4 +1,5 @@
 #include "vdblic/core/memory.h"
+#include "vdblic/io/json_file.h"
 #include "vdblic/run/sequence_advice.h"
 #include "vdblic/run/sequence_info.h"
 
@@ -157,8 +158,7 @@ std::string toJson(const std::vector<SequenceInfo>& sequences)
         if (info.velocity) sequence["velocity"] = ofVelocity(*info.velocity);
         all.push_back(sequence);
     }
-    // File names need not be valid UTF-8, JSON must be.
-    return nlohmann::json{{"sequences", all}}.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+    return jsonText(nlohmann::json{{"sequences", all}});
 }
 
 } // namespace vdblic
