@@ -1,5 +1,11 @@
 #include "cli/option_names.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 namespace vdblic::cli {
 namespace {
 
@@ -8,9 +14,16 @@ bool isParameter(std::string_view word)
     return !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string_view::npos;
 }
 
+/// Parameters of vdblic_advect that messages about any volume advise, and their options.
+constexpr std::pair<std::string_view, std::string_view> kOfAdvect[] = {
+    {"box", "--bbox"}, {"mask", "--mask"}, {"world_box", "--bbox-world"}};
+
 std::string optionOf(std::string_view key, const Parameters& parameters)
 {
     const Parameter* const known = find(parameters, key);
+    const auto* const ofAdvect =
+        std::find_if(std::begin(kOfAdvect), std::end(kOfAdvect), [key](const auto& one) { return one.first == key; });
+    if (!known && ofAdvect != std::end(kOfAdvect)) return fmt::format("{} of vdblic_advect", ofAdvect->second);
     const std::string option = (known ? *known : Parameter{key, {}}).option();
     return option.substr(option.rfind(',') + 1); // the long one
 }

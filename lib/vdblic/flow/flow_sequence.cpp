@@ -116,7 +116,11 @@ FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const Load
                                      next->velocity.file.path.string(), *next->velocity.time, *velocity.time));
     }
     if (interval->isAssumed) {
-        sayOnce("no time or dt in the files: taking 24 frames a second; give `frame_spacing` if it is another");
+        sayOnce(velocity.dt
+                    ? fmt::format("the dt of grid {} is {}, which is no time between frames: taking 24 frames a "
+                                  "second; give `frame_spacing` if it is another",
+                                  velocity.gridName, *velocity.dt)
+                    : "no time or dt in the files: taking 24 frames a second; give `frame_spacing` if it is another");
     }
     return *interval;
 }

@@ -16,7 +16,9 @@ std::optional<FrameInterval> frameInterval(std::optional<double> given, const Fr
     if (current.dt && *current.dt > 0 && std::isfinite(*current.dt))
         return FrameInterval{*current.dt * skipped, "by the files' dt"};
     constexpr double kDefaultFps = 24;
-    return FrameInterval{skipped / kDefaultFps, "24 frames a second by default", true};
+    const char* const source =
+        current.dt ? "24 frames a second, because the files' dt is no time" : "24 frames a second by default";
+    return FrameInterval{skipped / kDefaultFps, source, true};
 }
 
 } // namespace vdblic
