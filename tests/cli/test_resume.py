@@ -21,6 +21,7 @@ SANITIZED = os.environ.get("VDBLIC_SANITIZED") == "1"
 SUPPORT = os.environ["VDBLIC_TEST_SUPPORT"]
 FRAMES = 40
 CHECKPOINT = "checkpoint.lic.vdb"
+LOCK = ".checkpoint.lic.lock"
 OUTPUTS = "lic.%04d.vdb"
 
 
@@ -424,15 +425,16 @@ class Resume(ToolTest):
         for damaged in good[:-100] + bytes([good[-100] ^ 1]) + good[-99:], good[: len(good) // 2], b"", b"something else":
             (self.folder / CHECKPOINT).write_bytes(damaged)
             message = self.refused(3, self.flow())
-            self.assertRegex(message, rf"{CHECKPOINT}: cannot be read as a \.vdb file: .*; or delete the checkpoint to "
-                                      r"start from the beginning")
+            self.assertRegex(message, rf"{CHECKPOINT}: cannot be read as a \.vdb file: .*(; or delete the checkpoint|"
+                                      r"no checkpoint of vdblic_advect: copy it again, or move it away) to start from "
+                                      r"the beginning")
         choice = random.Random(3)
         for _ in range(40):
             damaged = bytearray(good)
             for _ in range(choice.randint(1, 3)):
                 damaged[choice.randrange(choice.choice((3000, len(good))))] ^= choice.randrange(1, 256)
             (self.folder / CHECKPOINT).write_bytes(damaged)
-            self.assertIn("delete the checkpoint to start from the beginning", self.refused(3, self.flow()))
+            self.assertRegex(self.refused(3, self.flow()), "(delete the checkpoint|away) to start from the beginning")
         shutil.copy(str(self.flow()) % 1, self.folder / CHECKPOINT)
         self.assertIn("is no checkpoint of vdblic_advect", self.refused(3, self.flow()))
         (self.folder / CHECKPOINT).unlink()
@@ -445,6 +447,63 @@ class Resume(ToolTest):
         self.assertIn("tells that lic.0002.vdb was finished, but it is not there", message)
         (self.folder / "kept.vdb").rename(self.folder / "lic.0002.vdb")
         self.finish(self.whole(self.flow()), self.flow())
+
+    def test_damaged_outputs(self):
+        """What a resumed run prints as finished is what an interrupted one has written."""
+        self.interrupted(self.flow())
+        whole, other = self.contents("lic.0002.vdb"), self.contents("lic.0001.vdb")
+        turned = bytearray(whole)
+        turned[len(whole) // 2] ^= 1
+        seeded = self.shared / "seeded"
+        seeded.mkdir()
+        self.tool("vdblic_advect", self.flow(), "-o", seeded / OUTPUTS, "--frames", "1-2", "--seed", 5)
+        (self.folder / "lic.0002.vdb").unlink()  # another run may have linked it
+        for content, words in ((b"", "is damaged"), (whole[:-1000], "is damaged"), (bytes(turned), "is damaged"),
+                               (other, "it is frame 1"), (b"notes", "is damaged"),
+                               ((self.shared / "v.0002.vdb").read_bytes(), "it "),
+                               ((seeded / "lic.0002.vdb").read_bytes(), "another run, by its metadata 'seed'")):
+            (self.folder / "lic.0002.vdb").write_bytes(content)
+            message = self.refused(3, self.flow())
+            self.assertRegex(message, f"{CHECKPOINT}: tells that lic.0002.vdb was finished, but it .*{words}|{words}.*")
+            self.assertIn("put it back, or delete the checkpoint", message)
+        (self.folder / "lic.0002.vdb").write_bytes(whole)
+        self.finish(self.whole(self.flow()), self.flow())
+
+    # Two runs at a time
+
+    def waiting(self, *options):
+        """A run that waits for paths and has its outputs; ended by the test or at its end."""
+        run = self.start("-", *options, frames=None, stdin=subprocess.PIPE)
+        self.wait_until(lambda: LOCK in self.files() and self.contents(LOCK), "the run claims its outputs")
+        return run
+
+    def test_two_runs_do_not_mix(self):
+        run = self.waiting("--seed", 1)
+        before = self.files()
+        for options in (), ("--seed", 2), ("--resume",), ("--restart",), ("--checkpoint-every", 0):
+            message = self.fails(2, "vdblic_advect", self.flow(), "-o", OUTPUTS, "--frames", "1-3", *options)
+            self.assertRegex(message, rf"lic\.%04d\.vdb: another run is writing these outputs, process {run.pid} on "
+                                      rf"\S+: .*vdblic_advect - -o {OUTPUTS}|another run .* process {run.pid} on ")
+            self.assertEqual(self.files(), before)
+        self.fails(2, "vdblic_advect", self.flow(), "-o", "./lic.####.vdb", "--frames", "1-3")  # the same names
+        self.outputs("vdblic_advect", str(self.flow()) % 1, "-o", "other.%04d.vdb")  # beside them
+        (self.folder / "other.0001.vdb").unlink()
+        out, messages = run.communicate("".join(f"{str(self.flow()) % frame}\n" for frame in (1, 2, 3)), timeout=120)
+        self.assertEqual(run.returncode, 0, messages)
+        self.assertEqual(out.split(), ["lic.0001.vdb", "lic.0002.vdb", "lic.0003.vdb"])
+        self.assertEqual(self.files(), out.split())
+
+    def test_a_killed_run_claims_nothing(self):
+        run = self.waiting()
+        run.kill()
+        run.wait()
+        self.assertEqual(self.files(), [LOCK])
+        self.outputs("vdblic_advect", str(self.flow()) % 1, "-o", OUTPUTS)
+        self.assertEqual(self.files(), ["lic.0001.vdb"])
+        (self.folder / LOCK).write_bytes(b"notes of a year")
+        self.assertIn(f"{LOCK}: is no lock of a run",
+                      self.fails(4, "vdblic_advect", str(self.flow()) % 1, "-o", OUTPUTS))
+        self.assertEqual(self.contents(LOCK), b"notes of a year")
 
     def test_other_frames(self):
         self.interrupted(self.flow(), frames="1-20")
@@ -554,13 +613,43 @@ class Resume(ToolTest):
 
     def test_the_checkpoint_is_no_input(self):
         shutil.copy(str(self.flow()) % 1, self.folder / CHECKPOINT)
-        self.assertIn("replace an input", self.fails(2, "vdblic_advect", CHECKPOINT, "-o", OUTPUTS, "--restart"))
+        self.assertIn("is no checkpoint of vdblic_advect, and one would replace it",
+                      self.fails(2, "vdblic_advect", CHECKPOINT, "-o", OUTPUTS, "--restart"))
         self.tool("vdblic_noise", "--like", CHECKPOINT, "-o", "other.vdb")
         (self.folder / "other.vdb").rename(self.folder / CHECKPOINT)
         for option in "--mask", "--noise":
-            self.assertIn("replace an input", self.fails(2, "vdblic_advect", str(self.flow()) % 1, option,
+            self.assertIn("is no checkpoint", self.fails(2, "vdblic_advect", str(self.flow()) % 1, option,
                                                          f"{CHECKPOINT}:noise", "-o", OUTPUTS, "--restart"))
         self.assertEqual(self.files(), [CHECKPOINT])
+
+    def test_what_is_no_checkpoint_stays(self):
+        """Notes, a velocity or a link under the name of a checkpoint, or of a part of one, outlive every run."""
+        notes, part = b"notes of a year\n", "checkpoint.lic.s3.p0.vdb"
+        velocity = (self.shared / "v.0001.vdb").read_bytes() if self.flow() else b""
+        for content in notes, velocity:
+            (self.folder / CHECKPOINT).write_bytes(content)
+            for options, status in ((), 2), (("--restart",), 2), (("--checkpoint-every", 0), 2), (("--resume",), 3):
+                message = self.fails(status, "vdblic_advect", self.flow(), "-o", OUTPUTS, "--frames", "1-3", *options)
+                self.assertRegex(message, f"{CHECKPOINT}: .*no checkpoint of vdblic_advect.*move it away")
+                self.assertEqual(self.files(), [CHECKPOINT])
+                self.assertEqual(self.contents(CHECKPOINT), content)
+            (self.folder / CHECKPOINT).unlink()
+            (self.folder / part).write_bytes(content)
+            self.outputs("vdblic_advect", self.flow(), "-o", OUTPUTS, "--frames", "1-6", "--checkpoint-every", 1)
+            self.assertEqual(self.contents(part), content)
+            self.clear()
+
+    def test_no_output_replaces_a_checkpoint(self):
+        self.interrupted(self.flow())
+        before = self.contents(CHECKPOINT)
+        one = str(self.flow()) % 1
+        for command in (("vdblic_advect", one, "-o"), ("vdblic_synth", "abc", "--size", 8, 8, 8, "-o"),
+                        ("vdblic_noise", "--size", 8, 8, 8, "-o"), ("vdblic_diff", one, one, "-o"),
+                        ("vdblic_info", one, "--json")):
+            message = self.fails(2, *command, CHECKPOINT)
+            self.assertIn(f"output '{CHECKPOINT}' would replace a checkpoint of vdblic_advect", message)
+            self.assertEqual(self.contents(CHECKPOINT), before)
+        self.finish(self.whole(self.flow()), self.flow())
 
     def test_the_checkpoint_is_a_vdb_that_others_can_read(self):
         self.interrupted(self.flow())

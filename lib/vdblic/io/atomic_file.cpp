@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/io/checkpoint_mark.h"
 
 #include <fmt/format.h>
 
@@ -230,11 +231,15 @@ void checkDistinct(const std::filesystem::path& output, const std::filesystem::p
 
 void checkReplaceable(const std::filesystem::path& output)
 {
-    (void)fileBehind(output);
+    if (!isCheckpoint(fileBehind(output))) return;
+    throw ParameterError(fmt::format("output '{}' would replace a checkpoint of vdblic_advect; name another file, or "
+                                     "remove the checkpoint",
+                                     output.string()));
 }
 
 void checkOutput(const std::filesystem::path& output)
 {
+    checkReplaceable(output);
     const AtomicFile writable(output);
 }
 

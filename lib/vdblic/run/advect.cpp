@@ -4,6 +4,7 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/output_lock.h"
 #include "vdblic/run/frame_writer.h"
 #include "vdblic/run/lead_in.h"
 #include "vdblic/run/run_checkpoint.h"
@@ -46,6 +47,7 @@ class Advection {
                   params.format.compression, params.flow.velocity.carry.empty() ? kMostWriters : 1)
     {
         mOutputs.check(mWriter.total());
+        if (exchange.isFirst()) mLock.emplace(mOutputs.lock(), params.output);
     }
 
     void run()
@@ -163,6 +165,7 @@ class Advection {
     Reporter& mReporter;
     Exchange& mExchange;
     RunOutputs mOutputs;
+    std::optional<OutputLock> mLock;
     RunCheckpoint mCheckpoint;
     std::size_t mTotal = 0;
     TextureRun mRun;

@@ -2,16 +2,17 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/version.h"
+#include "vdblic/io/checkpoint_mark.h"
 
 #include <fmt/format.h>
 
 #include <sstream>
+#include <system_error>
 
 namespace vdblic {
 namespace {
 
-constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time", *kSpacing = "number_spacing",
-                     *kMotion = "scaled_motion";
+using Keys = CheckpointKeys;
 
 std::string inputKey(std::size_t index)
 {
@@ -75,12 +76,15 @@ CheckpointPart partOf(const std::filesystem::path& checkpoint, const std::string
 
 void writeCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const ParameterTexts& parameters)
 {
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored) && !isCheckpoint(path))
+        throw OutputError(fmt::format("{}: is no checkpoint, and one would replace it; move it away", path.string()));
     openvdb::MetaMap metadata;
-    metadata.insertMeta(kSteps, openvdb::Int64Metadata(std::int64_t(checkpoint.position.steps)));
-    metadata.insertMeta(kInterval, openvdb::DoubleMetadata(checkpoint.position.interval));
-    metadata.insertMeta(kTime, openvdb::DoubleMetadata(checkpoint.position.time));
-    metadata.insertMeta(kSpacing, openvdb::Int64Metadata(checkpoint.position.frameSpacing));
-    metadata.insertMeta(kMotion, openvdb::DoubleMetadata(checkpoint.position.motion));
+    metadata.insertMeta(Keys::kSteps, openvdb::Int64Metadata(std::int64_t(checkpoint.position.steps)));
+    metadata.insertMeta(Keys::kInterval, openvdb::DoubleMetadata(checkpoint.position.interval));
+    metadata.insertMeta(Keys::kTime, openvdb::DoubleMetadata(checkpoint.position.time));
+    metadata.insertMeta(Keys::kSpacing, openvdb::Int64Metadata(checkpoint.position.frameSpacing));
+    metadata.insertMeta(Keys::kMotion, openvdb::DoubleMetadata(checkpoint.position.motion));
     for (std::size_t i = 0; i < checkpoint.inputs.size(); ++i)
         metadata.insertMeta(inputKey(i), openvdb::StringMetadata(checkpoint.inputs[i]));
     for (const auto& [key, value] : parameters)
@@ -111,11 +115,11 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
     if (!hasChecksums) refuseCheckpoint(path, "is not as vdblic_advect writes it: its checksums are gone");
     const openvdb::MetaMap& metadata = checkpoint.states.front().metadata;
     const PositionReader position(path, metadata);
-    checkpoint.position.steps = std::uint64_t(position.get<std::int64_t>(kSteps));
-    checkpoint.position.interval = position.get<double>(kInterval);
-    checkpoint.position.time = position.get<double>(kTime);
-    checkpoint.position.frameSpacing = position.get<std::int64_t>(kSpacing);
-    checkpoint.position.motion = position.get<double>(kMotion);
+    checkpoint.position.steps = std::uint64_t(position.get<std::int64_t>(Keys::kSteps));
+    checkpoint.position.interval = position.get<double>(Keys::kInterval);
+    checkpoint.position.time = position.get<double>(Keys::kTime);
+    checkpoint.position.frameSpacing = position.get<std::int64_t>(Keys::kSpacing);
+    checkpoint.position.motion = position.get<double>(Keys::kMotion);
     if (const std::string creator = textMetadata(metadata, "creator"); creator != kCreator) {
         refuseCheckpoint(path,
                          fmt::format("was written by {}, this is {}: go on with that version", creator, kCreator));

@@ -6,10 +6,13 @@
 #include "vdblic/distributed/partition.h"
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/checkpoint_mark.h"
 #include "vdblic/io/file_stamp.h"
+#include "vdblic/io/vdb_header.h"
 #include "vdblic/lic/flow_texture.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/run_outputs.h"
+#include "vdblic/run/texture_file.h"
 
 #include <fmt/format.h>
 
@@ -36,6 +39,13 @@ SavedPart stateOf(const FlowTexture& texture, std::size_t part, const openvdb::m
     return {{std::move(saved.grids), {}, {}}, saved.box};
 }
 
+/// What is no checkpoint stays.
+void removeCheckpoint(const std::filesystem::path& path, std::error_code& error)
+{
+    if (isCheckpoint(path)) std::filesystem::remove(path, error);
+    removeLeftovers(path);
+}
+
 } // namespace
 
 RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter, Exchange& exchange)
@@ -46,8 +56,9 @@ RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Re
 
 std::optional<Checkpoint> RunCheckpoint::find()
 {
-    const bool isThere = isFinished(mOutputs.checkpoint());
+    const bool isThere = isFinished(mOutputs.checkpoint()), isKnown = isCheckpoint(mOutputs.checkpoint());
     mExchange.agree(); // before rank 0 removes it
+    if (isThere && !isKnown) refuseForeign();
     if (isThere && !mParams.resume && !mParams.restart) {
         throw ParameterError(
             fmt::format("{}: an earlier run left this checkpoint; go on from it with `resume`, or remove "
@@ -62,6 +73,20 @@ std::optional<Checkpoint> RunCheckpoint::find()
     Checkpoint checkpoint = readCheckpoint(mOutputs.checkpoint(), mParameters);
     mExpected = checkpoint.inputs;
     return checkpoint;
+}
+
+/// Refuse to go on from what is no checkpoint, or to replace it by one.
+void RunCheckpoint::refuseForeign() const
+{
+    const std::filesystem::path& path = mOutputs.checkpoint();
+    std::string found = fmt::format("{}: is no checkpoint of vdblic_advect", path.string());
+    try {
+        (void)readVdbHeader(path);
+    } catch (const InputError& error) {
+        found = fmt::format("{}; it is damaged, or no checkpoint of vdblic_advect", error.what());
+    }
+    if (mParams.resume) throw InputError(found + ": copy it again, or move it away to start from the beginning");
+    throw ParameterError(found + ", and one would replace it: move it away, or give another `output`");
 }
 
 std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& checkpoint, FlowSequence& flow)
@@ -89,10 +114,11 @@ void RunCheckpoint::addFinished(const FrameFile& file, int substeps, std::vector
 {
     for (int substep = 0; substep < substeps; ++substep) {
         outputs.push_back(mOutputs.texture(file.frame, substep));
-        if (isFinished(outputs.back())) continue;
-        refuseCheckpoint(
-            mOutputs.checkpoint(),
-            fmt::format("tells that {} was finished, but it is not there: put it back", outputs.back().string()));
+        if (!mExchange.isFirst()) continue; // which tells of them
+        const std::string fault = faultOf(outputs.back(), mOutputs.number(file.frame, substep), mParams);
+        if (fault.empty()) continue;
+        refuseCheckpoint(mOutputs.checkpoint(), fmt::format("tells that {} was finished, but {}: put it back",
+                                                            outputs.back().string(), fault));
     }
 }
 
@@ -208,7 +234,7 @@ void RunCheckpoint::writeParts(const FlowTexture& texture, const Unsaved& unsave
     } catch (...) {
         std::error_code ignored;
         for (std::size_t part = 0; part < boxes.size(); ++part)
-            std::filesystem::remove(path(first + part), ignored);
+            removeCheckpoint(path(first + part), ignored);
         throw;
     }
     if (mExchange.isFirst()) removeParts(unsaved.position.steps);
@@ -219,8 +245,7 @@ void RunCheckpoint::removeParts(std::optional<std::uint64_t> but) const
 {
     for (const std::filesystem::path& part : mOutputs.checkpointParts(but)) {
         std::error_code error;
-        std::filesystem::remove(part, error);
-        removeLeftovers(part);
+        removeCheckpoint(part, error);
         if (error) throw OutputError(fmt::format("{}: cannot be removed: {}", part.string(), error.message()));
     }
 }
@@ -229,8 +254,7 @@ void RunCheckpoint::remove() const
 {
     if (!mExchange.isFirst()) return;
     std::error_code error;
-    std::filesystem::remove(mOutputs.checkpoint(), error);
-    removeLeftovers(mOutputs.checkpoint());
+    removeCheckpoint(mOutputs.checkpoint(), error);
     if (!error) {
         removeParts({});
         return;

@@ -81,6 +81,7 @@ class RunCheckpoint {
         openvdb::math::Transform::Ptr transform; // of the grids in the checkpoint
     };
 
+    [[noreturn]] void refuseForeign() const;
     [[nodiscard]] VdbFile readPart(const Checkpoint& checkpoint, const CheckpointPart& part) const;
     void writeParts(const FlowTexture& texture, const Unsaved& unsaved, Checkpoint checkpoint);
     void removeParts(std::optional<std::uint64_t> but) const;

@@ -2,6 +2,7 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/checkpoint_mark.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/run/advect_params.h"
@@ -52,6 +53,11 @@ std::int64_t RunOutputs::number(std::int64_t frame, int substep) const
     return textureNumber(mFirst.value_or(frame), frame, mParams.texture.substeps, substep);
 }
 
+std::filesystem::path RunOutputs::lock() const
+{
+    return mCheckpoint.parent_path() / fmt::format(".{}.lock", mCheckpoint.stem().string());
+}
+
 std::filesystem::path RunOutputs::checkpointPart(std::uint64_t steps, std::size_t part) const
 {
     const std::string stem = mCheckpoint.stem().string();
@@ -83,7 +89,7 @@ std::vector<std::filesystem::path> RunOutputs::checkpointParts(std::optional<std
 void RunOutputs::check(std::size_t textures)
 {
     if (textures > 0) checkOutputPattern(mTextures, textures);
-    checkOutput(mCheckpoint);
+    checkCheckpoint(mCheckpoint); // RunCheckpoint::find() tells of a file that is there
     if (mParams.flow.input.pattern != "-") {
         const std::vector<std::int64_t> frames = selectedFrames(mParams.flow.input);
         for (auto frame = frames.begin() + mParams.leadIn.value_or(0); frame != frames.end(); ++frame) {

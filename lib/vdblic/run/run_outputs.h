@@ -32,6 +32,8 @@ class RunOutputs {
         return mTextures.path(number(frame, substep));
     }
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
+    /// What a run locks for as long as it writes them: two runs would mix their outputs.
+    [[nodiscard]] std::filesystem::path lock() const;
     /// A part of the checkpoint after some steps.
     [[nodiscard]] std::filesystem::path checkpointPart(std::uint64_t steps, std::size_t part) const;
     /// The parts of the checkpoint that are on disk. @param but after these steps

@@ -9,12 +9,17 @@
 #include "vdblic/field/resample.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/field/velocity_leaf.h"
+#include "vdblic/io/atomic_file.h"
 #include "vdblic/io/texture_name.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/io/vdb_header.h"
 #include "vdblic/lic/finish.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/texture_run.h"
 #include "vdblic/run/velocity_output.h"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <cstddef>
@@ -174,6 +179,29 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
     file.metadata.insertMeta("time", openvdb::DoubleMetadata(made.time));
     file.metadata.insertMeta("dt", openvdb::DoubleMetadata(made.interval / params.texture.substeps));
     return file;
+}
+
+std::string faultOf(const std::filesystem::path& output, std::int64_t number, const AdvectParams& params)
+{
+    if (!isFinished(output)) return "it is not there";
+    try {
+        if (!verifyVdb(output)) return "it has no checksums, as this run's outputs have";
+        const openvdb::MetaMap found = readVdbHeader(output).metadata;
+        const auto frame = found.getMetadata<openvdb::Int64Metadata>("frame");
+        if (!frame || frame->value() != number)
+            return frame ? fmt::format("it is frame {}", frame->value()) : "it is no texture";
+        const Refinement& refinement = params.flow.domain.refinement;
+        const openvdb::MetaMap wanted = parameterMetadata(params, refinement);
+        for (auto entry = wanted.beginMeta(); entry != wanted.endMeta(); ++entry) {
+            if (entry->first == "refine" && !refinement.isGiven) continue; // the first frame may have chosen it
+            const openvdb::Metadata::ConstPtr value = found[entry->first];
+            if (!value || *value != *entry->second)
+                return fmt::format("it is of another run, by its metadata '{}'", entry->first);
+        }
+    } catch (const InputError& error) {
+        return fmt::format("it is damaged ({})", error.what());
+    }
+    return {};
 }
 
 } // namespace vdblic

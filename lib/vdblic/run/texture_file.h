@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <string>
 
 namespace vdblic {
 
@@ -31,5 +33,9 @@ struct TextureFile {
 /// @param number of the output
 /// Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::int64_t number);
+
+/// Why a file cannot be the whole texture of a number that a run with these parameters has finished; empty if it can.
+/// Reads all of its bytes, for their checksums.
+[[nodiscard]] std::string faultOf(const std::filesystem::path& output, std::int64_t number, const AdvectParams& params);
 
 } // namespace vdblic

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+
+namespace vdblic {
+
+/// The metadata by which the file of a checkpoint, or a part of one, is known.
+struct CheckpointKeys {
+    static constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time",
+                                *kSpacing = "number_spacing", *kMotion = "scaled_motion";
+};
+
+/// Whether a file is a checkpoint of vdblic_advect or a part of one, by its content and not by its name. What cannot be
+/// read is none: no checkpoint is replaced or removed, but one that is known.
+[[nodiscard]] bool isCheckpoint(const std::filesystem::path& path);
+
+/// Check that a checkpoint can be written, in the place of another or of nothing. @throws ParameterError, OutputError
+void checkCheckpoint(const std::filesystem::path& path);
+
+} // namespace vdblic

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+namespace vdblic {
+
+/// A run's claim on a name: while it lives, no other process gets it. The system frees it when the process ends,
+/// however it ends.
+///
+/// It is a lock (flock) on a small file, which tells who holds it and is removed with the claim; what a kill leaves is
+/// taken over by the next run. On file systems without locks nothing is claimed. Where NFS is mounted without them
+/// (`nolock`, `local_lock`), a claim holds on its host only.
+class OutputLock {
+  public:
+    /// @param file that is locked  @param outputs named in the message
+    /// @throws ParameterError naming the process that holds it; OutputError if the file cannot be made or is no lock
+    OutputLock(std::filesystem::path file, const std::filesystem::path& outputs);
+    ~OutputLock();
+    OutputLock(const OutputLock&) = delete;
+    OutputLock& operator=(const OutputLock&) = delete;
+
+  private:
+    std::filesystem::path mFile;
+    int mDescriptor = -1;
+};
+
+} // namespace vdblic
