@@ -134,6 +134,17 @@ class Conventions(ToolTest):
         self.assertEqual(spacing("dt"), 0.125)
         self.assertAlmostEqual(spacing("none"), 1 / 24)
         self.assertIn("24 frames a second", self.advect("none")[1])
+        for dt in 0.0, -1.0, float("nan"):
+            grid = vector_grid(swirl(1) * 0.01)
+            grid["dt"] = dt
+            self.write("odd.0001.vdb", grid)
+            self.write("odd.0002.vdb", grid)
+            for tool in ("vdblic_advect", "odd.%04d.vdb", "-o", "odd-lic.%04d.vdb"), ("vdblic_info", "odd.%04d.vdb"):
+                said = self.run_tool(*tool).stderr
+                self.assertIn("24 frames a second", said)
+                self.assertRegex(said, f"the dt of grid velocity is {dt:g}, which is no time between frames.*--dt|"
+                                       "because the files' dt is no time")
+                self.assertNotIn("no time or dt", said)
         # Selecting fewer frames lengthens the time step.
         self.assertEqual(spacing("dt", "--frames", "1-3x2"), 0.25)
         self.assertEqual(spacing("both", "--frames", "1-3x2"), 2.0)
@@ -295,12 +306,20 @@ class Conventions(ToolTest):
                 ("vdblic_noise", "--size", 8, 8, 8, "-o", "n.vdb"))
         for run in runs:
             first = self.outputs(*run)
-            first[-1].write_text("not touched")
-            first[0].unlink()
+            whole, other = [path.read_bytes() for path in first], first[0].read_bytes()
             if len(first) == 1:
-                first[0].write_text("not touched")
+                other = self.outputs(*run, "--seed", 7)[0].read_bytes()
+                self.assertNotEqual(other, whole[0])
+            first[0].unlink()
+            first[-1].write_bytes(other)
             self.assertEqual(self.outputs(*run, "--skip-existing"), first)
-            self.assertEqual(first[-1].read_text(), "not touched")
+            self.assertEqual(first[-1].read_bytes(), other)
+            for damaged in b"", b"no volume", whole[-1][:-20]:
+                first[-1].write_bytes(damaged)
+                done = self.run_tool(*run, "--skip-existing")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertRegex(done.stderr, f"warning: {first[-1].name}: .*made again")
+                self.assertEqual(first[-1].read_bytes(), whole[-1])
 
     def test_a_frame_rendered_alone_is_the_frame_of_the_sequence(self):
         self.write_swirls("v", lambda array: [vector_grid(array)])

@@ -7,6 +7,7 @@
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/io/whole_vdb.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -229,7 +230,7 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
     for (FrameDifference frame : frames) {
         reporter.checkStop();
         const auto path = output ? std::optional(output->path(frame.frame)) : std::nullopt;
-        if (params.skipExisting && isFinished(*path)) {
+        if (params.skipExisting && isWholeVdb(*path, reporter)) {
             reporter.finished(*path);
             ++skipped;
             continue;

@@ -6,6 +6,7 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/io/whole_vdb.h"
 #include "vdblic/noise/noise.h"
 
 #include <fmt/format.h>
@@ -72,7 +73,7 @@ void NoiseParams::validate() const
 void makeNoiseFile(const NoiseParams& params, Reporter& reporter)
 {
     params.validate();
-    if (params.skipExisting && isFinished(params.output)) {
+    if (params.skipExisting && isWholeVdb(params.output, reporter)) {
         reporter.finished(params.output);
         reporter.say(fmt::format("{}: was there already", params.output));
         return;

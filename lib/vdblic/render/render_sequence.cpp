@@ -5,6 +5,7 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/image/film_writer.h"
 #include "vdblic/image/vector_text.h"
+#include "vdblic/image/whole_image.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
@@ -51,9 +52,9 @@ struct FrameTask {
 struct RenderedFrame {
     FrameFile file;
     const Scene* scene = nullptr;
-    FrameImage made; ///< without the image
-    bool skipped = false;
-    std::string film; ///< the picture as displayed
+    FrameImage made;                          ///< without the image
+    bool skipped = false, wasDamaged = false; ///< the image that was there
+    std::string film;                         ///< the picture as displayed
     std::exception_ptr error;
 };
 
@@ -218,7 +219,9 @@ class SequenceRenderer {
                 if (task.error) std::rethrow_exception(task.error);
                 const bool isThere = mOutput && mParams.skipExisting && mExchange.isFirst() &&
                                      isFinished(mOutput->path(task.file.frame));
-                result.skipped = mExchange.any(isThere);
+                const bool isWhole = isThere && isWholeImage(mOutput->path(task.file.frame));
+                result.wasDamaged = isThere && !isWhole;
+                result.skipped = mExchange.any(isWhole);
                 if (result.skipped) return;
                 // While a thread waits for this frame's tiles, it must not start to wait for the next path.
                 tbb::this_task_arena::isolate([&] { render(task, result); });
@@ -262,6 +265,10 @@ class SequenceRenderer {
         if (frame.made.histograms) {
             if (!mHistograms) mHistograms.emplace(frame.scene->look);
             mHistograms->add(*frame.made.histograms);
+        }
+        if (frame.wasDamaged) {
+            mReporter.warn(fmt::format("{}: was there, but cannot be read as an image; it was made again",
+                                       mOutput->path(frame.file.frame).string()));
         }
         if (mFilm) mFilm->add(frame.film);
         mSkipped += frame.skipped ? 1 : 0;
