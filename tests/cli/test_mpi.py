@@ -1,5 +1,6 @@
 """vdblic_advect_mpi: several ranks under mpirun write what one process writes."""
 
+import fcntl
 import os
 import pathlib
 import random
@@ -191,6 +192,39 @@ class Ranks(ToolTest):
         run = self.render(3, "t.0001.vdb", "--size", 400, 300, "--compression", "none", "-o", "small/x.exr")
         self.assert_failed(run, 4, "No space left on device")
         self.assertEqual(list(small.iterdir()), [])
+
+    def by_two(self, tool, *arguments, one, other):
+        """Two ranks with options of their own each."""
+        command = self.command(1, tool, *arguments, *one) + [":"] + self.command(1, tool, *arguments, *other)[4:]
+        return subprocess.run(command, text=True, capture_output=True, cwd=self.folder, env=ENVIRONMENT, timeout=300,
+                              check=False)
+
+    def test_ranks_have_the_same_options(self):
+        for one, other, words in ((("--seed", 1), ("--seed", 2), "--seed is '2' at rank 1 and '1' at rank 0"),
+                                  (("--life", 8), (), "--life is '4' at rank 1 and '8' at rank 0"),
+                                  ((), ("-o", "x.%04d.vdb"), "--output is 'x.%04d.vdb' at rank 1 and"),
+                                  ((), ("--life", -1), "--life cannot be -1")):
+            own = [options if "-o" in options else (*options, "-o", "s.%04d.vdb") for options in (one, other)]
+            run = self.by_two("vdblic_advect_mpi", WAKE, "--frames", 1, one=own[0], other=own[1])
+            self.assertEqual(run.returncode, 2, run.stderr)
+            self.assertIn(words, run.stderr)
+            self.assertEqual(run.stderr.count("vdblic_advect_mpi: error: "), 1)
+            self.assertEqual(self.files(), [])
+        run = self.by_two("vdblic_advect_mpi", WAKE, "--frames", 1, "-o", "s.%04d.vdb", one=("-q",),
+                          other=("--threads", 2))  # of these each may have its own
+        self.assertEqual((run.returncode, self.files()), (0, ["s.0001.vdb"]), run.stderr)
+        self.outputs("vdblic_advect", WAKE, "--frames", 1, "-o", "one.%04d.vdb")
+        self.assert_same("s")
+
+    def test_two_runs_do_not_mix(self):
+        lock = self.folder / ".checkpoint.in.lock"
+        lock.write_bytes(b"")
+        with open(lock, "rb") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            run = self.by_ranks(2, WAKE, "--frames", 1, "-o", "in.%04d.vdb")
+            self.assert_failed(run, 2, "another run is writing these outputs")
+        self.assertEqual(self.by_ranks(2, WAKE, "--frames", 1, "-o", "in.%04d.vdb").returncode, 0)
+        self.assertFalse(lock.exists())
 
     def test_paths_on_standard_input(self):
         paths = "".join(f"{str(WAKE) % number}\n" for number in (1, 2))

@@ -7,8 +7,10 @@
 #include "cli/stop_signals.h"
 #include "vdblic/core/crash_guard.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/core/scratch_memory.h"
 #include "vdblic/core/startable_threads.h"
 #include "vdblic/core/system_memory.h"
@@ -29,6 +31,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <string_view>
 #include <sys/resource.h>
 #include <system_error>
 
@@ -36,6 +39,7 @@ namespace vdblic::cli {
 namespace {
 
 constexpr int kMaxThreads = 1024;
+constexpr char kSeparator = '\0'; // in no argument
 constexpr std::uint64_t kLeastMemory = std::uint64_t(128) << 20;
 
 int status(ExitStatus value)
@@ -209,9 +213,38 @@ std::string Tool::expandedPattern() const
 
 void Tool::share(const Ranks& ranks)
 {
+    if (!ranks.exchange->isAlone()) mExchange = ranks.exchange.get();
     mProcesses = ranks.onHost;
     mIsShared = !ranks.exchange->isAlone();
     mPrints = ranks.exchange->isFirst();
+}
+
+/// Set the parameters, and check that all ranks have the same. @throws ParameterError
+void Tool::apply()
+{
+    if (!mExchange) return mOptions->apply();
+    mExchange->together([&] { mOptions->apply(); });
+    const auto textOf = [](const Parameter& parameter) {
+        return fmt::format("{}{}{}{}", parameter.key, kSeparator, parameter.value(), kSeparator);
+    };
+    std::string own;
+    for (const Parameter& parameter : mOptions->parameters())
+        own += textOf(parameter);
+    const std::string first = mExchange->broadcast(mExchange->isFirst() ? own : "");
+    mExchange->together([&] {
+        std::string_view rest = first;
+        for (const Parameter& parameter : mOptions->parameters()) {
+            const std::string text = textOf(parameter);
+            if (!rest.starts_with(text)) {
+                rest.remove_prefix(std::min(rest.size(), parameter.key.size() + 1));
+                throw ParameterError(fmt::format("`{}` is '{}' at rank {} and '{}' at rank 0; give all ranks the same "
+                                                 "options",
+                                                 parameter.key, parameter.value(), mExchange->rank(),
+                                                 rest.substr(0, rest.find(kSeparator))));
+            }
+            rest.remove_prefix(text.size());
+        }
+    });
 }
 
 int Tool::endBy(int signal) const
@@ -258,7 +291,7 @@ std::optional<int> Tool::parse(int argc, char** argv)
         const std::string expanded = expandedPattern();
         if (!mPrints) return status(ExitStatus::kUsage);
         printMessage(fmt::format("{}: {}\n{} --help lists the options.\n", mApp.get_name(),
-                                 expanded.empty() ? error.what() : expanded, mApp.get_name()));
+                                 printable(expanded.empty() ? error.what() : expanded), mApp.get_name()));
         return status(ExitStatus::kUsage);
     }
     return std::nullopt;
@@ -278,7 +311,7 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         if (const std::optional<int> told = parse(argc, argv)) return *told;
         if (mPrints && mQuiet) console.setLevel(Console::Level::kQuiet);
         if (mPrints && mVerbose) console.setLevel(Console::Level::kVerbose);
-        mOptions->apply();
+        apply();
         limitMemory();
         const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, threadsToUse(console));
         limitArenas(threadCount());

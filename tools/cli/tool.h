@@ -64,6 +64,7 @@ class Tool {
     void verify(Reporter& reporter) const;
     [[nodiscard]] std::string expandedPattern() const;
     [[nodiscard]] std::optional<int> parse(int argc, char** argv);
+    void apply();
     [[nodiscard]] int endBy(int signal) const;
     [[nodiscard]] int tell(const CLI::Success& asked) const;
 
@@ -73,6 +74,7 @@ class Tool {
     std::function<std::vector<SequenceParams>()> mInputs;
     int mThreads = 0, mProcesses = 1; // processes on this machine
     bool mIsShared = false, mPrints = true;
+    Exchange* mExchange = nullptr; ///< with the ranks that share the job
     std::string mMaxMemory, mScratch, mAnswer;
     double mInFiles = 0; // 0: without a scratch file
     std::function<std::string()> mOutput;
