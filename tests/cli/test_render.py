@@ -277,12 +277,27 @@ class Render(RenderTest):
     def test_skip_existing(self):
         arguments = ("lic.%04d.vdb", "-o", "s.%04d.png", "--size", 20, 20)
         names = self.renders(*arguments)
-        (self.folder / names[0]).write_bytes(b"finished")
-        second = self.contents(names[1])
+        first, second = map(self.contents, names)
+        (self.folder / names[0]).write_bytes(second)  # a picture, if another one
         (self.folder / names[1]).unlink()
         self.assertEqual(self.renders(*arguments, "--skip-existing"), names)
-        self.assertEqual(self.contents(names[0]), b"finished")
-        self.assertEqual(self.contents(names[1]), second)
+        self.assertEqual([self.contents(name) for name in names], [second, second])
+        (self.folder / names[0]).write_bytes(first)
+
+    def test_damaged_images_are_made_again(self):
+        for ending in "png", "exr":
+            arguments = ("lic.%04d.vdb", "-o", f"s.%04d.{ending}", "--size", 20, 20)
+            name = self.renders(*arguments)[0]
+            whole = self.contents(name)
+            turned = bytearray(whole)
+            turned[len(whole) // 2] ^= 255
+            for damaged in b"", b"finished", whole[:-len(whole) // 3], whole[:30], bytes(turned) if ending == "png" else b"":
+                (self.folder / name).write_bytes(damaged)
+                done = self.run_tool("vdblic_render", *arguments, "--skip-existing")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn(f"{name}: was there, but cannot be read as an image; it was made again", done.stderr)
+                self.assertIn("1 of 2 images were there already", done.stderr)
+                self.assertEqual(self.contents(name), whole)
 
     def test_histogram(self):
         self.assertEqual(self.renders("lic.%04d.vdb", "--histogram", "h.json"), ["h.json"])
@@ -346,10 +361,13 @@ class Render(RenderTest):
 
     def test_output_cannot_be_written(self):
         self.refuses(4, "lic.0003.vdb", "-o", "missing/a.png")
+        # The file size limit acts like a full disk.
+        limit = {"restore_signals": False, "preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))}
         for ending in ("exr", "png"):
-            # The file size limit acts like a full disk.
-            self.refuses(4, "lic.0003.vdb", "-o", f"a.{ending}", restore_signals=False,
-                         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
+            self.refuses(4, "lic.0003.vdb", "-o", f"a.{ending}", **limit)
+        # What ffmpeg says then is "Error initializing output stream".
+        self.assertIn("a.mp4: ffmpeg cannot write the film: File too large",
+                      self.refuses(4, "lic.%04d.vdb", "--film", "a.mp4", "--size", 64, 64, **limit))
 
 
 if __name__ == "__main__":

@@ -66,6 +66,19 @@ bool visitBoxes(std::ifstream& file, std::uint64_t begin, std::uint64_t end, con
     return true;
 }
 
+/// Why nothing can be added to a file, such as a full disk: ffmpeg does not tell. Empty if something can.
+std::string writeFault(const std::filesystem::path& path)
+{
+    const int file = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    if (file < 0) return std::generic_category().message(errno);
+    constexpr std::array<char, 4096> kBlock{};
+    errno = ENOSPC; // of a write that is cut short
+    const bool isWritten = ::write(file, kBlock.data(), kBlock.size()) == ssize_t(kBlock.size()) && ::fsync(file) == 0;
+    const std::string fault = isWritten ? "" : std::generic_category().message(errno);
+    ::close(file);
+    return fault;
+}
+
 /// The number of frames of an .mp4 film; 0 if it is incomplete.
 std::uint64_t framesIn(const std::filesystem::path& path)
 {
@@ -208,9 +221,11 @@ void FilmWriter::fail()
     } while (text.size() < 4096 && (count > 0 || (count < 0 && errno == EINTR)));
     while (!text.empty() && text.back() == '\n')
         text.pop_back();
+    const std::string fault = writeFault(mFile.temporary());
     throw OutputError(fmt::format("{}: ffmpeg cannot write the film: {}", mPath.string(),
-                                  text.empty() ? "what it wrote is incomplete; the disk may be full"
-                                               : text.substr(text.rfind('\n') + 1)));
+                                  !fault.empty() ? fault
+                                  : text.empty() ? "what it wrote is incomplete; the disk may be full"
+                                                 : text.substr(text.rfind('\n') + 1)));
 }
 
 /// Close what is open, and wait for ffmpeg.
