@@ -3,10 +3,12 @@
 import http.client
 import json
 import os
+import pathlib
 import re
 import shlex
 import signal
 import socket
+import tempfile
 import threading
 import unittest
 
@@ -258,6 +260,17 @@ class Pictures(ViewerTest):
             self.keep("picture", {"size": [8, 8]})
         self.assertLessEqual(len(self.ask("status")["jobs"]), 8)
         self.assertEqual(self.stop(), -signal.SIGTERM)
+
+    def test_no_link_is_followed_out_of_the_folder(self):
+        self.start("lic.%04d.vdb")
+        with tempfile.TemporaryDirectory() as outside:
+            for ending in "png", "transfer.json":
+                os.symlink(pathlib.Path(outside) / "planted", self.folder / f"view-001.{ending}")
+                self.addCleanup((self.folder / f"view-001.{ending}").unlink)
+            self.assertNotIn("view-001", self.keep("picture", {"size": [8, 8]}))
+            for file in self.ask("keep", {"kind": "files", "state": {"size": [8, 8]}, "frame": 1})["files"]:
+                self.assertNotIn("view-001", file)
+            self.assertEqual(os.listdir(outside), [])
 
     def test_a_job_that_fails_says_why(self):
         self.start("lic.%04d.vdb")

@@ -30,6 +30,12 @@ bool waitUntil(int socket, Clock::time_point deadline)
     }
 }
 
+bool canBeRead(int socket)
+{
+    pollfd state{socket, POLLIN, 0};
+    return ::poll(&state, 1, 0) > 0;
+}
+
 /// A head without its Range headers: their pattern would be matched at a depth that follows their length.
 std::string withoutRanges(std::string_view head)
 {
@@ -85,10 +91,15 @@ void Connections::closeAll()
 
 void Connections::closeTooMany()
 {
-    while (mOpen - mShut.size() > mMost && !mWaiting.empty()) {
-        ::shutdown(mWaiting.front(), SHUT_RDWR);
-        mShut.insert(mWaiting.front());
-        mWaiting.pop_front();
+    // What a client has sent is read before its connection is closed, or its request would be lost.
+    for (auto waiting = mWaiting.begin(); mOpen - mShut.size() > mMost && waiting != mWaiting.end();) {
+        if (mMost > 0 && canBeRead(*waiting)) {
+            ++waiting;
+            continue;
+        }
+        ::shutdown(*waiting, SHUT_RDWR);
+        mShut.insert(*waiting);
+        waiting = mWaiting.erase(waiting);
     }
 }
 

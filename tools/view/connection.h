@@ -9,7 +9,8 @@
 
 namespace vdblic::view {
 
-/// The open connections. Of too many the one that has waited longest for its client is closed.
+/// The open connections. Of too many the one that has waited longest for its client is closed, if all that came from it
+/// was read.
 class Connections {
   public:
     explicit Connections(std::size_t most) : mMost(most) {}

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/json_file.h"
 #include "vdblic/look/transfer_file.h"
 #include "vdblic/render/render_sequence.h"
 
@@ -82,7 +83,9 @@ std::string Keeper::freeName() const
 {
     for (int number = 1;; ++number) {
         std::string name = fmt::format("view-{:03}", number);
-        const auto isTaken = [&](const char* ending) { return std::filesystem::exists(name + ending); };
+        const auto isTaken = [&](const char* ending) { // also by a link that leads nowhere yet, and would be followed
+            return std::filesystem::exists(std::filesystem::symlink_status(name + ending));
+        };
         const char* const endings[] = {".transfer.json", ".camera.json", ".png", ".exr", ".mp4"};
         const auto isWritten = [&](const Job& job) {
             return !job.isFinished() && job.told["file"].get_ref<const std::string&>().starts_with(name + '.');
@@ -101,7 +104,7 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
     Json keys = state.value("keys", Json());
     if (keys.is_null()) keys = Json::array({keyOf(view.scene.cameras.at(frame), frame)});
     writeTransferFile(transfer, view.scene.look.transfer.params());
-    writeTextFile(camera, Json{{"keys", keys}}.dump(2) + '\n');
+    writeTextFile(camera, jsonText(Json{{"keys", keys}}));
     Json rest = state; // what the two files do not hold
     for (const char* held : {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale",
                              "eye", "target", "up", "fov", "view-height", "orbit", "orbit-frames", "keys"})

@@ -160,6 +160,24 @@ TEST(OpenConnections, TheOneThatHasWaitedLongestIsClosed)
     EXPECT_TRUE(a.isShut() && c.isShut());
 }
 
+TEST(OpenConnections, NoRequestThatWasSentIsLost)
+{
+    const Pair a, b;
+    Connections connections(1);
+    for (const Pair* pair : {&a, &b}) {
+        connections.begins();
+        pair->send("G");
+        connections.waits(pair->server); // its thread has not run yet
+    }
+    EXPECT_FALSE(a.isShut() || b.isShut());
+    char byte = 0;
+    ASSERT_EQ(::recv(a.server, &byte, 1, 0), 1);
+    connections.leaves(a.server);
+    connections.waits(a.server);
+    EXPECT_TRUE(a.isShut());
+    EXPECT_FALSE(b.isShut());
+}
+
 TEST(OpenConnections, NoneThatIsServedIsClosed)
 {
     const Pair a, b;
