@@ -1,8 +1,11 @@
 #include "files.h"
 
 #include "grid_arrays.h"
+#include "text.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/extent.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/frame_list.h"
 #include "vdblic/io/grid_reference.h"
@@ -161,7 +164,7 @@ void checkDense(const std::string& path, const openvdb::GridPtrVec& grids, const
     double bytes = kVoxel;
     for (const openvdb::GridBase::Ptr& grid : grids)
         bytes += kNumber * (grid->valueType().starts_with("vec3") ? 3 : 1);
-    const double voxels = double(box.dim().x()) * box.dim().y() * box.dim().z();
+    const double voxels = voxelsOf(box);
     const double active = 100 * double(grids.front()->activeVoxelCount()) / voxels;
     const std::string others = grids.size() == 1 ? "" : fmt::format(" and {} others", grids.size() - 1);
     checkMemory(bytes * voxels,
@@ -174,8 +177,9 @@ void checkDense(const std::string& path, const openvdb::GridPtrVec& grids, const
 /// first one. Each is a dictionary (grid_arrays.h) that also tells whether its voxels are `alike`; a grid of other
 /// voxels has its own box. Of a staggered velocity the box has the faces above its last voxels too.
 /// @return the grids and metadataOf() their file
-py::tuple readOverOneBox(const std::filesystem::path& path, const std::vector<std::string>& names)
+py::tuple readOverOneBox(const std::filesystem::path& path, const py::sequence& texts)
 {
+    const std::vector<std::string> names = fromTexts(texts);
     VdbFile file;
     openvdb::GridPtrVec grids;
     {
@@ -222,7 +226,7 @@ py::dict readBox(const std::filesystem::path& reference)
     if (box.empty()) throw InputError(fmt::format("{} has no active voxels; choose another grid for `like`", where));
     const py::gil_scoped_acquire acquire;
     py::dict result;
-    result["size"] = py::make_tuple(box.dim().x(), box.dim().y(), box.dim().z());
+    result["size"] = py::tuple(py::cast(extentOf(box)));
     result["first"] = py::make_tuple(box.min().x(), box.min().y(), box.min().z());
     result["matrix"] = matrixOf(grid->transform());
     return result;
@@ -255,6 +259,12 @@ void bindFiles(py::module_& module)
         [](std::exception_ptr error) { // NOLINT(performance-unnecessary-value-param)
             try {
                 if (error) std::rethrow_exception(error);
+            } catch (const ParameterError& told) { // what quotes a file need not be UTF-8, which Python wants
+                throw ParameterError(printable(told.what()));
+            } catch (const InputError& told) {
+                throw InputError(printable(told.what()));
+            } catch (const OutputError& told) {
+                throw OutputError(printable(told.what()));
             } catch (const std::bad_alloc&) {
                 const std::string text = fmt::format(
                     "this takes more than the {} of memory that may be used: cut the domain, or let vdblic_advect "
@@ -294,6 +304,7 @@ void bindFiles(py::module_& module)
     module.def("check_output", &checkOutput);
     module.def("check_not_input", &checkNotInput);
     module.def("is_finished", &isFinished);
+    module.def("verify", &verifyVdb);
     module.def("write_file", [](const std::filesystem::path& path, const py::buffer& data) {
         const py::buffer_info bytes = data.request();
         const py::gil_scoped_release release;

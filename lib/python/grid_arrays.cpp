@@ -1,6 +1,8 @@
 #include "grid_arrays.h"
 
+#include "text.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/extent.h"
 #include "vdblic/core/memory.h"
 
 #include <fmt/format.h>
@@ -9,9 +11,11 @@
 #include <pybind11/stl.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,12 +28,17 @@ namespace {
 
 namespace py = pybind11;
 
+/// Bytes of a name that readers of .vdb files take.
+constexpr std::size_t kLongestName = 4096;
+/// OpenVDB numbers grids of one name behind it.
+constexpr char kSeparator = '\x1e';
+
 /// An array of a box, with the given number of values a voxel: none for a plain (x, y, z).
 template<typename T>
 py::array_t<T> boxArray(const openvdb::CoordBBox& box, int components)
 {
-    const openvdb::Coord size = box.empty() ? openvdb::Coord(0) : box.dim();
-    std::vector<py::ssize_t> shape = {size.x(), size.y(), size.z()};
+    const auto [x, y, z] = extentOf(box);
+    std::vector<py::ssize_t> shape = {x, y, z};
     if (components > 1) shape.push_back(components);
     return py::array_t<T>(shape);
 }
@@ -41,8 +50,7 @@ py::dict arraysOf(const openvdb::GridBase& base, const openvdb::CoordBBox& box)
     constexpr int kComponents = openvdb::VecTraits<ValueT>::Size;
     using Number = typename openvdb::VecTraits<ValueT>::ElementType;
     const auto& grid = static_cast<const GridT&>(base);
-    const double voxels = box.empty() ? 0 : double(box.dim().x()) * box.dim().y() * box.dim().z();
-    checkMemory(voxels * (sizeof(ValueT) + 1), fmt::format("grid '{}': the box of its voxels", grid.getName()),
+    checkMemory(voxelsOf(box) * (sizeof(ValueT) + 1), fmt::format("grid '{}': the box of its voxels", grid.getName()),
                 "cut the grid");
     auto values = boxArray<Number>(box, kComponents);
     auto active = boxArray<bool>(box, 1);
@@ -145,7 +153,16 @@ openvdb::GridBase::Ptr gridOf(const py::dict& dictionary)
         throw ParameterError(fmt::format("`values` is no array of numbers (x, y, z) or (x, y, z, 3){}{}",
                                          shape.empty() ? "" : "; its shape is ", shape));
     }
-    const openvdb::Coord size(int(values.shape(0)), int(values.shape(1)), int(values.shape(2)));
+    const std::array<std::int64_t, 3> shape = {values.shape(0), values.shape(1), values.shape(2)};
+    const std::array<int, 3> origin = memberOf<std::array<int, 3>>(dictionary, "origin", "3 whole numbers");
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int64_t first = origin[axis], last = first + shape[axis] - 1;
+        if (std::max(std::abs(first), std::abs(last)) <= kFarthestIndex) continue;
+        throw ParameterError(fmt::format("`origin` {} {} {} puts voxels at the indices {} to {} along axis {}; they "
+                                         "lie within ±{}",
+                                         origin[0], origin[1], origin[2], first, last, axis, kFarthestIndex));
+    }
+    const openvdb::Coord size(int(shape[0]), int(shape[1]), int(shape[2]));
     py::array_t<bool, py::array::c_style | py::array::forcecast> active;
     if (!dictionary["active"].is_none()) {
         active = py::array_t<bool, py::array::c_style | py::array::forcecast>::ensure(dictionary["active"]);
@@ -154,7 +171,7 @@ openvdb::GridBase::Ptr gridOf(const py::dict& dictionary)
             throw ParameterError(
                 fmt::format("`active` is no mask of {} x {} x {} voxels", size.x(), size.y(), size.z()));
     }
-    const auto [x, y, z] = memberOf<std::array<int, 3>>(dictionary, "origin", "3 whole numbers");
+    const auto [x, y, z] = origin;
     const float* numbers = values.data();
     const bool* mask = dictionary["active"].is_none() ? nullptr : active.data();
     openvdb::GridBase::Ptr grid;
@@ -169,7 +186,12 @@ openvdb::GridBase::Ptr gridOf(const py::dict& dictionary)
         }
     }
     grid->insertMeta(toMetadata(memberOf<py::dict>(dictionary, "metadata", "a dictionary")));
-    grid->setName(memberOf<std::string>(dictionary, "name", "a text"));
+    const std::string name = fromText(memberOf<py::str>(dictionary, "name", "a text"));
+    if (name.size() > kLongestName || name.find(kSeparator) != std::string::npos) {
+        throw ParameterError(
+            fmt::format("`name` has more than {} bytes, or \\x1e, which ends names in .vdb files", kLongestName));
+    }
+    grid->setName(name);
     grid->setTransform(transformOf(dictionary["transform"]));
     if (memberOf<bool>(dictionary, "staggered", "true or false")) grid->setGridClass(openvdb::GRID_STAGGERED);
     return grid;
@@ -203,6 +225,8 @@ py::object asObject(const openvdb::Metadata& metadata)
                 items.append(isSingle ? numpyNumber("float32", value[i]) : py::cast(value[i]));
             }
             result = py::tuple(items);
+        } else if constexpr (std::is_same_v<Value, std::string>) {
+            result = toText(value);
         } else {
             result = py::cast(value);
         }
@@ -243,7 +267,7 @@ openvdb::Metadata::Ptr vectorMetadata(const py::array& numbers)
 openvdb::Metadata::Ptr asMetadata(const py::handle& value)
 {
     if (py::isinstance<openvdb::Metadata>(value)) return value.cast<openvdb::Metadata::Ptr>();
-    if (py::isinstance<py::str>(value)) return typedMetadata(value.cast<std::string>());
+    if (py::isinstance<py::str>(value)) return typedMetadata(fromText(py::reinterpret_borrow<py::str>(value)));
     const std::optional<py::array> array = asArray(value);
     if (!array || array->ndim() > 1) return nullptr;
     const py::array& numbers = *array;
@@ -299,7 +323,7 @@ py::dict toDictionary(const openvdb::GridBase& grid, const std::optional<openvdb
     if (grid.isType<openvdb::Int32Grid>()) result = arraysOf<openvdb::Int32Grid>(grid, box);
     if (grid.isType<openvdb::Vec3SGrid>()) result = arraysOf<openvdb::Vec3SGrid>(grid, box);
     if (grid.isType<openvdb::Vec3DGrid>()) result = arraysOf<openvdb::Vec3DGrid>(grid, box);
-    result["name"] = grid.getName();
+    result["name"] = toText(grid.getName());
     result["transform"] = matrixOf(grid.transform());
     result["staggered"] = grid.getGridClass() == openvdb::GRID_STAGGERED;
     result["metadata"] = toDictionary(static_cast<const openvdb::MetaMap&>(grid));
@@ -320,7 +344,7 @@ py::dict toDictionary(const openvdb::MetaMap& metadata)
 {
     py::dict result;
     for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry)
-        result[py::str(entry->first)] = asObject(*entry->second);
+        result[toText(entry->first)] = asObject(*entry->second);
     return result;
 }
 
@@ -329,12 +353,18 @@ openvdb::MetaMap toMetadata(const py::dict& dictionary)
     openvdb::MetaMap metadata;
     for (const auto& [key, value] : dictionary) {
         const openvdb::Metadata::Ptr made = asMetadata(value);
-        if (!py::isinstance<py::str>(key) || !made) {
+        const bool isText = py::isinstance<py::str>(key);
+        const std::string name = isText ? fromText(py::reinterpret_borrow<py::str>(key)) : "";
+        if (isText && (name.empty() || name.size() > kLongestName)) {
+            throw ParameterError(fmt::format("metadata {:.100}: a name has 1 to {} bytes",
+                                             py::repr(key).cast<std::string>(), kLongestName));
+        }
+        if (!isText || !made) {
             throw ParameterError(fmt::format("metadata {:.100} cannot be {:.100}; it is a text, a number, true or "
                                              "false, or a tuple of 2 to 4 numbers",
                                              py::repr(key).cast<std::string>(), py::repr(value).cast<std::string>()));
         }
-        metadata.insertMeta(key.cast<std::string>(), *made);
+        metadata.insertMeta(name, *made);
     }
     return metadata;
 }

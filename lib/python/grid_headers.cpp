@@ -1,6 +1,7 @@
 #include "grid_headers.h"
 
 #include "grid_arrays.h"
+#include "text.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
 
@@ -36,7 +37,7 @@ py::object indexOf(const openvdb::Coord& voxel)
 py::dict describe(const openvdb::GridBase& grid)
 {
     py::dict result;
-    result["name"] = grid.getName();
+    result["name"] = toText(grid.getName());
     result["type"] = grid.valueType();
     result["class"] = openvdb::GridBase::gridClassToString(grid.getGridClass());
     result["numbers"] = isOfNumbers(grid);

@@ -1,6 +1,7 @@
 #include "levels.h"
 
 #include "files.h"
+#include "text.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/field/coarser.h"
 #include "vdblic/io/texture_name.h"
@@ -50,8 +51,9 @@ bool suitsHalf(const openvdb::GridBase& grid)
 /// Write the first coarser copies of some grids of a file, or of all of numbers and vectors, each with half the voxels
 /// of the one before along each axis.
 void writeLevels(const std::filesystem::path& source, const std::vector<std::filesystem::path>& paths,
-                 const std::vector<std::string>& names)
+                 const py::sequence& texts)
 {
+    const std::vector<std::string> names = fromTexts(texts);
     const py::gil_scoped_release release;
     VdbFile file = readVdb(source);
     openvdb::GridPtrVec grids = chosenGrids(file, names);

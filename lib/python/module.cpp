@@ -27,12 +27,14 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 #include <tbb/global_control.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -45,7 +47,7 @@ namespace py = pybind11;
 
 using Pixels = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
-py::tuple readVolume(const std::string& path)
+py::tuple readVolume(const std::filesystem::path& path)
 {
     VdbFile file;
     {
@@ -60,7 +62,7 @@ py::tuple readVolume(const std::string& path)
     return py::make_tuple(grids, toDictionary(file.metadata));
 }
 
-void writeVolume(const std::string& path, const py::list& dictionaries, const py::dict& metadata,
+void writeVolume(const std::filesystem::path& path, const py::list& dictionaries, const py::dict& metadata,
                  const std::string& compression, bool half)
 {
     const VdbFile volume = toVolume(dictionaries, metadata, "");

@@ -3,6 +3,7 @@
 #include "grid_arrays.h"
 #include "options.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/run/lead_in.h"
 #include "vdblic/run/run_outputs.h"
@@ -129,7 +130,7 @@ bool Textures::stopRequested() const
 void Textures::tell(const char* kind, std::string_view message)
 {
     const py::gil_scoped_acquire acquire;
-    mTell(kind, std::string(message));
+    mTell(kind, printable(message));
 }
 
 } // namespace vdblic::python

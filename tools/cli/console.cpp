@@ -128,8 +128,7 @@ void Console::print(std::string_view kind, std::string_view message)
 {
     if (mLevel == Level::kSilent) return;
     clearBar();
-    printMessage(fmt::format("{}: {}{}
-", mTool, kind, printable(withOptionNames(message, mParameters))));
+    printMessage(fmt::format("{}: {}{}\n", mTool, kind, printable(withOptionNames(message, mParameters))));
 }
 
 void Console::clearBar()

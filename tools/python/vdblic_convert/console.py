@@ -1,5 +1,6 @@
 """What a tool prints: paths of finished outputs on standard output, everything else on standard error."""
 
+import os
 import re
 import shutil
 import sys
@@ -10,6 +11,11 @@ from .errors import OutputError
 
 class ClosedPipe(Exception):
     """The reader of standard output has gone."""
+
+
+def printable(text):
+    """A text that may have come from a file, as one line: what controls a terminal and what is no character is escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class Console:
@@ -53,7 +59,8 @@ class Console:
         self.clear()
         try:
             with self._stop.ends_waits():  # for the reader
-                print(path, flush=True)
+                sys.stdout.buffer.write(os.fsencode(path) + b"\n")  # a name need not be UTF-8
+                sys.stdout.buffer.flush()
         except BrokenPipeError:
             raise ClosedPipe from None
         except OSError as error:
@@ -67,7 +74,7 @@ class Console:
 
     def _message(self, message):
         self.clear()
-        self._print(f"{self.tool}: {re.sub('`([a-z_]+)`', _option, message)}\n")
+        self._print(f"{self.tool}: {printable(re.sub('`([a-z_]+)`', _option, message))}\n")
 
     @staticmethod
     def _print(text):

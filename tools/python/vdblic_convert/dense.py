@@ -59,7 +59,10 @@ def _centred(grid):
 
 def _interpolated(grid, values, active, matrix, size, path):
     """Values of a grid, linearly interpolated between its active voxels; `matrix` leads from voxels to world space."""
-    matrix = numpy.linalg.inv(grid["transform"]) @ matrix
+    try:
+        matrix = numpy.linalg.inv(grid["transform"]) @ matrix
+    except numpy.linalg.LinAlgError:
+        raise InputError(f"{path}: grid '{grid['name']}' has a transform that flattens space") from None
     scale = numpy.diag(matrix)[:3]
     if not numpy.allclose(matrix[:3, :3], numpy.diag(scale), atol=1e-6 * abs(scale).max()):
         raise InputError(

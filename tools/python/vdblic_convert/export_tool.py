@@ -3,16 +3,23 @@
 import errno
 import io
 import os
+import re
 import resource
+import zipfile
 
 from vdblic._core import Sequence, check_output, read_metadata, write_file
 
 from . import levels
+from .console import printable
 from .errors import InputError, OutputError, ParameterError, needed
+from .metadata import number_of
 from .outputs import Outputs, check_not_inputs
 from .tool import Tool
 from .usd_export import add_options, export_layer, refuse_options
 from .velocity import names_of
+
+# Names of arrays that files hold beside the grids.
+_TAKEN = {".npz": ("active", "matrix", "time", "dt", "frame"), ".vti": ("active", "vtkGhostType")}
 
 
 def main(version, words):
@@ -76,6 +83,7 @@ def run(options, console, stop, version):
 
 
 def _write(path, source, names, console, told):
+    """Convert a file. `told` holds what was said of the files before."""
     from .dense import read_dense  # NumPy and VTK take long to load
 
     volume = read_dense(source, names, console)
@@ -86,7 +94,13 @@ def _write(path, source, names, console, told):
             f" texture's box are active, and the file has all of them in each of {len(volume.arrays)} arrays; --grids"
             " selects some"
         )
-    write_file(path, _image(path, volume) if path.suffix.lower() == ".vti" else _arrays(volume))
+    kind = path.suffix.lower()
+    for name in volume.arrays:
+        if name in _TAKEN[kind] or (kind == ".npz" and not (name and name.isprintable())):
+            raise InputError(
+                f"{source}: grid '{name}': an array of {kind} files cannot have this name; choose others with --grids"
+            )
+    write_file(path, _image(path, volume) if kind == ".vti" else _arrays(volume))
 
 
 def _arrays(volume):
@@ -94,9 +108,13 @@ def _arrays(volume):
     import numpy
 
     place = {"active": volume.active, "matrix": volume.matrix}
-    place |= {key: volume.metadata[key] for key in ("time", "dt", "frame") if key in volume.metadata}
+    numbers = {key: number_of(volume.metadata, key) for key in ("time", "dt", "frame")}
+    place |= {key: volume.metadata[key] for key, value in numbers.items() if value is not None}
     data = io.BytesIO()
-    numpy.savez(data, **volume.arrays, **place)
+    with zipfile.ZipFile(data, "w") as file:  # numpy.savez() has names of its own, such as `file`
+        for name, values in (volume.arrays | place).items():
+            with file.open(f"{name}.npy", "w", force_zip64=True) as array:
+                numpy.lib.format.write_array(array, numpy.asanyarray(values), allow_pickle=False)
     return data.getbuffer()
 
 
@@ -112,20 +130,23 @@ def _image(output, volume):
     image.SetSpacing(*spacing)
     image.SetDirectionMatrix(*(volume.matrix[:3, :3] / spacing).ravel())
     points = image.GetPointData()
+    names = {}  # placeholders, because VTK writes names as they are
     masks = {"active": volume.active}
     if not volume.is_sparse:  # what is empty has a value, 0
         masks[GHOSTS] = numpy.where(volume.active, 0, HIDDEN_POINT)
     for name, values in (volume.arrays | {name: mask.astype(numpy.uint8) for name, mask in masks.items()}).items():
         values = values.reshape(*volume.active.shape, -1)
-        add_array(points, name, values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))
+        names[name] = name if name in masks else f"vdblic-array-{len(names)}"
+        add_array(points, names[name], values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))
     scalars = next((name for name, values in volume.arrays.items() if values.ndim == 3), None)
     vectors = next((name for name, values in volume.arrays.items() if values.ndim == 4), None)
     if scalars:
-        points.SetActiveScalars(volume.metadata.get("texture", scalars) if scalars else scalars)
+        points.SetActiveScalars(names.get(volume.metadata.get("texture"), names[scalars]))
     if vectors:
-        points.SetActiveVectors(vectors)
-    if "time" in volume.metadata:
-        stamp = bridge.numpy_to_vtk(numpy.array([float(volume.metadata["time"])]), deep=True)
+        points.SetActiveVectors(names[vectors])
+    time = number_of(volume.metadata, "time")
+    if time is not None:
+        stamp = bridge.numpy_to_vtk(numpy.array([time]), deep=True)
         stamp.SetName("TimeValue")
         image.GetFieldData().AddArray(stamp)
     writer = needed("vtkmodules.vtkIOXML").vtkXMLImageDataWriter()
@@ -142,7 +163,16 @@ def _image(output, volume):
         limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
         if 0 <= limit <= len(data):
             raise OutputError(f"{output}: cannot be written: {os.strerror(errno.EFBIG)}")
-    return data
+    head, mark, values = data.partition(b"<AppendedData")
+    escaped = {placeholder.encode(): xml_text(name).encode() for name, placeholder in names.items()}
+    return re.sub(rb"vdblic-array-\d+(?=\")", lambda match: escaped[match[0]], head) + mark + values
+
+
+def xml_text(text):
+    """A text as the value of an attribute of XML, which knows neither control characters nor bytes that are no UTF-8."""
+    from xml.sax.saxutils import escape
+
+    return escape(printable(text), {'"': "&quot;"})
 
 
 class TimeList:
@@ -159,9 +189,10 @@ class TimeList:
 
     def add(self, frame, source, output):
         """Add a file; without a time in the volume it gets the frame's number."""
-        time = read_metadata(source).get("time", frame)
+        time = number_of(read_metadata(source), "time")
+        time = float(frame) if time is None else time
         name = os.path.relpath(output, self._path.parent)
-        self.entries.append(f'    <DataSet timestep="{float(time)!r}" part="0" file="{_escaped(name)}"/>\n')
+        self.entries.append(f'    <DataSet timestep="{time!r}" part="0" file="{xml_text(name)}"/>\n')
 
     def write(self):
         text = (
@@ -170,9 +201,3 @@ class TimeList:
         )
         write_file(self._path, text.encode())
         return self._path
-
-
-def _escaped(name):
-    from xml.sax.saxutils import escape
-
-    return escape(name, {'"': "&quot;"})

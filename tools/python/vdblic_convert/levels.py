@@ -1,9 +1,9 @@
 """Coarser copies of volumes, for viewports: each level has half the voxels of the one before along each axis."""
 
-from vdblic._core import FramePattern, Sequence, check_not_input, check_output_pattern, is_finished, write_levels
+from vdblic._core import FramePattern, Sequence, check_not_input, check_output_pattern, write_levels
 
 from .errors import InputError, ParameterError
-from .outputs import check_not_inputs
+from .outputs import check_not_inputs, is_whole
 from .tool import whole
 from .velocity import names_of
 
@@ -39,7 +39,7 @@ class Levels:
         for pattern, path in zip(self.patterns, paths):
             check_output_pattern(pattern, self._done)
             check_not_input(path, source)
-        if not (self._skip and all(map(is_finished, paths))):
+        if not (self._skip and all(is_whole(path, console) for path in paths)):
             write_levels(str(source), list(map(str, paths)), list(self._names))
         for path in paths:
             console.finished(path)

@@ -1,6 +1,7 @@
 """The outputs of a run: checked before any work, written whole, told when they are finished."""
 
 import os
+import zipfile
 
 from vdblic._core import (
     FramePattern,
@@ -9,7 +10,10 @@ from vdblic._core import (
     check_output_pattern,
     check_outputs,
     is_finished,
+    verify,
 )
+
+from .errors import InputError
 
 
 class Outputs:
@@ -32,11 +36,35 @@ class Outputs:
         self._done += 1
         check_output_pattern(self.pattern, self._done)
         check_not_input(path, source)
-        if not (self._skip and is_finished(path)):
+        if not (self._skip and is_whole(path, self._console)):
             write(path)
         self._console.finished(path)
         self._console.progress(frame, self._done, self._count)
         return path
+
+
+def is_whole(path, console):
+    """Whether an output is there and whole, as far as its format tells without its values. Says why it is not."""
+    if not is_finished(path):
+        return False
+    try:
+        kind = path.suffix.lower()
+        if kind == ".vdb":
+            verify(path)
+        elif kind == ".npz" and not zipfile.is_zipfile(path) or kind == ".vti" and not _ends(path, b"</VTKFile>"):
+            raise InputError(f"{path}: ends too early")
+        elif not path.stat().st_size:
+            raise InputError(f"{path}: is empty")
+        return True
+    except InputError as error:
+        console.warn(f"{error}; it is made again")
+        return False
+
+
+def _ends(path, end):
+    with open(path, "rb") as file:
+        file.seek(max(path.stat().st_size - len(end) - 2, 0))
+        return file.read().rstrip().endswith(end)
 
 
 def check_not_inputs(outputs, inputs):

@@ -11,7 +11,7 @@ import sys
 
 from vdblic._core import guard_against_crashes
 
-from .console import ClosedPipe, Console
+from .console import ClosedPipe, Console, printable
 from .errors import STATUS, OutputError, ParameterError
 from .stop import Stop, Stopped, die_by
 
@@ -172,7 +172,7 @@ class Tool:
             self._parser.check(words)
             options = self._parser.parse_args(words)
         except ParameterError as error:
-            sys.stderr.write(f"{self.name}: {error}\n{self.name} --help lists the options.\n")
+            sys.stderr.write(f"{self.name}: {printable(str(error))}\n{self.name} --help lists the options.\n")
             return STATUS[ParameterError]
         except SystemExit:  # --help, --version
             return self._told(console)

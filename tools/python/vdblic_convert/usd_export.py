@@ -1,10 +1,10 @@
 """vdblic_export into USD: one layer that names the files of a whole sequence."""
 
-from vdblic._core import CameraFile, FramePattern, Sequence, check_output, is_finished, read_headers, write_file
+from vdblic._core import CameraFile, FramePattern, Sequence, check_output, read_headers, write_file
 
 from .errors import InputError, ParameterError
 from .levels import Levels
-from .outputs import check_not_inputs
+from .outputs import check_not_inputs, is_whole
 from .tool import positive
 from .velocity import names_of
 
@@ -70,7 +70,7 @@ def export_layer(options, console, stop, version):
     )
     if coarse:
         coarse.check([frame for frame, _ in found], [source for _, source in found])
-    if not (options.skip_existing and is_finished(path)):
+    if not (options.skip_existing and is_whole(path, console)):
         frames, left_out = {}, set()
         for frame, source in found:
             stop.check()

@@ -11,6 +11,7 @@ import math
 import numpy
 
 from .errors import InputError, ParameterError
+from .metadata import number_of
 from .usd_text import asset, attribute, identifier, matrix, prim, samples, text, tuple_of
 
 METERS = {"m": 1, "km": 1000, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
@@ -41,9 +42,9 @@ class Settings:
 
 def settings_of(frame, fps, meters, up, stretch):
     """What is not given is taken from the metadata of a frame."""
-    dt = frame.metadata.get("dt")
+    dt = number_of(frame.metadata, "dt")
     # Of six digits: dt may be a float.
-    rate = float(f"{1 / float(dt):.6g}") if dt and 1 / 120 <= float(dt) <= 1 / 10 else USUAL_RATE
+    rate = float(f"{1 / dt:.6g}") if dt and 1 / 120 <= dt <= 1 / 10 else USUAL_RATE
     houdini = any(str(frame.metadata.get(key, "")).startswith("Houdini") for key in ("source_creator", "creator"))
     return Settings(
         fps or rate,

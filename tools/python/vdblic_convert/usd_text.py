@@ -21,15 +21,26 @@ def matrix(rows):
 
 
 def text(value):
+    """A text; control characters, and bytes of a file that are no UTF-8, as their hexadecimal escapes."""
     escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'
+    return f'"{re.sub(_UNSAFE, lambda match: _hexadecimal(match[0]), escaped)}"'
+
+
+_UNSAFE = "[\x00-\x1f\x7f-\x9f\u2028\u2029\udc80-\udcff]"
+
+
+def _hexadecimal(character):
+    return "".join(f"\\x{byte:02x}" for byte in character.encode("utf-8", "surrogateescape"))
 
 
 def asset(path, layer):
     """A file as it is found from the folder of a layer, so that both can be moved together. Raises InputError."""
     relative = os.path.relpath(os.path.abspath(path), os.path.dirname(os.path.abspath(layer)))
-    if any(ord(character) < 32 for character in relative):
-        raise InputError(f"{path!r}: control characters in a name cannot be written into a layer; rename the file")
+    if not relative.isprintable():
+        raise InputError(
+            f"{path!r}: a name of control characters, or of bytes that are no UTF-8, cannot be written into a layer;"
+            " rename the file"
+        )
     anchored = relative if relative.startswith("../") else f"./{relative}"
     mark = "@@@" if "@" in anchored else "@"
     return f"{mark}{anchored.replace('@@@', chr(92) + '@@@')}{mark}"

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdblic::python {
+
+/// A text of a file as Python's: bytes that are no UTF-8 become lone surrogates, as in Python's file names (PEP 383).
+[[nodiscard]] pybind11::str toText(std::string_view text);
+/// The bytes of a text, those that toText() took included. @throws ParameterError for other surrogates
+[[nodiscard]] std::string fromText(const pybind11::str& text);
+/// The same for each. @throws ParameterError, also for what is no text
+[[nodiscard]] std::vector<std::string> fromTexts(const pybind11::sequence& texts);
+
+} // namespace vdblic::python
