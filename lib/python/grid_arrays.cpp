@@ -162,7 +162,7 @@ openvdb::GridBase::Ptr gridOf(const py::dict& dictionary)
                                          "lie within ±{}",
                                          origin[0], origin[1], origin[2], first, last, axis, kFarthestIndex));
     }
-    const openvdb::Coord size(int(shape[0]), int(shape[1]), int(shape[2]));
+    const openvdb::Coord size{int(shape[0]), int(shape[1]), int(shape[2])};
     py::array_t<bool, py::array::c_style | py::array::forcecast> active;
     if (!dictionary["active"].is_none()) {
         active = py::array_t<bool, py::array::c_style | py::array::forcecast>::ensure(dictionary["active"]);

@@ -1,6 +1,5 @@
 """Volumes whose voxels are as far apart as indices can be: every tool refuses them, or tells their true size."""
 
-import re
 import sys
 import unittest
 
@@ -49,17 +48,16 @@ class FarVoxels(ToolTest):
                 before = self.files()
                 with self.subTest(far=far, command=command):
                     message = self.fails(3, *command)
-                    self.assertEqual(len(message.strip().splitlines()), 1, message)
+                    self.assertEqual(message.count("error: "), 1, message)
                     self.assertRegex(message, "fog_|flow_")
-                    self.assertNotRegex(message, "nan|inf| -[0-9]+ x")
+                    self.assertNotRegex(message, r"\bnan\b|\binf\b| -[0-9]+ x")
                     self.assertEqual(self.files(), before)
 
     def test_what_info_tells(self):
         done = self.run_tool("vdblic_info", "flow_all.vdb", "--spacing", 2)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn(f"2 voxels in [{-LAST - 1} {-LAST - 1} {-LAST - 1}] to [{LAST} {LAST} {LAST}]", done.stdout)
-        self.assertNotRegex(done.stdout + done.stderr, r"\bnan\b|-nan|\binf\b")
-        self.assertIsNone(re.search(r"-[\d.]+ (B|KiB|MiB|s)\b", done.stdout), done.stdout)
+        self.assertIn(f"2 voxels in [{-LAST - 1} {-LAST - 1} {-LAST - 1}] to [{LAST} {LAST} {LAST}]", done.stderr)
+        self.assertNotRegex(done.stderr, r"\bnan\b|\binf\b| -[\d.]+ (B|KiB|MiB|s)\b")
 
     def test_the_module(self):
         sys.path.insert(0, str(MODULE))

@@ -5,6 +5,7 @@
 #include "vdblic/core/hazard.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/core/version.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/checksum.h"
@@ -34,9 +35,7 @@ namespace {
 /// A message of OpenVDB made printable and short: it may quote damaged bytes of a file.
 std::string clamped(std::string message)
 {
-    for (char& c : message) {
-        if (c < ' ' || c > '~') c = '?';
-    }
+    message = printable(message);
     constexpr std::size_t kLongest = 200;
     if (message.size() > kLongest) {
         message.resize(kLongest);
