@@ -232,6 +232,12 @@ py::dict readBox(const std::filesystem::path& reference)
     return result;
 }
 
+/// Raise an error of the module. What quotes a file need not be UTF-8, which Python wants.
+void raiseAs(const char* type, const Error& error)
+{
+    PyErr_SetString(py::module_::import("vdblic._core").attr(type).ptr(), printable(error.what()).c_str());
+}
+
 } // namespace
 
 openvdb::GridPtrVec chosenGrids(const VdbFile& file, const std::vector<std::string>& names)
@@ -259,12 +265,12 @@ void bindFiles(py::module_& module)
         [](std::exception_ptr error) { // NOLINT(performance-unnecessary-value-param)
             try {
                 if (error) std::rethrow_exception(error);
-            } catch (const ParameterError& told) { // what quotes a file need not be UTF-8, which Python wants
-                throw ParameterError(printable(told.what()));
+            } catch (const ParameterError& told) {
+                raiseAs("ParameterError", told);
             } catch (const InputError& told) {
-                throw InputError(printable(told.what()));
+                raiseAs("InputError", told);
             } catch (const OutputError& told) {
-                throw OutputError(printable(told.what()));
+                raiseAs("OutputError", told);
             } catch (const std::bad_alloc&) {
                 const std::string text = fmt::format(
                     "this takes more than the {} of memory that may be used: cut the domain, or let vdblic_advect "

@@ -87,9 +87,9 @@ class Export(ToolTest):
                          list(zip(names, (0.5, 0.75, 1))))
         # What is there stays, and is in the list.
         before = self.contents("lic_0004.vti")
-        (self.folder / "lic_0003.vti").write_bytes(b"mine")
+        (self.folder / "lic_0003.vti").write_bytes(b"mine</VTKFile>")
         self.exports("-", "-o", "lic_%04d.vti", "--skip-existing", stdin="lic.0003.vdb\nlic.0004.vdb\n")
-        self.assertEqual((self.contents("lic_0003.vti"), self.contents("lic_0004.vti")), (b"mine", before))
+        self.assertEqual((self.contents("lic_0003.vti"), self.contents("lic_0004.vti")), (b"mine</VTKFile>", before))
         self.assertIn(b"lic_0003.vti", self.contents("lic.pvd"))
 
     def test_grids_of_other_voxels_are_interpolated(self):

@@ -15,7 +15,13 @@ class ClosedPipe(Exception):
 
 def printable(text):
     """A text that may have come from a file, as one line: what controls a terminal and what is no character is escaped."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return "".join(c if c.isprintable() else _escape(c) for c in text)
+
+
+def _escape(character):
+    if "\udc80" <= character <= "\udcff":  # a byte that is no UTF-8 (PEP 383)
+        return f"\\x{ord(character) - 0xdc00:02x}"
+    return character.encode("unicode_escape").decode()
 
 
 class Console:
