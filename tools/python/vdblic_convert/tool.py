@@ -115,6 +115,14 @@ def _hold_standard_streams():
         sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # pylint: disable=consider-using-with
 
 
+def _drop_unprinted():
+    """Give up what cannot be printed: the interpreter would try again at its end, and change the status."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+
+
 class Tool:
     """The command line of a tool. `add` takes what argparse's add_argument does."""
 
@@ -189,6 +197,7 @@ class Tool:
             die_by(stop.signal)
         except tuple(STATUS) as error:
             console.error(str(error))
+            _drop_unprinted()
             return STATUS[type(error)]
         except MemoryError:
             console.error(
@@ -207,7 +216,7 @@ class Tool:
             error = failure
         if not error:
             return 0
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the interpreter flushes once more
+        _drop_unprinted()
         if error.errno == errno.EPIPE:
             die_by(signal.SIGPIPE)
         console.error(f"standard output: cannot be written: {error.strerror}")
