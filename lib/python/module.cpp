@@ -206,8 +206,11 @@ py::list parametersOfFunction(const std::string& function)
 void useStartableThreads()
 {
     const std::size_t wanted = threadCount(), startable = 1 + startableThreads(wanted - 1);
-    if (startable < wanted)
-        static const tbb::global_control forEver(tbb::global_control::max_allowed_parallelism, startable);
+    if (startable >= wanted) return;
+    // For ever: at its end TBB would start the threads that it was denied.
+    static const auto* const kThreads =
+        new tbb::global_control(tbb::global_control::max_allowed_parallelism, startable);
+    (void)kThreads;
 }
 
 } // namespace

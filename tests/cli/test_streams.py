@@ -135,7 +135,7 @@ class Limits(ToolTest):
             ("vdblic_advect", "v.%04d.vdb", "-o", "{}lic.%04d.vdb", "--preroll", 1),
             ("vdblic_info", "v.%04d.vdb", "--values", "--json", "{}i.json"),
             ("vdblic_diff", "v.0001.vdb", "v.0001.vdb", "--json", "{}d.json"),
-            ("vdblic_coherence", "v.%04d.vdb", "n.vdb", "--texture", "noise", "--frames", "1", "--json", "{}c.json"),
+            ("vdblic_coherence", "v.0001.vdb", "n.vdb", "--texture", "noise", "--json", "{}c.json"),
             ("vdblic_render", "n.vdb", "--texture", "noise", "-o", "{}r.png", "--size", 32, 24),
             ("vdblic_export", "v.0001.vdb", "-o", "{}e.npz"))
 

@@ -313,7 +313,10 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
         if (mPrints && mVerbose) console.setLevel(Console::Level::kVerbose);
         apply();
         limitMemory();
-        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, threadsToUse(console));
+        // For ever: at its end TBB would start the threads that it was denied.
+        static const auto* const kThreads =
+            new tbb::global_control(tbb::global_control::max_allowed_parallelism, threadsToUse(console));
+        (void)kThreads;
         limitArenas(threadCount());
         offerScratch();
         if (mInputs) {

@@ -18,6 +18,7 @@
 #include <exception>
 #include <new>
 #include <optional>
+#include <stdexcept>
 #include <sys/resource.h>
 #include <system_error>
 #include <unistd.h>
@@ -68,6 +69,8 @@ std::terminate_handler gTerminate = nullptr; // before ours
         tMemoryRanOut = 1;
     } catch (const std::system_error& error) {
         if (error.code() == std::errc::resource_unavailable_try_again) tThreadsRanOut = 1;
+    } catch (const std::runtime_error& error) { // TBB's has no code
+        if (std::strstr(error.what(), "pthread_create")) tThreadsRanOut = 1;
     } catch (...) { // NOLINT(bugprone-empty-catch): a bug, which the handler before ours tells
     }
     if (!tMemoryRanOut && !tThreadsRanOut) gTerminate();
