@@ -6,9 +6,9 @@
 set -eu
 cd "$(dirname "$0")/.."
 # What a test may lack where .ci/packages.sh has run: packages of PyPI (tests/peers.sh), the time of a night, large data
-# sets, a right to mount.
+# sets, a right to mount or to see what the kernel tells of a process.
 peers='usd-core|bpy|pyvista|NumPy 2'
-may_lack="$peers|tests/nightly.sh|VDBLIC_DATA|mount"
+may_lack="$peers|tests/nightly.sh|VDBLIC_DATA|mount|this system"
 
 did_not_run() {
     awk '/^[0-9]+\/[0-9]+ Testing: / { test = $3 }

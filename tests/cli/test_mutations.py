@@ -1,6 +1,6 @@
 """Damaged files of every kind through the tools and the module that read them: status 0 or 3, one message, no output.
 
-A few of each kind for every push; with VDBLIC_NIGHTLY=1 a thousand. The files are the same in every run. Volumes have no
+A few of each kind for every push; at night (tests/nightly.sh) a thousand. The files are the same in every run. Volumes have no
 checksums, which would refuse nearly all of them before they are parsed.
 """
 
@@ -16,9 +16,9 @@ import unittest
 
 import numpy
 
-from support import BIN, ToolTest
+from support import BIN, ToolTest, often
 
-FILES = 1000 if os.environ.get("VDBLIC_NIGHTLY") else 4
+FILES = often(4, 1000)
 MODULE = BIN.parent / "python"
 HAS_MODULE = list(MODULE.glob("vdblic/_core*.so")) and os.environ.get("VDBLIC_SANITIZED") != "1"
 SMALL = ("--size", 12, 8)
