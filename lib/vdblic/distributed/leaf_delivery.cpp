@@ -162,7 +162,7 @@ void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* strea
 
 openvdb::GridBase::Ptr withoutValues(const Domain& domain, const openvdb::GridBase& grid)
 {
-    const openvdb::GridBase::Ptr result = grid.copyGridWithNewTree();
+    openvdb::GridBase::Ptr result = grid.copyGridWithNewTree();
     result->apply<DeliveredGrids>([&](auto& typed) {
         using Leaf = typename std::decay_t<decltype(typed)>::TreeType::LeafNodeType;
         for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {

@@ -151,8 +151,9 @@ std::optional<Vec3f> LiteralField::at(const Vec3f& position, float time) const
         }
         std::array<float, 4> result{};
         for (std::size_t number = 0; number < 4; ++number) {
-            result[number] = trilinear(
-                fraction, [&](int i, int j, int k) { return corners[std::size_t(4 * i + 2 * j + k)][number]; });
+            result[number] = trilinear(fraction, [&](int i, int j, int k) {
+                return corners[std::size_t(i) * 4 + std::size_t(j) * 2 + std::size_t(k)][number];
+            });
         }
         return result;
     };
