@@ -106,9 +106,10 @@ class Levels(ToolTest):
     def test_what_is_there_stays_and_mistakes(self):
         self.outputs("vdblic_noise", "-o", "n.1.vdb", "--size", 8, 8, 8)
         self.outputs("vdblic_export", "n.%d.vdb", "-o", "c.%d.vdb", "--levels", 2)
-        (self.folder / "c.level1.1.vdb").write_bytes(b"mine")
+        mine = self.contents("n.1.vdb")
+        (self.folder / "c.level1.1.vdb").write_bytes(mine)
         self.outputs("vdblic_export", "-", "-o", "c.%d.vdb", "--levels", 2, "--skip-existing", stdin="n.1.vdb\n")
-        self.assertEqual(self.contents("c.level1.1.vdb"), b"mine")
+        self.assertEqual(self.contents("c.level1.1.vdb"), mine)
         for status, words, *arguments in (
             (2, "a .vdb would be a copy; --levels writes coarser ones", "n.1.vdb", "-o", "c.vdb"),
             (2, "--levels writes .vdb files", "n.1.vdb", "-o", "c.vti", "--levels", 1),
