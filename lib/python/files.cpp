@@ -6,6 +6,7 @@
 #include "vdblic/core/extent.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/printable.h"
+#include "vdblic/io/affine_rows.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/frame_list.h"
 #include "vdblic/io/grid_reference.h"
@@ -151,7 +152,7 @@ py::dict readMetadata(const std::filesystem::path& path)
 bool areAlike(const openvdb::math::Transform& a, const openvdb::math::Transform& b)
 {
     constexpr double kNear = 1e-12; // of a number
-    const openvdb::Mat4d one = a.baseMap()->getAffineMap()->getMat4(), other = b.baseMap()->getAffineMap()->getMat4();
+    const openvdb::Mat4d one = affineRows(a), other = affineRows(b);
     return std::equal(one.asPointer(), one.asPointer() + 16, other.asPointer(),
                       [](double x, double y) { return std::abs(x - y) <= kNear * std::max(std::abs(x), std::abs(y)); });
 }

@@ -4,6 +4,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/extent.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/io/affine_rows.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Dense.h>
@@ -306,7 +307,7 @@ bool hasArrays(const openvdb::GridBase& grid)
 
 py::object matrixOf(const openvdb::math::Transform& transform)
 {
-    const openvdb::Mat4d rows = transform.baseMap()->getAffineMap()->getMat4();
+    const openvdb::Mat4d rows = affineRows(transform);
     py::array_t<double> matrix({4, 4});
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)

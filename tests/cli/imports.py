@@ -75,7 +75,8 @@ class ImportHere(ImportTest):
         sys.path.insert(0, str(BIN.parent / "python"))
         from vdblic_convert import import_tool  # pylint: disable=import-outside-toplevel,import-error
 
-        here, output, messages = os.getcwd(), io.StringIO(), io.StringIO()
+        here, messages = os.getcwd(), io.StringIO()
+        output = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
         os.chdir(self.folder)
         try:
             with contextlib.redirect_stdout(output), contextlib.redirect_stderr(messages), warnings.catch_warnings():
@@ -84,4 +85,5 @@ class ImportHere(ImportTest):
         finally:
             os.chdir(here)
             sys.path.pop(0)
-        return subprocess.CompletedProcess(arguments, status, output.getvalue(), messages.getvalue())
+        printed = output.buffer.getvalue().decode()
+        return subprocess.CompletedProcess(arguments, status, printed, messages.getvalue())

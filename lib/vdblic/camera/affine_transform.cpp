@@ -1,6 +1,7 @@
 #include "vdblic/camera/affine_transform.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/io/affine_rows.h"
 
 #include <fmt/format.h>
 #include <glm/matrix.hpp>
@@ -16,7 +17,7 @@ glm::dmat4 affineMatrix(const openvdb::math::Transform& transform, const std::st
         throw InputError(fmt::format("{} has a {} transform; only affine ones can be rendered: resample it first", grid,
                                      transform.mapType()));
     }
-    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+    const openvdb::Mat4d matrix = affineRows(transform);
     glm::dmat4 result;
     for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < 4; ++j)

@@ -1,5 +1,6 @@
 #include "vdblic/compare/metadata_difference.h"
 
+#include "vdblic/io/affine_rows.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
@@ -54,18 +55,13 @@ std::string textOf(const openvdb::MetaMap& map, const std::string& key)
     return map[key]->str();
 }
 
-openvdb::Mat4d matrixOf(const openvdb::math::Transform& linear)
-{
-    return linear.baseMap()->getAffineMap()->getMat4();
-}
-
 std::string matrixText(const openvdb::math::Transform& transform)
 {
     if (!transform.isLinear()) {
         const openvdb::Vec3d size = transform.voxelSize();
         return fmt::format("{}, voxel size {} {} {}", transform.mapType(), size.x(), size.y(), size.z());
     }
-    const openvdb::Mat4d matrix = matrixOf(transform);
+    const openvdb::Mat4d matrix = affineRows(transform);
     std::string text;
     for (int row = 0; row < 4; ++row) {
         text += fmt::format("{}{} {} {}", row > 0 ? ", " : "", matrix(row, 0), matrix(row, 1), matrix(row, 2));
@@ -121,7 +117,7 @@ std::optional<TransformDifference> compareTransforms(const openvdb::GridBase& a,
     const openvdb::math::Transform &transformA = a.transform(), &transformB = b.transform();
     // OpenVDB's comparison of transforms has a tolerance of its own, so it is used only where there is no matrix.
     const bool linear = transformA.isLinear() && transformB.isLinear();
-    if (linear ? matrixOf(transformA) == matrixOf(transformB) : transformA == transformB) return std::nullopt;
+    if (linear ? affineRows(transformA) == affineRows(transformB) : transformA == transformB) return std::nullopt;
     openvdb::CoordBBox box = a.evalActiveVoxelBoundingBox();
     box.expand(b.evalActiveVoxelBoundingBox());
     if (box.empty()) box.reset({0, 0, 0}, {1, 1, 1});

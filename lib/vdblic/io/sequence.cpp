@@ -306,10 +306,13 @@ std::vector<FrameFile> selectFrames(const SequenceParams& params)
 void warnOfOtherNumbers(const SequenceParams& params, Reporter& reporter)
 {
     if (params.pattern == "-" || !params.frames.empty()) return;
-    const FramePattern pattern(params.pattern);
-    if (!pattern.hasField() || pattern.framesOnDisk().empty()) return; // the latter is an error
-    const std::string text = leftOutText(params.pattern, pattern);
-    if (!text.empty()) reporter.warn(text);
+    try {
+        const FramePattern pattern(params.pattern);
+        if (!pattern.hasField() || pattern.framesOnDisk().empty()) return;
+        const std::string text = leftOutText(params.pattern, pattern);
+        if (!text.empty()) reporter.warn(text);
+    } catch (const Error&) { // is told where the sequence is opened
+    }
 }
 
 std::vector<std::int64_t> selectedFrames(const SequenceParams& params)

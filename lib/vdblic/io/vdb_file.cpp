@@ -19,6 +19,7 @@
 #include <openvdb/io/Compression.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -59,8 +60,11 @@ std::uint32_t compressionFlags(VdbCompression compression)
 /// Whether each place in world space is at one place in index space.
 bool isInvertible(const openvdb::math::Transform& transform)
 {
-    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
-    return std::abs(matrix.getMat3().det()) > 0 && std::isfinite(matrix.det());
+    constexpr double kFlat = 1e-12; // shares of the longest side, and of the sides' product
+    const openvdb::Vec3d sides = transform.voxelSize();
+    const double longest = std::max({sides[0], sides[1], sides[2]}), volume = transform.baseMap()->determinant();
+    return std::isfinite(longest) && std::min({sides[0], sides[1], sides[2]}) > kFlat * longest &&
+           std::abs(volume) > kFlat * sides[0] * sides[1] * sides[2];
 }
 
 /// Refuse transforms that flatten space, and voxels whose distances to others no integer of 32 bits holds, as all
