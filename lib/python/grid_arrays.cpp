@@ -135,6 +135,9 @@ template<typename T>
 T memberOf(const py::dict& dictionary, const char* key, const char* kind)
 {
     try {
+        if constexpr (std::is_base_of_v<py::object, T>) { // of which a cast would make one of anything
+            if (!py::isinstance<T>(dictionary[key])) throw py::cast_error();
+        }
         return dictionary[key].cast<T>();
     } catch (const py::cast_error&) {
         throw ParameterError(

@@ -206,7 +206,7 @@ class Scratch(ToolTest):
             run.kill()
             run.wait()
             for name in os.listdir(self.folder / "lic"):
-                self.assertTrue(name.startswith(("lic.", "checkpoint.lic.")), name)
+                self.assertTrue(name.startswith(("lic.", "checkpoint.lic.", ".checkpoint.lic.lock")), name)
         self.run_in(LIMIT, "lic", *flow, "--resume")
         self.assert_same("whole", "lic")
 
