@@ -122,7 +122,7 @@ class Streams(ToolTest):
         for command in (("vdblic_synth", "abc", "-o", "w.%04d.vdb", "--size", 8, 8, 8, "--frames", "1-9"),
                         ("vdblic_export", "v.%04d.vdb", "-o", "w.%04d.npz")):
             run = self.start(*command, "-q", stdout=writing)
-            self.waits(run, "pipe_write", "poll")
+            self.waits(run, "pipe_write")
             run.send_signal(signal.SIGTERM)
             self.assertEqual((run.wait(timeout=60), run.stderr.read()), (-signal.SIGTERM, ""), command)
         os.close(writing)

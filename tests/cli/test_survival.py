@@ -108,7 +108,9 @@ class Survival(ToolTest):
             run.terminate()
             out, messages = paths.read(), run.communicate(timeout=120)[1]
             self.assertEqual(run.returncode, -signal.SIGTERM, f"{command} {messages}")
-            self.assertEqual(set(self.files()) - before - {"checkpoint.lic.vdb"}, set(out.split()), command)
+            made, printed = set(self.files()) - before - {"checkpoint.lic.vdb"}, set(out.split())
+            self.assertLessEqual(printed, made, command)
+            self.assertLessEqual(len(made - printed), 1, command)  # whose path the reader made wait
 
     def test_a_tool_that_prints_at_its_end_stops(self):
         self.synth("1", (64, 32, 32))

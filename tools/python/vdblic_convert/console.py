@@ -2,7 +2,6 @@
 
 import os
 import re
-import select
 import shutil
 import sys
 import time
@@ -65,12 +64,9 @@ class Console:
         """Print the path of a finished output."""
         self.clear()
         try:
-            writable = select.poll()
-            writable.register(1, select.POLLOUT)
-            while not writable.poll(100):  # ms; the reader may let the tool wait for ever
-                self._stop.check()
-            sys.stdout.buffer.write(os.fsencode(path) + b"\n")  # a name need not be UTF-8
-            sys.stdout.buffer.flush()
+            with self._stop.ends_waits():  # for the reader
+                sys.stdout.buffer.write(os.fsencode(path) + b"\n")  # a name need not be UTF-8
+                sys.stdout.buffer.flush()
         except BrokenPipeError:
             raise ClosedPipe from None
         except OSError as error:

@@ -1,5 +1,6 @@
 """Signals that end a run: the frame being written is finished, then the process ends by the signal."""
 
+import contextlib
 import os
 import signal
 
@@ -13,6 +14,7 @@ class Stop:
 
     def __init__(self):
         self.signal = 0
+        self._waits = False
         for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, self._request)
@@ -20,6 +22,17 @@ class Stop:
     def _request(self, number, _):
         self.signal = number
         signal.signal(number, signal.SIG_DFL)
+        if self._waits:
+            raise Stopped
+
+    @contextlib.contextmanager
+    def ends_waits(self):
+        """Within this a signal raises Stopped at once: for what may wait for ever."""
+        self._waits = True
+        try:
+            yield
+        finally:
+            self._waits = False
 
     def check(self):
         """Raise Stopped if a stop was requested."""
