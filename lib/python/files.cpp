@@ -132,8 +132,8 @@ std::vector<std::pair<std::int64_t, std::filesystem::path>> filesOf(const Sequen
 py::dict metadataOf(const VdbFile& file)
 {
     openvdb::MetaMap found;
-    for (auto grid = file.grids.rbegin(); grid != file.grids.rend(); ++grid)
-        found.insertMeta(**grid);
+    for (std::size_t i = file.grids.size(); i > 0; --i)
+        found.insertMeta(*file.grids[i - 1]);
     found.insertMeta(file.metadata);
     return toDictionary(found);
 }

@@ -153,10 +153,11 @@ FramePattern FramePattern::ofLevel(int level) const
 std::filesystem::path FramePattern::path(std::int64_t frame) const
 {
     if (!hasField()) return mFolder / mPrefix;
-    const std::filesystem::path usual = mFolder / (mPrefix + padded(frame, *mWidth) + mSuffix);
+    std::filesystem::path usual = mFolder / (mPrefix + padded(frame, *mWidth) + mSuffix);
     if (frame >= 0) return usual;
-    const std::filesystem::path allDigits = mFolder / (mPrefix + padded(frame, *mWidth + 1) + mSuffix);
-    return !isFile(usual) && isFile(allDigits) ? allDigits : usual;
+    std::filesystem::path allDigits = mFolder / (mPrefix + padded(frame, *mWidth + 1) + mSuffix);
+    if (isFile(usual) || !isFile(allDigits)) return usual;
+    return allDigits;
 }
 
 std::filesystem::path FramePattern::companion(std::string_view name) const
