@@ -79,7 +79,7 @@ typename GridT::Ptr gridOf(const typename GridT::ValueType* values, const bool* 
                            const openvdb::Coord& origin)
 {
     using Leaf = typename GridT::TreeType::LeafNodeType;
-    const auto grid = GridT::create();
+    auto grid = GridT::create();
     const openvdb::CoordBBox box(origin, origin + size - openvdb::Coord(1));
     const openvdb::Coord first = origin & ~(int(Leaf::DIM) - 1), last = box.max() & ~(int(Leaf::DIM) - 1);
     std::vector<std::unique_ptr<Leaf>> leaves;
@@ -158,7 +158,7 @@ openvdb::GridBase::Ptr gridOf(const py::dict& dictionary)
                                          shape.empty() ? "" : "; its shape is ", shape));
     }
     const std::array<std::int64_t, 3> shape = {values.shape(0), values.shape(1), values.shape(2)};
-    const std::array<int, 3> origin = memberOf<std::array<int, 3>>(dictionary, "origin", "3 whole numbers");
+    const auto origin = memberOf<std::array<int, 3>>(dictionary, "origin", "3 whole numbers");
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t first = origin[axis], last = first + shape[axis] - 1;
         if (std::max(std::abs(first), std::abs(last)) <= kFarthestIndex) continue;
