@@ -4,7 +4,7 @@
 
 namespace vdblic::python {
 
-/// Add `CameraFile(path)`, the key frames of a camera (docs/render-reference.md), whose `at(frame)` is a dictionary of
+/// Add `CameraFile(path)`, the key frames of a camera (docs/formats.md), whose `at(frame)` is a dictionary of
 /// those that the file sets among `eye`, `target`, `up`, `fov` (vertical, degrees) and `height`.
 void bindCameraFile(pybind11::module_& module);
 

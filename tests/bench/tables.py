@@ -1,12 +1,10 @@
-#!/usr/bin/env python3
-"""Tables of docs/evidence.md, measured anew, as Markdown.
+#!/usr/bin/python3
+"""The tables of docs/evidence.md, measured anew, as Markdown.
 
-    xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD [DATA] [--only performance|quality|render] [--frames N]
+    xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD DATA [--only SECTION...] [--frames N]
 
-BUILD is the build folder (build/release). DATA holds the flows of docs/evidence.md; quality.py says which, and prints the
-tables of one flow. `--frames` shortens a trial of the engine.
-
-docs/evidence.md names the commands of its other tables.
+BUILD is the build folder (build/release). DATA holds the flows of docs/evidence.md; quality.py says which. `--frames`
+shortens a trial of the engine.
 """
 
 import argparse
@@ -19,7 +17,8 @@ import tempfile
 import file_to_file
 import quality
 
-HERE = pathlib.Path(__file__).parent
+HERE = pathlib.Path(__file__).resolve().parent
+WAKE = HERE.parents[1] / "samples/wake/wake.0012.vdb"
 
 
 def engine_report(build, frames):
@@ -85,30 +84,54 @@ def print_engine(report, frames):
               f"{row['temporal']:.3f} / {row['temporal_smoothed']:.3f} | {row['deviation']:.3f} |")
 
 
+SECTIONS = ("engine", "files", "refinement", "methods", "defaults", "streaks", "pictures", "viewer", "machines")
+
+
+def bench(script, *arguments):
+    """Run a script of this folder, which prints tables."""
+    subprocess.run([sys.executable, HERE / f"{script}.py", *map(str, arguments)], check=True)
+
+
+def print_viewer(build):
+    """The viewer on a refined wake."""
+    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+        texture = f"{folder}/wake.vdb"
+        subprocess.run([build / "tools/vdblic_advect", WAKE, "-o", texture, "--refine", "4", "--with", "vorticity,q", "-q"], check=True, stdout=subprocess.DEVNULL)
+        bench("viewer", build, texture)
+
+
 def main():
-    parser = argparse.ArgumentParser(description="Measure the tables of the documents anew.")
+    parser = argparse.ArgumentParser(description="Measure the tables of docs/evidence.md anew.")
     parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("data", type=pathlib.Path, nargs="?")
-    parser.add_argument("--only", choices=("performance", "quality", "render"))
+    parser.add_argument("data", type=pathlib.Path)
+    parser.add_argument("--only", choices=SECTIONS, nargs="+", default=SECTIONS)
     parser.add_argument("--frames", type=int, default=6, help="frames of engine, at least 5")
     given = parser.parse_args()
-    build = given.build.resolve()
-    wanted = lambda part: given.only in (None, part)
-    if wanted("performance"):
-        print("## Engine\n")
-        report = engine_report(build, given.frames)
-        print_engine(report, given.frames)
-        print(flush=True)
-        rate = next(rate for name, rate in integrator_rates(report).items() if "VelocityIntegrator" in name)
-        file_to_file.print_table(build, given.data, rate)
-        print(flush=True)
-        subprocess.run([sys.executable, HERE / "refine.py", build, "--frames", "4"], check=True)
-    if wanted("quality"):
-        print("\n## Defaults")
-        quality.print_tables(build / "tools", given.data, quality.flows_of(given.data))
-    if wanted("render"):
-        print("\n## Pictures\n", flush=True)
-        subprocess.run([sys.executable, HERE / "render_peers.py", build / "tools"], check=True)
+    build, data, tools, report = given.build.resolve(), given.data.resolve(), given.build.resolve() / "tools", None
+    for section in given.only:
+        print(f"\n## {section.capitalize()}\n", flush=True)
+        match section:
+            case "engine":
+                report = engine_report(build, given.frames)
+                print_engine(report, given.frames)
+            case "files":
+                rates = integrator_rates(report) if report else {}
+                rate = next((rates[name] for name in rates if "VelocityIntegrator" in name), None)
+                file_to_file.print_table(build, data, rate)
+            case "refinement":
+                bench("refine", build, "--frames", 4)
+            case "methods":
+                bench("methods", tools, data)
+            case "defaults":
+                quality.print_tables(tools, data, quality.FLOWS)
+            case "streaks":
+                bench("streaks", build, data)
+            case "pictures":
+                bench("render_peers", tools)
+            case "viewer":
+                print_viewer(build)
+            case "machines":
+                bench("ranks", tools)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The programs of docs/library.md, compiled against an installed copy."""
+"""The programs of samples/library, compiled against an installed copy."""
 
 import os
 import pathlib
@@ -15,8 +15,7 @@ import pyopenvdb as vdb
 from support import BIN, ToolTest
 
 SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
-DOCUMENT = (SOURCE / "docs/library.md").read_text(encoding="utf-8")
-
+PROGRAMS = SOURCE / "samples/library"
 
 CCACHE = [ccache] if (ccache := shutil.which("ccache")) else []
 
@@ -43,12 +42,7 @@ class Library(ToolTest):
 
     @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a program of its own has no sanitizer")
     def test_programs(self):
-        lists, = re.findall(r"^```cmake\n(.*?)^```", DOCUMENT, re.MULTILINE | re.DOTALL)
-        (self.folder / "CMakeLists.txt").write_text(lists)
-        programs = re.findall(r"^`(\w+\.cpp)`.*?^```cpp\n(.*?)^```", DOCUMENT, re.MULTILINE | re.DOTALL)
-        self.assertEqual([name for name, _ in programs], ["sequence.cpp", "field.cpp"])
-        for name, text in programs:
-            (self.folder / name).write_text(text)
+        shutil.copytree(PROGRAMS, self.folder, dirs_exist_ok=True)
         self.run_command("cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={self.installed}",
                          "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_CXX_COMPILER_LAUNCHER={';'.join(CCACHE)}")
         self.run_command("cmake", "--build", "build")
@@ -103,7 +97,7 @@ class Library(ToolTest):
 
     def test_headers_are_installed(self):
         lists = (SOURCE / "lib/CMakeLists.txt").read_text(encoding="utf-8")
-        for folder, name in re.findall(r"vdblic/(\w+)/(\w+\.h)", DOCUMENT):
+        for folder, name in re.findall(r"vdblic/(\w+)/(\w+\.h)", (SOURCE / "docs/architecture.md").read_text(encoding="utf-8")):
             self.assertTrue((SOURCE / "lib/vdblic" / folder / name).is_file(), name)
             self.assertIn(f" {name}", lists)
 

@@ -144,7 +144,7 @@ class Mutations(ToolTest):
         module = (sys.executable, "-c", READ, MODULE, "lic.0001.vdb")
         self.check("lic.0001.vdb", ("vdblic_export", "lic.0001.vdb", "-o", "out.npz"),
                    ("vdblic_export", "lic.0001.vdb", "-o", "out.usda"), ("vdblic_export", "lic.0001.vdb", "-o", "out.vti"))
-        # A file that crashes OpenVDB in it ends a program, as docs/SECURITY.md says.
+        # A file that crashes OpenVDB in it ends a program, as docs/CONTRIBUTING.md says.
         self.check("lic.0001.vdb", module, status=(0, 1, -6, -8, -11))
 
 

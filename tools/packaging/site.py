@@ -16,9 +16,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 CONTENTS = {
     "Begin": ["tutorial", "install"],
-    "Guides": ["methods", "render", "view", "import", "export", "blender", "python", "library", "distributed"],
-    "Reference": ["formats", "render-reference", "survival", "measure", "evidence", "algorithm", "architecture"],
-    "Project": ["changelog", "CONTRIBUTING", "SECURITY", "RELEASING"],
+    "Guides": ["methods", "advect", "render", "film", "view", "import", "export", "blender", "python", "distributed"],
+    "Reference": ["formats", "measure", "evidence", "algorithm", "architecture"],
+    "Project": ["changelog", "CONTRIBUTING"],
 }
 
 CONFIGURATION = """
@@ -86,7 +86,7 @@ def headers(folder):
     folders = re.findall(r"^ *vdblic_folder\((\w+)\n[^)]*HEADERS ([^)]*)\)", lists, re.MULTILINE)
     names = [f"lib/vdblic/{name}/{header}" for name, files in folders for header in files.split()]
     first = folder / "headers.md"
-    first.write_text('# The library\'s headers {#headers}\n\n<a href="../library.html">The guide</a> tells which to begin with. '
+    first.write_text('# The library\'s headers {#headers}\n\n<a href="../architecture.html#the-library-in-your-program">The guide</a> tells which to begin with. '
                      f"This reference has the {len(names)} that are installed.\n", encoding="utf-8")
     (folder / "Doxyfile").write_text(f"INPUT = {first} {' '.join(names)}\nUSE_MDFILE_AS_MAINPAGE = {first}\n", encoding="utf-8")
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs Debian's packages of a build into a clean Debian, where there is no compiler, and uses them there. Then it adds a
-# compiler and builds a program of docs/library.md with pkg-config.
+# compiler and builds a program of samples/library with pkg-config.
 #
 #     tools/packaging/try_debian.sh BUILD ROOT
 #
@@ -34,8 +34,7 @@ chroot "$root" sh -eu -c '
     vdblic_import --help >/dev/null
     man vdblic_advect 2>/dev/null | head -n 4
 '
-awk '/^`field.cpp`/ { found = 1 } found && /^```$/ { exit } found && inside { print } /^```cpp/ { inside = found }' \
-    "$here/docs/library.md" >"$root/tmp/field.cpp"
+cp "$here/samples/library/field.cpp" "$root/tmp"
 chroot "$root" sh -eu -c '
     export DEBIAN_FRONTEND=noninteractive
     apt-get install -y -qq --no-install-recommends g++ pkg-config >/dev/null

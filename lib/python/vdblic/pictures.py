@@ -84,7 +84,7 @@ OPTIONS = described(Renderer, _core.parameters("picture"), others=_core.paramete
 def displayed(picture: numpy.ndarray, background: Sequence[float] | None = None) -> numpy.ndarray:
     """A picture over a background as screens show it: (height, width, 3), sRGB in bytes, for Pillow or Matplotlib.
 
-    Light that is brighter than a screen follows a tone curve, as in `.png` files (docs/render-reference.md). It takes
+    Light that is brighter than a screen follows a tone curve, as in `.png` files (docs/render.md). It takes
     annotations along, which are drawn into the picture.
 
     background   red, green and blue as displayed, 0 to 1, or those at the bottom and at the top; by default

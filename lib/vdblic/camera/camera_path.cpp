@@ -115,7 +115,7 @@ Parameters parametersOf(CameraMotion& params)
                   "Frames that the turns take, instead of those on disk; needed for paths on standard input, where "
                   "frame 1 is the first.",
                   params.orbitFrames, {.group = "Camera", .limits = {.least = 1}}),
-        parameter("camera", "JSON file of key frames of the camera (docs/render-reference.md).", WordType::kText, 1,
+        parameter("camera", "JSON file of key frames of the camera (docs/formats.md).", WordType::kText, 1,
                   [&params](const Words& words) { params.keys = readCameraKeys(words[0]); }, wordsOf,
                   {.words = "FILE", .group = "Camera", .isFile = true, .attribute = "cameraKeys"}),
     };

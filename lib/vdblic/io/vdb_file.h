@@ -61,7 +61,7 @@ struct VdbFile {
 /// Chooses leaves of a grid by their first voxels. Called by several threads at a time.
 using LeafFilter = std::function<bool(const openvdb::GridBase& grid, const openvdb::Coord& origin)>;
 
-/// Read a whole file, without delayed loading. All volumes are read by this function (docs/survival.md).
+/// Read a whole file, without delayed loading. All volumes are read by this function (docs/architecture.md).
 ///
 /// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
 /// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.

@@ -17,8 +17,7 @@ namespace vdblic {
 /// first seed's value in every frame before. So every pathline that is in a voxel carries about the same, and one that
 /// finds its voxel closed ends: the first one there takes over its values.
 ///
-/// With a share of 4 / (3 L) streaks are as long, and as coherent, as with a window of L frames
-/// (docs/evidence.md).
+/// With a share of 4 / (3 L) streaks are as long, and as coherent, as with a window of L frames.
 class FadingValues {
   public:
     static constexpr bool kTakesUp = true;       ///< whether pathlines take up the values of open voxels

@@ -97,7 +97,7 @@ Parameters pictureParametersOf(RenderParams& params)
                   [&params](const Words& words) { params.opacityBy = {words[0]}; }, opacityBy,
                   {.words = "NAME", .group = "Colour and opacity"}),
         parameter(
-            "transfer", "JSON file of a transfer function (docs/render-reference.md).", WordType::kText, 1,
+            "transfer", "JSON file of a transfer function (docs/formats.md).", WordType::kText, 1,
             [&params](const Words& words) { readTransferFile(words[0], params.look.transfer); }, [] { return Words{}; },
             {.words = "FILE", .group = "Colour and opacity", .isFile = true, .attribute = "-"}),
     };

@@ -11,7 +11,7 @@ namespace vdblic {
 /// Compute and write the texture of every frame (makeTextureFile()). Computing and writing overlap.
 ///
 /// The run writes checkpoints beside the outputs from time to time and when it is interrupted, and removes the last one
-/// when it is complete (docs/survival.md). A run with `resume` goes on from the checkpoint: its outputs are the same as
+/// when it is complete (docs/advect.md). A run with `resume` goes on from the checkpoint: its outputs are the same as
 /// without the interruption, and those written before are reported again as finished.
 ///
 /// @param lines source of the paths if the input is `-`

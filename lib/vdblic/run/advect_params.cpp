@@ -189,7 +189,7 @@ std::uint64_t AdvectParams::prerollSteps() const
 
 int AdvectParams::leadInFrames() const
 {
-    constexpr int kLifeSpans = 2; // measured: docs/evidence.md
+    constexpr int kLifeSpans = 2; // longer ones bring a part no nearer to the whole run
     if (isSparse()) {
         constexpr float kTail = 4, kSettling = 2;
         return leadIn.value_or(int(std::ceil(streaks.tail.value_or(kTail) + kSettling)));

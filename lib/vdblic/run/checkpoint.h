@@ -25,7 +25,7 @@ struct CheckpointPart {
     openvdb::CoordBBox box;     ///< of its leaves in the texture
 };
 
-/// A run between two steps, and all it takes to go on from there (docs/survival.md).
+/// A run between two steps, and all it takes to go on from there (docs/advect.md).
 struct Checkpoint {
     RunPosition position;
     std::vector<std::string> inputs; ///< FlowSequence::stampOf() of every frame that the steps depend on, in order

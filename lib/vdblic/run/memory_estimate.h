@@ -11,7 +11,7 @@ struct FieldDomain;
 struct StreakShape;
 
 /// The memory that a run takes at its peak [bytes], by its first frame. Fitted to measured runs: within a quarter of
-/// them for domains of full leaves (docs/evidence.md).
+/// them for domains of full leaves.
 [[nodiscard]] double advectBytes(const AdvectParams& params, const FieldDomain& first);
 
 /// The same for a method that looks back. @param velocity, texture voxels of their leaves

@@ -26,7 +26,7 @@ struct FrameFile;
 struct LoadedFrame;
 class RunOutputs;
 
-/// The checkpoint of a run: taken up at the start, written between steps, removed at the end (docs/survival.md).
+/// The checkpoint of a run: taken up at the start, written between steps, removed at the end (docs/advect.md).
 /// Not thread-safe.
 class RunCheckpoint {
   public:

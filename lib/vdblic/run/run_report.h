@@ -31,7 +31,7 @@ struct RunReport {
 /// The time of a run by stage, as in Table 2 of Liu & Moorhead 2004, and how evenly it spreads over the frames.
 [[nodiscard]] std::vector<std::string> runLines(const RunReport& report);
 
-/// All figures, as JSON with two spaces of indentation (docs/methods.md).
+/// All figures, as JSON with two spaces of indentation (docs/advect.md).
 [[nodiscard]] std::string toJson(const RunReport& report);
 
 } // namespace vdblic
