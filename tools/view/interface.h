@@ -9,7 +9,28 @@
 
 namespace vdblic::view {
 
-/// What the page asks the server (docs/view.md): JSON in, JSON or a picture out.
+/// What the page, or a script, asks the server: JSON in, JSON or a picture out. Requests go to paths below the viewer's
+/// address; those with a body are POST requests of `application/json`. A state is an object with options of
+/// vdblic_render by their names without dashes, {"look": "vortex", "eye": [1, 2, 3], "clip-plane": [[0, 0, 0, 1, 0,
+/// 0]]}, and `keys` as in a file of key frames (docs/formats.md). An error has a status of 400 or more and the message
+/// in `error`.
+///
+///     path        body                        answer
+///     sequence                                frames, scalars, looks, colour maps, the start state
+///     status                                  frames, `jobs`, and `version`, which rises when frames or choices change
+///     scene       state, frame                automatic camera, ranges, points, values of the look; `settled`: all
+///                                             frames were read for it
+///     histograms  state                       counts of texture and scalars
+///     picture     state, frame, client, turn, a JPEG, or a PNG for "format": "png"; up to eight frames in `next` are
+///                 quality, format, next,      read ahead; 204 if a request of the client with no lower `turn` arrived
+///                 settle
+///     fit         state, forward, up          the camera that sees all in this direction
+///     thumbnail   state, frame                a JPEG of up to 160 pixels a side with one ray a pixel
+///     command     state                       the command that renders it
+///     keep        state, frame, kind: files   the names of the `files` and the `command`
+///                 kind: picture (format)      a job: `job`, `file`, `done` of `total`, `finished`, `error`
+///                 or film (fps)
+///     stop        job                         ends a job
 class Interface {
   public:
     explicit Interface(Viewer& viewer) : mViewer(viewer), mPictures(viewer), mKeeper(viewer, mPictures) {}

@@ -1,4 +1,4 @@
-// What the page asks the server; docs/view.md describes the interface.
+// What the page asks the server; tools/view/interface.h describes the interface.
 
 /// An answer that says why there is no result.
 export class Refusal extends Error {
