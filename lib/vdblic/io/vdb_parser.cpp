@@ -1,10 +1,13 @@
 #include "vdblic/io/vdb_parser.h"
 
+#include "vdblic/core/errors.h"
 #include "vdblic/core/hazard.h"
 #include "vdblic/io/leaf_list.h"
 #include "vdblic/io/leaf_record.h"
+#include "vdblic/io/node_places.h"
 #include "vdblic/io/vdb_archive.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -107,6 +110,8 @@ class LeafwiseArchive : public VdbArchive {
                 fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION &&
                 grid.apply<LeafwiseGrids>([&](auto& typed) { readLeaves(typed, list.get(), bytes, stream); });
             if (!leafwise) grid.readBuffers(stream);
+            if (!hasNodesInPlace(grid))
+                throw InputError(fmt::format("nodes of grid '{}' do not lie in their places", descriptor.gridName()));
         }
         vdb_io::clearStreamMetadataPtr(stream);
     }
