@@ -113,6 +113,25 @@ class Film(ToolTest):
                 self.assertEqual(self.files(), sorted([*self.velocities(), "flow.mp4", "whole.mp4"]))
                 (self.folder / "flow.mp4").unlink()
 
+    def test_two_runs_do_not_mix(self):
+        """One that finds another at work leaves its textures alone."""
+        process = self.start()
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        textures = self.folder / "flow.mp4.textures"
+        self.wait_until(lambda: list(textures.glob("texture.*.vdb")), "no texture")
+        process.send_signal(signal.SIGSTOP)
+        (self.folder / "here").symlink_to(".")
+        before = sorted(textures.iterdir())
+        for output in "flow.mp4", "./flow.mp4", "here/flow.mp4":
+            for seconds in 1, 8:
+                text = self.film(output, "--seconds", seconds, status=2)
+                self.assertIn(f"{output}: another run is writing these outputs, process {process.pid} on ", text)
+                self.assertEqual(sorted(textures.iterdir()), before)
+        process.kill()
+        self.assertIn("are made again", self.film("flow.mp4", "--seconds", 1))
+        self.assertEqual(self.files(), sorted([*self.velocities(), "flow.mp4", "here"]))
+
     def test_other_options_and_inputs(self):
         """Textures of other options or of changed inputs are not taken over."""
         self.film("whole.mp4", "--seconds", 1)

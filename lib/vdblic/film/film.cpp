@@ -7,6 +7,7 @@
 #include "vdblic/image/film_writer.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/file_stamp.h"
+#include "vdblic/io/output_lock.h"
 #include "vdblic/render/render_sequence.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/run/advect.h"
@@ -172,13 +173,14 @@ void makeFilm(const FilmParams& params, Reporter& reporter)
     params.validate();
     const std::vector<FrameFile> files = selectFrames(params.input);
     checkFilm(params, files);
+    const fs::path output(params.output);
+    const OutputLock claim(output.parent_path() / fmt::format(".{}.lock", output.filename().string()), output);
     SequenceInfoParams inspection;
     inspection.flow.input = params.input;
     inspection.values = true;
     const FilmPlan plan = planFilm(params, inspectSequence(inspection, reporter));
     for (const std::string& note : plan.notes)
         reporter.say(note);
-    const fs::path output(params.output);
     const std::string beside = (output.parent_path() / output.stem()).string() + ".texture.%04d.vdb";
     reporter.say("the same in two commands:");
     std::string madeFrom;

@@ -9,7 +9,7 @@ namespace vdblic {
 ///
 /// Textures wait in the folder OUTPUT.textures until the output is complete; then the folder is removed. After an
 /// interruption the same call goes on with those that are finished, and writes the same output. Textures of other
-/// parameters or of inputs that have changed since are replaced.
+/// parameters or of inputs that have changed since are replaced. One process at a time makes an output (OutputLock).
 ///
 /// @throws ParameterError, InputError, OutputError, Stopped
 void makeFilm(const FilmParams& params, Reporter& reporter);
