@@ -1,5 +1,7 @@
 """vdblic_view's server: what it answers, what it keeps, and what it refuses."""
 
+import concurrent.futures
+import contextlib
 import http.client
 import json
 import os
@@ -8,6 +10,7 @@ import re
 import shlex
 import signal
 import socket
+import subprocess
 import tempfile
 import threading
 import unittest
@@ -260,6 +263,50 @@ class Pictures(ViewerTest):
             self.keep("picture", {"size": [8, 8]})
         self.assertLessEqual(len(self.ask("status")["jobs"]), 8)
         self.assertEqual(self.stop(), -signal.SIGTERM)
+
+    def test_forty_saves_at_a_time(self):
+        """Each is answered: its files are there, or the answer says what to wait for."""
+        self.start("lic.%04d.vdb")
+        begin, state = threading.Barrier(40), {"size": [8, 8]}
+
+        def save(number):
+            begin.wait(60)
+            return self.request("keep", {"kind": ("files", "picture")[number % 2], "state": state, "frame": 1})
+
+        with concurrent.futures.ThreadPoolExecutor(40) as pool:
+            answers = list(pool.map(save, range(40)))
+        told = [(status, json.loads(text)) for status, _, text in answers]
+        self.assertEqual([status for status, _ in told[::2]], [200] * 20)
+        kept = [file for _, answer in told[::2] for file in answer["files"]]
+        for status, answer in told[1::2]:
+            if status == 200:
+                self.wait_until(lambda job=answer["job"]: job not in
+                                [one["job"] for one in self.ask("status")["jobs"] if not one["finished"]], "no end")
+                kept.append(answer["file"])
+            else:
+                self.assertEqual((status, answer["error"]),
+                                 (400, "3 pictures are being made; wait for an end or stop one"))
+        self.assertGreaterEqual(len(kept), 43)
+        self.assertEqual(sorted(kept), [name for name in self.files() if name.startswith("view-")])
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root may mount a small file system")
+    def test_a_full_disk(self):
+        """A picture, a film and the files that do not fit are told with the disk's reason, and leave nothing."""
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "none", self.folder], check=False).returncode:
+            self.skipTest("mounting is not allowed here")
+        self.addCleanup(lambda: subprocess.run(["umount", "-l", self.folder], check=True))
+        self.start(self.data / "lic.%04d.vdb")
+        (self.folder / "full").write_bytes(bytes(12 << 10))
+        for kind in "picture", "film":
+            job = self.ask("keep", {"kind": kind, "state": {"size": [160, 120]}, "frame": 1})
+            self.wait_until(lambda number=job["job"]: self.job(number)["finished"], "no end")
+            self.assertRegex(self.job(job["job"])["error"], f"{job['file']}: .*No space left on device")
+        with open(self.folder / "full", "ab") as full, contextlib.suppress(OSError):
+            full.write(bytes(4 << 10))
+        status, _, text = self.request("keep", {"kind": "files", "state": {"size": [8, 8]}, "frame": 1})
+        self.assertEqual(status, 507, text)
+        self.assertIn(b"No space left on device", text)
+        self.assertEqual(self.files(), ["full"])
 
     def test_no_link_is_followed_out_of_the_folder(self):
         self.start("lic.%04d.vdb")
