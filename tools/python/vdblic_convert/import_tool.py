@@ -153,13 +153,13 @@ class Conversion:
     def __init__(self, options, console):
         self._options, self._console = options, console
         self._names, self._target = (), None
-        self._told, self._coarse, self._explained, self._summed = set(), False, [], False
+        self._told, self._coarse, self._grown, self._explained, self._summed = set(), False, False, [], False
 
     def write(self, step, series, path):
         """Write a step's .vdb file."""
         import numpy
         import vdblic
-        from .resample import sampled
+        from .resample import Flow
 
         if self._target is None:
             self._target = self._choose(series)
@@ -168,14 +168,15 @@ class Conversion:
         chosen(arrays, self._names, (), where)  # every step has them
         check_carried(arrays, self._options.carry, where)
         names = (*self._names, *(name for name in self._options.carry if name not in self._names))
-        volumes, mask = {}, True
+        volumes, mask, target = {}, True, None
         for data, own in source.parts(step.index, names, self._names):
-            values, valid, met = sampled(data, own, self._target, where)
+            flow = Flow(data, own, where)
+            target = target or self._covering(flow, step)
+            values, valid, met = flow.sampled(target)
             volumes.update(zip(own, values))
             mask = mask & valid
             self._check_cells(met)
-        for note in source.notes():
-            self._tell(note)
+        self._tell_notes(source)
         if not mask.any():
             self._console.warn(f"{source.path}: frame {step.frame} has no values within the voxels")
         velocity = numpy.zeros((*mask.shape, 3), numpy.float32)
@@ -191,19 +192,23 @@ class Conversion:
         grids = []
         for name, values in [("velocity", velocity), *carried]:
             vector = values.shape[3] == 3
-            place = self._target.matrix, self._target.first, name
+            place = target.matrix, target.first, name
             kind = {"vector_type": "contravariant relative"} if vector else {}
             grids.append(vdblic.Grid(values if vector else values[..., 0], mask, *place, kind))
         vdblic.write(path, grids, self._metadata(step, series))
 
     def _choose(self, series):
         """The arrays of the velocity and the grid, by the first step."""
-        from .resample import bounds_of, usual_target
+        from .resample import Flow
         from .target import filling, like
 
         options, source = self._options, series.take_first()
         arrays = source.arrays(0)
-        self._names, guessed = chosen(arrays, options.array, source.velocity(0), source.path)
+        try:
+            self._names, guessed = chosen(arrays, options.array, source.velocity(0), source.path)
+        except InputError:
+            self._tell_notes(source)
+            raise
         if guessed:
             self._tell(f"the velocity is {self._names[0]}; --array chooses another of {contents(arrays)}")
         if len(self._names) == 2:
@@ -214,15 +219,29 @@ class Conversion:
         if options.like:
             target = like(options.like)
         else:
-            data, names = source.parts(0, self._names, self._names)[0]
+            flow = Flow(*source.parts(0, self._names, self._names)[0], source.path)
             if options.size or options.voxel_size or options.bounds:
-                box = options.bounds or bounds_of(data, names, source.path)
-                size = options.size or (None if options.voxel_size else usual_target(data, names, source.path).size)
-                target = filling(box, size, options.voxel_size)
+                size = options.size or (None if options.voxel_size else flow.usual_target().size)
+                target = filling(options.bounds or flow.bounds(), size, options.voxel_size)
             else:
-                target = usual_target(data, names, source.path)
+                target = flow.usual_target()
         target.check()
         self._tell(f"{target}")
+        return target
+
+    def _covering(self, flow, step):
+        """The voxels of a step: those of the first one, and more of them where the flow reaches beyond its box."""
+        if self._options.like or self._options.bounds:
+            return self._target
+        target = flow.covered(self._target)
+        if target.size != self._target.size:
+            target.check()
+            if not self._grown:
+                self._console.say(
+                    f"{step.source.path}: frame {step.frame} reaches beyond the box of the first step; such frames get "
+                    "more of the same voxels; --bounds gives all frames one box"
+                )
+            self._grown = True
         return target
 
     def _check_cells(self, met):
@@ -256,6 +275,10 @@ class Conversion:
             f"speed "
             f"of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
         )
+
+    def _tell_notes(self, source):
+        for note in source.notes():
+            self._tell(note)
 
     def _tell(self, message):
         """Say something once."""

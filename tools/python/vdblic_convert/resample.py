@@ -1,5 +1,8 @@
 """Values of a flow at the voxels of a uniform grid, by VTK's probes."""
 
+import functools
+import itertools
+
 import numpy
 
 from .target import Target, filling, on_points
@@ -7,16 +10,19 @@ from .vtk_data import (
     GHOSTS,
     HIDDEN_CELL,
     HIDDEN_POINT,
-    LAYER,
+    REFINED_CELL,
     RESIDUE,
     add_array,
     array,
     at_points,
     bridge,
+    cell_flags,
     cell_sizes,
     core,
     dimensions_of,
     filters,
+    flat_axis,
+    having,
     hide_cells_of_hidden_points,
     model,
     shallow_copy,
@@ -28,29 +34,96 @@ CELL = "cell of the voxel"
 FIRST_CURVED = 21  # of VTK's numbers of cell types
 
 
-def usual_target(dataset, names, path):
-    """The grid for a flow if the user chooses none: its own voxels, as many as a structured grid has points, or about a
-    voxel for each cell of the finer half of all."""
-    if own := _own_target(dataset, names):
-        return own
-    cells = solid(dataset, names, path)
-    box = _bounds(cells)
-    if not cells.IsA("vtkUnstructuredGrid"):
-        target = on_points(box, dimensions_of(cells))
-        return target.flattened() if cells.GetFieldData().GetArray(LAYER) else target
-    return filling(box, _size_by_cells(cells, box))
+class Flow:
+    """The named arrays of a data set or of its blocks, in cells or on voxels of their own."""
+
+    def __init__(self, dataset, names, path):
+        self._dataset, self._names, self._path = dataset, names, path
+        self._images = [(block, _voxels_of(block, names)) for block in having(dataset, names)]
+        self._own = _joined([voxels for _, voxels in self._images])
+
+    @functools.cached_property
+    def _cells(self):
+        return solid(self._dataset, self._names, self._path)
+
+    def usual_target(self):
+        """The grid for a flow if the user chooses none: its own voxels, as many as a structured grid has points (or
+        cells, which have the values), or about a voxel for each cell of the finer half of all."""
+        if self._own:
+            return self._own
+        cells, box = self._cells, _box(self._cells)
+        if cells.IsA("vtkUnstructuredGrid"):
+            return filling(box, _size_by_cells(cells, box))
+        points = numpy.array(dimensions_of(cells))
+        if not any(array(cells, name)[1] for name in self._names):
+            return filling(box, numpy.maximum(points - 1, 1))
+        return on_points(box, points)
+
+    def bounds(self):
+        """The box of the cells, or of voxels along the axes with all of them in it, as x0, y0, z0, x1, y1, z1."""
+        if self._own and self._own.along_axes():
+            low = self._own.origin() - self._own.spacing / 2
+            return (*low, *(low + self._own.spacing * self._own.size))
+        return _box(self._cells)
+
+    def covered(self, target):
+        """A grid, with more of its voxels where the flow reaches beyond it."""
+        if self._own:
+            return target.covering(self._own.corners())
+        return target.covering(numpy.array(list(itertools.product(*_ends(self._cells)))))
+
+    def sampled(self, target):
+        """The named arrays at the centres of a grid's voxels, and where they have values.
+
+        Returns one array of (x, y, z, components) for each name, a mask of (x, y, z), and the share of the data's cells
+        in which there is a voxel. Voxels on the data's own points or cells get their values unchanged.
+        """
+        if self._own and (place := target.place_of(self._own)) is not None:
+            volumes, mask = self._copied(target)
+            met = 1.0
+        else:
+            values, mask, met = _probed(at_points(self._cells, self._names), self._names, target)
+            volumes = [value.reshape(*target.size[::-1], -1).transpose(2, 1, 0, 3) for value in values]
+            mask = mask.reshape(target.size[::-1]).transpose(2, 1, 0)
+        for volume in volumes:
+            mask = mask & numpy.isfinite(volume).all(axis=3)
+        return volumes, mask, met
+
+    def _copied(self, target):
+        """The voxels of images where they are those of a grid."""
+        mask, volumes = numpy.zeros(target.size, bool), []
+        for block, voxels in self._images:
+            place = target.place_of(voxels)
+            low, high = numpy.maximum(place, 0), numpy.minimum(place + voxels.size, target.size)
+            there = tuple(map(slice, low, numpy.maximum(high, low)))
+            here = tuple(map(slice, low - place, numpy.maximum(high, low) - place))
+            seen = _by_axes(_visible(block, self._names), voxels)[here][..., 0]
+            mask[there] |= seen
+            for i, name in enumerate(self._names):
+                values = _by_axes(array(block, name)[0], voxels)[here]
+                if i == len(volumes):
+                    volumes.append(numpy.zeros((*target.size, values.shape[3]), values.dtype))
+                volumes[i][there][seen] = values[seen]
+        return volumes, mask
+
+
+def _by_axes(values, voxels):
+    return values.reshape(*voxels.size[::-1], -1).transpose(2, 1, 0, 3)
 
 
 def _size_by_cells(cells, box):
     """How many voxels fill a box so that one is as large as a cell of the finer half, and a layer of cells has one."""
     volumes, extents = cell_sizes(cells)
+    lengths, flat = numpy.array(box[3:]) - numpy.array(box[:3]), flat_axis(cells)
+    if cells.GetCellType(0) >= FIRST_CURVED:  # cells of order n are n voxels long
+        corners = cells.GetCells().GetConnectivityArray().GetNumberOfTuples() / len(volumes)
+        dimension = 3 if flat is None else 2
+        order = max(round(corners ** (1 / dimension)) - 1, 1)
+        volumes, extents = volumes / order**dimension, extents / order
+    if flat is not None:
+        volumes, extents[:, flat] = volumes * lengths[flat], lengths[flat]
     finer = volumes <= numpy.median(volumes)
     volume, spacing = numpy.median(volumes[finer]), numpy.median(extents[finer], axis=0)
-    corners = cells.GetCells().GetConnectivityArray().GetNumberOfTuples() / len(volumes)
-    if cells.GetCellType(0) >= FIRST_CURVED:  # cells of order n are n voxels long
-        order = max(round(corners ** (1 / 3)) - 1, 1)
-        volume, spacing = volume / order**3, spacing / order
-    lengths = numpy.array(box[3:]) - numpy.array(box[:3])
     layer = spacing > 0.99 * lengths
     spacing = numpy.where(layer, lengths, spacing)
     if not layer.all():
@@ -59,39 +132,12 @@ def _size_by_cells(cells, box):
     return numpy.maximum(numpy.round(lengths / spacing), 1).astype(int)
 
 
-def bounds_of(dataset, names, path):
-    """The box of a flow's cells, as x0, y0, z0, x1, y1, z1."""
-    own = _own_target(dataset, names)
-    if own and own.along_axes():  # with its voxels whole
-        low = own.origin() - own.spacing / 2
-        return (*low, *(low + own.spacing * own.size))
-    return _bounds(solid(dataset, names, path))
-
-
-def sampled(dataset, names, target, path):
-    """The named arrays at the centres of a grid's voxels, and where they have values.
-
-    Returns one array of (x, y, z, components) for each name, a mask of (x, y, z), and the share of the data's cells in
-    which there is a voxel. Voxels on the data's own points or cells get their values unchanged.
-    """
-    own = _own_target(dataset, names)
-    if own and own.size == target.size and numpy.array_equal(own.matrix, target.matrix) and own.first == target.first:
-        values, mask, met = [array(dataset, name)[0] for name in names], _visible(dataset, names), 1.0
-    else:
-        values, mask, met = _probed(at_points(solid(dataset, names, path), names), names, target)
-    volumes = [value.reshape(*target.size[::-1], -1).transpose(2, 1, 0, 3) for value in values]
-    mask = mask.reshape(target.size[::-1]).transpose(2, 1, 0)
-    for volume in volumes:
-        mask = mask & numpy.isfinite(volume).all(axis=3)
-    return volumes, mask, met
-
-
-def _own_target(dataset, names):
+def _voxels_of(dataset, names):
     """The voxels of an image whose arrays all belong to its points, or all to its cells; else None."""
     if not dataset.IsA("vtkImageData"):
         return None
     association = [dataset.GetPointData().GetArray(name) is not None for name in names]
-    if not all(association) and any(association):
+    if not all(association) and any(association) or (cell_flags(dataset) & REFINED_CELL).any():
         return None
     matrix, index = dataset.GetIndexToPhysicalMatrix(), numpy.eye(4)
     matrix = numpy.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
@@ -101,6 +147,18 @@ def _own_target(dataset, names):
         index[:3, 3] += 0.5
         size = numpy.maximum(size - 1, 1)
     return Target(tuple(map(int, size)), matrix @ index)
+
+
+def _joined(lattices):
+    """One grid of the voxels of several, where these are the same voxels or their neighbours; else None."""
+    if not lattices or None in lattices:
+        return None
+    first = Target(lattices[0].size, lattices[0].matrix)
+    for other in lattices[1:]:
+        if first.place_of(other) is None:
+            return None
+        first = first.covering(other.corners())
+    return first
 
 
 def _visible(dataset, names):
@@ -145,6 +203,14 @@ def _vtk_grid(target):
     return cloud
 
 
-def _bounds(dataset):
-    x0, x1, y0, y1, z0, z1 = dataset.GetBounds()
-    return x0, y0, z0, x1, y1, z1
+def _ends(dataset):
+    return numpy.array(dataset.GetBounds()).reshape(3, 2)
+
+
+def _box(cells):
+    """The box of cells, as x0, y0, z0, x1, y1, z1; that of a plane is as thick as its cells are wide."""
+    ends, flat = _ends(cells), flat_axis(cells)
+    if flat is not None:
+        lengths = numpy.delete(ends[:, 1] - ends[:, 0], flat)
+        ends[flat] += numpy.array([-0.5, 0.5]) * numpy.sqrt(numpy.prod(lengths) / cells.GetNumberOfCells())
+    return (*ends[:, 0], *ends[:, 1])

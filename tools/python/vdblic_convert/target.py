@@ -1,6 +1,7 @@
 """The uniform grid that a flow is resampled to: size, place and voxels."""
 
 import dataclasses
+import itertools
 
 import numpy
 from vdblic._core import memory_limit, read_box
@@ -8,6 +9,7 @@ from vdblic._core import memory_limit, read_box
 from .errors import InputError, ParameterError
 
 MOST_INDEX = 131072
+ALIGNED = 1e-3  # of a voxel: how far from others those may be that stand for them
 BYTES = 80  # taken by a voxel and its coordinates while it is resampled and written
 
 
@@ -38,12 +40,6 @@ class Target:
         """The centre of the first voxel in world space."""
         return self.matrix[:3, :3] @ self.first + self.matrix[:3, 3]
 
-    def flattened(self):
-        """One layer of voxels in the place of two layers of points, which are its faces."""
-        matrix = self.matrix.copy()
-        matrix[:3, 3] += matrix[:3, 2] / 2
-        return Target((*self.size[:2], 1), matrix, self.first)
-
     def centres(self):
         """The centres of all voxels, x fastest."""
         z, y, x = numpy.meshgrid(
@@ -51,6 +47,29 @@ class Target:
         )
         indices = numpy.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
         return indices @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+
+    def corners(self):
+        """The centres of the voxels at the eight corners."""
+        ends = [(first, first + n - 1) for first, n in zip(self.first, self.size)]
+        return numpy.array(list(itertools.product(*ends))) @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+
+    def covering(self, corners):
+        """The same voxels and all whose centres are between corners in world space."""
+        at = self._indices(corners)
+        low = numpy.minimum(numpy.ceil(at.min(axis=0) - ALIGNED), self.first).astype(int)
+        high = numpy.maximum(numpy.floor(at.max(axis=0) + ALIGNED), numpy.add(self.first, self.size) - 1).astype(int)
+        return Target(tuple(map(int, high - low + 1)), self.matrix, tuple(map(int, low)))
+
+    def place_of(self, other):
+        """Where the voxels of another grid begin in this one, in voxels; None where they are not the same voxels."""
+        at = self._indices(other.corners()) - self.first
+        place = numpy.round(at[0])
+        ends = numpy.array(list(itertools.product(*((0, n - 1) for n in other.size))))
+        same = abs(at - place - ends).max() < ALIGNED and numpy.allclose(self.spacing, other.spacing, rtol=ALIGNED)
+        return place.astype(int) if same else None
+
+    def _indices(self, positions):
+        return (positions - self.matrix[:3, 3]) @ numpy.linalg.inv(self.matrix[:3, :3]).T
 
     def check(self):
         """Raise ParameterError if the voxels are more than there can be."""
@@ -87,9 +106,10 @@ def filling(bounds, size=None, voxel_size=None):
 
 
 def on_points(bounds, size):
-    """Voxels whose centres are the points of an even grid from one end of a box to the other."""
+    """Voxels whose centres are the points of an even grid from one end of a box to the other, or one in the middle."""
     low, high = _corners(bounds)
-    return Target.of_axes(size, low, (high - low) / (numpy.array(size) - 1))
+    origin = numpy.where(numpy.array(size) > 1, low, (low + high) / 2)
+    return Target.of_axes(size, origin, (high - low) / numpy.maximum(numpy.array(size) - 1, 1))
 
 
 def _corners(bounds):

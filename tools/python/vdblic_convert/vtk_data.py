@@ -14,10 +14,10 @@ extraction = needed("vtkmodules.vtkFiltersExtraction")
 bridge = needed("vtkmodules.util.numpy_support")
 
 GHOSTS = "vtkGhostType"
-HIDDEN_POINT, HIDDEN_CELL = 2, 32
+DUPLICATE_CELL, HIDDEN_POINT, REFINED_CELL, HIDDEN_CELL = 1, 2, 8, 32
 RESIDUE = "residue of "
+KEPT = "cells that are kept"
 WEDGE = 13  # VTK's number of the cell type
-LAYER = "one layer"  # field data of a grid whose points are the faces of a layer of voxels
 
 
 @contextlib.contextmanager
@@ -67,45 +67,87 @@ def blocks_of(dataset):
     return [block for block in blocks if block.IsA("vtkDataSet")]
 
 
+def having(dataset, names):
+    """The blocks that have all the named arrays."""
+    data = lambda block, name: block.GetPointData().GetArray(name) or block.GetCellData().GetArray(name)
+    return [block for block in blocks_of(dataset) if all(data(block, name) for name in names)]
+
+
 def solid(dataset, names, path):
-    """One data set of the cells of three dimensions that have all the named arrays. Raises InputError without any.
+    """One data set of the cells of three dimensions that have all the named arrays, or of those of a plane.
 
-    Blocks are merged where their points coincide, so that means over the cells around a point do not end at the border
-    of a block.
+    Raises InputError without any.
     """
-    blocks = [_cells_of_three_dimensions(block) for block in blocks_of(dataset) if _has(block, names)]
-    blocks = [block for block in blocks if block.GetNumberOfCells() > 0]
-    if not blocks:
-        blocks = [thick for block in blocks_of(dataset) if _has(block, names) and (thick := _thickened(block))]
-    if not blocks:
-        raise InputError(f"{path}: no cells of three dimensions have {', '.join(names)}")
-    if len(blocks) == 1:
-        return blocks[0]
-    append = filters.vtkAppendFilter()
-    append.MergePointsOn()
-    for block in blocks:
-        append.AddInputData(block)
-    append.Update()
-    return append.GetOutput()
+    own = [_without(block, REFINED_CELL) for block in having(dataset, names)]
+    found = [cells for block in own if (cells := _cells_of(block, 3))]
+    found = found or [cells for block in own if flat_axis(block) is not None and (cells := _cells_of(block, 2))]
+    if not found:
+        raise InputError(f"{path}: no cells of three dimensions, nor of a plane across an axis, have {', '.join(names)}")
+    if len(found) == 1 and not found[0].IsA("vtkPolyData"):
+        return found[0]
+    of_points = {name for name in names for block in found if array(block, name)[1]}
+    return merged([at_points(block, of_points) for block in found], names)
 
 
-def joined(grid):
-    """An unstructured grid with one point where it has several at one place. Its point data are lost."""
-    points, first, numbers = numpy.unique(
-        bridge.vtk_to_numpy(grid.GetPoints().GetData()), axis=0, return_index=True, return_inverse=True
-    )
-    if len(first) == grid.GetNumberOfPoints() or grid.GetFaces() is not None:
-        return grid
-    corners = numbers[bridge.vtk_to_numpy(grid.GetCells().GetConnectivityArray())]
-    cells, places, result = model.vtkCellArray(), core.vtkPoints(), model.vtkUnstructuredGrid()
-    cells.SetData(
-        grid.GetCells().GetOffsetsArray(), bridge.numpy_to_vtkIdTypeArray(corners.astype(numpy.int64), deep=True)
-    )
-    places.SetData(bridge.numpy_to_vtk(points, deep=True))
-    result.SetPoints(places)
-    result.SetCells(grid.GetCellTypesArray(), cells)
-    result.GetCellData().ShallowCopy(grid.GetCellData())
-    return result
+def flat_axis(block):
+    """The axis that a plane lies across; None for other blocks."""
+    bounds = numpy.array(block.GetBounds()).reshape(3, 2)
+    lengths = bounds[:, 1] - bounds[:, 0]
+    flat = int(numpy.argmin(lengths))
+    return flat if lengths[flat] <= 1e-6 * lengths.max() and (numpy.delete(lengths, flat) > 0).all() else None
+
+
+def merged(blocks, names):
+    """One unstructured grid of blocks with one point where they have several at one place.
+
+    So means over the cells around a point do not end at the border of a block. Cells that belong to another block,
+    whose duplicates they are, count once.
+    """
+    blocks = [_without(block, DUPLICATE_CELL) for block in blocks]
+    merge, grid = needed("vtkmodules.vtkFiltersGeneral").vtkMergeCells(), model.vtkUnstructuredGrid()
+    merge.SetUnstructuredGrid(grid)
+    merge.SetTotalNumberOfDataSets(len(blocks))
+    merge.SetTotalNumberOfPoints(sum(block.GetNumberOfPoints() for block in blocks))
+    merge.SetTotalNumberOfCells(sum(block.GetNumberOfCells() for block in blocks))
+    merge.SetPointMergeTolerance(0.0)
+    merge.SetOutputPointsPrecision(1)
+    for block in blocks:  # with the same arrays: others are lost
+        alike = block.NewInstance()
+        alike.CopyStructure(block)
+        for name in names:
+            values, of_points = array(block, name)
+            add_array(alike.GetPointData() if of_points else alike.GetCellData(), name, values.astype(float))
+        for data, own in (block.GetPointData(), alike.GetPointData()), (block.GetCellData(), alike.GetCellData()):
+            flags = data.GetArray(GHOSTS)
+            count = alike.GetNumberOfPoints() if data is block.GetPointData() else alike.GetNumberOfCells()
+            add_array(own, GHOSTS, numpy.zeros(count, numpy.uint8) if flags is None else bridge.vtk_to_numpy(flags))
+        cells = filters.vtkAppendFilter()  # for merging ends the process where blocks are of several kinds
+        cells.SetOutputPointsPrecision(1)
+        cells.SetInputData(alike)
+        cells.Update()
+        merge.MergeDataSet(cells.GetOutput())
+    merge.Finish()
+    return grid
+
+
+def _without(block, flag):
+    """A block without the cells that have a flag, such as those in whose place another block has finer ones."""
+    kept = cell_flags(block) & flag == 0
+    if kept.all():
+        return block
+    marked, chosen = shallow_copy(block), filters.vtkThreshold()
+    add_array(marked.GetCellData(), KEPT, kept.astype(numpy.uint8))
+    chosen.SetInputData(marked)
+    chosen.SetInputArrayToProcess(0, 0, 0, model.vtkDataObject.CELL, KEPT)
+    chosen.SetLowerThreshold(1)
+    chosen.Update()
+    return chosen.GetOutput()
+
+
+def cell_flags(block):
+    """VTK's flags of the cells; 0 without any."""
+    flags = block.GetCellData().GetArray(GHOSTS)
+    return numpy.zeros(1, numpy.uint8) if flags is None else bridge.vtk_to_numpy(flags)
 
 
 def array(dataset, name):
@@ -149,11 +191,12 @@ def at_points(dataset, names):
 
 
 def cell_sizes(grid):
-    """The volumes of an unstructured grid's cells, and their lengths along x, y and z (cells, 3)."""
+    """The volumes, or areas in a plane, of an unstructured grid's cells, and their lengths along x, y and z (cells, 3)."""
     sizes = needed("vtkmodules.vtkFiltersVerdict").vtkCellSizeFilter()
     sizes.SetInputData(grid)
     sizes.Update()
-    volumes = abs(bridge.vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Volume")))
+    kind = "Volume" if flat_axis(grid) is None else "Area"
+    volumes = abs(bridge.vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray(kind)))
     points = bridge.vtk_to_numpy(grid.GetPoints().GetData())
     corners = points[bridge.vtk_to_numpy(grid.GetCells().GetConnectivityArray())]
     first = bridge.vtk_to_numpy(grid.GetCells().GetOffsetsArray())[:-1]
@@ -178,72 +221,27 @@ def hide_cells_of_hidden_points(dataset):
     count.SetInputData(marked)
     count.Update()
     hidden = bridge.vtk_to_numpy(count.GetOutput().GetCellData().GetArray(GHOSTS + " hidden")) > 0
-    before = dataset.GetCellData().GetArray(GHOSTS)
-    before = 0 if before is None else bridge.vtk_to_numpy(before)
-    add_array(dataset.GetCellData(), GHOSTS, (before | numpy.where(hidden, HIDDEN_CELL, 0)).astype(numpy.uint8))
+    add_array(dataset.GetCellData(), GHOSTS, (cell_flags(dataset) | numpy.where(hidden, HIDDEN_CELL, 0)).astype(numpy.uint8))
 
 
-def _has(block, names):
-    return all(block.GetPointData().GetArray(name) or block.GetCellData().GetArray(name) for name in names)
-
-
-def _cells_of_three_dimensions(block):
-    """A structured block as it is; an unstructured one without its lines and faces."""
-    if block.IsA("vtkImageData"):
-        return block
-    if not block.IsA("vtkUnstructuredGrid"):
-        flat = block.IsA("vtkPolyData") or min(dimensions_of(block)) < 2
-        return model.vtkPolyData() if flat else block
-    types, cell, chosen = model.vtkCellTypes(), model.vtkGenericCell(), extraction.vtkExtractCellsByType()
-    block.GetCellTypes(types)
-    all_solid = True
-    for i in range(types.GetNumberOfTypes()):
-        cell.SetCellType(types.GetCellType(i))
-        if cell.GetCellDimension() == 3:
-            chosen.AddCellType(types.GetCellType(i))
-        else:
-            all_solid = False
-    if all_solid:
-        return block
-    chosen.SetInputData(block)
-    chosen.Update()
-    return chosen.GetOutput()
-
-
-def _thickened(block):
-    """A plane across an axis as a layer of wedges, as thick as its cells are wide; None for other blocks."""
-    bounds = numpy.array(block.GetBounds()).reshape(3, 2)
-    lengths = bounds[:, 1] - bounds[:, 0]
-    flat = int(numpy.argmin(lengths))
-    if not (numpy.delete(lengths, flat) > 0).all() or lengths[flat] > 1e-6 * lengths.max():
+def _cells_of(block, dimension):
+    """A block without its cells of other dimensions; None if it has no others."""
+    if block.IsA("vtkUnstructuredGrid"):
+        types, cell, chosen = model.vtkCellTypes(), model.vtkGenericCell(), extraction.vtkExtractCellsByType()
+        block.GetCellTypes(types)
+        others = False
+        for number in map(types.GetCellType, range(types.GetNumberOfTypes())):
+            cell.SetCellType(number)
+            if cell.GetCellDimension() == dimension:
+                chosen.AddCellType(number)
+            others = others or cell.GetCellDimension() != dimension
+        if others:
+            chosen.SetInputData(block)
+            chosen.Update()
+            block = chosen.GetOutput()
+    elif dimension != (2 if block.IsA("vtkPolyData") else numpy.count_nonzero(numpy.array(dimensions_of(block)) > 1)):
         return None
-    surface, triangles = needed("vtkmodules.vtkFiltersGeometry").vtkGeometryFilter(), filters.vtkTriangleFilter()
-    surface.SetInputData(block)
-    triangles.SetInputConnection(surface.GetOutputPort())
-    triangles.Update()
-    plane = triangles.GetOutput()
-    if not plane.GetNumberOfPolys():
-        return None
-    corners = bridge.vtk_to_numpy(plane.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(numpy.int64)
-    points, count = bridge.vtk_to_numpy(plane.GetPoints().GetData()).astype(float), plane.GetNumberOfPoints()
-    width = numpy.sqrt(numpy.prod(numpy.delete(lengths, flat)) / block.GetNumberOfCells())
-    both = numpy.concatenate([points, points])
-    both[:, flat] += numpy.repeat((-0.5, 0.5), count) * width
-    places, cells, result = core.vtkPoints(), model.vtkCellArray(), model.vtkUnstructuredGrid()
-    places.SetData(bridge.numpy_to_vtk(both, deep=True))
-    cells.SetData(6, bridge.numpy_to_vtkIdTypeArray(numpy.hstack([corners, corners + count]).ravel(), deep=True))
-    result.SetPoints(places)
-    result.SetCells(WEDGE, cells)
-    for data, copy, times in (plane.GetPointData(), result.GetPointData(), 2), (
-        plane.GetCellData(),
-        result.GetCellData(),
-        1,
-    ):
-        for i in range(data.GetNumberOfArrays()):
-            if data.GetArray(i) is not None and data.GetArray(i).GetName():
-                values = bridge.vtk_to_numpy(data.GetArray(i))
-                add_array(copy, data.GetArray(i).GetName(), numpy.concatenate([values] * times))
-    return result
+    return block if block.GetNumberOfCells() else None
 
 
 def dimensions_of(grid):

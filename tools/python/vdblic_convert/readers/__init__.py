@@ -9,20 +9,7 @@ import pathlib
 from ..errors import InputError
 
 READERS = {
-    "vtk_files": (
-        ".vti",
-        ".vtr",
-        ".vts",
-        ".vtu",
-        ".vtm",
-        ".vtk",
-        ".pvti",
-        ".pvtr",
-        ".pvts",
-        ".pvtu",
-        ".pvd",
-        ".series",
-    ),
+    "vtk_files": tuple(".vti .vtr .vts .vtu .vtp .vtm .vthb .vth .vtk .pvti .pvtr .pvts .pvtu .pvtp .pvd .series".split()),
     "cases": (".foam", ".case", ".encas", ".cgns", ".vtkhdf", ".e", ".ex2", ".exo", ".cas", ".tec"),
     "dataset": (".nc", ".nc4", ".cdf", ".nc3", ".zarr", ".grib", ".grib1", ".grib2", ".grb", ".grb2"),
     "arrays": (".npy", ".npz", ".h5", ".hdf5", ".mat"),

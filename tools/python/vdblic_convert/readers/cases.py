@@ -3,7 +3,7 @@
 import re
 
 from ..errors import InputError, needed
-from ..vtk_data import arrays_of, blocks_of, errors_of, joined, model
+from ..vtk_data import arrays_of, blocks_of, errors_of, merged, model
 from . import Source, ensight
 from .whole_files import check_whole
 
@@ -129,5 +129,5 @@ class OpenFoamCase(Case):
             return data
         cells = model.vtkMultiBlockDataSet()  # VTK puts the processors' cells together, but leaves their points apart
         for i, block in enumerate(block for block in blocks_of(data) if block.IsA("vtkUnstructuredGrid")):
-            cells.SetBlock(i, joined(block))
+            cells.SetBlock(i, merged([block], list(arrays_of(block))))
         return cells

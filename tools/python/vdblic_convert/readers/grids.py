@@ -2,7 +2,7 @@
 
 import numpy
 
-from ..vtk_data import GHOSTS, HIDDEN_POINT, LAYER, add_array, bridge, core, model
+from ..vtk_data import GHOSTS, HIDDEN_POINT, add_array, bridge, core, model
 
 EVEN = 1e-4  # of a spacing: how far apart coordinates may be from even ones; float32 is about as exact
 
@@ -19,20 +19,13 @@ def grid_of(x, y, z, fields):
             fields = {name: numpy.flip(field, 2 - i) for name, field in fields.items()}
             axes = [numpy.flip(axis, along) if axis.ndim > 1 and axis.ndim >= -along else axis for axis in axes]
             axes[i] = axes[i][::-1]
-    layer = axes[2].ndim == 1 and len(axes[2]) == 1
-    flat = layer and all(axis.ndim == 1 and _even(axis) for axis in axes[:2])
-    if layer and not flat:  # a layer of cells, as thick as they are wide
-        axes[2] = axes[2] + _width(*axes[:2]) * numpy.array([-0.5, 0.5])
-        fields = {name: numpy.repeat(field, 2, axis=0) for name, field in fields.items()}
     shape = next(iter(fields.values())).shape[:3]
     if all(values.ndim == 1 for values in axes):
-        grid = _image(axes) if flat or all(map(_even, axes)) else _rectilinear(axes)
+        grid = _image(axes) if all(map(_even, axes)) else _rectilinear(axes)
     else:
         grid = _structured(axes, shape)
     for name, field in fields.items():
         add_array(grid.GetPointData(), name, field.astype(numpy.float32).reshape(-1, *field.shape[3:]))
-    if layer and not flat:
-        add_array(grid.GetFieldData(), LAYER, numpy.ones(1))
     valid = numpy.all([numpy.isfinite(field).reshape(*shape, -1).all(axis=3) for field in fields.values()], axis=0)
     if not valid.all():
         add_array(grid.GetPointData(), GHOSTS, numpy.where(valid, 0, HIDDEN_POINT).astype(numpy.uint8).ravel())
@@ -41,7 +34,7 @@ def grid_of(x, y, z, fields):
 
 def _even(axis):
     steps = numpy.diff(axis)
-    return len(axis) > 1 and numpy.abs(steps - steps.mean()).max() <= EVEN * abs(steps.mean())
+    return len(axis) == 1 or numpy.abs(steps - steps.mean()).max() <= EVEN * abs(steps.mean())
 
 
 def _image(axes):
@@ -49,14 +42,8 @@ def _image(axes):
     image.SetDimensions(*map(len, axes))
     image.SetOrigin(*(axis[0] for axis in axes))
     spacing = [(axis[-1] - axis[0]) / max(len(axis) - 1, 1) for axis in axes]
-    image.SetSpacing(*spacing[:2], spacing[2] or min(spacing[:2]))
+    image.SetSpacing([length or min(filter(None, spacing), default=1.0) for length in spacing])
     return image
-
-
-def _width(x, y):
-    """How wide the cells of a layer are, about."""
-    x, y = (x, y) if x.ndim == 2 else numpy.meshgrid(x, y)
-    return min(numpy.median(numpy.hypot(numpy.diff(x, axis=i), numpy.diff(y, axis=i))) for i in (0, 1))
 
 
 def _rectilinear(axes):

@@ -1,12 +1,20 @@
 """VTK's own files, in XML and legacy form, and ParaView's .pvd lists of them."""
 
 import json
+import re
 import xml.etree.ElementTree
 
 from ..errors import InputError, needed
-from ..vtk_data import arrays_of, blocks_of, bridge, errors_of, model
+from ..vtk_data import arrays_of, blocks_of, bridge, errors_of, merged, model
 from . import Source
 
+PARTS = {
+    ".pvti": "ImageData",
+    ".pvtr": "RectilinearGrid",
+    ".pvts": "StructuredGrid",
+    ".pvtu": "UnstructuredGrid",
+    ".pvtp": "PolyData",
+}
 TIME_ARRAYS = ("TimeValue", "TIME", "time")
 
 
@@ -14,25 +22,43 @@ def open_source(path, options):  # pylint: disable=unused-argument
     return PvdFile(path) if path.suffix.lower() in (".pvd", ".series") else VtkFile(path)
 
 
-def read_file(path):
-    """The data set of one file. Raises InputError."""
-    if path.suffix.lower() == ".vtk":
+def _reader_of(path):
+    """VTK's reader of a file. Raises InputError."""
+    ending = path.suffix.lower()
+    if ending == ".vtk":
         reader = needed("vtkmodules.vtkIOLegacy").vtkGenericDataObjectReader()
         for kind in "Scalars", "Vectors", "Fields", "Tensors", "Normals":  # not only the first of each
             getattr(reader, f"ReadAll{kind}On")()
-    elif path.suffix.lower().startswith(".pvt"):
-        xml_io = needed("vtkmodules.vtkIOXML")
-        reader = {
-            "i": xml_io.vtkXMLPImageDataReader,
-            "r": xml_io.vtkXMLPRectilinearGridReader,
-            "s": xml_io.vtkXMLPStructuredGridReader,
-            "u": xml_io.vtkXMLPUnstructuredGridReader,
-        }[path.suffix[4].lower()]()
-    else:
-        reader = needed("vtkmodules.vtkIOXML").vtkXMLGenericDataObjectReader()
-    with errors_of(path):
-        reader.SetFileName(str(path))
-        reader.Update()
+        return reader
+    xml_io = needed("vtkmodules.vtkIOXML")
+    if ending in PARTS:
+        return getattr(xml_io, f"vtkXMLP{PARTS[ending]}Reader")()
+    with open(path, "rb") as file:
+        root = re.search(rb'<VTKFile type="(\w+)" version="([\d.]+)', file.read(1024))
+    if not root or not re.search(b"Hierarchical|AMR", root[1]):
+        return xml_io.vtkXMLGenericDataObjectReader()
+    if float(root[2]) < 1.1:  # VTK would end the process
+        raise InputError(f"{path}: VTK cannot read levels in the form of {root[2].decode()}, but from 1.1 on")
+    reader = xml_io.vtkXMLUniformGridAMRReader()
+    reader.SetMaximumLevelsToReadByDefault(0)  # which is all of them
+    return reader
+
+
+def read_file(path, notes):
+    """The data set of one file. `notes` gets what a user should be told. Raises InputError."""
+    reader, lacking = _reader_of(path), None
+    reader.SetFileName(str(path))
+    while True:
+        try:
+            with errors_of(path):
+                reader.Update()
+            break
+        except InputError as error:
+            lacking = re.search("Piece (point|cell) data array (.*) not found", str(error))
+            if not lacking:
+                raise
+            notes.append(f"{path}: a piece lacks the array {lacking[2]}, which is left out")
+            getattr(reader, f"Get{lacking[1].capitalize()}DataArraySelection")().DisableArray(lacking[2])
     data = reader.GetOutputDataObject(0)
     if not any(block.GetNumberOfPoints() for block in blocks_of(data)):
         raise InputError(f"{path}: cannot be read as a VTK file, or it has no points")
@@ -42,6 +68,9 @@ def read_file(path):
             thin = [n == 1 and size == 0 for n, size in zip(block.GetDimensions(), spacing)]
             usual = min((size for size in spacing if size > 0), default=1.0)
             block.SetSpacing([usual if flat else size for flat, size in zip(thin, spacing)])
+    if path.suffix.lower() == ".pvtu" and data.GetCellData().GetNumberOfArrays():  # the pieces' points are apart
+        whole, data = data, merged([data], list(arrays_of(data)))
+        data.GetFieldData().ShallowCopy(whole.GetFieldData())
     return data
 
 
@@ -59,7 +88,8 @@ class VtkFile(Source):
     """One file is one step."""
 
     def __init__(self, path):
-        self._data = read_file(path)
+        self._notes = []
+        self._data = read_file(path, self._notes)
         super().__init__(path, [time_of(self._data)])
 
     def arrays(self, step):
@@ -67,11 +97,14 @@ class VtkFile(Source):
 
     def read(self, step, names):
         if self._data is None:
-            self._data = read_file(self.path)
+            self._data = read_file(self.path, [])
         return self._data
 
     def free(self):
         self._data = None
+
+    def notes(self):
+        return self._notes
 
 
 def _listed(path):
@@ -117,7 +150,7 @@ class PvdFile(Source):
     def read(self, step, names):
         if self._read[0] != step:
             self._read = None, None
-            parts = [read_file(part) for part in self._parts[step]]
+            parts = [read_file(part, self._notes) for part in self._parts[step]]
             whole = parts[0]
             if len(parts) > 1:
                 whole = model.vtkMultiBlockDataSet()
