@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import shutil
 import struct
 import subprocess
@@ -73,6 +74,42 @@ class Regions(ImportTest):
                     entry.rename(inner / entry.name)
         path, = self.imports("case", "-o", "v.%04d.vdb", "--size", 8, 6, 4)
         self.assert_flow(path, flows.flow, (8, 6, 4))
+
+
+    def test_regions_are_told(self):
+        """Cells of air and a wall beside it, which has no velocity."""
+        for region, at in ("air", 0), ("wall", 2):
+            flows.write_foam(self.folder / region, [0.0])
+            for folder in "constant", "0":
+                (self.folder / "case" / folder).mkdir(parents=True, exist_ok=True)
+                (self.folder / region / folder).rename(self.folder / "case" / folder / region)
+            if at:
+                (self.folder / "case/0/wall/U").unlink()
+                head = flows.FOAM_HEADER.format(kind="volScalarField", place="0", name="T")
+                (self.folder / "case/0/wall/T").write_text(
+                    head + "dimensions [0 0 0 1 0 0 0]; internalField uniform 300; boundaryField{}\n", encoding="ascii")
+                points = self.folder / "case/constant/wall/polyMesh/points"
+                moved = re.sub(r"\((\S+) (\S+ \S+\))", lambda found: f"({float(found[1]) + at} {found[2]}", points.read_text())
+                points.write_text(moved, encoding="ascii")
+        (self.folder / "air/system").rename(self.folder / "case/system")
+        done = self.run_tool("vdblic_import", "case", "-o", "v.vdb", "--array", "U")
+        self.assertIn("case: the regions that have the velocity are one flow, of air, wall", done.stderr)
+        self.assert_flow(self.folder / "v.vdb", flows.flow, (8, 6, 4))
+
+    def test_times_that_some_folders_lack(self):
+        flows.write_foam(self.folder / "case", [0.0, 0.5, 1.0], 2)
+        shutil.rmtree(self.folder / "case/processor0/1")
+        done = self.run_tool("vdblic_import", "case", "-o", "v.%d.vdb", "--size", 8, 6, 4)
+        self.assertIn("case: processor0 lacks the times 1, which are left out", done.stderr)
+        self.assertEqual(len(done.stdout.split()), 2)
+        flows.write_foam(self.folder / "whole", [0.0, 0.5])
+        for folder in "constant", "0", "0.5":
+            (self.folder / "whole" / folder).rename(self.folder / "case" / folder)
+        done = self.run_tool("vdblic_import", "case", "-o", "w.%d.vdb", "--size", 8, 6, 4)
+        self.assertIn("case: the times 1 are in processor folders only and are left out; reconstructPar puts", done.stderr)
+        self.assertIn("mean flow is (1.55, 0.8, 0.85), 27 degrees from x towards y, with a mean speed of 2.23 m/s; from 0 s "
+                      "on; z is up", done.stderr)
+        self.assert_flow(self.folder / "w.2.vdb", lambda at: flows.flow(at, 0.5), (8, 6, 4))
 
 
 class Collated(ImportTest):
@@ -208,6 +245,10 @@ class Voxels(ImportTest):
         flows.write_vtk(image, self.folder / "v.vti")
         path, = self.imports("v.vti", "-o", "v.vdb")
         self.assert_flow(path, lambda at: flows.flow(at, 1))
+        for name in "VEL", "ACCL":
+            image.GetPointData().RemoveArray(name)
+        flows.write_vtk(image, self.folder / "v.vti")
+        self.assertIn("no array is known as a velocity", self.refuses(3, "v.vti", "-o", "v.vdb"))
 
 
 if __name__ == "__main__":

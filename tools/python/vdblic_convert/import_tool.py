@@ -188,7 +188,7 @@ class Conversion:
         if self._options.explain and not self._explained:
             self._explained = [self._console.say(text) for text in source.explained.values()]
         carried = [(name, volumes[name]) for name in self._options.carry]
-        self._tell_once(velocity, mask, source)
+        self._tell_once(velocity, mask, step)
         grids = []
         for name, values in [("velocity", velocity), *carried]:
             vector = values.shape[3] == 3
@@ -255,8 +255,9 @@ class Conversion:
                 "against the axes; --size or --voxel-size makes voxels finer"
             )
 
-    def _tell_once(self, velocity, mask, source):
+    def _tell_once(self, velocity, mask, step):
         """A line by which a person can check the import: size, mean flow, first date, and which way is up."""
+        source = step.source
         import numpy
         from .readers.times import date_of
 
@@ -268,7 +269,8 @@ class Conversion:
         mean = velocity[mask].astype(float).mean(axis=0)
         speed = numpy.linalg.norm(velocity[mask].astype(float), axis=1).mean()
         bearing = numpy.degrees(numpy.arctan2(mean[1], mean[0]))
-        start = date_of(source.times[0], source.calendar) if source.calendar else "no date"
+        start = "no time" if step.time is None else f"from {step.time:g} s on"
+        start = date_of(source.times[0], source.calendar) if source.calendar else start
         self._tell(
             f"{' x '.join(f'{length / scale:.4g}' for length in size)} {unit}; the mean flow is "
             f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean "

@@ -1,8 +1,11 @@
 """Which arrays are the velocity."""
 
+import re
+
 from .errors import InputError, ParameterError
 
 VECTORS = ("velocity", "Velocity", "VELOCITY", "vel", "VEL", "v", "U", "u", "V", "UMean")
+OTHERS = re.compile("disp|moment|normal|magnet|vortic|force|accel|grad|coord|position|^B$", re.IGNORECASE)
 TRIPLES = (
     ("u", "v", "w"),
     ("U", "V", "W"),
@@ -14,6 +17,8 @@ TRIPLES = (
     ("Ux", "Uy", "Uz"),
     ("velocity_x", "velocity_y", "velocity_z"),
     ("velocityX", "velocityY", "velocityZ"),
+    ("x_velocity", "y_velocity", "z_velocity"),
+    ("X_VELOCITY", "Y_VELOCITY", "Z_VELOCITY"),
     ("velocity.x", "velocity.y", "velocity.z"),
 )
 
@@ -44,7 +49,7 @@ def chosen(arrays, asked, usual, path):
     for names in TRIPLES:
         if all(arrays.get(name) == 1 for name in names):
             return names, False
-    if len(vectors) == 1:
+    if len(vectors) == 1 and not OTHERS.search(vectors[0]):
         return (vectors[0],), True
     raise InputError(
         f"{path}: no array is known as a velocity; choose with --array NAME or --array U,V,W; the file holds "

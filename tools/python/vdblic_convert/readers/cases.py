@@ -97,32 +97,47 @@ class OpenFoamCase(Case):
         folder = path if path.is_dir() else path.parent
         if not (folder / "system" / "controlDict").is_file():
             raise InputError(f"{path}: the folder {folder} is no OpenFOAM case; it lacks system/controlDict")
-        pieces = any(folder.glob("processor[0-9]*"))
-        whole = any(
-            re.fullmatch(r"[\d.]+(e[+-]?\d+)?", entry.name) and any(entry.iterdir())
-            for entry in folder.iterdir()
-            if entry.is_dir() and entry.name != "0"
-        )
+        whole, pieces = _times(folder), {piece.name: _times(piece) for piece in sorted(folder.glob("processor[0-9]*"))}
         collated = next(folder.glob("processors*"), None)
-        if collated and not pieces and not whole:
+        if collated and not pieces and not whole - {0}:
             raise InputError(
                 f"{path}: VTK cannot read the collated files in {collated.name}; put the case together first: "
                 f"reconstructPar -case {folder}"
             )
         reader = needed("vtkmodules.vtkIOParallel").vtkPOpenFOAMReader()
         reader.SetController(needed("vtkmodules.vtkParallelCore").vtkDummyController())  # it crashes without one
-        self._decomposed = pieces and not whole
+        self._decomposed, self._notes = bool(pieces) and not whole - {0}, []
         reader.SetCaseType(0 if self._decomposed else 1)
         reader.SkipZeroTimeOff()
         reader.CreateCellToPointOff()  # solid cells are merged first
         super().__init__(path, reader, str(folder / "system" / "controlDict"))
+        for piece, times in pieces.items():
+            lacking = set().union(*pieces.values()) - times
+            if self._decomposed and lacking:
+                self._notes.append(f"{path}: {piece} lacks the times {_listed(lacking)}, which are left out")
+                self.times = [time for time in self.times if time not in lacking]
+        if pieces and not self._decomposed and (lacking := set().union(*pieces.values()) - whole):
+            self._notes.append(
+                f"{path}: the times {_listed(lacking)} are in processor folders only and are left out; reconstructPar "
+                "puts them together"
+            )
+        regions = [name.rpartition("/")[0].strip("/") for name in self._meshes()]
+        if len(regions) > 1:
+            self._notes.append(f"{path}: the regions that have the velocity are one flow, of {', '.join(regions)}")
         if not self.times:
             raise InputError(f"{path}: the case has no times")
 
+    def notes(self):
+        return self._notes
+
+    def _meshes(self):
+        """The names of the regions' cells."""
+        names = map(self._reader.GetPatchArrayName, range(self._reader.GetNumberOfPatchArrays()))
+        return [name for name in names if name.endswith("internalMesh")]
+
     def _update(self, time):
         self._reader.DisableAllPatchArrays()
-        names = map(self._reader.GetPatchArrayName, range(self._reader.GetNumberOfPatchArrays()))
-        for name in [name for name in names if name.endswith("internalMesh")]:  # one for each region
+        for name in self._meshes():
             self._reader.SetPatchArrayStatus(name, 1)
         data = super()._update(time)
         if not self._decomposed:
@@ -131,3 +146,17 @@ class OpenFoamCase(Case):
         for i, block in enumerate(block for block in blocks_of(data) if block.IsA("vtkUnstructuredGrid")):
             cells.SetBlock(i, merged([block], list(arrays_of(block))))
         return cells
+
+
+def _times(folder):
+    """The times that a folder of OpenFOAM holds."""
+    return {
+        float(entry.name)
+        for entry in folder.iterdir()
+        if re.fullmatch(r"[\d.]+(e[+-]?\d+)?", entry.name) and entry.is_dir() and any(entry.iterdir())
+    }
+
+
+def _listed(times):
+    shown = [f"{time:g}" for time in sorted(times)]
+    return ", ".join(shown[:10]) + (" ..." if len(shown) > 10 else "")
