@@ -2,7 +2,7 @@
 // leads from one frame to the next, here to the same one, because the flow is steady. The matrices turn stored values
 // into voxels per step. Each further step gives the next texture of the sequence.
 #include <vdblic/field/box_domain.h>
-#include <vdblic/lic/flow_texture.h>
+#include <vdblic/methods/registry.h>
 
 #include <openvdb/openvdb.h>
 
@@ -22,7 +22,7 @@ int main()
     const openvdb::Mat3d identity = openvdb::Mat3d::identity();
     const vdblic::FlowFrame frame{domain, velocity};
     const vdblic::FlowStep step{frame, frame, identity, identity, 1};
-    const auto textures = vdblic::makeFlowTexture({.lifeSpan = 4}, vdblic::NoiseField(/*seed=*/1));
+    const auto textures = vdblic::makeFlowTexture({.texture = {.lifeSpan = 4}}, {vdblic::NoiseField(/*seed=*/1)});
     vdblic::FlowTextureStep made;
     for (int i = 0; i < 8; ++i) // the first ones are still short of streaks
         made = textures->advance(step);

@@ -335,7 +335,7 @@ class Resume(ToolTest):
             done, after = self.outputs_there(), after + 1
         last = done // 4 + 1
         message = self.refused(3, self.flow(), "--substeps", 4, frames=f"1-{last}")
-        self.assertIn(f"has textures after frame {last} done, the input ends with that frame now", message)
+        self.assertIn(f"is past frame {last}, but the input ends there: give the frame range of the first run", message)
         self.finish(self.whole(self.flow(), "--substeps", 4), self.flow(), "--substeps", 4)
 
     def test_changed_parameters(self):

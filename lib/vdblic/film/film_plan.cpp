@@ -4,11 +4,12 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/extent.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/methods/memory_estimate.h"
+#include "vdblic/methods/streaks/streak_shape.h"
+#include "vdblic/methods/streaks/streaks.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/run/advect_params.h"
-#include "vdblic/run/memory_estimate.h"
 #include "vdblic/run/sequence_advice.h"
-#include "vdblic/streaks/streak_shape.h"
 
 #include <fmt/format.h>
 #include <glm/vec3.hpp>
@@ -229,7 +230,7 @@ class FilmPlanner {
         while (voxels() > kMostVoxels && coarsen(factors)) {
         }
         mPlan.textureVoxels = voxels();
-        mPlan.textureBytes = advectBytes(1.5 * voxels());
+        mPlan.textureBytes = denseBytes(1.5 * voxels());
         mPlan.advect["refine"] = wordsOfFactors(factors);
     }
 

@@ -72,7 +72,7 @@ class Advection {
     {
         try {
             mWriter.finishWriting();
-            const std::uint64_t made = mRun.texture().steps();
+            const std::uint64_t made = mRun.steps();
             const bool isWritten = mWriter.done() == mParams.texturesDone(made);
             std::array<double, 2> steps = {double(made), -double(made)};
             mExchange.max(steps); // a rank may have failed in the middle of a step
@@ -150,8 +150,7 @@ class Advection {
         if (!mExchange.isFirst()) return;
         if (!mExchange.isAlone()) {
             mReporter.detail(fmt::format("{} ranks exchanged {:.1f} MB in {} steps, and {:.1f} MB of outputs",
-                                         mExchange.size(), double(sent[0]) / 1e6, mRun.texture().steps(),
-                                         double(sent[1]) / 1e6));
+                                         mExchange.size(), double(sent[0]) / 1e6, mRun.steps(), double(sent[1]) / 1e6));
         }
         mReport.seconds = seconds;
         for (std::size_t i = 0; i < mReport.frames.size(); ++i)

@@ -5,14 +5,12 @@
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/lic/along_flow.h"
-#include "vdblic/lic/finish.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/run/velocity_output.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <string_view>
 
@@ -112,8 +110,8 @@ void AdvectParams::validate() const
     texture.validate();
     streaks.validate();
     backward.validate();
-    if (backward.alpha && !blends(texture.method)) throw ParameterError("`alpha` is of `method` ibfv and lea");
-    if (isSparse()) {
+    if (backward.alpha && !method().blends) throw ParameterError("`alpha` is of `method` ibfv and lea");
+    if (method().isSparse) {
         if (!noise.empty()) throw ParameterError("`noise`: streaks begin without noise; leave it out");
         if (flow.domain.refinement.interpolation == Interpolation::kCubic)
             throw ParameterError("`interpolation` cubic: streaks interpolate linearly between voxels");
@@ -121,7 +119,7 @@ void AdvectParams::validate() const
         throw ParameterError("`spacing`, `tail`, `emit`, `emit_box` and `source` are of `method` streaks");
     }
     if (resume && restart) throw ParameterError("`resume` and `restart` exclude each other");
-    if (flow.input.steadyFrames > 1 && isSteady(texture.method)) {
+    if (flow.input.steadyFrames > 1 && method().isSteady) {
         throw ParameterError(
             "`steady_frames` makes the same texture in every frame with `method` lic: leave one of the two "
             "out");
@@ -137,10 +135,10 @@ void AdvectParams::validate() const
         if (std::count(derived.begin(), derived.end(), name) > 1)
             throw ParameterError(fmt::format("'{}' is asked for twice", name));
     }
-    if (writesHits() && !scatters(texture.method)) {
+    if (writesHits() && !method().scatter) {
         throw ParameterError(fmt::format("`derived` hits: with `method` {} no values are scattered into voxels; take "
                                          "auflic, auflic-2004 or uflic, or leave hits out",
-                                         nameOf(texture.method)));
+                                         method().name));
     }
     const auto isOutput = [&](const std::string& name) {
         return name == "magnitude" || std::find(scalars.begin(), scalars.end(), name) != scalars.end() ||
@@ -177,9 +175,7 @@ std::vector<std::string> AdvectParams::derivedScalars() const
 
 int AdvectParams::prerollFrames() const
 {
-    constexpr int kSettling = 2; // streaks begin with whole tails; then the controller thins them
-    const int settling = blends(texture.method) ? backward.settlingFrames(texture.lifeSpan) : texture.lifeSpan;
-    return preroll.value_or(isSteady(texture.method) ? 0 : isSparse() ? kSettling : settling);
+    return preroll.value_or(method().preroll(*this));
 }
 
 std::uint64_t AdvectParams::prerollSteps() const
@@ -189,19 +185,12 @@ std::uint64_t AdvectParams::prerollSteps() const
 
 int AdvectParams::leadInFrames() const
 {
-    constexpr int kLifeSpans = 2; // longer ones bring a part no nearer to the whole run
-    if (isSparse()) {
-        constexpr float kTail = 4, kSettling = 2;
-        return leadIn.value_or(int(std::ceil(streaks.tail.value_or(kTail) + kSettling)));
-    }
-    return leadIn.value_or(isSteady(texture.method) ? 0 : kLifeSpans * texture.lifeSpan);
+    return leadIn.value_or(method().leadIn(*this));
 }
 
 int AdvectParams::finishTaps() const
 {
-    const bool isPublished = isSparse() || isSteady(texture.method) || looksBack(texture.method) ||
-                             texture.method == TextureMethod::kAuflic2004;
-    return finish.value_or(isPublished ? 0 : FinishParams{}.taps);
+    return finish.value_or(method().finish);
 }
 
 std::uint64_t AdvectParams::warmUpSteps() const

@@ -1,10 +1,8 @@
 #pragma once
 
-#include "vdblic/backward/backward_params.h"
 #include "vdblic/flow/flow_sequence_params.h"
-#include "vdblic/lic/texture_params.h"
+#include "vdblic/methods/method_params.h"
 #include "vdblic/run/texture_format.h"
-#include "vdblic/streaks/streak_params.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -15,12 +13,9 @@
 namespace vdblic {
 
 /// From a velocity sequence to a texture sequence.
-struct AdvectParams {
+struct AdvectParams : MethodParams {
     FlowSequenceParams flow;
-    std::string output; ///< pattern of the texture files
-    TextureParams texture;
-    StreakParams streaks;        ///< with the method streaks
-    BackwardParams backward;     ///< with the methods that look back
+    std::string output;          ///< pattern of the texture files
     std::optional<int> finish{}; ///< FinishParams::taps; nothing: finishTaps()
     std::string noise;           ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;      ///< of the generated noise
@@ -45,15 +40,14 @@ struct AdvectParams {
 
     void validate() const; ///< @throws ParameterError
 
-    /// Whether textures are sparse: drawn into voxels of their own, and not computed on refined voxels of the velocity.
-    [[nodiscard]] bool isSparse() const { return texture.method == TextureMethod::kStreaks; }
+    [[nodiscard]] const TextureMethod& method() const { return *texture.method; }
     [[nodiscard]] bool writesVelocity() const;                     ///< whether `derived` asks for the velocity
     [[nodiscard]] bool writesHits() const;                         ///< whether `derived` asks for the hits
     [[nodiscard]] std::vector<std::string> derivedScalars() const; ///< the other names of `derived`
     [[nodiscard]] int prerollFrames() const;                       ///< as given, else the default
     [[nodiscard]] std::uint64_t prerollSteps() const;              ///< with their substeps
     [[nodiscard]] int leadInFrames() const;                        ///< as given, else the default
-    [[nodiscard]] int finishTaps() const; ///< as given, else the default: none for what is as published
+    [[nodiscard]] int finishTaps() const;                          ///< as given, else the default
     [[nodiscard]] std::uint64_t
     warmUpSteps() const; ///< the steps of preroll and lead-in, whose textures are not written
     /// The number of intervals between frames that are computed after so many steps, without the preroll.

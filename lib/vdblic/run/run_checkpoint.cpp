@@ -9,7 +9,7 @@
 #include "vdblic/io/checkpoint_mark.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/vdb_header.h"
-#include "vdblic/lic/flow_texture.h"
+#include "vdblic/methods/flow_texture.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/run_outputs.h"
 #include "vdblic/run/texture_file.h"
@@ -33,10 +33,18 @@ struct SavedPart {
 };
 SavedPart stateOf(const FlowTexture& texture, std::size_t part, const openvdb::math::Transform& transform)
 {
-    FlowTexture::Saved saved = texture.save(part);
+    const auto* const memory = dynamic_cast<const TextureMemory*>(&texture);
+    TextureMemory::Saved saved = memory ? memory->save(part) : TextureMemory::Saved{};
     for (const auto& grid : saved.grids)
         grid->setTransform(transform.copy());
     return {{std::move(saved.grids), {}, {}}, saved.box};
+}
+
+/// Without a memory the checkpoint holds the position of the run alone.
+std::size_t partsOf(const FlowTexture& texture)
+{
+    const auto* const memory = dynamic_cast<const TextureMemory*>(&texture);
+    return memory ? memory->parts() : 1;
 }
 
 /// What is no checkpoint stays.
@@ -127,8 +135,7 @@ void RunCheckpoint::checkEnds(const Checkpoint& checkpoint, const FrameFile& las
     if (mParams.substep(checkpoint.position.steps) == 0) return;
     refuseCheckpoint(
         mOutputs.checkpoint(),
-        fmt::format("has textures after frame {} done, the input ends with that frame now: give all frames",
-                    last.frame));
+        fmt::format("is past frame {}, but the input ends there: give the frame range of the first run", last.frame));
 }
 
 void RunCheckpoint::restore(const Checkpoint& checkpoint, const LoadedFrame& frame, FlowTexture& texture,
@@ -148,7 +155,8 @@ void RunCheckpoint::restore(const Checkpoint& checkpoint, const LoadedFrame& fra
         return part != checkpoint.parts.end() ? std::optional(readPart(checkpoint, *part++)) : std::nullopt;
     };
     try {
-        texture.restore(position.steps, position.interval / mParams.texture.substeps, frame.domain.texture, next);
+        if (auto* const memory = dynamic_cast<TextureMemory*>(&texture))
+            memory->restore(position.steps, position.interval / mParams.texture.substeps, frame.domain.texture, next);
     } catch (const InputError& error) {
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
     }
@@ -194,7 +202,7 @@ void RunCheckpoint::write(const FlowTexture& texture)
     const std::size_t lastStep = std::max(unsaved.position.steps, std::uint64_t(1)) - 1;
     checkpoint.inputs.resize(std::min<std::size_t>(mParams.framesDone(lastStep) + 2, mInputs.size()));
     try {
-        if (mExchange.isAlone() && texture.parts() == 1) {
+        if (mExchange.isAlone() && partsOf(texture) == 1) {
             checkpoint.states.push_back(stateOf(texture, 0, *unsaved.transform).file);
             writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
             removeParts({}); // of a larger state before
@@ -215,12 +223,12 @@ void RunCheckpoint::write(const FlowTexture& texture)
 /// Every rank writes its parts, then rank 0 the file that lists them: until then the checkpoint before is valid.
 void RunCheckpoint::writeParts(const FlowTexture& texture, const Unsaved& unsaved, Checkpoint checkpoint)
 {
-    const std::vector<std::size_t> counts = mExchange.join(std::vector<std::size_t>{texture.parts()});
+    const std::vector<std::size_t> counts = mExchange.join(std::vector<std::size_t>{partsOf(texture)});
     const std::size_t first = std::accumulate(counts.begin(), counts.begin() + mExchange.rank(), std::size_t(0));
     const auto path = [&](std::size_t part) { return mOutputs.checkpointPart(unsaved.position.steps, part); };
     std::vector<openvdb::CoordBBox> boxes;
     try {
-        for (std::size_t part = 0; part < texture.parts(); ++part) {
+        for (std::size_t part = 0; part < partsOf(texture); ++part) {
             SavedPart saved = stateOf(texture, part, *unsaved.transform);
             boxes.push_back(saved.box);
             checkpoint.states.push_back(std::move(saved.file));

@@ -7,10 +7,12 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/io/velocity_grids.h"
+#include "vdblic/methods/memory_estimate.h"
+#include "vdblic/methods/registry.h"
+#include "vdblic/methods/streaks/streak_shape.h"
+#include "vdblic/methods/streaks/streaks.h"
 #include "vdblic/run/displacements.h"
-#include "vdblic/run/memory_estimate.h"
 #include "vdblic/run/sequence_advice.h"
-#include "vdblic/streaks/streak_shape.h"
 
 #include <fmt/format.h>
 
@@ -230,15 +232,14 @@ void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std
     // hold nothing are not there.
     const double refine = params.refine.value_or(1), refined = refine * refine * refine;
     const double rim = std::max(0.0, memory / (3 * sizeof(float)) - double(velocity.voxels));
-    // Of the time.
-    constexpr std::pair<TextureMethod, double> kShares[] = {
-        {TextureMethod::kIbfv, 0.6}, {TextureMethod::kLea, 1.3}, {TextureMethod::kUfac, 1.8}};
     const double ofTexture = refined * double(velocity.voxels) + refine * refine * rim;
-    velocity.memory = advectBytes(ofTexture);
+    velocity.memory = denseBytes(ofTexture);
     velocity.seconds = refined * double(velocity.voxels) * (double(frames) + kPreroll) * kSeconds;
-    for (const auto& [method, share] : kShares) {
-        velocity.lookingBack.push_back(
-            {method, backwardBytes(method, ofTexture / refined, ofTexture), share * velocity.seconds});
+    for (const TextureMethod* const method : textureMethods()) {
+        const TextureMethod::Estimate* const estimate = method->estimate;
+        if (!estimate) continue;
+        const double bytes = estimate->bytes(ofTexture / refined, ofTexture);
+        velocity.lookingBack.push_back({method->name, bytes, estimate->time * velocity.seconds});
     }
 }
 

@@ -3,7 +3,6 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/velocity_frame.h"
 #include "vdblic/flow/flow_sequence_params.h"
-#include "vdblic/lic/texture_method.h"
 
 #include <openvdb/openvdb.h>
 
@@ -11,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdblic {
@@ -67,7 +67,7 @@ struct StreaksInfo {
 
 /// Estimates of a method other than the default.
 struct MethodCost {
-    TextureMethod method;
+    std::string_view method;
     double memory = 0, seconds = 0; ///< as VelocityInfo has them
 };
 

@@ -63,7 +63,7 @@ void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
                                 memoryText(velocity.memory), velocity.seconds));
     std::vector<std::string> costs;
     for (const MethodCost& cost : velocity.lookingBack)
-        costs.push_back(fmt::format("{} {} and {:.2g} s", nameOf(cost.method), memoryText(cost.memory), cost.seconds));
+        costs.push_back(fmt::format("{} {} and {:.2g} s", cost.method, memoryText(cost.memory), cost.seconds));
     lines.push_back(fmt::format("    with `method` {}", fmt::join(costs, ", ")));
     if (!velocity.streaks) return;
     const StreaksInfo& streaks = *velocity.streaks;
@@ -106,7 +106,7 @@ nlohmann::json ofVelocity(const VelocityInfo& velocity)
                              {"memory", velocity.memory},
                              {"processor_seconds", velocity.seconds}};
     for (const MethodCost& cost : velocity.lookingBack)
-        result[std::string(nameOf(cost.method))] = {{"memory", cost.memory}, {"processor_seconds", cost.seconds}};
+        result[std::string(cost.method)] = {{"memory", cost.memory}, {"processor_seconds", cost.seconds}};
     if (velocity.streaks) {
         const StreaksInfo& streaks = *velocity.streaks;
         result["streaks"] = {{"spacing", streaks.spacing},

@@ -4,7 +4,7 @@
 #include "vdblic/distributed/halo_exchange.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/flow/frame_halo.h"
-#include "vdblic/lic/flow_texture.h"
+#include "vdblic/methods/flow_texture.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/displacements.h"
 
@@ -48,7 +48,7 @@ double SharedRun::fasterDisplacement(const LoadedFrame& frame, double interval) 
 
 std::optional<std::string> SharedRun::balance(LoadedFrame& frame, FlowTexture& texture)
 {
-    if (mExchange.isAlone() || texture.steps() == 0) return std::nullopt;
+    if (mExchange.isAlone()) return std::nullopt;
     constexpr double kUnequal = 1.15, kBetter = 0.9;
     const Domain& domain = *frame.domain.velocity;
     const double now = frame.partition->imbalance(domain);
@@ -64,7 +64,8 @@ std::optional<std::string> SharedRun::balance(LoadedFrame& frame, FlowTexture& t
     std::set_union(had.begin(), had.end(), has.begin(), has.end(), std::back_inserter(either));
     const auto both = before->ofRank({has.begin(), has.end()}, std::move(either));
     const std::vector<openvdb::Coord> noHalo(std::size_t(mExchange.size()), openvdb::Coord(0));
-    texture.handOver(HaloExchange(mExchange, *partition, *both, noHalo), both);
+    if (auto* const state = dynamic_cast<LeafState*>(&texture))
+        state->handOver(HaloExchange(mExchange, *partition, *both, noHalo), both);
     return fmt::format("cut anew among the ranks: the largest part had {:.2f} of the mean, now {:.2f}", now, then);
 }
 

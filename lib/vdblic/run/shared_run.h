@@ -34,8 +34,8 @@ class SharedRun {
     /// Of the faster half of the whole frame's flow (Displacements); collective.
     [[nodiscard]] double fasterDisplacement(const LoadedFrame& frame, double interval) const;
 
-    /// Cut a frame's domain anew, and hand over its parts and the texture's state, if the ranks' shares of it have
-    /// become so unequal that this pays. @return whether that was done, as a text
+    /// Cut a frame's domain anew, once a step is made, and hand over its parts and the texture's state, if the ranks'
+    /// shares of it have become so unequal that this pays. @return whether that was done, as a text
     [[nodiscard]] std::optional<std::string> balance(LoadedFrame& frame, FlowTexture& texture);
 
     /// Take from the other ranks what the steps between two frames need.

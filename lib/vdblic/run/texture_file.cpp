@@ -82,24 +82,16 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement&
     openvdb::MetaMap metadata;
     metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.textureName));
     const TextureParams& texture = params.texture;
-    metadata.insertMeta("method", openvdb::StringMetadata(std::string(nameOf(texture.method))));
-    if (!params.isSparse()) metadata.insertMeta("life_span", openvdb::Int32Metadata(texture.lifeSpan));
+    metadata.insertMeta("method", openvdb::StringMetadata(std::string(texture.method->name)));
+    texture.method->describe(params, metadata);
     metadata.insertMeta("substeps", openvdb::Int32Metadata(texture.substeps));
-    if (texture.method == TextureMethod::kAuflic || texture.method == TextureMethod::kAuflic2004)
-        metadata.insertMeta("release_window", openvdb::FloatMetadata(texture.releaseWindow));
     const std::array<int, 3>& factors = refinement.factors;
     metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
     metadata.insertMeta("interpolation", openvdb::StringMetadata(std::string(nameOf(refinement.interpolation))));
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
     metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));
-    if (blends(texture.method)) {
-        metadata.insertMeta("alpha", openvdb::FloatMetadata(float(params.backward.shareFor(texture.lifeSpan))));
-    } else if (scatters(texture.method)) {
-        metadata.insertMeta("sharpen", openvdb::FloatMetadata(texture.feedback.sharpen));
-        metadata.insertMeta("noise_share", openvdb::FloatMetadata(texture.feedback.noiseShare));
-    }
-    if (!isSteady(texture.method)) {
+    if (!texture.method->isSteady) {
         metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
         if (params.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(params.leadInFrames()));
     }

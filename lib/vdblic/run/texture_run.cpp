@@ -1,15 +1,13 @@
 #include "vdblic/run/texture_run.h"
 
-#include "vdblic/backward/make_backward.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/flow/frame_between.h"
+#include "vdblic/methods/registry.h"
 #include "vdblic/noise/noise_field.h"
 #include "vdblic/noise/noise_file.h"
-#include "vdblic/run/memory_estimate.h"
 #include "vdblic/run/sequence_advice.h"
-#include "vdblic/streaks/streak_texture.h"
 
 #include <fmt/format.h>
 
@@ -22,20 +20,15 @@ namespace {
 
 std::unique_ptr<FlowTexture> makeTexture(const AdvectParams& params)
 {
-    if (params.isSparse()) {
-        return std::make_unique<StreakTexture>(params.texture, params.streaks, params.flow.domain.refinement,
-                                               params.seed);
-    }
     NoiseField noise(params.seed, params.noise.empty() ? nullptr : readNoise(params.noise));
-    if (looksBack(params.texture.method)) return makeBackwardTexture(params.texture, params.backward, std::move(noise));
-    return makeFlowTexture(params.texture, std::move(noise));
+    return makeFlowTexture(params, {std::move(noise), params.seed, params.flow.domain.refinement});
 }
 
 /// The flow as the textures need it: streaks are traced on the velocity's own voxels.
 FlowSequenceParams flowOf(const AdvectParams& params)
 {
     FlowSequenceParams flow = params.flow;
-    if (params.isSparse()) flow.domain.refinement = {};
+    if (params.method().isSparse) flow.domain.refinement = {};
     return flow;
 }
 
@@ -68,20 +61,22 @@ void TextureRun::begin()
         mTime += mInterval.seconds;
     mTime = mCurrent->velocity.time.value_or(mTime);
     if (mParams.voxelsPerFrame) setMotion(motionFor(*mParams.voxelsPerFrame));
-    tellTexture();
+    chooseVoxels();
     start();
 }
 
-/// Let the streaks know of the flow. @throws ParameterError
-void TextureRun::tellTexture()
+/// Let a sparse texture choose its voxels by the flow. @throws ParameterError
+void TextureRun::chooseVoxels()
 {
-    if (!mParams.isSparse()) return;
+    auto* const sparse = dynamic_cast<SparseTexture*>(mTexture.get());
+    if (!sparse) return;
     const double displacement = mShared.fasterDisplacement(*mCurrent, mInterval.seconds);
-    if (const auto chosen = mTexture->begin(*mCurrent->domain.velocity, displacement)) mReporter.say(*chosen);
+    mReporter.say(sparse->choose(*mCurrent->domain.velocity, displacement));
 }
 
 void TextureRun::goOn(const RunPosition& position)
 {
+    mSteps = position.steps;
     mTime = position.time;
     mInterval = {position.interval, "as before"};
     mFlow.setSpacing(position.frameSpacing);
@@ -120,9 +115,10 @@ void TextureRun::start()
 /// Tell how much memory the run takes; refuse a run that takes too much now, not after minutes.
 void TextureRun::checkMemoryFor(const LoadedFrame& first) const
 {
-    const double bytes = advectBytes(mParams, first.domain);
-    const std::string voxels =
-        fmt::format("{} {} voxels", first.domain.texture->voxelCount(), mParams.isSparse() ? "velocity" : "texture");
+    const double bytes =
+        mParams.method().bytes(mParams, first.domain, mParams.flow.domain.refinement, mParams.writesHits());
+    const std::string voxels = fmt::format("{} {} voxels", first.domain.texture->voxelCount(),
+                                           mParams.method().isSparse ? "velocity" : "texture");
     const std::string each = mExchange.isAlone() ? "" : fmt::format(" each for {} ranks", mExchange.size());
     const std::string text = fmt::format("{}: about {} of memory{}", voxels, memoryText(bytes), each);
     first.domain.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
@@ -167,7 +163,7 @@ bool TextureRun::hasStep()
 
 std::optional<RunTexture> TextureRun::step()
 {
-    if (mTexture->steps() < mParams.prerollSteps()) {
+    if (mSteps < mParams.prerollSteps()) {
         mShared.surround(*mCurrent, *mCurrent, mInterval.seconds, *mTexture);
         (void)advance(*mCurrent, *mCurrent, *mCurrent, false);
         return std::nullopt;
@@ -185,7 +181,7 @@ std::optional<RunTexture> TextureRun::stepBetweenFrames()
         mStart = at(mSubstep);
     }
     LoadedFrame end = at(mSubstep + 1);
-    const bool isWritten = mTexture->steps() >= mParams.warmUpSteps();
+    const bool isWritten = mSteps >= mParams.warmUpSteps();
     const double time = mTime + mSubstep * mInterval.seconds / mParams.texture.substeps;
     RunTexture made{*mStart, mSubstep, time, mInterval.seconds, advance(*mStart, end, *mNext, isWritten)};
     mStart = std::move(end);
@@ -226,7 +222,7 @@ RunTexture TextureRun::lastStep()
 /// Give the ranks about equal shares of a frame, before a step starts from it.
 void TextureRun::balance(LoadedFrame& frame)
 {
-    const std::optional<std::string> how = mShared.balance(frame, *mTexture);
+    const std::optional<std::string> how = mSteps > 0 ? mShared.balance(frame, *mTexture) : std::nullopt;
     if (!how) return;
     mFlow.cutAs(frame.partition);
     mReporter.detail(fmt::format("frame {}: {}", frame.velocity.file.frame, *how));
@@ -248,15 +244,18 @@ FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame&
                              next.velocity.toVoxelsPerStep(interval),
                              interval,
                              mCurrent->velocity.file.frame};
-    return mTexture->advance({from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
-                              end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners,
-                              &whole, isShown, isShown && mParams.writesHits()});
+    FlowTextureStep made =
+        mTexture->advance({from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
+                           end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners,
+                           &whole, isShown, isShown && mParams.writesHits()});
+    ++mSteps;
+    return made;
 }
 
 RunPosition TextureRun::position() const
 {
     const bool isNextFrame = mNext && mSubstep == mParams.texture.substeps;
-    return {mTexture->steps(), mInterval.seconds, isNextFrame ? mTime + mInterval.seconds : mTime, mFlow.spacing(),
+    return {mSteps, mInterval.seconds, isNextFrame ? mTime + mInterval.seconds : mTime, mFlow.spacing(),
             mCurrent->velocity.motion};
 }
 
@@ -280,7 +279,7 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
                                    frame.velocity.file.label(), frame.velocity.gridName, largest));
     }
     // A streak's tail suits the displacement.
-    if (mParams.isSparse() || isSteady(mParams.texture.method) || largest <= kLargeDisplacement ||
+    if (mParams.method().isSparse || mParams.method().isSteady || largest <= kLargeDisplacement ||
         mWarnedOfDisplacement)
         return;
     const double faster = mShared.fasterDisplacement(frame, seconds);

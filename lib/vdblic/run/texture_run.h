@@ -4,7 +4,7 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/io/sequence.h"
-#include "vdblic/lic/flow_texture.h"
+#include "vdblic/methods/flow_texture.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/checkpoint.h"
 #include "vdblic/run/shared_run.h"
@@ -65,7 +65,7 @@ class TextureRun {
     [[nodiscard]] bool hasStep();
     [[nodiscard]] bool isDone() const { return mIsDone; } ///< whether the last step is made
     /// Whether the step to make is of the last frame. After hasStep().
-    [[nodiscard]] bool isLast() const { return !mNext && mTexture->steps() >= mParams.prerollSteps(); }
+    [[nodiscard]] bool isLast() const { return !mNext && mSteps >= mParams.prerollSteps(); }
     /// Make a step. @return its texture; nothing if it only prepares those to come
     /// @throws Stopped before the step if the reporter asks for that; InputError
     [[nodiscard]] std::optional<RunTexture> step();
@@ -74,6 +74,7 @@ class TextureRun {
     [[nodiscard]] RunPosition position() const;
     [[nodiscard]] const LoadedFrame& frame() const { return mStart ? *mStart : *mCurrent; }
 
+    [[nodiscard]] std::uint64_t steps() const { return mSteps; } ///< made, preroll included
     [[nodiscard]] FlowTexture& texture() { return *mTexture; }
     [[nodiscard]] const FlowTexture& texture() const { return *mTexture; }
     [[nodiscard]] FlowSequence& flow() { return mFlow; }
@@ -81,7 +82,7 @@ class TextureRun {
 
   private:
     void start();
-    void tellTexture();
+    void chooseVoxels();
     void setMotion(double motion);
     [[nodiscard]] double motionFor(double voxels) const;
     void checkMemoryFor(const LoadedFrame& first) const;
@@ -101,6 +102,7 @@ class TextureRun {
     SharedRun mShared;
     std::unique_ptr<FlowTexture> mTexture;
     FlowSequence mFlow;
+    std::uint64_t mSteps = 0;
     std::optional<LoadedFrame> mCurrent, mNext;
     std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
     std::optional<LoadedFrame> mStart; // of the next substep; nothing before an interval's first

@@ -1,8 +1,8 @@
 #include "bench/engine/euler_uflic.h"
 
-#include "vdblic/lic/convolve.h"
-#include "vdblic/lic/feedback.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/methods/auflic/convolve.h"
+#include "vdblic/methods/auflic/feedback.h"
 
 #include <algorithm>
 #include <cmath>

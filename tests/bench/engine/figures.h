@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/lic/flow_texture.h"
+#include "vdblic/methods/flow_texture.h"
 
 #include <nlohmann/json.hpp>
 

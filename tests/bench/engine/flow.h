@@ -3,7 +3,7 @@
 #include "vdblic/field/box_domain.h"
 #include "vdblic/field/flow_frame.h"
 #include "vdblic/field/velocity_field.h"
-#include "vdblic/lic/flow_texture.h"
+#include "vdblic/methods/flow_texture.h"
 
 #include <openvdb/openvdb.h>
 

@@ -5,7 +5,7 @@
 #include "bench/engine/euler_uflic.h"
 #include "bench/engine/scap_auflic.h"
 #include "vdblic/field/velocity_field.h"
-#include "vdblic/lic/flow_texture.h"
+#include "vdblic/methods/registry.h"
 #include "vdblic/noise/noise_field.h"
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ Figures runProcesses(const Flow& flow, int lifeSpan, Method&& method)
     return figures;
 }
 
-TextureParams scatterParams(TextureMethod method, int lifeSpan, float window)
+TextureParams scatterParams(const TextureMethod* method, int lifeSpan, float window)
 {
     TextureParams params;
     params.method = method;
@@ -53,7 +53,7 @@ TextureParams scatterParams(TextureMethod method, int lifeSpan, float window)
 
 Figures runPipeline(const Flow& flow, const TextureParams& scatter, bool coherence)
 {
-    const auto pipeline = makeFlowTexture(scatter, NoiseField(1));
+    const auto pipeline = makeFlowTexture({scatter}, {NoiseField(1)});
     Figures figures;
     CoherenceMeter meter;
     for (int i = 0; i < scatter.lifeSpan; ++i)
@@ -79,14 +79,14 @@ nlohmann::json compareMethods(const Flow& flow, const char* title)
     printHeading(title);
     nlohmann::json rows;
     rows.push_back(printRow("UFLIC as in the paper, Euler", runProcesses(flow, 4, EulerUflic(4, NoiseField(1)))));
-    rows.push_back(printRow("UFLIC", runPipeline(flow, scatterParams(TextureMethod::kUflic, 4, 1), true)));
+    rows.push_back(printRow("UFLIC", runPipeline(flow, scatterParams(&kUflic, 4, 1), true)));
     rows.push_back(
         printRow("AUFLIC as in the paper, window 0.25", runProcesses(flow, 4, ScapAuflic(4, 0.25f, NoiseField(1)))));
     for (const float window : {0.125f, 0.25f, 0.5f}) {
         rows.push_back(printRow(fmt::format("AUFLIC as published, window {}", window),
-                                runPipeline(flow, scatterParams(TextureMethod::kAuflic2004, 4, window), true)));
+                                runPipeline(flow, scatterParams(&kAuflic2004, 4, window), true)));
         rows.push_back(printRow(fmt::format("AUFLIC, window {}", window),
-                                runPipeline(flow, scatterParams(TextureMethod::kAuflic, 4, window), true)));
+                                runPipeline(flow, scatterParams(&kAuflic, 4, window), true)));
     }
     return rows;
 }

@@ -2,7 +2,7 @@
 
 #include "bench/engine/figures.h"
 #include "bench/engine/flow.h"
-#include "vdblic/lic/texture_params.h"
+#include "vdblic/methods/texture_params.h"
 
 #include <nlohmann/json.hpp>
 

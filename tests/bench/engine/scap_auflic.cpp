@@ -2,8 +2,8 @@
 
 #include "bench/engine/euler_uflic.h"
 #include "vdblic/field/domain_rows.h"
-#include "vdblic/lic/feedback.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/methods/auflic/feedback.h"
 
 #include <algorithm>
 #include <utility>

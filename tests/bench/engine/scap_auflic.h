@@ -1,8 +1,8 @@
 #pragma once
 
-#include "vdblic/lic/accumulator.h"
 #include "vdblic/lic/pathline.h"
-#include "vdblic/lic/scatter.h"
+#include "vdblic/methods/auflic/accumulator.h"
+#include "vdblic/methods/auflic/scatter.h"
 #include "vdblic/noise/noise_field.h"
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "vdblic/coherence/cleanness.h"
 
-#include "lic/test_flow.h"
+#include "methods/test_flow.h"
 #include "vdblic/coherence/smoothed_texture.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/noise/noise.h"

@@ -1,6 +1,6 @@
 #include "vdblic/coherence/coherence.h"
 
-#include "lic/test_flow.h"
+#include "methods/test_flow.h"
 #include "vdblic/coherence/coherence_report.h"
 #include "vdblic/coherence/smoothed_texture.h"
 #include "vdblic/core/errors.h"

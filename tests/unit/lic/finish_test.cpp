@@ -1,6 +1,6 @@
 #include "vdblic/lic/finish.h"
 
-#include "lic/test_flow.h"
+#include "methods/test_flow.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/lic/along_flow.h"
 

@@ -1,6 +1,6 @@
 #include "vdblic/lic/pathline.h"
 
-#include "lic/test_flow.h"
+#include "methods/test_flow.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"

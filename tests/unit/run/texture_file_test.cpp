@@ -1,7 +1,8 @@
 #include "vdblic/run/texture_file.h"
 
-#include "lic/test_flow.h"
+#include "methods/test_flow.h"
 #include "vdblic/flow/flow_sequence.h"
+#include "vdblic/methods/lic/lic.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/texture_run.h"
 
@@ -106,7 +107,7 @@ TEST(TextureFile, TellsItsTimeAndParameters)
     EXPECT_EQ(metadata.metaValue<std::string>("method"), "auflic");
     EXPECT_EQ(metadata.metaValue<std::int32_t>("life_span"), 6);
     EXPECT_EQ(metadata.metaValue<std::int32_t>("preroll"), 6);
-    params.texture.method = TextureMethod::kLic;
+    params.texture.method = &kLic;
     made = turningTexture();
     metadata = makeTextureFile(params, made, 5).metadata;
     EXPECT_EQ(metadata.metaValue<std::string>("method"), "lic");

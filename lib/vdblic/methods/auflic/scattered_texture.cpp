@@ -1,0 +1,156 @@
+#include "vdblic/methods/auflic/scattered_texture.h"
+
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/lic/along_flow.h"
+#include "vdblic/lic/hits.h"
+#include "vdblic/lic/path_reach.h"
+#include "vdblic/methods/auflic/feedback.h"
+#include "vdblic/methods/auflic/flow_state.h"
+#include "vdblic/methods/hand_over.h"
+#include "vdblic/methods/state_grids.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace vdblic {
+namespace {
+
+/// A mean along the flow is AUFLIC's; it takes contrast away, which is restored before. The others do without.
+FeedbackParams feedbackOf(const TextureParams& params)
+{
+    FeedbackParams feedback = params.feedback;
+    if (params.method->scatter->feedsMean) {
+        constexpr float kLost = 1.08f;
+        feedback.deviation *= kLost;
+    } else {
+        feedback.taps = 0;
+    }
+    return feedback;
+}
+
+/// @param hits the 512 Hits words of a leaf  @param counts of the values in each
+void countValues(const std::int64_t* hits, std::uint64_t weight, std::int32_t* counts)
+{
+    for (int i = 0; i < LeafVoxel::kCount; ++i)
+        counts[i] = Hits::values(std::uint64_t(hits[i]), weight);
+}
+
+} // namespace
+
+ScatteredTexture::ScatteredTexture(const TextureParams& params, NoiseField noise)
+    : mParams(params), mNoise(std::move(noise)), mScatter(params)
+{
+    mParams.feedback = feedbackOf(params);
+}
+
+/// The pipeline of UFLIC: Liu & Moorhead 2004, Figure 1a.
+FlowTextureStep ScatteredTexture::advance(const FlowStep& step)
+{
+    FlowTextureStep result;
+    StageClock clock;
+    const Domain& domain = *step.start.domain;
+    if (!mInput) mInput = noiseInput(domain, mNoise);
+    VelocityField field;
+    Convolution convolution(domain, *mInput, mParams.substeps, std::move(mMean));
+    {
+        const auto stage = clock.enter(&StageTimes::load);
+        field.prepare(step.start.fieldDomain(), {step.start.velocities->tree(), step.startToStep},
+                      {step.end.velocities->tree(), step.endToStep});
+    }
+    {
+        const auto stage = clock.enter(&StageTimes::scatter);
+        if (step.withHits) result.hits = LeafValues<std::int32_t>(domain, 0, domain.own());
+        const auto take = [&](std::size_t leaf, const std::int64_t* hits) {
+            convolution.take(leaf, hits);
+            if (step.withHits) countValues(hits, mScatter.method().weight, result.hits[leaf]);
+        };
+        result.stats =
+            mScatter.step(field, *mInput, take, *step.end.domain, slopeScale(step.interval), step.owners, clock);
+    }
+    {
+        const auto stage = clock.enter(&StageTimes::convolve);
+        mInput.reset(); // makes room for what follows
+        result.texture = convolution.texture();
+        step.owners.takeHalo(result.texture, mParams.feedback.taps > 0 ? 1 : 0); // as far as the mean reaches
+        result.texture =
+            meanAlongFlow(domain, step.start.refinement, field.start(), result.texture, mParams.feedback.taps);
+        step.owners.takeHalo(result.texture);
+    }
+    {
+        const auto stage = clock.enter(&StageTimes::filter);
+        mInput =
+            feedForward(field, result.texture, *step.end.domain, mNoise, mParams.feedback, mStep, mParams.substeps);
+        mMean = convolution.meanOn(*step.end.domain, *mInput);
+    }
+    result.times = clock.times();
+    result.domain = step.start.domain;
+    result.refinement = step.start.refinement;
+    mDomain = step.end.domain;
+    mLastInterval = step.interval;
+    ++mStep;
+    return result;
+}
+
+float ScatteredTexture::slopeScale(double interval) const
+{
+    return mLastInterval > 0 ? float(interval / mLastInterval) : 1;
+}
+
+std::array<float, 3> ScatteredTexture::farthestPath(const std::array<float, 3>& displacement, double interval) const
+{
+    std::array<float, 3> farthest{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        float slope = displacement[axis] / float(mParams.substeps);
+        for (const ParticleBins& bins : mScatter.particles())
+            slope = std::max(slope, bins.largestSlope()[axis] * slopeScale(interval));
+        farthest[axis] = longestPath(slope);
+    }
+    return farthest;
+}
+
+void ScatteredTexture::handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain)
+{
+    mScatter.handOver(owners, *domain);
+    mInput = handedOver(owners, *mDomain, *domain, *mInput);
+    if (mMean) {
+        mMean->mean = handedOver(owners, *mDomain, *domain, mMean->mean);
+        mMean->weight = handedOver(owners, *mDomain, *domain, mMean->weight);
+    }
+    mDomain = std::move(domain);
+}
+
+std::size_t ScatteredTexture::parts() const
+{
+    return statePartCount(*mDomain);
+}
+
+TextureMemory::Saved ScatteredTexture::save(std::size_t part) const
+{
+    const Domain::Leaves leaves = statePart(*mDomain, part);
+    Saved saved{{inputGrid(*mDomain, leaves, *mInput)}, boxOf(*mDomain, leaves)};
+    if (mMean) {
+        const openvdb::GridPtrVec mean = meanGrids(*mDomain, leaves, *mMean);
+        saved.grids.insert(saved.grids.end(), mean.begin(), mean.end());
+    }
+    saved.grids.push_back(particleGrid(*mDomain, leaves, mScatter.particles()));
+    return saved;
+}
+
+void ScatteredTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                               const std::function<std::optional<VdbFile>()>& next)
+{
+    mStep = steps;
+    mLastInterval = interval;
+    FlowStateReader reader(*domain, mScatter.method().words(mParams), mParams.substeps > 1);
+    while (const std::optional<VdbFile> file = next())
+        reader.add(*file);
+    FlowState state = reader.finish();
+    mInput = std::move(state.input);
+    mMean = std::move(state.mean);
+    mScatter.restore(steps, std::move(state.particles));
+    mDomain = std::move(domain);
+}
+
+} // namespace vdblic

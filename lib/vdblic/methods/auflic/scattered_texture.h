@@ -1,0 +1,44 @@
+#pragma once
+
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/methods/auflic/convolve.h"
+#include "vdblic/methods/auflic/scatter.h"
+#include "vdblic/methods/flow_texture.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace vdblic {
+
+/// The textures of UFLIC and AUFLIC (Shen & Kao 1998; Liu & Moorhead 2004).
+class ScatteredTexture final : public FlowTexture, public TextureMemory, public LeafState {
+  public:
+    ScatteredTexture(const TextureParams& params, NoiseField noise);
+
+    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override;
+    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
+                                                    double interval) const override;
+    void handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain) override;
+
+    /// Up to eight, the more the larger the state is.
+    [[nodiscard]] std::size_t parts() const override;
+    [[nodiscard]] Saved save(std::size_t part) const override;
+    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                 const std::function<std::optional<VdbFile>()>& next) override;
+
+  private:
+    /// Slopes are displacements in a step: of a longer step they are larger.
+    [[nodiscard]] float slopeScale(double interval) const;
+
+    TextureParams mParams;
+    NoiseField mNoise;
+    Scatter mScatter;
+    std::shared_ptr<const Domain> mDomain; // of the step to come
+    std::optional<LeafValues<std::int32_t>> mInput;
+    std::optional<RunningMean> mMean; // with substeps
+    double mLastInterval = 0;
+    std::uint64_t mStep = 0;
+};
+
+} // namespace vdblic

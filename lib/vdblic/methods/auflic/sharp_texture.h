@@ -1,0 +1,67 @@
+#pragma once
+
+#include "vdblic/field/bricks.h"
+#include "vdblic/field/slabs.h"
+#include "vdblic/methods/auflic/local_contrast.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace vdblic {
+
+/// A texture sharpened (sharpen.h), to be sampled between voxels, with the contrast around each.
+///
+/// Only the open slabs are in memory. Any number of threads may read, and none while slabs are opened or closed.
+class SharpTexture {
+  public:
+    /// @param texture  0 outside the domain; must outlive every open()
+    /// @param strength of the sharpening
+    /// @param slabs    of the domain; must outlive this
+    SharpTexture(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture, float strength,
+                 const Slabs& slabs);
+
+    /// Sharpen a slab, in parallel; slabs are opened in order. Only leaves of open slabs can be sampled.
+    void open(std::size_t slab);
+    void close(std::size_t slab) { mBricks.release(mSlabs[slab]); }
+
+    /// Of the sharpened texture; around a leaf once the 26 next to it are open.
+    [[nodiscard]] const LocalContrast& contrast() const { return mContrast; }
+
+    /// Means over the corners in the domain, and the corners' share of the weights; without coverage a mean has no
+    /// meaning.
+    struct Samples {
+        Float8 value, coverage;
+    };
+    using Window = BricksOf<2>::Window;
+    /// The window in which positions in and around a leaf are expected.
+    [[nodiscard]] Window window(const openvdb::Coord& origin) const { return mBricks.window(origin); }
+
+    /// Sample eight positions at once.
+    /// @param window of window(), around where they are expected; elsewhere sampling is slower
+    /// @param lanes  those to sample; the others' results have no meaning
+    [[nodiscard]] VDBLIC_INLINE Samples at(const Window& window, const Vector8& position, unsigned lanes) const
+    {
+        Float2 rows[8];
+        mBricks.interpolate(window, position, lanes, rows);
+        Float8 sum, coverage;
+        for (int lane = 0; lane < kLanes; ++lane) {
+            sum[lane] = rows[lane][0];
+            coverage[lane] = rows[lane][1];
+        }
+        return {sum / coverage, coverage};
+    }
+
+  private:
+    void sharpenSlab(std::size_t slab);
+
+    const LeafValues<float>& mTexture;
+    float mStrength;
+    const Slabs& mSlabs;
+    LocalContrast mContrast;
+    std::vector<std::unique_ptr<float[]>> mValues; // sharpened, of leaves whose bricks are still to be filled
+    std::size_t mSharpened = 0;                    // slabs
+    BricksOf<2> mBricks;
+};
+
+} // namespace vdblic

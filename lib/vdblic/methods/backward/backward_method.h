@@ -1,0 +1,30 @@
+#pragma once
+
+#include "vdblic/methods/method_params.h"
+
+namespace vdblic {
+
+/// \file
+/// What TextureMethod says of all methods that look back.
+
+/// The frames after which little is left of what a blended texture began with.
+[[nodiscard]] int settlingFrames(const MethodParams& params);
+
+/// The life span and the share of noise.
+void describeBlended(const MethodParams& params, openvdb::MetaMap& metadata);
+
+/// Memory [bytes]. @param carried floats for each voxel from one frame to the next  @param brick bytes for a leaf of
+/// them
+/// @param velocity, texture voxels of their leaves
+[[nodiscard]] double backwardBytes(double carried, double brick, double velocity, double texture);
+
+/// TextureMethod::bytes by an estimate.
+template<const TextureMethod::Estimate& kEstimate>
+double bytesByEstimate(const MethodParams& /*params*/, const FieldDomain& first, const Refinement& /*given*/,
+                       bool /*withHits*/)
+{
+    return kEstimate.bytes(double(first.velocity->local().size()) * Domain::kLeafVoxels,
+                           double(first.texture->local().size()) * Domain::kLeafVoxels);
+}
+
+} // namespace vdblic

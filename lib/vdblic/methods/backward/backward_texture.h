@@ -1,0 +1,57 @@
+#pragma once
+
+#include "vdblic/methods/flow_texture.h"
+#include "vdblic/methods/texture_params.h"
+#include "vdblic/noise/noise_field.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+/// Textures whose values come back along pathlines: what the methods of this folder share.
+///
+/// A method carries one or several floats a voxel from frame to frame. Those of the next frame are pulled back: each
+/// voxel of its domain looks where its fluid was a step ago. So a voxel always has a value, and the cost of a step does
+/// not depend on what was before. The texture of a frame is made of what is carried there.
+class BackwardTexture : public FlowTexture, public TextureMemory, public LeafState {
+  public:
+    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) final;
+    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
+                                                    double interval) const override;
+    void handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain) final;
+    [[nodiscard]] std::size_t parts() const final;
+    [[nodiscard]] Saved save(std::size_t part) const final;
+    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                 const std::function<std::optional<VdbFile>()>& next) final;
+
+  protected:
+    using Carried = std::vector<LeafValues<float>>;
+
+    /// @param names of what is carried, as grids of a checkpoint
+    BackwardTexture(const TextureParams& params, NoiseField noise, std::vector<std::string> names);
+
+    [[nodiscard]] const TextureParams& params() const { return mParams; }
+    [[nodiscard]] const NoiseField& noise() const { return mNoise; }
+    [[nodiscard]] std::uint64_t steps() const { return mStep; } ///< made before
+
+  private:
+    /// What the first frame begins with, on its own leaves.
+    [[nodiscard]] virtual Carried first(const FlowStep& step) const = 0;
+    /// The texture of the frame that a step starts from. @param carried there, halo included
+    [[nodiscard]] virtual LeafValues<float> show(const FlowStep& step, const Carried& carried,
+                                                 StageClock& clock) const = 0;
+    /// What the frame that a step ends at carries, on its own leaves. @param before at its start, halo included
+    [[nodiscard]] virtual Carried pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const = 0;
+
+    TextureParams mParams;
+    NoiseField mNoise;
+    std::vector<std::string> mNames;
+    std::shared_ptr<const Domain> mDomain; // of the step to come
+    Carried mCarried;                      // on its own leaves
+    std::uint64_t mStep = 0;
+};
+
+} // namespace vdblic

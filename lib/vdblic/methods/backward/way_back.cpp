@@ -1,0 +1,75 @@
+#include "vdblic/methods/backward/way_back.h"
+
+#include "vdblic/lic/path_reach.h"
+
+#include <openvdb/openvdb.h>
+
+#include <memory>
+
+namespace vdblic {
+namespace {
+
+/// The slabs of two frames together: no leaf of either lies between two slabs.
+Slabs slabsOf(const FlowFrame& first, const FlowFrame& last)
+{
+    const openvdb::MaskTree &before = first.domain->topology(), &after = last.domain->topology();
+    if (first.domain == last.domain || before.hasSameTopology(after)) return Slabs(*last.domain, last.refinement);
+    const auto both = std::make_shared<openvdb::MaskTree>(before);
+    both->topologyUnion(after);
+    return Slabs(Domain(both), last.refinement);
+}
+
+VDBLIC_KERNEL void advanceBack(const VelocityField& field, const Bricks::Window& window, const PathlineParams& params,
+                               PathBatch& batch)
+{
+    advancePaths(field, window, params, batch);
+}
+
+/// A position, or if it is too far from another one, the farthest that is not.
+VDBLIC_INLINE Float8 within(Float8 position, Float8 from)
+{
+    const Float8 way = position - from,
+                 farthest = way < 0 ? broadcast8(-WayBack::kFarthest) : broadcast8(WayBack::kFarthest);
+    const Int8 isNear = (way >= -WayBack::kFarthest) & (way <= WayBack::kFarthest);
+    return isNear ? position : from + farthest;
+}
+VDBLIC_INLINE Vector8 within(const Vector8& positions, const Vector8& from)
+{
+    return {within(positions.x, from.x), within(positions.y, from.y), within(positions.z, from.z)};
+}
+
+} // namespace
+
+VelocityField WayBack::reversed(const FlowStep& step)
+{
+    VelocityField field;
+    field.prepare(step.end.fieldDomain(), {step.end.velocities->tree(), step.endToStep * -1.0},
+                  {step.start.velocities->tree(), step.startToStep * -1.0});
+    return field;
+}
+
+WayBack::WayBack(const FlowStep& step, const PathlineParams& params)
+    : mParams(params), mField(reversed(step)), mSlabs(slabsOf(step.start, step.end)),
+      mFirstSlabs(mSlabs, *step.start.domain, {}), mLastSlabs(mSlabs, *step.end.domain, {}),
+      mVelocitySlabs(mSlabs, *mField.sampledDomain().velocity, mField.sampledDomain().refinement)
+{
+    const Refinement& sampled = mField.sampledDomain().refinement;
+    const auto finer = float(sampled.factors[std::size_t(mSlabs.axis())] - 1);
+    mReach = leavesReached(longestPath(mField.largest()[mSlabs.axis()]) + finer);
+}
+
+void WayBack::Leaf::follow(Row& row, unsigned lanes) const
+{
+    mBatch.lanes = lanes;
+    mBatch.position = row.centre;
+    mBatch.slope = row.slope;
+    advanceBack(mWay.mField, mWindow, mWay.mParams, mBatch);
+    Float8 left = broadcast8(1); // of the step, after the last segment
+    for (const Segment& segment : mBatch.segments)
+        left = maskOf(segment.lanes) ? 1 - (segment.time + segment.duration) : left;
+    left = maskOf(mBatch.arrived) ? Float8{} : left;
+    row.before = select(maskOf(lanes), within(mBatch.position + mBatch.slope * left, row.centre), row.before);
+    row.slope = select(maskOf(lanes), within(row.slope, Vector8{}), row.slope);
+}
+
+} // namespace vdblic

@@ -1,0 +1,128 @@
+#pragma once
+
+#include "vdblic/field/domain.h"
+#include "vdblic/field/flow_frame.h"
+#include "vdblic/field/leaf_owners.h"
+#include "vdblic/field/refinement.h"
+#include "vdblic/io/vdb_file.h"
+#include "vdblic/lic/scatter_stats.h"
+#include "vdblic/lic/stage_clock.h"
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace vdblic {
+
+/// The flow from a frame on disk to the next.
+struct FlowInterval {
+    const FlowFrame& start;
+    const FlowFrame& end;
+    openvdb::Mat3d startToFrame, endToFrame; ///< stored values of the two frames → voxels of the velocity a frame
+    double seconds = 1;
+    std::int64_t number = 0; ///< of the first frame
+};
+
+/// A step between two frames.
+struct FlowStep {
+    const FlowFrame& start;
+    const FlowFrame& end;
+    openvdb::Mat3d startToStep, endToStep; ///< stored values of the two frames → voxels per step
+    double interval = 1;                   ///< seconds
+    const LeafOwners& owners = kSoleOwner; ///< of the leaves of the first frame's domain
+    const FlowInterval* frame = nullptr;   ///< that the step is a part of; null if it is all of it
+    bool isShown = true;                   ///< whether its texture is written, and does not only prepare others
+    bool withHits = false;                 ///< whether FlowTextureStep::hits is asked for; of methods that scatter
+};
+
+/// The texture of one step, with the work and the time spent on it.
+struct FlowTextureStep {
+    LeafValues<float> texture; ///< in [0, 1], on `domain` and in its halo
+    ScatterStats stats;
+    StageTimes times;
+    std::shared_ptr<const Domain> domain{}; ///< that of the step's first frame, or the part of it that holds something
+    Refinement refinement{};                ///< texture voxels in those of the velocity
+    openvdb::MetaMap metadata{};            ///< what the method tells of itself in a file
+    LeafValues<float> source{};             ///< of streaks with sources: the numbers of those; else no tree
+    LeafValues<std::int32_t> hits{};        ///< if asked for: the values that own voxels received; else no tree
+};
+
+/// Makes the textures of a flow, step by step.
+///
+/// Steps are computed in parallel; textures do not depend on the number of threads. One object serves one thread at a
+/// time; distinct objects are independent. A method that carries a state from step to step is a TextureMemory too; one
+/// whose state lies on the leaves of the domain is a LeafState.
+class FlowTexture {
+  public:
+    virtual ~FlowTexture() = default;
+
+    /// Compute the texture of the frame that a step starts from. Each step must start from the frame that the step
+    /// before it ended at. Collective if several ranks share the step.
+    /// @throws InputError if a voxel collected 2²³ hits or more
+    [[nodiscard]] virtual FlowTextureStep advance(const FlowStep& step) = 0;
+
+    /// The farthest that a path of the step to come can lead, along each axis [texture voxels].
+    /// @param displacement of the flow in an interval between frames, at most  @param interval seconds of the step
+    [[nodiscard]] virtual std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
+                                                            double interval) const = 0;
+};
+
+/// The state that a method carries from step to step, as checkpoints keep it.
+class TextureMemory {
+  public:
+    virtual ~TextureMemory() = default;
+
+    /// The state between two steps, on a part of the domain.
+    struct Saved {
+        openvdb::GridPtrVec grids;
+        openvdb::CoordBBox box; ///< of the part's leaves
+    };
+    /// In how many parts the state is saved.
+    [[nodiscard]] virtual std::size_t parts() const = 0;
+    /// At least one step must have been made. @param part 0 to parts() − 1
+    [[nodiscard]] virtual Saved save(std::size_t part) const = 0;
+
+    /// Continue from the saved state of another object with the same parameters: the next steps of both are the same to
+    /// the bit.
+    ///
+    /// @param steps    made before the state was saved
+    /// @param interval seconds of the last of them
+    /// @param domain   of the frame that the next step starts from
+    /// @param next     returns the parts one by one, of all ranks that saved, and nothing after the last; together they
+    ///                 have at least the domain's own leaves
+    /// @throws InputError, without the file's name, if the state does not fit these parameters and the domain
+    virtual void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                         const std::function<std::optional<VdbFile>()>& next) = 0;
+};
+
+/// A state on the leaves of the domain, of which each rank has its own.
+class LeafState {
+  public:
+    virtual ~LeafState() = default;
+
+    /// Hand the state over to the ranks that own its leaves in another partition. Collective; at least one step must
+    /// have been made.
+    /// @param domain of the frame that the next step starts from: its own leaves are this rank's in that partition, its
+    ///               local ones are those and the ones it had before
+    virtual void handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain) = 0;
+};
+
+/// Textures whose voxels are chosen by the flow of the first frame.
+class SparseTexture {
+  public:
+    virtual ~SparseTexture() = default;
+
+    /// Choose, before the first step; not before TextureMemory::restore().
+    /// @param velocity     voxels of the first frame's velocity
+    /// @param displacement of the flow's faster half in a frame [voxels of the velocity]
+    /// @return the choices, as a text. @throws ParameterError
+    [[nodiscard]] virtual std::string choose(const Domain& velocity, double displacement) = 0;
+};
+
+} // namespace vdblic

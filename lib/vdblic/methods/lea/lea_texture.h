@@ -1,0 +1,32 @@
+#pragma once
+
+#include "vdblic/methods/backward/backward_params.h"
+#include "vdblic/methods/backward/backward_texture.h"
+
+namespace vdblic {
+
+/// Lagrangian-Eulerian advection: noise that moves with the fluid (CellParticles), blended from frame to frame where it
+/// is,
+///
+///     F(x, k) = (1 − α) F(x, k − 1) + α N(x, k),
+///
+/// so that a voxel holds the noise that passed it, and a short filter along the flow. Jobard, Erlebacher & Hussaini,
+/// "Lagrangian-Eulerian advection of noise and dye textures for unsteady flow visualization", TVCG 8(3), 2002.
+///
+/// In detail, where ours may differ from the authors': the filter is a line integral convolution over a step each way.
+/// What was blended lies a step apart along the pathline, and the filter closes the gaps. Shares are those of a frame,
+/// whatever its substeps. A voxel that is new in the domain begins with its noise.
+class LeaTexture final : public BackwardTexture {
+  public:
+    LeaTexture(const TextureParams& texture, const BackwardParams& params, NoiseField noise);
+
+  private:
+    [[nodiscard]] Carried first(const FlowStep& step) const override;
+    [[nodiscard]] LeafValues<float> show(const FlowStep& step, const Carried& carried,
+                                         StageClock& clock) const override;
+    [[nodiscard]] Carried pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const override;
+
+    double mShare; // of the noise, in a step
+};
+
+} // namespace vdblic

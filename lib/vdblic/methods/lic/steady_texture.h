@@ -1,0 +1,27 @@
+#pragma once
+
+#include "vdblic/methods/flow_texture.h"
+#include "vdblic/methods/texture_params.h"
+#include "vdblic/noise/noise_field.h"
+
+namespace vdblic {
+
+/// Line integral convolution of each frame on its own, with the noise as its input: the baseline for stills.
+///
+/// From each voxel's centre the streamline is followed both ways, over half the life span each, so that streaks are as
+/// long as those of UFLIC in a steady flow. The weights are a Hann window's. Where the streamline leaves the domain,
+/// the kernel ends. Cabral & Leedom, "Imaging vector fields using line integral convolution", SIGGRAPH 1993.
+class SteadyTexture final : public FlowTexture {
+  public:
+    SteadyTexture(const TextureParams& params, NoiseField noise);
+
+    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override;
+    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
+                                                    double interval) const override;
+
+  private:
+    TextureParams mParams;
+    NoiseField mNoise;
+};
+
+} // namespace vdblic

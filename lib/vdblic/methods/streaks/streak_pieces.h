@@ -1,0 +1,30 @@
+#pragma once
+
+#include "vdblic/methods/streaks/streak.h"
+#include "vdblic/methods/streaks/streak_shape.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace vdblic {
+
+/// A straight piece of a streak. Positions are in the texture's index space.
+struct StreakPiece {
+    std::array<float, 3> start, end;
+    float startValue, endValue;
+    float startWidth, endWidth; ///< relative to the head's
+    std::uint32_t streak;
+    bool isHead; ///< whether the streak ends here
+};
+
+/// Darker voxels cannot be seen, and are not drawn.
+inline constexpr float kLeastStreakValue = 0.02f;
+
+/// The tails of streaks at a time, cut into pieces so short that they are straight, in the streaks' order. What cannot
+/// be seen is left out. Computed in parallel.
+/// @param time of the heads [frames since the run began]
+[[nodiscard]] std::vector<StreakPiece> piecesOf(const std::vector<Streak>& streaks, const StreakShape& shape,
+                                                double time);
+
+} // namespace vdblic

@@ -1,0 +1,234 @@
+#include "vdblic/methods/streaks/streak_texture.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/core/message.h"
+#include "vdblic/field/domain_mask.h"
+#include "vdblic/field/domain_rows.h"
+#include "vdblic/field/velocity_field.h"
+#include "vdblic/io/texture_name.h"
+#include "vdblic/lic/path_reach.h"
+#include "vdblic/methods/streaks/streak_controller.h"
+#include "vdblic/methods/streaks/streak_drawing.h"
+#include "vdblic/methods/streaks/streak_paths.h"
+
+#include "vdblic/methods/streaks/streak_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace vdblic {
+namespace {
+
+/// How often in a frame the controller acts.
+constexpr int kTurns = 2;
+/// Attempts to fill the domain with the first streaks; later ones fill what the flow leaves open.
+constexpr int kFirstAttempts = 16;
+
+/// The leaves that all ranks drew, as one domain. Collective.
+std::shared_ptr<const Domain> drawnDomain(const openvdb::FloatTree& own, const LeafOwners& owners)
+{
+    auto topology = std::make_shared<openvdb::MaskTree>(own, false, true, openvdb::TopologyCopy());
+    if (!owners.areSeveral()) return std::make_shared<const Domain>(topology);
+    Exchange::Bytes message;
+    for (auto leaf = own.cbeginLeaf(); leaf; ++leaf) {
+        put(message, leaf->origin().data(), 3);
+        for (openvdb::Index word = 0; word < Domain::Mask::WORD_COUNT; ++word)
+            put(message, leaf->getValueMask().getWord<std::uint64_t>(word));
+    }
+    for (const Exchange::Bytes& bytes : owners.tell(message)) {
+        for (MessageReader reader(bytes); !reader.atEnd();) {
+            openvdb::Coord origin;
+            reader.get(origin.data(), 3);
+            Domain::Mask drawn;
+            for (openvdb::Index word = 0; word < Domain::Mask::WORD_COUNT; ++word)
+                drawn.getWord<std::uint64_t>(word) = reader.get<std::uint64_t>();
+            topology->touchLeaf(origin)->setValueMask(drawn);
+        }
+    }
+    const Domain all(topology);
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t leaf = 0; leaf < all.leafCount(); ++leaf) {
+        if (own.probeConstLeaf(all.origin(leaf))) numbers.push_back(leaf);
+    }
+    return all.ofRank(numbers, numbers);
+}
+
+openvdb::MaskTree::Ptr copyOf(const openvdb::MaskTree& tree)
+{
+    return std::make_shared<openvdb::MaskTree>(tree);
+}
+
+} // namespace
+
+StreakTexture::StreakTexture(const TextureParams& texture, StreakParams params, const Refinement& refinement,
+                             std::uint32_t seed)
+    : mTexture(texture), mParams(std::move(params)), mGiven(refinement), mSeed(seed)
+{
+    mParams.validate();
+}
+
+std::string StreakTexture::choose(const Domain& velocity, double displacement)
+{
+    mShape = streakShape(mParams, mGiven, velocity, displacement);
+    return fmt::format("streaks: {}", mShape.text());
+}
+
+FlowTextureStep StreakTexture::advance(const FlowStep& step)
+{
+    FlowTextureStep result;
+    StageClock clock;
+    const int substeps = mTexture.substeps;
+    const std::uint64_t substep = mStep % std::uint64_t(substeps);
+    const Domain& domain = *step.start.velocityDomain();
+    mIsSaver = !step.owners.areSeveral() || domain.isOwn(0);
+    if (substep == 0) {
+        const FlowInterval all{step.start, step.end, step.startToStep, step.endToStep, step.interval};
+        traceFrame(step.frame ? *step.frame : all, step.owners, result, clock);
+    }
+    result.refinement = mShape.refinement;
+    const auto& [x, y, z] = mShape.spacing;
+    result.metadata.insertMeta(kInactiveKey, openvdb::StringMetadata(kEmpty));
+    result.metadata.insertMeta("spacing", openvdb::Vec3SMetadata({x, y, z}));
+    result.metadata.insertMeta("tail", openvdb::FloatMetadata(mShape.tail));
+    const std::vector<StreakSource> sources = sourcesOf(mParams);
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        result.metadata.insertMeta(kSourceKey + std::to_string(i + 1), openvdb::StringMetadata(sources[i].name));
+    if (step.isShown) {
+        const auto stage = clock.enter(&StageTimes::convolve);
+        const DrawnStreaks drawn =
+            drawStreaks(mStreaks, mShape, domain, double(mStep) / substeps, !mParams.sources.empty());
+        result.domain = drawnDomain(*drawn.texture, step.owners);
+        result.texture = LeafValues<float>(*result.domain, drawn.texture);
+        if (drawn.source) result.source = LeafValues<float>(*result.domain, drawn.source);
+    }
+    result.times = clock.times();
+    ++mStep;
+    return result;
+}
+
+/// Trace all streaks through a frame, and let the controller have its turns.
+void StreakTexture::traceFrame(const FlowInterval& flow, const LeafOwners& owners, FlowTextureStep& result,
+                               StageClock& clock)
+{
+    const auto stage = clock.enter(&StageTimes::scatter);
+    const std::uint64_t number = mStep / std::uint64_t(mTexture.substeps);
+    const auto frame = double(number);
+    const FlowFrame &start = flow.start, &end = flow.end;
+    const std::shared_ptr<const Domain>& domain = start.velocityDomain();
+    const bool isFirst = !std::exchange(mHasBegun, true);
+    VelocityField field;
+    {
+        const auto load = clock.enter(&StageTimes::load);
+        field.build(domain, {start.velocities->tree(), flow.startToFrame}, {end.velocities->tree(), flow.endToFrame});
+    }
+    forgetPast(frame);
+    const std::shared_ptr<const Domain> region = emittingPart(start, flow.number);
+    if (isFirst) {
+        const StreakTurn turn{field, *domain, frame, 0, 0, mShape.reach()};
+        for (std::uint64_t attempt = 0; attempt < kFirstAttempts; ++attempt) {
+            const auto places = freePlaces(mStreaks, mShape.spacing, *domain, *region, mSeed, ~attempt);
+            addFirstStreaks(turn, mTexture.pathline, *region, double(mShape.tail), places, owners, mStreaks);
+            result.stats.released += places.size();
+        }
+        markSources(start, flow.number);
+    } else if (mLastInterval > 0 && mLastInterval != flow.seconds) {
+        const auto scale = float(flow.seconds / mLastInterval);
+        for (Streak& streak : mStreaks) {
+            for (float& slope : streak.path.back().slope)
+                slope *= scale;
+        }
+    }
+    mLastInterval = flow.seconds;
+    for (int i = 0; i < kTurns; ++i) {
+        const bool isLast = i + 1 == kTurns;
+        const FlowFrame& there = isLast ? end : start;
+        const StreakTurn turn{field,         *there.velocityDomain(), frame, float(i) / kTurns, float(i + 1) / kTurns,
+                              mShape.reach()};
+        result.stats.steps += advanceStreaks(turn, mTexture.pathline, owners, mStreaks);
+        if (!mParams.emits()) result.stats.blocked += retireCrowded(mStreaks, mShape.spacing, turn.endTime());
+        const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, flow.number) : region;
+        const auto places =
+            freePlaces(mStreaks, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));
+        addStreaks(turn, mTexture.pathline, *emitting, places, owners, mStreaks);
+        result.stats.released += places.size();
+        markSources(there, flow.number);
+    }
+    result.stats.particles = std::size_t(
+        std::count_if(mStreaks.begin(), mStreaks.end(), [](const Streak& streak) { return streak.isLive(); }));
+}
+
+/// The voxels of the velocity that release streaks. @param number of the frame, for sequences of grids
+std::shared_ptr<const Domain> StreakTexture::emittingPart(const FlowFrame& frame, std::int64_t number) const
+{
+    const std::shared_ptr<const Domain>& domain = frame.velocityDomain();
+    if (!mParams.emits()) return domain;
+    DomainParams cut;
+    cut.mask = mParams.emit;
+    cut.worldBox = mParams.emitBox;
+    auto region = makeDomain(copyOf(domain->topology()), frame.velocities->transform(), cut, number).velocity;
+    if (region->voxelCount() > 0 || mStep > 0) return region;
+    throw InputError(fmt::format("{}: no voxel of the velocity is in it: streaks would be released nowhere",
+                                 mParams.emit.empty() ? "`emit_box`" : "`emit` " + mParams.emit));
+}
+
+/// Give streaks the number of the source that they are in.
+void StreakTexture::markSources(const FlowFrame& frame, std::int64_t number)
+{
+    const std::vector<StreakSource> sources = sourcesOf(mParams);
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        DomainParams cut;
+        cut.mask = sources[i].grid;
+        const FieldDomain region =
+            makeDomain(copyOf(frame.velocityDomain()->topology()), frame.velocities->transform(), cut, number);
+        for (Streak& streak : mStreaks) {
+            const auto& [x, y, z] = streak.path.back().position;
+            if (!streak.isStopped && covers(*region.velocity, Float4{x, y, z, 0})) streak.source = std::uint8_t(i + 1);
+        }
+    }
+}
+
+/// Forget streaks that cannot be seen any more, and nodes that no tail reaches.
+void StreakTexture::forgetPast(double time)
+{
+    const auto tail = double(mShape.tail);
+    std::erase_if(mStreaks, [&](const Streak& streak) { return streak.isGone(time, tail); });
+    for (Streak& streak : mStreaks) {
+        const auto first = std::find_if(streak.path.begin(), streak.path.end(),
+                                        [&](const StreakNode& node) { return node.time > time - tail; });
+        // The node before is one end of the curve that the tail ends on.
+        const auto kept = first == streak.path.begin() ? first : first - 1;
+        streak.path.erase(streak.path.begin(), kept);
+    }
+}
+
+std::array<float, 3> StreakTexture::farthestPath(const std::array<float, 3>& displacement, double /*interval*/) const
+{
+    const float frames = mHasBegun ? 1 : std::max(mShape.tail, 1.0f); // the first tails are traced back at once
+    std::array<float, 3> farthest{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        farthest[axis] = longestPath(frames * displacement[axis]);
+    return farthest;
+}
+
+TextureMemory::Saved StreakTexture::save(std::size_t /*part*/) const
+{
+    return {{streakGrid(mStreaks, mShape)}, openvdb::CoordBBox::inf()};
+}
+
+void StreakTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> /*domain*/,
+                            const std::function<std::optional<VdbFile>()>& next)
+{
+    const std::optional<VdbFile> file = next();
+    if (!file) throw InputError("it has no streaks");
+    StreakState state = readStreaks(*file);
+    mStreaks = std::move(state.streaks);
+    mShape = state.shape;
+    mHasBegun = true;
+    mStep = steps;
+    mLastInterval = interval * mTexture.substeps;
+}
+
+} // namespace vdblic

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "vdblic/methods/flow_texture.h"
+#include "vdblic/methods/streaks/streak.h"
+#include "vdblic/methods/streaks/streak_params.h"
+#include "vdblic/methods/streaks/streak_shape.h"
+#include "vdblic/methods/texture_params.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+/// Sparse textures whose streaks show where the flow goes and move with it (docs/methods.md).
+///
+/// Liu & Moorhead (2004, section 3.1) tell why sparse noise cannot be fed to AUFLIC: fed forward, empty space does not
+/// follow the flow. Here nothing is fed forward. A sparse set of particles lives for many frames, a controller keeps
+/// them a spacing apart, and each texture shows the last part of their pathlines. Particles are traced through all of a
+/// frame at once, so with substeps the same ones are drawn more often.
+///
+/// Of several ranks each has all streaks; it advances those, and draws that part of them, that its own leaves hold.
+class StreakTexture final : public FlowTexture, public TextureMemory, public SparseTexture {
+  public:
+    /// @param refinement as given
+    StreakTexture(const TextureParams& texture, StreakParams params, const Refinement& refinement, std::uint32_t seed);
+
+    [[nodiscard]] std::string choose(const Domain& velocity, double displacement) override;
+    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override;
+    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
+                                                    double interval) const override;
+
+    /// One, of the rank that has the domain's first leaf.
+    [[nodiscard]] std::size_t parts() const override { return mIsSaver ? 1 : 0; }
+    [[nodiscard]] Saved save(std::size_t part) const override;
+    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+                 const std::function<std::optional<VdbFile>()>& next) override;
+
+  private:
+    void traceFrame(const FlowInterval& flow, const LeafOwners& owners, FlowTextureStep& result, StageClock& clock);
+    [[nodiscard]] std::shared_ptr<const Domain> emittingPart(const FlowFrame& frame, std::int64_t number) const;
+    void markSources(const FlowFrame& frame, std::int64_t number);
+    void forgetPast(double time);
+
+    TextureParams mTexture;
+    StreakParams mParams;
+    Refinement mGiven;
+    std::uint32_t mSeed;
+    StreakShape mShape;
+    std::vector<Streak> mStreaks;
+    bool mHasBegun = false; // whether the first streaks are there
+    bool mIsSaver = true;
+    double mLastInterval = 0; // seconds
+    std::uint64_t mStep = 0;
+};
+
+} // namespace vdblic

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "vdblic/methods/texture_method.h"
+
+#include <openvdb/openvdb.h>
+
+namespace vdblic {
+
+struct StreakShape;
+
+/// Sparse: particles that live for many frames, with tails (StreakTexture). Ours (docs/methods.md); Liu & Moorhead
+/// (2004, section 3.1) tell why sparse noise cannot be fed to AUFLIC.
+extern const TextureMethod kStreaks;
+
+/// What a run of streaks takes. Fitted to measured runs as TextureMethod::bytes is.
+struct StreakCost {
+    double bytes;           ///< at its peak
+    double secondsPerFrame; ///< of processor time
+};
+/// @param voxels of the velocity, in `box`  @param leaves of the velocity
+[[nodiscard]] StreakCost streakCost(const StreakShape& shape, double voxels, double leaves,
+                                    const openvdb::CoordBBox& box);
+
+} // namespace vdblic

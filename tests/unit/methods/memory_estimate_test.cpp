@@ -1,0 +1,20 @@
+#include "vdblic/methods/memory_estimate.h"
+
+#include "vdblic/field/box_domain.h"
+#include "vdblic/field/field_domain.h"
+#include "vdblic/methods/method_params.h"
+
+#include <gtest/gtest.h>
+
+namespace vdblic {
+namespace {
+
+// tests/cli/test_memory_estimate.py compares with runs.
+TEST(MemoryEstimate, OfDefaultParametersNeedsTheVoxelsOnly)
+{
+    const FieldDomain frame(boxDomain({256, 256, 256}));
+    EXPECT_EQ(kAuflic.bytes({}, frame, {}, false), denseBytes(256.0 * 256 * 256));
+}
+
+} // namespace
+} // namespace vdblic
