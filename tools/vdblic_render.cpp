@@ -2,36 +2,41 @@
 #include "cli/shared_frames.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/render/frames_in_flight.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/render_sequence.h"
 
 #include <vector>
 
 int main(int argc, char** argv)
 {
-    vdblic::RenderParams params = vdblic::defaultRenderParams();
+    vdblic::RenderParams params;
     const vdblic::cli::Ranks ranks = vdblic::cli::startRanks(argc, argv);
     vdblic::cli::Tool tool(ranks.toolName("vdblic_render"), "Ray cast flow textures into images.");
     tool.share(ranks);
     tool.options(parametersOf(params));
     constexpr double kInFiles = 8; // bricks and light of a texture
-    tool.usesScratch(kInFiles, [&] { return params.output; });
+    tool.usesScratch(kInFiles, [&] { return params.outputs.images; });
     tool.reads([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
-        params.rays.layers = !params.exr.layers.empty();
-        if (!ranks.exchange->isAlone() && (!params.film.empty() || !params.histogram.empty())) {
+        vdblic::Exchange& exchange = *ranks.exchange;
+        if (!exchange.isAlone() && (!params.outputs.film.empty() || !params.outputs.histogram.empty())) {
             throw vdblic::ParameterError(
                 "a film or a histogram is of all frames, which no rank has: leave it out here, "
                 "and make it by vdblic_render");
         }
-        if (!ranks.exchange->isFirst()) params.transferOut.clear();
-        if (vdblic::ranksShareFrames(params, *ranks.exchange))
-            return vdblic::renderSequence(params, tool.standardInput(), reporter, *ranks.exchange);
-        vdblic::cli::shareFrames(*ranks.exchange, params.input, reporter,
+        vdblic::RenderPlan plan;
+        exchange.together([&] { plan = resolve(params); });
+        if (!exchange.isFirst()) plan.outputs.transferFunction.clear();
+        if (vdblic::ranksShareFrames(plan, exchange))
+            return vdblic::renderSequence(plan, tool.standardInput(), reporter, exchange);
+        vdblic::cli::shareFrames(exchange, plan.input, reporter,
                                  [&](const vdblic::SequenceParams& input, vdblic::Reporter& to) {
-                                     vdblic::RenderParams share = params;
+                                     vdblic::RenderPlan share = plan;
                                      share.input = input;
-                                     vdblic::renderSequence(share, tool.standardInput(), to);
+                                     vdblic::OneProcess alone;
+                                     vdblic::renderSequence(share, tool.standardInput(), to, alone);
                                  });
     });
 }

@@ -44,7 +44,7 @@ bool isLoopback(const std::string& host)
 int main(int argc, char** argv)
 {
     vdblic::SequenceParams input;
-    vdblic::RenderParams params = vdblic::defaultRenderParams();
+    vdblic::PictureParams params;
     std::string host = "127.0.0.1";
     int port = 0;
     bool open = false;
@@ -61,7 +61,7 @@ int main(int argc, char** argv)
     tool.options(vdblic::joined(
         {parametersOf(input, "TEXTURE",
                       "Texture volumes: one file or a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>)."),
-         pictureParametersOf(params)}));
+         parametersOf(params)}));
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles);
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {

@@ -192,12 +192,13 @@ std::string coherence(const std::string& velocity, const std::string& texture, c
 py::list parametersOfFunction(const std::string& function)
 {
     AdvectParams run;
-    RenderParams picture = defaultRenderParams();
+    RenderParams render;
+    PictureParams picture;
     CompareSequencesParams compared;
     SequenceCoherenceParams measured;
     return described(function == "advect"    ? advectParameters(run)
-                     : function == "picture" ? pictureParametersOf(picture)
-                     : function == "render"  ? parametersOf(picture)
+                     : function == "picture" ? parametersOf(picture)
+                     : function == "render"  ? parametersOf(render)
                      : function == "diff"    ? parametersOf(compared)
                                              : parametersOf(measured));
 }
@@ -246,7 +247,7 @@ PYBIND11_MODULE(_core, module)
         .def(py::init([](const py::dict& options) { return std::make_unique<Picture>(options); }))
         .def_property_readonly("background",
                                [](const Picture& picture) {
-                                   const Background& background = picture.params().background;
+                                   const Background& background = picture.plan().background;
                                    std::vector<double> numbers;
                                    for (const double down : {1.0, 0.0}) {
                                        const glm::dvec3 color = background.at(down);
@@ -255,7 +256,7 @@ PYBIND11_MODULE(_core, module)
                                    }
                                    return numbers;
                                })
-        .def_property_readonly("texture", [](const Picture& picture) { return picture.params().texture; })
+        .def_property_readonly("texture", [](const Picture& picture) { return picture.plan().texture; })
         .def("render", &render);
     py::class_<openvdb::Metadata, openvdb::Metadata::Ptr>(module, "Metadata")
         .def("__repr__", &openvdb::Metadata::str)

@@ -16,38 +16,37 @@
 #include <vector>
 
 namespace vdblic::python {
-RenderParams renderParams(const pybind11::dict& keywords, bool isSparse)
+
+Picture::Picture(const pybind11::dict& keywords)
 {
-    RenderParams params = defaultRenderParams(isSparse);
-    setFrom(keywords, pictureParametersOf(params));
-    params.output = "picture.exr"; // which is not written
-    params.input.pattern = "-";
-    params.validate();
-    return params;
+    PictureParams params;
+    setFrom(keywords, parametersOf(params));
+    mPlan = resolve(params, {.isSparse = false});
+    mOfSparse = resolve(params, {.isSparse = true});
 }
 
 Image Picture::of(const VdbFile& volume, std::int64_t frame)
 {
-    if (mOfSparse && isSparse(volume.metadata)) mParams = *mOfSparse;
+    if (mOfSparse && isSparse(volume.metadata)) mPlan = std::move(*mOfSparse);
     mOfSparse.reset();
-    const RenderParams& params = mParams;
+    const PicturePlan& plan = mPlan;
     const auto loaded = std::make_shared<const LoadedTexture>(
-        loadFrame(params, volume, {frame, volume.path}, mScene ? &*mScene : nullptr));
+        loadFrame(plan, volume, {frame, volume.path}, mScene ? &*mScene : nullptr));
     if (!mScene) {
-        const glm::ivec2 size = params.scaledSize();
+        const glm::ivec2 size = plan.scaledSize();
         if (loaded->volume.empty())
-            return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, params.background)};
-        mScene = chooseScene(params, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
+            return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, plan.background)};
+        mScene = chooseScene(plan, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
     }
     std::shared_ptr<const Solid> solid;
-    if (!params.solid.source.empty())
-        solid = std::make_shared<const Solid>(makeSolid(params.solid, *loaded->domain(), params.stretch, frame));
-    FramePicture picture(params, *mScene,
-                         std::make_shared<const ShownFrame>(params, mScene->look, loaded, std::move(solid), mAlone));
-    for (int sample = 0; sample < params.samples; ++sample)
+    if (!plan.solid.source.empty())
+        solid = std::make_shared<const Solid>(makeSolid(plan.solid, *loaded->domain(), plan.stretch, frame));
+    FramePicture picture(plan, *mScene,
+                         std::make_shared<const ShownFrame>(plan, mScene->look, loaded, std::move(solid), mAlone));
+    for (int sample = 0; sample < plan.samples; ++sample)
         picture.addSample();
     Image image = picture.image();
-    image.pixels = pixelsOver(image, params.background);
+    image.pixels = pixelsOver(image, plan.background);
     for (std::size_t i = 0; i < image.annotations.size(); ++i)
         image.pixels[i] = image.annotations[i] + image.pixels[i] * (1 - image.annotations[i].a);
     return image;

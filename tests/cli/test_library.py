@@ -73,7 +73,7 @@ class Library(ToolTest):
                 if (count > 1) {
                     std::istringstream none;
                     vdblic::Reporter reporter;
-                    vdblic::renderSequence(vdblic::defaultRenderParams(), none, reporter);
+                    vdblic::renderSequence(vdblic::RenderParams{}, none, reporter);
                 }
                 std::cout << vdblic::kVersion << '\\n';
             }

@@ -27,8 +27,8 @@ namespace {
 /// A message of the library in the words of the options.
 std::string inOptions(std::string_view message)
 {
-    RenderParams params;
-    return cli::withOptionNames(message, pictureParametersOf(params));
+    PictureParams params;
+    return cli::withOptionNames(message, parametersOf(params));
 }
 
 using Json = nlohmann::json;
@@ -116,9 +116,9 @@ Json toJson(const Histogram& histogram)
 }
 
 /// The numbers of a look as the options that set them, for controls to show. @param exposure that was chosen
-Json valuesOf(const RenderParams& params, double exposure)
+Json valuesOf(const PicturePlan& plan, double exposure)
 {
-    const LookParams& look = params.look;
+    const LookParams& look = plan.look;
     const Shading& shading = look.shading;
     return {{"modulate", look.textureStrength},
             {"limb-darkening", look.limbDarkening},
@@ -133,9 +133,9 @@ Json valuesOf(const RenderParams& params, double exposure)
             {"specular", shading.specular},
             {"shininess", shading.shininess},
             {"head-light", shading.headLight},
-            {"step", params.rays.step},
-            {"background", listOf(params.background.color)},
-            {"background-top", listOf(params.background.at(0))}};
+            {"step", plan.rays.step},
+            {"background", listOf(plan.background.color)},
+            {"background-top", listOf(plan.background.at(0))}};
 }
 
 } // namespace
@@ -238,18 +238,18 @@ Json Interface::scene(const Json& state, std::int64_t frame)
             {"time", view.shown->frame().clock.time ? Json(*view.shown->frame().clock.time) : Json()},
             {"camera", toJson(view.scene.cameras.at(frame))},
             {"box", corners},
-            {"stretch", listOf(view.params.stretch)},
-            {"colorBy", view.shown->frame().hasColor ? view.params.colorBy : mViewer.texture()},
+            {"stretch", listOf(view.plan.stretch)},
+            {"colorBy", view.shown->frame().hasColor ? view.plan.colorBy : mViewer.texture()},
             {"opacityBy", view.scene.opacityBy},
             {"range", transfer.range()},
             {"opacityRange", transfer.opacityRange()},
             {"colorScale", nameOf(transfer.colorAxis().scale)},
             {"opacityScale", nameOf(transfer.opacityAxis().scale)},
             {"opacity", points},
-            {"look", view.params.lookName},
+            {"look", view.plan.lookName},
             {"colorMap", transfer.colorMapName()},
             {"colors", colors},
-            {"values", valuesOf(view.params, view.scene.look.exposure)}};
+            {"values", valuesOf(view.plan, view.scene.look.exposure)}};
 }
 
 Json Interface::keep(const Json& asked)

@@ -1,10 +1,12 @@
 #include "view/keeper.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/exchange.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/json_file.h"
 #include "vdblic/look/transfer_file.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/render_sequence.h"
 
 #include <fmt/format.h>
@@ -146,27 +148,27 @@ Json Keeper::begin(const std::string& ending, std::size_t total,
 Json Keeper::beginPicture(const PictureRequest& request, const std::string& format)
 {
     if (format != "png" && format != "exr") throw ParameterError("a picture is kept as png or exr");
-    const auto samples = std::size_t(mPictures.paramsFor(request).samples);
+    const auto samples = std::size_t(mPictures.planFor(request).samples);
     return begin("." + format, samples, [&](const std::string& file) -> Work {
         return [this, request, samples, file](Reporter& reporter, const std::stop_token& stop) {
             const auto progress = [&](int done) { reporter.progress(std::size_t(done), samples); };
             const ShownPicture picture = mPictures.whole(request, progress, stop);
-            writeImage(file, picture.image, picture.header, picture.background, picture.exr);
+            writeImage(file, picture.image, picture.header, picture.background);
         };
     });
 }
 
 Json Keeper::beginFilm(const Json& state, double framesPerSecond)
 {
-    RenderParams params = paramsOf(mViewer.start(), state);
-    params.texture = mViewer.texture();
-    params.framesPerSecond = framesPerSecond;
+    RenderPlan plan{.input = mViewer.start().input, .picture = planOf(mViewer.start(), state), .outputs = {}};
+    plan.outputs.framesPerSecond = framesPerSecond;
     return begin(".mp4", 0, [&](const std::string& file) -> Work {
-        params.film = file;
-        params.validate();
-        return [params](Reporter& reporter, const std::stop_token&) {
+        plan.outputs.film = file;
+        plan.outputs.validate();
+        return [plan](Reporter& reporter, const std::stop_token&) {
             std::istringstream noPaths;
-            renderSequence(params, noPaths, reporter);
+            OneProcess alone;
+            renderSequence(plan, noPaths, reporter, alone);
         };
     });
 }

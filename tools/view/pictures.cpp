@@ -4,7 +4,7 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/image/image_file.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 #include "view/jpeg.h"
 
 #include <fmt/format.h>
@@ -76,13 +76,13 @@ ShownPicture Pictures::picture(const PictureRequest& request, const std::functio
     const Place place(mPlaces);
     checkStop();
     const std::string key = keyOf(request, mViewer.version());
-    const RenderParams params = paramsFor(request);
-    if (!client->last || client->last->key != key || client->last->picture.samples() > params.samples ||
+    const PicturePlan plan = planFor(request);
+    if (!client->last || client->last->key != key || client->last->picture.samples() > plan.samples ||
         (request.settle && !client->last->view.settled)) {
         client->last.reset();
         client->last = std::make_unique<Cast>(key, mViewer.view(request.state, request.frame, request.settle));
     }
-    ShownPicture result = shown(*client->last, params, stop, [&](int) { checkStop(); });
+    ShownPicture result = shown(*client->last, plan, stop, [&](int) { checkStop(); });
     if (!result.settled) mViewer.settleLater(client->last->view);
     return result;
 }
@@ -90,10 +90,10 @@ ShownPicture Pictures::picture(const PictureRequest& request, const std::functio
 ShownPicture Pictures::whole(const PictureRequest& request, const std::function<void(int)>& progress,
                              const std::stop_token& stop)
 {
-    const RenderParams params = paramsFor(request);
+    const PicturePlan plan = planFor(request);
     Cast cast({}, mViewer.view(request.state, request.frame, request.settle));
-    ShownPicture result = shown(cast, params, stop, progress);
-    progress(params.samples);
+    ShownPicture result = shown(cast, plan, stop, progress);
+    progress(plan.samples);
     return result;
 }
 
@@ -103,7 +103,7 @@ std::string Pictures::thumbnail(const PictureRequest& request)
     constexpr std::size_t kMostThumbnails = 200;
     PictureRequest asked = request;
     asked.state["samples"] = 1;
-    const glm::ivec2 size = paramsFor(asked).scaledSize();
+    const glm::ivec2 size = planFor(asked).scaledSize();
     if (std::max(size.x, size.y) > kMostThumbnailSide)
         throw ParameterError(fmt::format("a thumbnail may have {} pixels a side", kMostThumbnailSide));
     const std::lock_guard lock(mThumbnailMutex);
@@ -117,31 +117,30 @@ std::string Pictures::thumbnail(const PictureRequest& request)
     return mThumbnails.front().second;
 }
 
-RenderParams Pictures::paramsFor(const PictureRequest& request) const
+PicturePlan Pictures::planFor(const PictureRequest& request) const
 {
-    RenderParams params = paramsOf(mViewer.start(), request.state);
-    const glm::ivec2 size = params.scaledSize();
+    PicturePlan plan = planOf(mViewer.start(), request.state);
+    const glm::ivec2 size = plan.scaledSize();
     if (std::max(size.x, size.y) > kMostSide)
         throw ParameterError(fmt::format("a picture may have {} pixels a side", kMostSide));
-    checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y), "make it smaller");
-    return params;
+    checkMemory(plan.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y), "make it smaller");
+    return plan;
 }
 
-ShownPicture Pictures::shown(Cast& cast, const RenderParams& params, const std::stop_token& stop,
+ShownPicture Pictures::shown(Cast& cast, const PicturePlan& plan, const std::stop_token& stop,
                              const std::function<void(int)>& beforeSample)
 {
     FramePicture& picture = cast.picture;
     const auto begin = std::chrono::steady_clock::now();
-    while (picture.samples() < params.samples) {
+    while (picture.samples() < plan.samples) {
         beforeSample(picture.samples());
         picture.addSample(stop);
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     ShownPicture result{.image = picture.image(),
                         .header = picture.header(),
-                        .background = params.background,
-                        .exr = params.exr,
-                        .samples = params.samples,
+                        .background = plan.background,
+                        .samples = plan.samples,
                         .settled = cast.view.settled};
     result.castSeconds = seconds.count();
     result.nothingSeen = picture.whyNothingIsSeen(result.image);

@@ -33,7 +33,6 @@ struct ShownPicture {
     Image image;
     ImageHeader header;
     Background background;
-    ExrParams exr;
     int samples = 1;
     bool settled = false;
     std::string nothingSeen; ///< why it is empty; empty if it is not
@@ -57,8 +56,8 @@ class Pictures {
     /// A JPEG of one ray a pixel, made once: of many that were made the newest are kept. One at a time.
     /// @throws ParameterError if it is not small; as Viewer::view()
     [[nodiscard]] std::string thumbnail(const PictureRequest& request);
-    /// The parameters of a picture. @throws ParameterError, InputError if it is too large
-    [[nodiscard]] RenderParams paramsFor(const PictureRequest& request) const;
+    /// The plan of a picture. @throws ParameterError, InputError if it is too large
+    [[nodiscard]] PicturePlan planFor(const PictureRequest& request) const;
 
   private:
     /// A picture with all that it refers to.
@@ -67,8 +66,7 @@ class Pictures {
         View view;
         FramePicture picture;
 
-        Cast(std::string k, View v)
-            : key(std::move(k)), view(std::move(v)), picture(view.params, view.scene, view.shown)
+        Cast(std::string k, View v) : key(std::move(k)), view(std::move(v)), picture(view.plan, view.scene, view.shown)
         {
         }
     };
@@ -84,7 +82,7 @@ class Pictures {
     /// @throws Stopped if the request is the older one: requests on different connections may change places
     [[nodiscard]] std::shared_ptr<Client> clientOf(const PictureRequest& request, std::stop_token& stop);
     /// Cast what is missing of a picture. @param beforeSample called with the number of samples that are there
-    [[nodiscard]] static ShownPicture shown(Cast& cast, const RenderParams& params, const std::stop_token& stop,
+    [[nodiscard]] static ShownPicture shown(Cast& cast, const PicturePlan& plan, const std::stop_token& stop,
                                             const std::function<void(int)>& beforeSample);
 
     Viewer& mViewer;

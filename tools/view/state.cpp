@@ -3,7 +3,6 @@
 #include "vdblic/camera/camera_keys.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/json_file.h"
-#include "vdblic/io/texture_name.h"
 
 #include <fmt/format.h>
 
@@ -72,10 +71,10 @@ Words wordsOf(const std::string& name, const Json& value)
 }
 
 /// What a state gives, by key. @throws ParameterError
-std::map<std::string, Words> givenBy(const Start& start, const Json& state, const Parameters& parameters)
+Given givenBy(const Start& start, const Json& state, const Parameters& parameters)
 {
     if (!state.is_object()) throw ParameterError("a state must be an object");
-    std::map<std::string, Words> given = start.fixed;
+    Given given = start.fixed;
     for (const auto& [name, value] : state.items()) {
         if (name == "keys") continue;
         const Parameter* const parameter = findInState(parameters, name);
@@ -100,11 +99,11 @@ std::string quoted(const std::string& word)
 
 } // namespace
 
-Start startOf(const std::map<std::string, Words>& given, const SequenceParams& input)
+Start startOf(const Given& given, const SequenceParams& input)
 {
-    RenderParams params;
-    Start start{input, {}, Json::object(), {}, isSparse(input)};
-    for (const Parameter& parameter : pictureParametersOf(params)) {
+    PictureParams params;
+    Start start{input, {}, Json::object(), {}, traitsOf(input)};
+    for (const Parameter& parameter : parametersOf(params)) {
         const auto words = given.find(std::string(parameter.key));
         if (words == given.end()) continue;
         parameter.check(words->second);
@@ -124,8 +123,8 @@ Start startOf(const std::map<std::string, Words>& given, const SequenceParams& i
 
 std::vector<std::string> argumentsOf(const Start& start, const Json& state)
 {
-    RenderParams params;
-    const Parameters parameters = pictureParametersOf(params);
+    PictureParams params;
+    const Parameters parameters = parametersOf(params);
     std::vector<std::string> arguments;
     for (const auto& [key, words] : givenBy(start, state, parameters)) {
         const Parameter& parameter = *find(parameters, key);
@@ -141,19 +140,17 @@ std::vector<std::string> argumentsOf(const Start& start, const Json& state)
     return arguments;
 }
 
-RenderParams paramsOf(const Start& start, const Json& state)
+PicturePlan planOf(const Start& start, const Json& state)
 {
-    RenderParams params = defaultRenderParams(start.isSparse);
-    const Parameters parameters = pictureParametersOf(params);
+    PictureParams params;
+    const Parameters parameters = parametersOf(params);
     set(parameters, givenBy(start, state, parameters));
     try {
         if (state.contains("keys")) params.motion.keys = parseCameraKeys(Json{{"keys", state["keys"]}});
     } catch (const InputError& error) {
         throw ParameterError(error.what());
     }
-    params.input = start.input;
-    params.validatePicture();
-    return params;
+    return resolve(params, start.traits);
 }
 
 std::string commandOf(const Start& start, const Json& state, const std::vector<std::string>& last)

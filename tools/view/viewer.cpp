@@ -10,7 +10,7 @@
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/render/frames_in_flight.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,18 +31,18 @@ using Json = nlohmann::json;
 constexpr std::chrono::seconds kPause{5};
 
 /// What loadFrame() depends on besides the file.
-std::string loadKey(const RenderParams& params)
+std::string loadKey(const PicturePlan& plan)
 {
-    const glm::dvec3& stretch = params.stretch;
-    const std::string region = params.regionBox ? fmt::format("{}", fmt::join(*params.regionBox, " ")) : std::string();
-    return fmt::format("{}|{}|{} {} {}|{}|{}|{}", params.colorBy, fmt::join(params.opacityBy, ","), stretch.x,
-                       stretch.y, stretch.z, params.look.shading.model == ShadingModel::kLine,
-                       params.look.transfer.sharesRange(), region);
+    const glm::dvec3& stretch = plan.stretch;
+    const std::string region = plan.regionBox ? fmt::format("{}", fmt::join(*plan.regionBox, " ")) : std::string();
+    return fmt::format("{}|{}|{} {} {}|{}|{}|{}", plan.colorBy, fmt::join(plan.opacityBy, ","), stretch.x, stretch.y,
+                       stretch.z, plan.look.shading.model == ShadingModel::kLine, plan.look.transfer.sharesRange(),
+                       region);
 }
 
-std::string cacheKey(const RenderParams& params, const FrameFile& file)
+std::string cacheKey(const PicturePlan& plan, const FrameFile& file)
 {
-    return fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(params));
+    return fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(plan));
 }
 
 /// A state without what its camera and sampling are.
@@ -65,10 +65,10 @@ void keepFirst(List& list, const std::string& key, Value value, std::size_t most
     if (list.size() > most) list.pop_back();
 }
 
-SceneSource sourceOf(const RenderParams& params)
+SceneSource sourceOf(const SequenceParams& input, const PicturePlan& plan)
 {
-    auto source = sceneSource(params);
-    if (!source) throw InputError(fmt::format("{}: no frame has an active voxel", params.input.pattern));
+    auto source = sceneSource(input, plan);
+    if (!source) throw InputError(fmt::format("{}: no frame has an active voxel", input.pattern));
     return *source;
 }
 
@@ -76,16 +76,15 @@ SceneSource sourceOf(const RenderParams& params)
 
 Viewer::Viewer(Start start, double cacheBytes) : mStart(std::move(start)), mCache(cacheBytes)
 {
-    RenderParams params = paramsOf(mStart, mStart.state);
+    SequenceTraits& traits = mStart.traits;
     const std::vector<FrameFile> files = selectFrames(mStart.input);
-    mTexture = textureName(files.front().path, params.texture);
+    traits.texture = textureName(files.front().path, planOf(mStart, mStart.state).texture);
     for (const auto& grid : readVdbHeader(files.front().path).grids) {
-        if (grid->isType<openvdb::FloatGrid>() && grid->getName() != mTexture) mScalars.push_back(grid->getName());
+        if (grid->isType<openvdb::FloatGrid>() && grid->getName() != traits.texture)
+            traits.scalars.push_back(grid->getName());
     }
     mFiles = filesOnDisk(mStart.input);
-    params.texture = mTexture;
-    params.stretch = glm::dvec3(1);
-    mSource = sourceOf(params);
+    mSource = sourceOf(mStart.input, planOf(mStart, Json::object()));
 }
 
 std::vector<std::int64_t> Viewer::frames()
@@ -114,9 +113,7 @@ std::vector<std::int64_t> Viewer::frames()
 
 void Viewer::readSource()
 {
-    RenderParams params = paramsOf(mStart, Json::object());
-    params.texture = mTexture;
-    const SceneSource found = sourceOf(params);
+    const SceneSource found = sourceOf(mStart.input, planOf(mStart, Json::object()));
     const std::lock_guard lock(mMutex);
     mSource = found;
     mSourceIsOld = false;
@@ -140,16 +137,6 @@ SceneSource Viewer::source(const glm::dvec3& stretch)
     return result;
 }
 
-RenderParams Viewer::paramsFor(const Json& state) const
-{
-    RenderParams params = paramsOf(mStart, state);
-    params.texture = mTexture;
-    const auto known =
-        std::find_first_of(params.opacityBy.begin(), params.opacityBy.end(), mScalars.begin(), mScalars.end());
-    if (known != params.opacityBy.end()) params.opacityBy = {std::string(*known)};
-    return params;
-}
-
 FrameFile Viewer::fileOf(std::int64_t frame)
 {
     const std::lock_guard lock(mMutex);
@@ -158,18 +145,18 @@ FrameFile Viewer::fileOf(std::int64_t frame)
     return {frame, FramePattern(mStart.input.pattern).path(frame)};
 }
 
-FrameCache::Frame Viewer::load(const RenderParams& params, const FrameFile& file)
+FrameCache::Frame Viewer::load(const PicturePlan& plan, const FrameFile& file)
 {
-    return mCache.get(cacheKey(params, file), [&] { return loadFrame(params, file); });
+    return mCache.get(cacheKey(plan, file), [&] { return loadFrame(plan, file); });
 }
 
 /// Of a frame that the cache cannot hold, the finest coarser copy that it can hold, or else the coarsest one.
-std::optional<FrameFile> Viewer::coarserCopy(const RenderParams& params, const FrameFile& file) const
+std::optional<FrameFile> Viewer::coarserCopy(const PicturePlan& plan, const FrameFile& file) const
 {
     const std::vector<FrameFile> copies = coarserCopies(mStart.input, file);
     if (copies.empty()) return std::nullopt;
     std::optional<FrameFile> found;
-    double bytes = frameBytes(params, file);
+    double bytes = frameBytes(plan, file);
     for (const FrameFile& copy : copies) {
         if (bytes <= mCache.most()) break;
         found = copy;
@@ -181,9 +168,9 @@ std::optional<FrameFile> Viewer::coarserCopy(const RenderParams& params, const F
 std::string Viewer::advice() const
 {
     const FrameFile first = selectFrames(mStart.input).front();
-    const RenderParams params = paramsFor(mStart.state);
-    const double bytes = frameBytes(params, first), most = mCache.most();
-    if (bytes <= most || coarserCopy(params, first)) return {};
+    const PicturePlan plan = planOf(mStart, mStart.state);
+    const double bytes = frameBytes(plan, first), most = mCache.most();
+    if (bytes <= most || coarserCopy(plan, first)) return {};
     const int levels = int(std::ceil(std::log2(bytes / most) / 3)); // each an eighth of the one before
     const std::string& pattern = mStart.input.pattern;
     return fmt::format(
@@ -194,12 +181,12 @@ std::string Viewer::advice() const
 }
 
 /// The frame, or of one that is not loaded yet a coarser copy.
-FrameCache::Frame Viewer::loadSoon(const RenderParams& params, const FrameFile& file)
+FrameCache::Frame Viewer::loadSoon(const PicturePlan& plan, const FrameFile& file)
 {
-    if (FrameCache::Frame known = mCache.find(cacheKey(params, file))) return known;
-    const std::optional<FrameFile> copy = coarserCopy(params, file);
-    if (copy) paging::makeRoom(frameBytes(params, file) + mCache.most()); // the frame follows, beside what is there
-    return load(params, copy.value_or(file));
+    if (FrameCache::Frame known = mCache.find(cacheKey(plan, file))) return known;
+    const std::optional<FrameFile> copy = coarserCopy(plan, file);
+    if (copy) paging::makeRoom(frameBytes(plan, file) + mCache.most()); // the frame follows, beside what is there
+    return load(plan, copy.value_or(file));
 }
 
 void Viewer::keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis)
@@ -210,19 +197,19 @@ void Viewer::keepBasis(const std::string& key, const std::shared_ptr<const Basis
     if (replaces) ++mVersion;
 }
 
-std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const RenderParams& params, bool settle)
+std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const PicturePlan& plan, bool settle)
 {
-    const std::string key = loadKey(params);
+    const std::string key = loadKey(plan);
     {
         const std::lock_guard lock(mMutex);
         for (const auto& [other, basis] : mBases) {
             if (other == key && (basis->settled || !settle)) return basis;
         }
     }
-    if (settle) return settledBasis(params);
-    const SceneSource known = source(params.stretch);
-    const FrameCache::Frame first = loadSoon(params, known.lookFrames.front());
-    if (first->volume.empty()) return settledBasis(params);
+    if (settle) return settledBasis(plan);
+    const SceneSource known = source(plan.stretch);
+    const FrameCache::Frame first = loadSoon(plan, known.lookFrames.front());
+    if (first->volume.empty()) return settledBasis(plan);
     auto basis = std::make_shared<Basis>();
     OneProcess alone;
     basis->look.add(*first, alone);
@@ -234,24 +221,24 @@ std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const RenderParams& params
 
 void Viewer::settleLater(const View& view)
 {
-    mBackground.add([this, params = view.params, frame = view.shown->frame().file.frame] {
-        (void)basisFor(params, /*settle=*/true);
+    mBackground.add([this, plan = view.plan, frame = view.shown->frame().file.frame] {
+        (void)basisFor(plan, /*settle=*/true);
         const FrameFile file = fileOf(frame);
-        if (mCache.find(cacheKey(params, file)) || !coarserCopy(params, file)) return;
-        (void)load(params, file);
+        if (mCache.find(cacheKey(plan, file)) || !coarserCopy(plan, file)) return;
+        (void)load(plan, file);
         const std::lock_guard lock(mMutex);
         ++mVersion;
     });
 }
 
-std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const RenderParams& params)
+std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const PicturePlan& plan)
 {
     auto basis = std::make_shared<Basis>();
     OneProcess alone;
-    const SceneSource known = source(params.stretch);
+    const SceneSource known = source(plan.stretch);
     for (const FrameFile& file : known.lookFrames) {
         try {
-            const FrameCache::Frame frame = load(params, file);
+            const FrameCache::Frame frame = load(plan, file);
             if (frame->volume.empty()) continue;
             basis->look.add(*frame, alone);
             basis->frames.push_back(file);
@@ -261,14 +248,14 @@ std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const RenderParams& pa
     }
     if (basis->frames.empty()) throw InputError(fmt::format("{}: no frame has an active voxel", mStart.input.pattern));
     basis->settled = true;
-    keepBasis(loadKey(params), basis);
+    keepBasis(loadKey(plan), basis);
     return basis;
 }
 
-Viewer::Choice Viewer::choiceFor(const RenderParams& params, const Json& state,
-                                 const std::shared_ptr<const Basis>& basis, const SceneSource& source)
+Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, const std::shared_ptr<const Basis>& basis,
+                                 const SceneSource& source)
 {
-    const bool needsSubject = !(params.camera.eye && params.camera.projection == Projection::kPerspective);
+    const bool needsSubject = !(plan.camera.eye && plan.camera.projection == Projection::kPerspective);
     const std::string key = choiceKey(state);
     {
         const std::lock_guard lock(mMutex);
@@ -277,43 +264,43 @@ Viewer::Choice Viewer::choiceFor(const RenderParams& params, const Json& state,
             if (other == key && of == basis && (choice.hasSubject || !needsSubject)) return choice;
         }
     }
-    Choice choice{basis->look.choose(params), {}, needsSubject};
+    Choice choice{basis->look.choose(plan), {}, needsSubject};
     if (needsSubject) {
         std::vector<FrameCache::Frame> frames;
         for (const FrameFile& file : basis->frames) {
             try {
-                frames.push_back(load(params, file));
+                frames.push_back(load(plan, file));
             } catch (const InputError&) { // taken away, or being replaced
                 if (frames.empty() && file.frame == basis->frames.back().frame) throw;
             }
         }
         OneProcess alone;
-        choice.subject = sceneSubject(params, choice.look, frames, source.box, alone);
+        choice.subject = sceneSubject(plan, choice.look, frames, source.box, alone);
     }
     const std::lock_guard lock(mMutex);
     keepFirst(mChoices, key, std::pair(basis, choice), kMostChoices);
     return choice;
 }
 
-std::shared_ptr<const Solid> Viewer::solidFor(const RenderParams& params, const LoadedTexture& frame)
+std::shared_ptr<const Solid> Viewer::solidFor(const PicturePlan& plan, const LoadedTexture& frame)
 {
-    const SolidParams& solid = params.solid;
+    const SolidParams& solid = plan.solid;
     if (solid.source.empty()) return nullptr;
-    const std::string key = fmt::format("{}|{} {} {}|{}|{}", solid.source, params.stretch.x, params.stretch.y,
-                                        params.stretch.z, solid.changes() ? frame.file.frame : 0,
+    const std::string key = fmt::format("{}|{} {} {}|{}|{}", solid.source, plan.stretch.x, plan.stretch.y,
+                                        plan.stretch.z, solid.changes() ? frame.file.frame : 0,
                                         frame.texture->voxelSize()[0]); // of a coarser copy another one
     {
         const std::lock_guard lock(mMutex);
         if (mSolid.first == key) return mSolid.second;
     }
-    auto made = std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), params.stretch, frame.file.frame));
+    auto made = std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), plan.stretch, frame.file.frame));
     const std::lock_guard lock(mMutex);
     mSolid = {key, made};
     return made;
 }
 
 /// The frame with a look, for all cameras.
-std::shared_ptr<const ShownFrame> Viewer::shownFor(const RenderParams& params, const Json& state, const Look& look,
+std::shared_ptr<const ShownFrame> Viewer::shownFor(const PicturePlan& plan, const Json& state, const Look& look,
                                                    const FrameCache::Frame& frame,
                                                    const std::shared_ptr<const Basis>& basis)
 {
@@ -324,7 +311,7 @@ std::shared_ptr<const ShownFrame> Viewer::shownFor(const RenderParams& params, c
         if (isSame && mShown.key == key && mShown.basis == basis) return mShown.frame;
     }
     OneProcess alone;
-    auto shown = std::make_shared<const ShownFrame>(params, look, frame, solidFor(params, *frame), alone);
+    auto shown = std::make_shared<const ShownFrame>(plan, look, frame, solidFor(plan, *frame), alone);
     const std::lock_guard lock(mMutex);
     mShown = {key, basis, shown};
     return shown;
@@ -332,18 +319,18 @@ std::shared_ptr<const ShownFrame> Viewer::shownFor(const RenderParams& params, c
 
 View Viewer::view(const Json& state, std::int64_t frame, bool settle)
 {
-    const RenderParams params = paramsFor(state);
+    const PicturePlan plan = planOf(mStart, state);
     const FrameFile file = fileOf(frame);
-    const SceneSource known = source(params.stretch);
-    const auto basis = basisFor(params, settle);
-    const Choice choice = choiceFor(params, state, basis, known);
-    const CameraPath cameras(params.camera, params.motion, known.box, params.scaledSize(), known.span, choice.subject);
-    const double bytes = basis->look.volumeBytes + params.imageBytes();
-    const FrameCache::Frame loaded = settle ? load(params, file) : loadSoon(params, file);
-    return {params,
+    const SceneSource known = source(plan.stretch);
+    const auto basis = basisFor(plan, settle);
+    const Choice choice = choiceFor(plan, state, basis, known);
+    const CameraPath cameras(plan.camera, plan.motion, known.box, plan.scaledSize(), known.span, choice.subject);
+    const double bytes = basis->look.volumeBytes + plan.imageBytes();
+    const FrameCache::Frame loaded = settle ? load(plan, file) : loadSoon(plan, file);
+    return {plan,
             Scene{choice.look, basis->look.opacityBy, cameras, known.box, bytes, basis->look.lastFrame,
                   basis->look.longest},
-            shownFor(params, state, choice.look, loaded, basis), basis->settled && loaded->file.path == file.path};
+            shownFor(plan, state, choice.look, loaded, basis), basis->settled && loaded->file.path == file.path};
 }
 
 Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& up)
@@ -352,17 +339,17 @@ Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& u
         throw ParameterError("a view needs a direction, and another one that is up");
     for (const char* name : {"eye", "target", "up", "view-height", "orbit", "orbit-frames", "keys"})
         state.erase(name);
-    const RenderParams params = paramsFor(state);
-    const SceneSource known = source(params.stretch);
-    const Choice choice = choiceFor(params, state, basisFor(params, false), known);
-    const glm::ivec2 size = params.scaledSize();
-    const Camera automatic(params.camera, known.box, size, choice.subject);
+    const PicturePlan plan = planOf(mStart, state);
+    const SceneSource known = source(plan.stretch);
+    const Choice choice = choiceFor(plan, state, basisFor(plan, false), known);
+    const glm::ivec2 size = plan.scaledSize();
+    const Camera automatic(plan.camera, known.box, size, choice.subject);
     const glm::dvec3 direction = glm::normalize(forward), middle = middleOf(known.box);
     const std::span<const glm::dvec3> points =
         choice.subject.empty() ? std::span<const glm::dvec3>(known.box) : choice.subject;
     const Framing framing =
         frameTightly(automatic.projection(), viewAxes(direction, up), points, automatic.halfExtent());
-    CameraParams camera = params.camera;
+    CameraParams camera = plan.camera;
     camera.eye = framing.eye;
     camera.target = framing.eye + direction * glm::dot(direction, middle - framing.eye);
     camera.up = up;
@@ -372,15 +359,15 @@ Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& u
 
 void Viewer::prefetch(const Json& state, std::int64_t frame)
 {
-    mBackground.add([this, params = paramsFor(state), file = fileOf(frame)] { (void)loadSoon(params, file); });
+    mBackground.add([this, plan = planOf(mStart, state), file = fileOf(frame)] { (void)loadSoon(plan, file); });
 }
 
 TextureHistograms Viewer::histograms(const Json& state)
 {
-    const RenderParams params = paramsFor(state);
-    const auto basis = basisFor(params, false);
+    const PicturePlan plan = planOf(mStart, state);
+    const auto basis = basisFor(plan, false);
     const VolumeSamples& samples = basis->look.samples;
-    TextureHistograms result(choiceFor(params, state, basis, source(params.stretch)).look);
+    TextureHistograms result(choiceFor(plan, state, basis, source(plan.stretch)).look);
     for (const float value : samples.texture)
         result.texture.add(double(value));
     for (const float value : samples.color.empty() ? samples.driver : samples.color)

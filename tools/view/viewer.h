@@ -25,7 +25,7 @@ namespace vdblic::view {
 
 /// All that a picture of a frame in a state is cast from.
 struct View {
-    RenderParams params;
+    PicturePlan plan;
     Scene scene;
     std::shared_ptr<const ShownFrame> shown;
     bool settled; ///< whether it is as vdblic_render has it: the automatic choices made from as many frames, no copy
@@ -50,8 +50,8 @@ class Viewer {
     /// Rises with every change of frames, of automatic choices, or of a coarser copy for its frame.
     [[nodiscard]] std::uint64_t version();
     /// Names of the float grids beside the texture, and of the texture.
-    [[nodiscard]] const std::vector<std::string>& scalars() const { return mScalars; }
-    [[nodiscard]] const std::string& texture() const { return mTexture; }
+    [[nodiscard]] const std::vector<std::string>& scalars() const { return mStart.traits.scalars; }
+    [[nodiscard]] const std::string& texture() const { return mStart.traits.texture; }
 
     /// @param settle wait until the automatic choices are settled and the frame itself is read
     /// @throws ParameterError on an impossible state or frame, InputError
@@ -84,26 +84,23 @@ class Viewer {
         std::shared_ptr<const ShownFrame> frame;
     };
 
-    [[nodiscard]] RenderParams paramsFor(const nlohmann::json& state) const;
     [[nodiscard]] FrameFile fileOf(std::int64_t frame);
-    [[nodiscard]] FrameCache::Frame load(const RenderParams& params, const FrameFile& file);
-    [[nodiscard]] FrameCache::Frame loadSoon(const RenderParams& params, const FrameFile& file);
-    [[nodiscard]] std::optional<FrameFile> coarserCopy(const RenderParams& params, const FrameFile& file) const;
-    [[nodiscard]] std::shared_ptr<const Basis> basisFor(const RenderParams& params, bool settle);
-    [[nodiscard]] std::shared_ptr<const Basis> settledBasis(const RenderParams& params);
+    [[nodiscard]] FrameCache::Frame load(const PicturePlan& plan, const FrameFile& file);
+    [[nodiscard]] FrameCache::Frame loadSoon(const PicturePlan& plan, const FrameFile& file);
+    [[nodiscard]] std::optional<FrameFile> coarserCopy(const PicturePlan& plan, const FrameFile& file) const;
+    [[nodiscard]] std::shared_ptr<const Basis> basisFor(const PicturePlan& plan, bool settle);
+    [[nodiscard]] std::shared_ptr<const Basis> settledBasis(const PicturePlan& plan);
     void keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis);
-    [[nodiscard]] Choice choiceFor(const RenderParams& params, const nlohmann::json& state,
+    [[nodiscard]] Choice choiceFor(const PicturePlan& plan, const nlohmann::json& state,
                                    const std::shared_ptr<const Basis>& basis, const SceneSource& source);
-    [[nodiscard]] std::shared_ptr<const Solid> solidFor(const RenderParams& params, const LoadedTexture& frame);
-    [[nodiscard]] std::shared_ptr<const ShownFrame> shownFor(const RenderParams& params, const nlohmann::json& state,
+    [[nodiscard]] std::shared_ptr<const Solid> solidFor(const PicturePlan& plan, const LoadedTexture& frame);
+    [[nodiscard]] std::shared_ptr<const ShownFrame> shownFor(const PicturePlan& plan, const nlohmann::json& state,
                                                              const Look& look, const FrameCache::Frame& frame,
                                                              const std::shared_ptr<const Basis>& basis);
     [[nodiscard]] SceneSource source(const glm::dvec3& stretch);
     void readSource();
 
     Start mStart;
-    std::string mTexture;
-    std::vector<std::string> mScalars;
     FrameCache mCache;
 
     std::mutex mMutex; // of all that follows

@@ -85,9 +85,7 @@ CameraKeys readCameraKeys(const std::filesystem::path& path)
 {
     const Json file = readJson(path);
     try {
-        CameraKeys keys = parseCameraKeys(file);
-        keys.file = path;
-        return keys;
+        return parseCameraKeys(file);
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", path.string(), error.what()));
     }

@@ -103,9 +103,6 @@ CameraParams CameraKeys::applied(CameraParams params, double frame) const
 
 Parameters parametersOf(CameraMotion& params)
 {
-    const auto wordsOf = [&params] {
-        return params.keys.file.empty() ? Words{} : Words{params.keys.file.filename().string()};
-    };
     return {
         parameter("orbit",
                   "Turns of the camera around the target in the course of the sequence; the last frame ends one step "
@@ -115,9 +112,6 @@ Parameters parametersOf(CameraMotion& params)
                   "Frames that the turns take, instead of those on disk; needed for paths on standard input, where "
                   "frame 1 is the first.",
                   params.orbitFrames, {.group = "Camera", .limits = {.least = 1}}),
-        parameter("camera", "JSON file of key frames of the camera (docs/formats.md).", WordType::kText, 1,
-                  [&params](const Words& words) { params.keys = readCameraKeys(words[0]); }, wordsOf,
-                  {.words = "FILE", .group = "Camera", .isFile = true, .attribute = "cameraKeys"}),
     };
 }
 
@@ -135,7 +129,6 @@ CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, c
                        const glm::ivec2& size, const FrameSpan& span, std::vector<glm::dvec3> subject)
     : mParams(params), mKeys(motion.keys), mBox(box), mSize(size), mSpan(span), mOrbit(motion.orbit)
 {
-    motion.validate();
     if (motion.orbitFrames) mSpan.length = *motion.orbitFrames;
 
     // Unset members are chosen for the first frame and stay.

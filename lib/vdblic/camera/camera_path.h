@@ -35,7 +35,6 @@ class CameraTrack {
 struct CameraKeys {
     CameraTrack<glm::dvec3> eye, target, up;
     CameraTrack<double> fieldOfView, viewHeight;
-    std::filesystem::path file{}; ///< that they were read from
 
     [[nodiscard]] bool empty() const;
     [[nodiscard]] CameraParams applied(CameraParams params, double frame) const;

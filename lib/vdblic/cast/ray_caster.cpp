@@ -96,7 +96,6 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
                const VisibleSpace& visible, int ray, const Scenery& scenery, const std::uint8_t* only,
                const std::stop_token& stop)
 {
-    params.validate();
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());

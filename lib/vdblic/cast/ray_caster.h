@@ -34,12 +34,13 @@ struct Scenery {
 /// shown has no opacity. Optical depth counts voxels passed in index space, so a picture does not change with the unit
 /// of length. Samples within a voxel of the face where their ray enters are lit as that face. The pixels do not depend
 /// on the number of threads. Thread-safe.
+/// @param params  valid
 /// @param visible leaves that are sampled; the others are skipped
 /// @param ray     index among the pixel's rays, for sampleShift() (ray_setup.h)
 /// @param scenery what else is in the picture: rays end at its surfaces, which are seen through what they have left
 /// @param only    by pixel: whether it is wanted, the others stay 0; or null: all are
 /// @param stop    asks for the end before the picture is complete
-/// @throws ParameterError; Stopped if a stop was requested
+/// @throws Stopped if a stop was requested
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
                              const RayCastParams& params, const VisibleSpace& visible, int ray = 0,
                              const Scenery& scenery = {}, const std::uint8_t* only = nullptr,

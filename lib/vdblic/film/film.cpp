@@ -8,6 +8,7 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/output_lock.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/render_sequence.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/run/advect.h"
@@ -132,7 +133,7 @@ class FilmReporter : public Reporter {
 
 /// The parameters that a plan gives. @param params with their defaults
 template<typename Params>
-Params withGiven(Params params, const std::map<std::string, Words>& given)
+Params withGiven(Params params, const Given& given)
 {
     set(parametersOf(params), given);
     return params;
@@ -154,16 +155,16 @@ void makePictures(const FilmParams& params, const FilmPlan& plan, const std::str
     AdvectParams run = withGiven(AdvectParams{}, plan.advect);
     run.output = textures;
     run.resume = run.keepCheckpoint = true; // kept: all textures may be there, and the film not
-    std::map<std::string, Words> given = plan.render;
+    Given given = plan.render;
     given["input"] = {textures};
-    const auto pictures = [&] { return withGiven(defaultRenderParams(), given); }; // also by the textures, once there
+    const RenderParams pictures = withGiven(RenderParams{}, given);
     // What the first part frees serves the second one only a little.
     constexpr double kPictures = 40e6; // without textures
     paging::makeRoom(plan.textureBytes + kPictures +
-                     double(threadCount()) * bytesPerVoxel(pictures()) * plan.textureVoxels);
+                     double(threadCount()) * bytesPerVoxel(resolve(pictures).picture) * plan.textureVoxels);
     advectSequence(run, none, reporter);
     reporter.beginPictures(plan.textures, params.output);
-    renderSequence(pictures(), none, reporter);
+    renderSequence(pictures, none, reporter);
 }
 
 } // namespace

@@ -19,7 +19,7 @@ std::string defaultLookName(bool isSparse)
 
 LookPreset lookPreset(std::string_view name)
 {
-    LookPreset preset;
+    LookPreset preset{.name = std::string(name), .look = {}, .background = {}};
     LookParams& look = preset.look;
     if (name == "flow" || name == "vortex" || name == "streaks") {
         if (name == "vortex") preset.opacityBy = {"q", "vorticity"};

@@ -12,9 +12,10 @@ namespace vdblic {
 
 /// A look with a name, tuned to be good on unknown data.
 struct LookPreset {
+    std::string name;
     LookParams look;
     Background background;
-    std::vector<std::string> opacityBy{}; ///< as RenderParams has it
+    std::vector<std::string> opacityBy{}; ///< grids that opacity follows, the best one first; empty: as colour
 };
 
 /// The names lookPreset() knows.

@@ -27,31 +27,29 @@ Interpolation interpolationFor(const Scene& scene, const TextureVolume& volume)
 
 } // namespace
 
-FramePicture::FramePicture(const RenderParams& params, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
+FramePicture::FramePicture(const PicturePlan& plan, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
                            const PictureShare* share)
-    : mParams(params), mScene(scene), mShown(std::move(shown)), mShare(share),
-      mExchange(share ? share->exchange : mAlone), mRays(params.rays),
-      mCamera(scene.cameras.at(mShown->frame().file.frame))
+    : mPlan(plan), mScene(scene), mShown(std::move(shown)), mShare(share), mExchange(share ? share->exchange : mAlone),
+      mRays(plan.rays), mCamera(scene.cameras.at(mShown->frame().file.frame))
 {
-    mRays.clip = params.rays.clip.stretched(params.stretch);
+    mRays.clip = plan.rays.clip.stretched(plan.stretch);
     if (!mRays.interpolation) mRays.interpolation = interpolationFor(scene, mShown->volume());
     const Look& look = scene.look;
     const TextureVolume& volume = mShown->volume();
     const Solid* const solid = mShown->solid();
     const glm::dvec3 light = keyLight(look, mCamera);
     if (mShown->ambient()) mLight.emplace(*mShown->extinctions(), *mShown->ambient(), volume, look, light);
-    if (params.ground.side != GroundSide::kNone) {
+    if (plan.ground.side != GroundSide::kNone) {
         const std::vector<ClipPlane> cuts = mRays.clip.allPlanes(), solidCuts = mRays.clip.solidPlanes();
         // Automatic cameras may look along up and then have another one.
-        const glm::dvec3 up =
-            params.motion.keys.empty() ? params.camera.up.value_or(glm::dvec3(0, 0, 1)) : mCamera.up();
-        const GroundPlane plane = groundPlane(params.ground.side, up, scene.box, solid);
+        const glm::dvec3 up = plan.motion.keys.empty() ? plan.camera.up.value_or(glm::dvec3(0, 0, 1)) : mCamera.up();
+        const GroundPlane plane = groundPlane(plan.ground.side, up, scene.box, solid);
         std::optional<glm::vec3> color;
-        if (params.ground.color) color = glm::vec3(linearFromDisplay(*params.ground.color));
+        if (plan.ground.color) color = glm::vec3(linearFromDisplay(*plan.ground.color));
         mGround.emplace(plane, ShadowCasters{*mShown->extinctions(), volume, cuts, solid, solidCuts}, light, color);
     }
     const Scenery scenery{.solid = solid,
-                          .solidColor = glm::vec3(linearFromDisplay(params.solid.color)),
+                          .solidColor = glm::vec3(linearFromDisplay(plan.solid.color)),
                           .light = mLight ? &*mLight : nullptr,
                           .ground = mGround ? &*mGround : nullptr};
     mSum.emplace(volume, look, mShown->visible(), share ? mCamera.cropped(share->area()) : mCamera, mRays, scenery);
@@ -62,15 +60,15 @@ Image FramePicture::image() const
     const LoadedTexture& frame = mShown->frame();
     Image image = exposed(mSum->mean(), mScene.look.exposure);
     if (mShare) mShare->assemble(image);
-    if (mParams.annotations.any() && mExchange.isFirst()) {
+    if (mPlan.annotations.any() && mExchange.isFirst()) {
         const auto shown = [&](const std::string& name) { // the texture stands in for the speed
-            return !frame.hasColor && name == mParams.colorBy ? frame.texture->getName() : name;
+            return !frame.hasColor && name == mPlan.colorBy ? frame.texture->getName() : name;
         };
         FrameClock clock = frame.clock;
         clock.longest = mScene.longest;
         const AnnotationContent content{mScene.box,
-                                        mParams.stretch,
-                                        shown(mParams.colorBy),
+                                        mPlan.stretch,
+                                        shown(mPlan.colorBy),
                                         shown(mScene.opacityBy),
                                         frame.file.frame,
                                         clock,
@@ -78,19 +76,19 @@ Image FramePicture::image() const
                                         frame.colorUnit,
                                         frame.opacityUnit,
                                         frame.lengthUnit,
-                                        isGeographic(clock, frame.lengthUnit, mParams.stretch)};
-        annotate(image, mParams.annotations, content, mScene.look, mCamera, mParams.background.at(0.5));
+                                        isGeographic(clock, frame.lengthUnit, mPlan.stretch)};
+        annotate(image, mPlan.annotations, content, mScene.look, mCamera, mPlan.background.at(0.5));
     }
     return image;
 }
 
 ImageHeader FramePicture::header() const
 {
-    RenderParams params = mParams;
-    params.texture = mShown->frame().texture->getName();
-    if (!params.opacityBy.empty()) params.opacityBy = {mScene.opacityBy};
-    params.rays.interpolation = mRays.interpolation;
-    return imageHeader(params, mScene.look, mCamera, mShown->frame().file);
+    PicturePlan plan = mPlan;
+    plan.texture = mShown->frame().texture->getName();
+    if (!plan.opacityBy.empty()) plan.opacityBy = {mScene.opacityBy};
+    plan.rays.interpolation = mRays.interpolation;
+    return imageHeader(plan, mScene.look, mCamera, mShown->frame().file);
 }
 
 std::string FramePicture::whyNothingIsSeen(const Image& image)

@@ -7,7 +7,7 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/render/picture_share.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/render/shown_frame.h"
 
@@ -21,10 +21,10 @@ namespace vdblic {
 /// The picture of a frame, which gets better with every sample. Everything that an image of a sequence shows.
 class FramePicture {
   public:
-    /// @param params, scene, share must outlive this
+    /// @param plan, scene, share must outlive this
     /// @param shown  the frame with the scene's look
     /// @param share  of the ranks that cast this picture together, for which the frame was loaded; or null. Collective
-    FramePicture(const RenderParams& params, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
+    FramePicture(const PicturePlan& plan, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
                  const PictureShare* share = nullptr);
     FramePicture(const FramePicture&) = delete;
     FramePicture& operator=(const FramePicture&) = delete;
@@ -42,7 +42,7 @@ class FramePicture {
     [[nodiscard]] const Camera& camera() const { return mCamera; }
 
   private:
-    const RenderParams& mParams;
+    const PicturePlan& mPlan;
     const Scene& mScene;
     std::shared_ptr<const ShownFrame> mShown;
     const PictureShare* mShare;

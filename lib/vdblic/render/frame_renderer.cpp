@@ -42,38 +42,38 @@ FrameShare shareOf(const GridHeader& header, const Camera& camera, const glm::dv
 FrameImage FrameRenderer::render(const FrameFile& file, const Scene* scene,
                                  std::shared_ptr<const LoadedTexture> frame) const
 {
+    const PicturePlan& plan = mPlan.picture;
     std::optional<FrameShare> share;
     if (scene && !mExchange.isAlone()) {
-        const std::optional<GridHeader> header = textureHeader(file, mParams.texture);
+        const std::optional<GridHeader> header = textureHeader(file, plan.texture);
         if (!header || !header->transform->isLinear()) {
-            (void)loadFrame(mParams, file); // says why
+            (void)loadFrame(plan, file); // says why
             throw InputError(fmt::format("{}: its header changes while it is read", file.path.string()));
         }
-        share.emplace(shareOf(*header, scene->cameras.at(file.frame), mParams.stretch, mExchange));
+        share.emplace(shareOf(*header, scene->cameras.at(file.frame), plan.stretch, mExchange));
         frame = nullptr;
     }
     if (!frame) {
-        frame =
-            std::make_shared<const LoadedTexture>(loadFrame(mParams, file, scene, share ? &share->leaves : nullptr));
+        frame = std::make_shared<const LoadedTexture>(loadFrame(plan, file, scene, share ? &share->leaves : nullptr));
     }
     FrameImage result{.hasColor = frame->hasColor, .unusableVoxels = frame->volume.unusableVoxels()};
-    if (!mParams.histogram.empty() && scene) {
+    if (!mPlan.outputs.histogram.empty() && scene) {
         result.histograms.emplace(scene->look);
         const auto color = frame->onTexture(frame->color);
         const auto opacity = frame->opacity == frame->color ? color : frame->onTexture(frame->opacity);
         result.histograms->add(*frame->texture, *color, *opacity);
     }
-    if (mParams.output.empty() && mParams.film.empty()) return result;
-    const glm::ivec2 size = mParams.scaledSize();
+    if (mPlan.outputs.images.empty() && mPlan.outputs.film.empty()) return result;
+    const glm::ivec2 size = plan.scaledSize();
     if (!scene) {
         result.image = {size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
-        if (mParams.rays.layers) result.image.layers.resize(result.image.pixels.size());
+        if (plan.rays.layers) result.image.layers.resize(result.image.pixels.size());
         return result;
     }
-    FramePicture picture(mParams, *scene,
-                         std::make_shared<const ShownFrame>(mParams, scene->look, frame, solidOf(*frame), mExchange),
+    FramePicture picture(plan, *scene,
+                         std::make_shared<const ShownFrame>(plan, scene->look, frame, solidOf(*frame), mExchange),
                          share ? &share->picture : nullptr);
-    for (int sample = 0; sample < mParams.samples; ++sample) {
+    for (int sample = 0; sample < plan.samples; ++sample) {
         mReporter.checkStop();
         picture.addSample();
     }
@@ -91,10 +91,11 @@ FrameImage FrameRenderer::render(const FrameFile& file, const Scene* scene,
 /// The frame's solid; null if there is none. One that is the same in all frames is made once.
 std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& frame) const
 {
-    const SolidParams& solid = mParams.solid;
+    const PicturePlan& plan = mPlan.picture;
+    const SolidParams& solid = plan.solid;
     if (solid.source.empty()) return nullptr;
     const auto make = [&] {
-        return std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), mParams.stretch, frame.file.frame));
+        return std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), plan.stretch, frame.file.frame));
     };
     if (solid.changes()) return make();
     std::call_once(mSolidMade, [&] { mSolid = make(); });

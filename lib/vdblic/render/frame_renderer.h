@@ -6,7 +6,7 @@
 #include "vdblic/image/image_file.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/look/histogram.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/scene.h"
 
 #include <cstddef>
@@ -30,9 +30,9 @@ struct FrameImage {
 /// Makes the images of a sequence's frames. Thread-safe for a process alone; several ranks share each frame.
 class FrameRenderer {
   public:
-    /// @param params, reporter, exchange must outlive this
-    FrameRenderer(const RenderParams& params, Reporter& reporter, Exchange& exchange)
-        : mParams(params), mReporter(reporter), mExchange(exchange)
+    /// @param plan, reporter, exchange must outlive this
+    FrameRenderer(const RenderPlan& plan, Reporter& reporter, Exchange& exchange)
+        : mPlan(plan), mReporter(reporter), mExchange(exchange)
     {
     }
 
@@ -45,7 +45,7 @@ class FrameRenderer {
   private:
     [[nodiscard]] std::shared_ptr<const Solid> solidOf(const LoadedTexture& frame) const;
 
-    const RenderParams& mParams;
+    const RenderPlan& mPlan;
     Reporter& mReporter;
     Exchange& mExchange;
     mutable std::once_flag mSolidMade;

@@ -9,7 +9,7 @@
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/scene.h"
 
 #include <algorithm>
@@ -18,14 +18,14 @@
 
 namespace vdblic {
 
-double frameBytes(const RenderParams& params, const FrameFile& file)
+double frameBytes(const PicturePlan& plan, const FrameFile& file)
 {
     try {
         const VdbHeader header = readVdbHeader(file.path);
-        const std::string name = textureName(header.metadata, params.texture);
+        const std::string name = textureName(header.metadata, plan.texture);
         for (const openvdb::GridBase::Ptr& grid : header.grids) {
             if (grid->getName() == name)
-                return numericMetadata(*grid, "file_voxel_count").value_or(0) * bytesPerVoxel(params);
+                return numericMetadata(*grid, "file_voxel_count").value_or(0) * bytesPerVoxel(plan);
         }
     } catch (const InputError&) { // is reported at the frame's turn
     }
@@ -48,15 +48,15 @@ std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBy
     return fitting < double(threads) ? std::max(std::size_t(fitting), std::size_t(1)) : threads;
 }
 
-bool ranksShareFrames(const RenderParams& params, Exchange& exchange)
+bool ranksShareFrames(const RenderPlan& plan, Exchange& exchange)
 {
     bool share = false;
     exchange.together([&] {
-        if (exchange.isAlone() || params.input.pattern == "-") return;
-        const std::vector<FrameFile> files = selectFrames(params.input);
+        if (exchange.isAlone() || plan.input.pattern == "-") return;
+        const std::vector<FrameFile> files = selectFrames(plan.input);
         double most = 0;
         for (const FrameFile& file : files)
-            most = std::max(most, frameBytes(params, file));
+            most = std::max(most, frameBytes(plan.picture, file));
         share = exchange.any(files.size() < std::size_t(exchange.size()) || most > double(memoryLimit()) / 2);
     });
     return share;

@@ -6,10 +6,11 @@ namespace vdblic {
 
 class Exchange;
 struct FrameFile;
-struct RenderParams;
+struct PicturePlan;
+struct RenderPlan;
 
 /// Estimate of the memory that a frame takes by the number of its voxels; 0 if the file does not say it.
-[[nodiscard]] double frameBytes(const RenderParams& params, const FrameFile& file);
+[[nodiscard]] double frameBytes(const PicturePlan& plan, const FrameFile& file);
 
 /// Bytes that the system can give without swapping and this process may take.
 [[nodiscard]] double availableMemory();
@@ -23,6 +24,6 @@ struct RenderParams;
 
 /// Whether ranks are to share each frame: if there are fewer frames than ranks, or if one takes more than half of a
 /// rank's memory. Else each rank renders frames of its own. Collective. @throws as selectFrames()
-[[nodiscard]] bool ranksShareFrames(const RenderParams& params, Exchange& exchange);
+[[nodiscard]] bool ranksShareFrames(const RenderPlan& plan, Exchange& exchange);
 
 } // namespace vdblic

@@ -4,7 +4,7 @@
 #include "vdblic/image/vector_text.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/look/look.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
@@ -12,6 +12,7 @@
 
 #include <cctype>
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,10 +54,10 @@ ImageAttribute valueOf(const Parameter& parameter, const Words& words)
     return repeatedText(parameter, words);
 }
 
-/// The parameters with what was chosen where they leave something open.
-RenderParams chosen(const RenderParams& params, const Look& look, const Camera& camera)
+/// The plan with what was chosen where it leaves something open.
+PicturePlan chosen(const PicturePlan& plan, const Look& look, const Camera& camera)
 {
-    RenderParams result = params;
+    PicturePlan result = plan;
     result.camera.eye = camera.eye();
     result.camera.target = camera.target();
     result.camera.up = camera.up();
@@ -76,7 +77,7 @@ RenderParams chosen(const RenderParams& params, const Look& look, const Camera& 
 
 } // namespace
 
-ImageHeader imageHeader(const RenderParams& params, const Look& look, const Camera& camera, const FrameFile& file)
+ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera& camera, const FrameFile& file)
 {
     ImageHeader header;
     header.worldToCamera = camera.worldToCamera();
@@ -84,8 +85,10 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
     auto& attributes = header.attributes;
     attributes = {{"frame", int(file.frame)}, {"source", file.path.filename().string()}};
-    RenderParams all = chosen(params, look, camera);
-    for (const Parameter& parameter : pictureParametersOf(all)) {
+    const PicturePlan all = chosen(plan, look, camera);
+    PictureParams params = all.params();
+    params.cameraFile = std::filesystem::path(plan.cameraFile).filename();
+    for (const Parameter& parameter : parametersOf(params)) {
         const std::string name = attributeOf(parameter);
         const Words words = parameter.get();
         if (!name.empty() && !words.empty()) attributes.emplace_back(name, valueOf(parameter, words));
@@ -99,8 +102,8 @@ ImageHeader imageHeader(const RenderParams& params, const Look& look, const Came
         lights += fmt::format("{}{} {}", lights.empty() ? "" : ", ", vectorText(light.direction), light.intensity);
     attributes.insert(attributes.end(), {{"lights", lights},
                                          {"leastGradient", look.shading.leastGradient},
-                                         {"opticalDepth", float(params.look.opticalDepth)},
-                                         {"leastTransmittance", float(params.rays.leastTransmittance)},
+                                         {"opticalDepth", float(plan.look.opticalDepth)},
+                                         {"leastTransmittance", float(plan.rays.leastTransmittance)},
                                          {"textureRange", glm::vec2(look.texture.low, look.texture.high)},
                                          {"textureFoot", look.texture.foot}});
     return header;

@@ -7,11 +7,11 @@ namespace vdblic {
 class Camera;
 struct FrameFile;
 struct Look;
-struct RenderParams;
+struct PicturePlan;
 
 /// The header of a frame's image: all parameters that made it. An attribute of several numbers is spelled as on the
 /// command line.
-[[nodiscard]] ImageHeader imageHeader(const RenderParams& params, const Look& look, const Camera& camera,
+[[nodiscard]] ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera& camera,
                                       const FrameFile& file);
 
 } // namespace vdblic

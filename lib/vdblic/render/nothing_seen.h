@@ -2,7 +2,7 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/look/look.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/volume/texture_volume.h"
 
 #include <string>

@@ -6,11 +6,11 @@
 
 namespace vdblic {
 
-struct RenderParams;
+struct RenderPlan;
 
 /// Check, before any work, that the outputs of a run can be written, differ from each other and replace no input.
 /// @param files of the input; empty if they come on standard input
 /// @throws ParameterError, OutputError
-void checkRenderOutputs(const RenderParams& params, const std::vector<FrameFile>& files);
+void checkRenderOutputs(const RenderPlan& plan, const std::vector<FrameFile>& files);
 
 } // namespace vdblic

@@ -3,10 +3,8 @@
 #include "vdblic/cast/supersampling.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/image/vector_text.h"
-#include "vdblic/io/texture_name.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/look/look_preset.h"
-#include "vdblic/look/transfer_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -22,38 +22,35 @@ namespace {
 constexpr int kMostPixels = 32768; // a side
 constexpr double kMostStretch = 1e6;
 
-void setLook(RenderParams& params, const std::string& name)
+/// Parameters whose values are kept as words until there is a look to set them on.
+/// @param defaults the look that the parameters belong to, whose values are told where none is given
+Parameters kept(Given& options, const Parameters& parameters, const std::shared_ptr<LookPreset>& defaults)
 {
-    const LookPreset preset = lookPreset(name);
-    params.lookName = name;
-    params.look = preset.look;
-    params.background = preset.background;
-    params.opacityBy = preset.opacityBy;
+    Parameters result = parameters;
+    for (Parameter& parameter : result) {
+        const std::string key(parameter.key);
+        parameter.set = [&options, key](const Words& words) { options[key] = words; };
+        parameter.get = [&options, key, defaults, byDefault = parameter.get] {
+            const auto given = options.find(key);
+            return given == options.end() ? byDefault() : given->second;
+        };
+    }
+    return result;
 }
 
 } // namespace
 
-RenderParams defaultRenderParams(bool isSparse)
+Parameters parametersOf(PictureParams& params)
 {
-    RenderParams params;
-    setLook(params, defaultLookName(isSparse));
-    return params;
-}
-
-Parameters pictureParametersOf(RenderParams& params)
-{
+    const auto defaults = std::make_shared<LookPreset>(lookPreset(defaultLookName(/*isSparse=*/false)));
     Parameter look = parameter(
         "look", "Look that all other options start from; by default flow, of files of streaks streaks.",
-        WordType::kText, 1, [&params](const Words& words) { setLook(params, words[0]); },
-        [&params] { return Words{params.lookName}; }, {.words = "NAME", .group = "Picture", .attribute = "look"});
+        WordType::kText, 1, [&params](const Words& words) { params.look = words[0]; },
+        [&params, defaults] { return Words{params.look.empty() ? defaults->name : params.look}; },
+        {.words = "NAME", .group = "Picture", .attribute = "look"});
     look.choices = lookPresetNames();
-    const auto setBy = [&params](const Words& words) {
-        params.colorBy = words[0];
-        params.opacityBy.clear();
-    };
-    const auto opacityBy = [&params] {
-        return params.opacityBy.empty() ? Words{params.colorBy} : Words{params.opacityBy.front()};
-    };
+    const auto colorBy = [&params] { return Words{params.colorBy.empty() ? kSpeedGrid : params.colorBy}; };
+    const auto opacityBy = [&params] { return Words{params.opacityBy.empty() ? kSpeedGrid : params.opacityBy}; };
     const auto annotations = [&params] {
         return params.annotations.any() ? Words{annotationText(params.annotations)} : Words{};
     };
@@ -88,103 +85,88 @@ Parameters pictureParametersOf(RenderParams& params)
             WordType::kText, 1, [&params](const Words& words) { params.annotations = parseAnnotations(words[0]); },
             annotations, {.words = "NAME,NAME", .group = "Picture", .attribute = "annotations"}),
     };
+    const Parameters keys = {
+        parameter("camera", "JSON file of key frames of the camera (docs/formats.md).", params.cameraFile,
+                  {.words = "FILE", .group = "Camera", .isFile = true, .attribute = "cameraKeys"}),
+    };
     const Parameters scalars = {
-        parameter("by", "Float grid that colour and opacity follow; magnitude by default.", WordType::kText, 1, setBy,
-                  [] { return Words{}; }, {.words = "NAME", .group = "Colour and opacity", .attribute = "-"}),
-        parameter("color_by", "Float grid that colour follows.", params.colorBy,
+        parameter("by", "Float grid that colour and opacity follow; magnitude by default.", params.by,
+                  {.words = "NAME", .group = "Colour and opacity", .attribute = "-"}),
+        parameter("color_by", "Float grid that colour follows.", WordType::kText, 1,
+                  [&params](const Words& words) { params.colorBy = words[0]; }, colorBy,
                   {.words = "NAME", .group = "Colour and opacity"}),
         parameter("opacity_by", "Float grid that opacity follows.", WordType::kText, 1,
-                  [&params](const Words& words) { params.opacityBy = {words[0]}; }, opacityBy,
+                  [&params](const Words& words) { params.opacityBy = words[0]; }, opacityBy,
                   {.words = "NAME", .group = "Colour and opacity"}),
-        parameter(
-            "transfer", "JSON file of a transfer function (docs/formats.md).", WordType::kText, 1,
-            [&params](const Words& words) { readTransferFile(words[0], params.look.transfer); }, [] { return Words{}; },
-            {.words = "FILE", .group = "Colour and opacity", .isFile = true, .attribute = "-"}),
+        parameter("transfer", "JSON file of a transfer function (docs/formats.md).", params.transferFile,
+                  {.words = "FILE", .group = "Colour and opacity", .isFile = true, .attribute = "-"}),
     };
-    return joined({picture, parametersOf(params.camera), parametersOf(params.motion), scalars,
-                   parametersOf(params.look), parametersOf(params.rays), shown, parametersOf(params.solid),
-                   parametersOf(params.ground), annotate, parametersOf(params.background)});
+    return joined({picture, parametersOf(params.camera), parametersOf(params.motion), keys, scalars,
+                   kept(params.lookOptions, parametersOf(defaults->look), defaults), parametersOf(params.rays), shown,
+                   parametersOf(params.solid), parametersOf(params.ground), annotate,
+                   kept(params.lookOptions, parametersOf(defaults->background), defaults)});
 }
-
-namespace {
-
-/// The textures to render, which choose the look that all other parameters are set on top of.
-Parameters inputParameters(RenderParams& params)
-{
-    Parameters input = parametersOf(params.input, "TEXTURE",
-                                    "Texture volumes: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), "
-                                    "or - for paths on standard input.");
-    for (Parameter& parameter : input) {
-        if (parameter.key != "input") continue;
-        parameter.set = [&params, set = parameter.set](const Words& words) {
-            set(words);
-            setLook(params, defaultLookName(isSparse(params.input)));
-        };
-    }
-    return input;
-}
-
-} // namespace
 
 Parameters parametersOf(RenderParams& params)
 {
+    RenderOutputs& to = params.outputs;
     const Parameters outputs = {
         parameter("output",
                   "Image or pattern of images, .exr (linear, premultiplied alpha) or .png (8 bit sRGB, opaque). May be "
                   "left out with a film, a histogram or a transfer function to write.",
-                  params.output, {.option = "-o,--output", .group = "Output", .isFile = true}),
-        skipExistingParameter(params.skipExisting),
+                  to.images, {.option = "-o,--output", .group = "Output", .isFile = true}),
+        skipExistingParameter(to.skipExisting),
         parameter("keep_going", "Leave out frames that cannot be read; the exit status tells at the end.",
                   params.keepGoing, {.group = "Output"}),
     };
     const Parameters further = {
         parameter("histogram", "Histograms of texture and scalars with the transfer function over them, .png or .json.",
-                  params.histogram, {.words = "FILE", .group = "Output", .isFile = true}),
+                  to.histogram, {.words = "FILE", .group = "Output", .isFile = true}),
         parameter("transfer_out", "JSON file for the range, colours and opacity that are rendered with.",
-                  params.transferOut, {.words = "FILE", .group = "Output", .isFile = true}),
-        parameter("film", "Film of all frames, .mp4, made by ffmpeg.", params.film,
+                  to.transferFunction, {.words = "FILE", .group = "Output", .isFile = true}),
+        parameter("film", "Film of all frames, .mp4, made by ffmpeg.", to.film,
                   {.words = "FILE", .group = "Output", .isFile = true}),
-        parameter("fps", "Frames of the film a second.", params.framesPerSecond,
+        parameter("fps", "Frames of the film a second.", to.framesPerSecond,
                   {.group = "Output", .limits = {0.01, 1000}}),
     };
-    return joined({inputParameters(params), outputs, pictureParametersOf(params), parametersOf(params.exr), further});
+    return joined(
+        {parametersOf(params.input, "TEXTURE",
+                      "Texture volumes: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), or - "
+                      "for paths on standard input."),
+         outputs, parametersOf(params.picture), parametersOf(to.exr), further});
 }
 
-void RenderParams::validate() const
+void RenderOutputs::validate() const
 {
-    if (output.empty() && film.empty() && histogram.empty() && transferOut.empty())
+    if (images.empty() && film.empty() && histogram.empty() && transferFunction.empty())
         throw ParameterError("there is nothing to make: give an output");
     if (!film.empty() && std::filesystem::path(film).extension() != ".mp4")
         throw ParameterError(fmt::format("film '{}' must end in .mp4", film));
     if (!film.empty() && skipExisting)
         throw ParameterError("a film needs the pictures of all frames; existing ones cannot be skipped");
-    RenderParams copy = *this;
-    checkLimits(parametersOf(copy));
-    if (!output.empty()) {
-        const bool exrOutput = imageFormat(output) == ImageFormat::kExr;
-        if (!exr.layers.empty() && !exrOutput) {
-            throw ParameterError(fmt::format("output '{}': only .exr holds further channels", output));
-        }
-    }
+    if (!images.empty() && imageFormat(images) != ImageFormat::kExr && !exr.layers.empty())
+        throw ParameterError(fmt::format("output '{}': only .exr holds further channels", images));
     if (!histogram.empty()) checkHistogramPath(histogram);
-    validatePicture();
+    exr.validate();
 }
 
-void RenderParams::validatePicture() const
+void RenderParams::validate() const
 {
     RenderParams copy = *this;
-    checkLimits(pictureParametersOf(copy));
+    checkLimits(parametersOf(copy));
+    outputs.validate();
+    picture.validate();
+}
+
+void PictureParams::validate() const
+{
+    PictureParams copy = *this;
+    checkLimits(parametersOf(copy));
     camera.validate();
     motion.validate();
-    look.validate();
     solid.validate();
     ground.validate();
     rays.validate();
-    background.validate();
-    exr.validate();
-    if (motion.orbit != 0 && !motion.orbitFrames && (input.pattern == "-" || !FramePattern(input.pattern).hasField())) {
-        throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
-    }
     if (regionBox) {
         const auto& b = *regionBox;
         const bool isFinite = std::all_of(b.begin(), b.end(), [](double c) { return std::isfinite(c); });
@@ -198,13 +180,13 @@ void RenderParams::validatePicture() const
     }
 }
 
-glm::ivec2 RenderParams::scaledSize() const
+glm::ivec2 PictureSettings::scaledSize() const
 {
     const auto scaled = [&](int side) { return int(std::clamp(std::round(side * scale), 1.0, 1e9)); };
     return {scaled(size.x), scaled(size.y)};
 }
 
-double RenderParams::imageBytes() const
+double PictureSettings::imageBytes() const
 {
     // The sum over the samples, one sample, the file's pixels, and the file.
     const double layerBytes = rays.layers ? 2 * sizeof(PixelLayers) : 0;
@@ -212,8 +194,8 @@ double RenderParams::imageBytes() const
     const double surfaceBytes = hasSurface ? sizeof(float) + sizeof(glm::vec4) + sizeof(glm::vec3) : 0;
     // Two drawings of 32 bits, and both in linear light.
     const double annotationBytes = annotations.any() ? 2 * (sizeof(float) + sizeof(glm::vec4)) : 0;
-    const double perPixel =
-        sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + annotationBytes + (film.empty() ? 0 : 3);
+    constexpr double kDisplayed = 3; // bytes
+    const double perPixel = sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + annotationBytes + kDisplayed;
     return double(scaledSize().x) * scaledSize().y * perPixel;
 }
 

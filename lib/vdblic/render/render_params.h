@@ -14,28 +14,21 @@
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace vdblic {
 
-/// How a sequence of textures becomes a sequence of images.
-struct RenderParams {
-    SequenceParams input;
-    bool skipExisting = false;   ///< leave existing outputs as they are
-    bool keepGoing = false;      ///< leave out frames that cannot be read, and fail at the end
-    std::string output;          ///< one file or a pattern, .exr or .png; frame numbers are the input's
-    std::string film;            ///< .mp4 file of all frames; empty: none
-    double framesPerSecond = 24; ///< of the film
-    AnnotationParams annotations;
-    std::string transferOut{};         ///< JSON file for the transfer function that the frames are rendered with
-    std::string histogram;             ///< file for the histograms, .json or .png; empty: none
-    std::string texture;               ///< grid that holds the texture; empty: by the files' metadata, else `density`
-    std::string colorBy = "magnitude"; ///< grid whose values colour
-    /// Grid that opacity follows: the first of these that the sequence has; empty: the one that colour follows.
-    std::vector<std::string> opacityBy{};
-    std::string region; ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
+/// Values that are given, by the keys of their parameters.
+using Given = std::map<std::string, Words>;
+
+inline constexpr const char* kSpeedGrid = "magnitude"; ///< colours where no grid is named
+
+/// What parameters and plan of a picture have in common: values that no file and no look changes.
+struct PictureSettings {
+    std::string texture; ///< grid that holds the texture; empty: by the files' metadata, else `density`
+    std::string region;  ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
     /// Lower and upper corner in world space: only voxels with their centre inside are shown.
     std::optional<std::array<double, 6>> regionBox{};
     SolidParams solid;
@@ -48,27 +41,55 @@ struct RenderParams {
     int samples = 1;             ///< rays per pixel
     CameraParams camera;
     CameraMotion motion;
-    std::string lookName = "flow"; ///< that `look`, `background` and `opacityBy` started from
-    LookParams look;
+    std::string cameraFile; ///< JSON file that resolve() reads `motion.keys` from; empty: none
     RayCastParams rays;
-    Background background;
-    ExrParams exr;
+    AnnotationParams annotations;
 
     /// The size times the scale, at least one pixel a side.
     [[nodiscard]] glm::ivec2 scaledSize() const;
     /// Estimate of the memory that an image takes until it is written.
     [[nodiscard]] double imageBytes() const;
-    /// @throws ParameterError
-    void validate() const;
-    /// As validate(), but for outputs. @throws ParameterError
-    void validatePicture() const;
 };
 
-/// As the look of textures has it for which none is asked, sparse ones or others (defaultLookName()).
-[[nodiscard]] RenderParams defaultRenderParams(bool isSparse = false);
-/// Those that determine a picture: not the files that it comes from and goes to. The look comes first, so that others
-/// are set on top of it.
-[[nodiscard]] Parameters pictureParametersOf(RenderParams& params);
+/// A picture as a user describes it. resolve() makes a PicturePlan of it (render_plan.h).
+struct PictureParams : PictureSettings {
+    std::string look;         ///< name of a look (lookPreset()); empty: by the textures
+    std::string transferFile; ///< JSON file of a transfer function, on top of the look; empty: none
+    Given lookOptions;        ///< parameters of LookParams and Background, on top of both
+    std::string by;           ///< grid that colour and opacity follow; empty: kSpeedGrid and the look's choice
+    std::string colorBy;      ///< grid that colour follows; empty: by `by`
+    std::string opacityBy;    ///< grid that opacity follows; empty: by `by`
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+/// What is written of a sequence of textures.
+struct RenderOutputs {
+    std::string images;           ///< one file or a pattern, .exr or .png; frame numbers are the input's; empty: none
+    std::string film;             ///< .mp4 file of all frames; empty: none
+    double framesPerSecond = 24;  ///< of the film
+    std::string transferFunction; ///< JSON file for the transfer function of the pictures; empty: none
+    std::string histogram;        ///< file for the histograms, .json or .png; empty: none
+    bool skipExisting = false;    ///< leave existing images as they are
+    ExrParams exr;
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+/// How a sequence of textures becomes a sequence of images, as a user describes it.
+struct RenderParams {
+    SequenceParams input;
+    bool keepGoing = false; ///< leave out frames that cannot be read, and fail at the end
+    PictureParams picture;
+    RenderOutputs outputs;
+
+    /// @throws ParameterError
+    void validate() const;
+};
+
+[[nodiscard]] Parameters parametersOf(PictureParams& params);
 [[nodiscard]] Parameters parametersOf(RenderParams& params);
 
 } // namespace vdblic

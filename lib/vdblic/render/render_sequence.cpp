@@ -15,6 +15,7 @@
 #include "vdblic/render/frame_renderer.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/render_outputs.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/scene.h"
 
 #include <fmt/format.h>
@@ -61,26 +62,27 @@ struct RenderedFrame {
 /// The run over a sequence: frames are taken one by one, rendered in parallel, and reported one by one in order.
 class SequenceRenderer {
   public:
-    SequenceRenderer(const RenderParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
-        : mParams(params), mReporter(reporter), mExchange(exchange), mRenderer(mParams, reporter, exchange),
-          mSource(openSequence(params.input, lines, mTotal))
+    SequenceRenderer(const RenderPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange)
+        : mPlan(plan), mReporter(reporter), mExchange(exchange), mRenderer(mPlan, reporter, exchange),
+          mSource(openSequence(plan.input, lines, mTotal))
     {
-        const bool isPiped = params.input.pattern == "-";
-        const std::vector<FrameFile> files = isPiped ? std::vector<FrameFile>{} : selectFrames(params.input);
-        checkRenderOutputs(params, files);
-        if (!params.output.empty()) mOutput.emplace(params.output);
-        if (!params.film.empty()) mFilm.emplace(params.film, params.scaledSize(), params.framesPerSecond);
+        const bool isPiped = plan.input.pattern == "-";
+        const std::vector<FrameFile> files = isPiped ? std::vector<FrameFile>{} : selectFrames(plan.input);
+        checkRenderOutputs(plan, files);
+        if (!plan.outputs.images.empty()) mOutput.emplace(plan.outputs.images);
+        if (!plan.outputs.film.empty())
+            mFilm.emplace(plan.outputs.film, plan.picture.scaledSize(), plan.outputs.framesPerSecond);
     }
 
     void run()
     {
-        if (mParams.input.pattern != "-") {
-            if (std::optional<SequenceScene> found = sceneOfSequence(mParams, mExchange)) {
+        if (mPlan.input.pattern != "-") {
+            if (std::optional<SequenceScene> found = sceneOfSequence(mPlan, mExchange)) {
                 mScene = std::move(found->scene);
                 mOnlyFrame = std::move(found->onlyFrame);
             }
             if (mScene) tellTransfer();
-            if (!mOutput && !mFilm && mParams.histogram.empty()) return checkScene();
+            if (!mOutput && !mFilm && mPlan.outputs.histogram.empty()) return checkScene();
         }
         warnOfTitle();
         mReporter.progress(0, mTotal);
@@ -96,11 +98,12 @@ class SequenceRenderer {
         if (mDone == 0) throw InputError("no frame to render: standard input named none");
         if (mFilm) {
             mFilm->finish();
-            mReporter.finished(mParams.film);
+            mReporter.finished(mPlan.outputs.film);
         }
         warnOfNothing();
-        if (!mParams.histogram.empty()) writeHistogram();
-        if (mParams.skipExisting) mReporter.say(fmt::format("{} of {} images were there already", mSkipped, mDone));
+        if (!mPlan.outputs.histogram.empty()) writeHistogram();
+        if (mPlan.outputs.skipExisting)
+            mReporter.say(fmt::format("{} of {} images were there already", mSkipped, mDone));
         if (mLeftOut == 0) return;
         throw InputError(fmt::format("{} of {} frames could not be rendered; the warnings name them", mLeftOut, mDone));
     }
@@ -109,32 +112,32 @@ class SequenceRenderer {
     void writeHistogram()
     {
         if (!mHistograms) throw InputError("no active voxel was met; there is nothing to make histograms of");
-        const ScalarNames names{mParams.colorBy, mScene->opacityBy};
-        if (writeHistograms(mParams.histogram, *mHistograms, mScene->look, names))
-            mReporter.finished(mParams.histogram);
+        const ScalarNames names{mPlan.picture.colorBy, mScene->opacityBy};
+        if (writeHistograms(mPlan.outputs.histogram, *mHistograms, mScene->look, names))
+            mReporter.finished(mPlan.outputs.histogram);
     }
 
     void checkScene() const
     {
-        if (!mScene) throw InputError(fmt::format("{}: no frame has an active voxel", mParams.input.pattern));
+        if (!mScene) throw InputError(fmt::format("{}: no frame has an active voxel", mPlan.input.pattern));
     }
 
     /// What the look was chosen from, and its transfer function.
     void tellTransfer()
     {
-        const TransferParams& given = mParams.look.transfer;
-        if (mParams.input.pattern == "-" && (!given.range || given.opacity.empty())) {
+        const TransferParams& given = mPlan.picture.look.transfer;
+        if (mPlan.input.pattern == "-" && (!given.range || given.opacity.empty())) {
             mReporter.say("range and opacity are chosen from the first frame alone; `transfer` takes them from a file, "
                           "which `transfer_out` writes for a whole sequence");
         }
-        if (mParams.transferOut.empty()) return;
-        if (writeTransferFile(mParams.transferOut, mScene->look.transfer.params()))
-            mReporter.finished(mParams.transferOut);
+        if (mPlan.outputs.transferFunction.empty()) return;
+        if (writeTransferFile(mPlan.outputs.transferFunction, mScene->look.transfer.params()))
+            mReporter.finished(mPlan.outputs.transferFunction);
     }
 
     void warnOfTitle()
     {
-        const std::string& title = mParams.annotations.title;
+        const std::string& title = mPlan.picture.annotations.title;
         const std::string missing = title.empty() ? "" : annotationFont(title).missing;
         if (missing.empty()) return;
         mReporter.warn(fmt::format("title '{}': no installed font has '{}', which is drawn as boxes; install one, such "
@@ -186,22 +189,22 @@ class SequenceRenderer {
             const std::optional<FrameFile> file = mSource();
             if (!file) return false;
             if (mOutput) checkNotInput(mOutput->path(file->frame), file->path);
-            if (mFilm) checkNotInput(mParams.film, file->path);
-            if (mOutput && mParams.input.pattern == "-") checkOutput(mOutput->path(file->frame));
+            if (mFilm) checkNotInput(mPlan.outputs.film, file->path);
+            if (mOutput && mPlan.input.pattern == "-") checkOutput(mOutput->path(file->frame));
             if (mTaken++ == 1 && mOutput) checkOutputPattern(*mOutput, 2); // standard input named a second path
             task.file = *file;
             if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
             if (!mScene) {
-                task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mParams, *file));
+                task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mPlan.picture, *file));
                 if (!task.loaded->volume.empty()) {
                     OneProcess alone;
-                    mScene = chooseScene(mParams, {&task.loaded, 1}, task.loaded->volume.corners(), {}, alone);
+                    mScene = chooseScene(mPlan.picture, {&task.loaded, 1}, task.loaded->volume.corners(), {}, alone);
                 }
             }
             if (mScene) task.scene = &*mScene;
         } catch (const InputError&) {
             task.error = std::current_exception();
-            mStopped = !mParams.keepGoing;
+            mStopped = !mPlan.keepGoing;
         } catch (...) {
             task.error = std::current_exception();
             mStopped = true;
@@ -217,7 +220,7 @@ class SequenceRenderer {
         try {
             mExchange.together([&] {
                 if (task.error) std::rethrow_exception(task.error);
-                const bool isThere = mOutput && mParams.skipExisting && mExchange.isFirst() &&
+                const bool isThere = mOutput && mPlan.outputs.skipExisting && mExchange.isFirst() &&
                                      isFinished(mOutput->path(task.file.frame));
                 const bool isWhole = isThere && isWholeImage(mOutput->path(task.file.frame));
                 result.wasDamaged = isThere && !isWhole;
@@ -235,9 +238,10 @@ class SequenceRenderer {
     void render(const FrameTask& task, RenderedFrame& result) const
     {
         FrameImage made = mRenderer.render(task.file, task.scene, task.loaded);
-        if (mFilm) result.film = displayBytes(made.image, mParams.background);
+        if (mFilm) result.film = displayBytes(made.image, mPlan.picture.background);
         if (mOutput && mExchange.isFirst())
-            writeImage(mOutput->path(task.file.frame), made.image, made.header, mParams.background, mParams.exr);
+            writeImage(mOutput->path(task.file.frame), made.image, made.header, mPlan.picture.background,
+                       mPlan.outputs.exr);
         made.image = {};
         result.made = std::move(made);
     }
@@ -254,8 +258,9 @@ class SequenceRenderer {
         const std::string path = frame.file.path.string();
         if (frame.scene && !mDescribed) describe(*frame.scene, frame.file.frame);
         if (!frame.made.hasColor && !mSaidNoColor) {
-            mReporter.say(fmt::format("{}: no float grid '{}'; the texture chooses {} instead", path, mParams.colorBy,
-                                      mParams.opacityBy.empty() ? "colour and opacity" : "the colour"));
+            mReporter.say(fmt::format("{}: no float grid '{}'; the texture chooses {} instead", path,
+                                      mPlan.picture.colorBy,
+                                      mPlan.picture.opacityBy.empty() ? "colour and opacity" : "the colour"));
             mSaidNoColor = true;
         }
         if (frame.made.unusableVoxels > 0) {
@@ -285,7 +290,7 @@ class SequenceRenderer {
         try {
             std::rethrow_exception(frame.error);
         } catch (const InputError& error) {
-            if (!mParams.keepGoing) throw;
+            if (!mPlan.keepGoing) throw;
             mReporter.warn(fmt::format("{}; the frame is left out", error.what()));
             ++mLeftOut;
             mReporter.progress(++mDone, mTotal);
@@ -295,7 +300,7 @@ class SequenceRenderer {
     void describe(const Scene& scene, std::int64_t frame)
     {
         mDescribed = true;
-        if (mParams.input.pattern == "-") tellTransfer();
+        if (mPlan.input.pattern == "-") tellTransfer();
         const Look& look = scene.look;
         const Camera camera = scene.cameras.at(frame);
         mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, nameOf(camera.projection()),
@@ -303,7 +308,7 @@ class SequenceRenderer {
         const TransferFunction& transfer = look.transfer;
         mReporter.detail(fmt::format("{} {} to {} ({}), opacity by {} {} to {} ({}): {}, texture {} to {}, "
                                      "exposure {}",
-                                     mParams.colorBy, transfer.range()[0], transfer.range()[1],
+                                     mPlan.picture.colorBy, transfer.range()[0], transfer.range()[1],
                                      nameOf(transfer.colorAxis().scale), scene.opacityBy, transfer.opacityRange()[0],
                                      transfer.opacityRange()[1], nameOf(transfer.opacityAxis().scale),
                                      opacityText(transfer.opacity()), look.texture.low, look.texture.high,
@@ -314,7 +319,7 @@ class SequenceRenderer {
         mReporter.detail(fmt::format("{}, about {:.0f} MB each", which, scene.frameBytes / 1e6));
     }
 
-    const RenderParams& mParams;
+    const RenderPlan& mPlan;
     Reporter& mReporter;
     Exchange& mExchange;
     FrameRenderer mRenderer;
@@ -337,19 +342,18 @@ class SequenceRenderer {
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter)
 {
     OneProcess alone;
-    renderSequence(params, lines, reporter, alone);
+    renderSequence(resolve(params), lines, reporter, alone);
 }
 
-void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
+void renderSequence(const RenderPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange)
 {
     exchange.together([&] {
-        params.validate();
-        if (!params.output.empty() || !params.film.empty()) {
-            const glm::ivec2 size = params.scaledSize();
-            checkMemory(params.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
+        if (!plan.outputs.images.empty() || !plan.outputs.film.empty()) {
+            const glm::ivec2 size = plan.picture.scaledSize();
+            checkMemory(plan.picture.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
                         "make it smaller with `size` or `scale`");
         }
-        SequenceRenderer(params, lines, reporter, exchange).run();
+        SequenceRenderer(plan, lines, reporter, exchange).run();
     });
 }
 

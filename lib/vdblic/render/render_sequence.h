@@ -1,12 +1,14 @@
 #pragma once
 
-#include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/render/render_params.h"
 
 #include <iosfwd>
 
 namespace vdblic {
+
+class Exchange;
+struct RenderPlan;
 
 /// Render each frame of a texture sequence, as many at a time as there are threads and memory for.
 ///
@@ -21,8 +23,8 @@ namespace vdblic {
 /// @throws ParameterError, InputError naming the file, OutputError; images finished before remain
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter);
 
-/// The same by several ranks, which share each frame: each reads what its part of the picture shows and casts that, and
-/// rank 0 writes the whole. For a pattern or a file, without film and histograms. Collective.
-void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange);
+/// The same for resolved parameters. Several ranks share each frame: each reads what its part of the picture shows and
+/// casts that, and rank 0 writes the whole; for a pattern or a file, without film and histograms. Collective.
+void renderSequence(const RenderPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange);
 
 } // namespace vdblic

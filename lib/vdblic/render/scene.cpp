@@ -12,7 +12,7 @@
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/annotations.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/sequence_bounds.h"
 #include "vdblic/volume/coarse_scalar.h"
 #include "vdblic/volume/leaf_share.h"
@@ -72,7 +72,7 @@ FrameClock clockOf(const openvdb::MetaMap& metadata)
 std::string unitOf(const openvdb::FloatGrid& scalar, const std::string& lengthUnit)
 {
     std::string unit = textOf(scalar, "unit");
-    if (!unit.empty() || scalar.getName() != RenderParams{}.colorBy || lengthUnit.empty()) return unit;
+    if (!unit.empty() || scalar.getName() != kSpeedGrid || lengthUnit.empty()) return unit;
     return lengthUnit + "/s";
 }
 
@@ -90,7 +90,7 @@ std::vector<std::string> kindsOf(const openvdb::FloatGrid& scalar, const openvdb
 openvdb::FloatGrid::Ptr flowVoxelsOf(const VdbFile& file, const openvdb::FloatGrid::Ptr& color)
 {
     if (color && color->getName() != kSourceGrid) return color;
-    return file.find<openvdb::FloatGrid>(RenderParams{}.colorBy);
+    return file.find<openvdb::FloatGrid>(kSpeedGrid);
 }
 
 openvdb::FloatGrid::Ptr resampledOn(const openvdb::FloatGrid::Ptr& grid, const openvdb::FloatGrid& texture)
@@ -100,9 +100,9 @@ openvdb::FloatGrid::Ptr resampledOn(const openvdb::FloatGrid::Ptr& grid, const o
 }
 
 /// Voxels around visible leaves whose records are read: lines take those of the next leaf.
-int rimOf(const RenderParams& params)
+int rimOf(const PicturePlan& plan)
 {
-    return params.look.shading.model == ShadingModel::kLine ? LeafVoxel::kDim : 0;
+    return plan.look.shading.model == ShadingModel::kLine ? LeafVoxel::kDim : 0;
 }
 
 /// The memory that a leaf of a frame's two grids takes, and the tables of its picture.
@@ -143,41 +143,41 @@ double LoadedTexture::bytes() const
     return double(volume.leafCount()) * (kLeafBytes + volume.bytesPerLeaf());
 }
 
-double bytesPerVoxel(const RenderParams& params)
+double bytesPerVoxel(const PicturePlan& plan)
 {
-    const bool hasLines = params.look.shading.model == ShadingModel::kLine;
-    const int scalars = params.opacityBy.empty() ? 1 : 2;
+    const bool hasLines = plan.look.shading.model == ShadingModel::kLine;
+    const int scalars = plan.opacityBy.empty() ? 1 : 2;
     const double records = TextureVolume::bytesPerLeaf(hasLines, scalars * double(ScalarLeaf::kSize * sizeof(float)));
     return (kLeafBytes + records) / LeafVoxel::kCount;
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Scene* scene, const LeafShare* share)
+LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const Scene* scene, const LeafShare* share)
 {
-    if (!share) return loadFrame(params, readVdb(frame.path), frame, scene);
-    const std::optional<GridHeader> header = textureHeader(frame, params.texture);
+    if (!share) return loadFrame(plan, readVdb(frame.path), frame, scene);
+    const std::optional<GridHeader> header = textureHeader(frame, plan.texture);
     // Records hold a voxel more on all sides, and their gradients another one. Other grids are to be resampled.
-    const int rim = rimOf(params) + LeafVoxel::kDim;
+    const int rim = rimOf(plan) + LeafVoxel::kDim;
     const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
         return !header || share->needs(origin, rim) || grid.transform() != *header->transform;
     };
     const bool verifies = share->owns(openvdb::Coord(0)); // one rank does
     const VdbFile file = readVdb(frame.path, isKept, verifies);
-    const std::string name = textureName(file.metadata, params.texture);
+    const std::string name = textureName(file.metadata, plan.texture);
     const auto texture = file.find<openvdb::FloatGrid>(name);
     if (header && texture && texture->transform() != *header->transform)
         throw InputError(fmt::format("{}: holds several grids '{}'; rename one", frame.path.string(), name));
-    return loadFrame(params, file, frame, scene, share);
+    return loadFrame(plan, file, frame, scene, share);
 }
 
-LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame, const Scene* scene,
+LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame, const Scene* scene,
                         const LeafShare* share)
 {
-    const auto texture = file.get<openvdb::FloatGrid>(textureName(file.metadata, params.texture), "`texture`");
-    std::vector<std::string> opacityBy = params.opacityBy;
+    const auto texture = file.get<openvdb::FloatGrid>(textureName(file.metadata, plan.texture), "`texture`");
+    std::vector<std::string> opacityBy = plan.opacityBy;
     if (scene && !opacityBy.empty()) opacityBy = {scene->opacityBy};
-    const auto storedColor = findScalar(file, {params.colorBy});
-    if (!storedColor && params.colorBy != RenderParams{}.colorBy)
-        throw missingScalar(file, {params.colorBy}, opacityBy.empty() ? "`by`" : "`color_by`");
+    const auto storedColor = findScalar(file, {plan.colorBy});
+    if (!storedColor && plan.colorBy != kSpeedGrid)
+        throw missingScalar(file, {plan.colorBy}, opacityBy.empty() ? "`by`" : "`color_by`");
     const auto storedOpacity = opacityBy.empty() ? storedColor : findScalar(file, opacityBy);
     if (!storedOpacity && !opacityBy.empty()) throw missingScalar(file, opacityBy, "`opacity_by`");
     try {
@@ -188,20 +188,20 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
         };
         const auto color = storedColor ? usable(storedColor) : texture;
         const auto opacity = storedOpacity && storedOpacity != storedColor ? usable(storedOpacity) : color;
-        const bool hasLines = params.look.shading.model == ShadingModel::kLine;
+        const bool hasLines = plan.look.shading.model == ShadingModel::kLine;
         const std::string lengthUnit = textOf(file.metadata, "length_unit");
         // The lines at a leaf's rim are those of its neighbours.
         const RecordUse use{.look = hasLines || !scene ? nullptr : &scene->look,
                             .share = share,
-                            .rim = rimOf(params),
+                            .rim = rimOf(plan),
                             .isSparse = isSparse};
         LoadedTexture loaded{frame,
                              texture,
                              color,
                              opacity,
                              bool(storedColor),
-                             storedOpacity ? storedOpacity->getName() : params.colorBy,
-                             TextureVolume(*texture, *opacity, params.stretch, use),
+                             storedOpacity ? storedOpacity->getName() : plan.colorBy,
+                             TextureVolume(*texture, *opacity, plan.stretch, use),
                              clockOf(file.metadata),
                              unitOf(*color, lengthUnit),
                              unitOf(*opacity, lengthUnit),
@@ -209,10 +209,10 @@ LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const F
                              kindsOf(*color, file.metadata),
                              isSparse,
                              isSparse ? flowVoxelsOf(file, storedColor) : nullptr};
-        if (opacity != color || !params.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
-        if (!params.region.empty() || params.regionBox) {
+        if (opacity != color || !plan.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
+        if (!plan.region.empty() || plan.regionBox) {
             const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
-            const DomainParams region{.mask = params.region, .worldBox = params.regionBox};
+            const DomainParams region{.mask = plan.region, .worldBox = plan.regionBox};
             loaded.volume.cut(*makeDomain(topology, texture->transform(), region, frame.frame).texture);
         }
         if (hasLines) loaded.volume.addLines();
@@ -244,14 +244,14 @@ void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
     kinds = frame.kinds;
 }
 
-Look LookBasis::choose(const RenderParams& params) const
+Look LookBasis::choose(const PicturePlan& plan) const
 {
     try {
         constexpr double kOblique = 2; // how much longer a path through a plate may be than the plate is thick
-        LookParams open = params.look;
+        LookParams open = plan.look;
         open.transfer.kinds = kinds;
         Look look = chooseLook(open, samples, std::min(std::cbrt(voxels), kOblique * narrowest));
-        look.background = params.background;
+        look.background = plan.background;
         return look;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", first.string(), error.what()));
@@ -261,14 +261,14 @@ Look LookBasis::choose(const RenderParams& params) const
 namespace {
 
 /// Points around the solids of the frames.
-std::vector<glm::dvec3> solidPoints(const RenderParams& params,
+std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
                                     std::span<const std::shared_ptr<const LoadedTexture>> frames)
 {
     std::vector<glm::dvec3> points;
     for (const auto& frame :
-         frames.first(params.solid.changes() ? frames.size() : std::min<std::size_t>(1, frames.size()))) {
+         frames.first(plan.solid.changes() ? frames.size() : std::min<std::size_t>(1, frames.size()))) {
         try {
-            const auto more = solidExtent(makeSolid(params.solid, *frame->domain(), params.stretch, frame->file.frame));
+            const auto more = solidExtent(makeSolid(plan.solid, *frame->domain(), plan.stretch, frame->file.frame));
             points.insert(points.end(), more.begin(), more.end());
         } catch (const InputError&) { // is reported at the frame's turn
         }
@@ -277,48 +277,48 @@ std::vector<glm::dvec3> solidPoints(const RenderParams& params,
 }
 
 /// Add the points of the ground that lie below the points of a subject, where most of its shadow falls.
-void addOnGround(const RenderParams& params, const Corners& box, std::vector<glm::dvec3>& subject)
+void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::dvec3>& subject)
 {
-    const glm::dvec3 up = params.camera.up.value_or(glm::dvec3(0, 0, 1));
-    const GroundPlane plane = groundPlane(params.ground.side, up, box, nullptr);
+    const glm::dvec3 up = plan.camera.up.value_or(glm::dvec3(0, 0, 1));
+    const GroundPlane plane = groundPlane(plan.ground.side, up, box, nullptr);
     for (std::size_t i = 0, count = subject.size(); i < count; ++i)
         subject.push_back(subject[i] + plane.normal * (plane.height - glm::dot(subject[i], plane.normal)));
 }
 
 } // namespace
 
-std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
+std::vector<glm::dvec3> sceneSubject(const PicturePlan& plan, const Look& look,
                                      std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
                                      Exchange& exchange)
 {
     std::vector<glm::dvec3> subject;
-    if (params.camera.eye && params.camera.projection == Projection::kPerspective) return subject;
-    const AnnotationParams& annotations = params.annotations;
+    if (plan.camera.eye && plan.camera.projection == Projection::kPerspective) return subject;
+    const AnnotationParams& annotations = plan.annotations;
     if (annotations.box || annotations.axes) {
         subject.assign(box.begin(), box.end());
     } else {
-        if (!params.solid.source.empty()) subject = solidPoints(params, frames);
+        if (!plan.solid.source.empty()) subject = solidPoints(plan, frames);
         for (const auto& frame : frames) {
-            const auto more = visibleExtent(frame->volume, look, params.rays.clip.stretched(params.stretch), exchange);
+            const auto more = visibleExtent(frame->volume, look, plan.rays.clip.stretched(plan.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());
         }
-        if (params.ground.side != GroundSide::kNone) addOnGround(params, box, subject);
+        if (plan.ground.side != GroundSide::kNone) addOnGround(plan, box, subject);
     }
     if (!annotations.axes && !annotations.colorBar) return subject;
-    const Camera view(params.camera, box, params.scaledSize(), subject);
+    const Camera view(plan.camera, box, plan.scaledSize(), subject);
     return withRoom(std::move(subject), annotations, view);
 }
 
-Scene chooseScene(const RenderParams& params, std::span<const std::shared_ptr<const LoadedTexture>> frames,
+Scene chooseScene(const PicturePlan& plan, std::span<const std::shared_ptr<const LoadedTexture>> frames,
                   const Corners& box, const FrameSpan& span, Exchange& exchange)
 {
     LookBasis basis;
     for (const auto& frame : frames)
         basis.add(*frame, exchange);
-    Look look = basis.choose(params);
-    std::vector<glm::dvec3> subject = sceneSubject(params, look, frames, box, exchange);
-    const CameraPath cameras(params.camera, params.motion, box, params.scaledSize(), span, std::move(subject));
-    return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + params.imageBytes(),
+    Look look = basis.choose(plan);
+    std::vector<glm::dvec3> subject = sceneSubject(plan, look, frames, box, exchange);
+    const CameraPath cameras(plan.camera, plan.motion, box, plan.scaledSize(), span, std::move(subject));
+    return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + plan.imageBytes(),
             basis.lastFrame, basis.longest};
 }
 
@@ -334,23 +334,23 @@ std::optional<BoxShare> boxOf(const FrameFile& file, const std::string& grid, co
 
 } // namespace
 
-std::optional<SceneSource> sceneSource(const RenderParams& params)
+std::optional<SceneSource> sceneSource(const SequenceParams& input, const PicturePlan& plan)
 {
-    const FramePattern pattern(params.input.pattern);
+    const FramePattern pattern(input.pattern);
     std::vector<FrameFile> files;
     FrameSpan span;
     if (pattern.hasField()) {
         for (const std::int64_t frame : pattern.framesOnDisk())
             files.push_back({frame, pattern.path(frame)});
         span.first = files.front().frame;
-        span.length = files.back().frame - files.front().frame + frameSpacing(params.input);
+        span.length = files.back().frame - files.front().frame + frameSpacing(input);
     } else {
-        files = selectFrames(params.input);
+        files = selectFrames(input);
     }
-    std::optional<SequenceBounds> bounds = sequenceBounds(files, params.texture);
+    std::optional<SequenceBounds> bounds = sequenceBounds(files, plan.texture);
     if (!bounds) return std::nullopt;
     for (glm::dvec3& corner : bounds->box)
-        corner *= params.stretch;
+        corner *= plan.stretch;
     constexpr std::size_t kLookFrames = 4;
     std::vector<FrameFile> lookFrames{bounds->firstFilled};
     for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
@@ -360,30 +360,30 @@ std::optional<SceneSource> sceneSource(const RenderParams& params)
     return SceneSource{files.size(), span, bounds->box, std::move(lookFrames)};
 }
 
-std::optional<SequenceScene> sceneOfSequence(const RenderParams& params, Exchange& exchange)
+std::optional<SequenceScene> sceneOfSequence(const RenderPlan& plan, Exchange& exchange)
 {
-    const std::optional<SceneSource> source = sceneSource(params);
+    const std::optional<SceneSource> source = sceneSource(plan.input, plan.picture);
     if (!source) return std::nullopt;
     std::vector<std::shared_ptr<const LoadedTexture>> frames;
-    RenderParams rest = params;
+    PicturePlan rest = plan.picture; // opacity follows the grid of the first frame in all others
     for (const FrameFile& file : source->lookFrames) {
         const bool first = file.frame == source->lookFrames.front().frame;
         try {
             std::shared_ptr<const LoadedTexture> loaded;
             exchange.together([&] {
-                const std::optional<BoxShare> share = boxOf(file, params.texture, exchange);
+                const std::optional<BoxShare> share = boxOf(file, plan.picture.texture, exchange);
                 loaded =
                     std::make_shared<const LoadedTexture>(loadFrame(rest, file, nullptr, share ? &*share : nullptr));
             });
             frames.push_back(std::move(loaded));
             if (!rest.opacityBy.empty()) rest.opacityBy = {frames.front()->opacityBy};
         } catch (const InputError&) { // is reported at the frame's turn
-            if (first && !params.keepGoing) throw;
+            if (first && !plan.keepGoing) throw;
         }
     }
     std::erase_if(frames, [](const auto& frame) { return frame->volume.empty(); });
     if (frames.empty()) return std::nullopt;
-    SequenceScene result{chooseScene(params, frames, source->box, source->span, exchange), nullptr};
+    SequenceScene result{chooseScene(plan.picture, frames, source->box, source->span, exchange), nullptr};
     if (source->frameCount == 1 && exchange.isAlone()) result.onlyFrame = frames.front();
     return result;
 }

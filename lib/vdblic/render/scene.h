@@ -22,7 +22,8 @@ namespace vdblic {
 
 class Exchange;
 class LeafShare;
-struct RenderParams;
+struct PicturePlan;
+struct RenderPlan;
 struct VdbFile;
 
 /// A frame that was read.
@@ -48,7 +49,7 @@ struct LoadedTexture {
 };
 
 /// Estimate of the memory that a voxel of a frame takes.
-[[nodiscard]] double bytesPerVoxel(const RenderParams& params);
+[[nodiscard]] double bytesPerVoxel(const PicturePlan& plan);
 
 struct Scene;
 
@@ -57,10 +58,10 @@ struct Scene;
 ///              hides are not prepared
 /// @param share the leaves that are read, of a frame that ranks share; null: all
 /// @throws InputError naming the file
-[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const FrameFile& frame, const Scene* scene = nullptr,
+[[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const Scene* scene = nullptr,
                                       const LeafShare* share = nullptr);
 /// The same for what a file holds. @param frame number and name, for masks and messages
-[[nodiscard]] LoadedTexture loadFrame(const RenderParams& params, const VdbFile& file, const FrameFile& frame,
+[[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,
                                       const Scene* scene = nullptr, const LeafShare* share = nullptr);
 
 /// What the look of a sequence is chosen from: samples of some of its frames.
@@ -78,13 +79,13 @@ struct LookBasis {
     /// @param exchange of the ranks that share it: collective
     void add(const LoadedTexture& frame, Exchange& exchange);
     /// @throws ParameterError, InputError naming the first file
-    [[nodiscard]] Look choose(const RenderParams& params) const;
+    [[nodiscard]] Look choose(const PicturePlan& plan) const;
 };
 
 /// What fills the picture: all that is visible of the frames and their solids, or the box around them if that is in the
 /// picture; nothing if the camera leaves nothing to choose. @param exchange of the ranks that share the frames:
 /// collective
-[[nodiscard]] std::vector<glm::dvec3> sceneSubject(const RenderParams& params, const Look& look,
+[[nodiscard]] std::vector<glm::dvec3> sceneSubject(const PicturePlan& plan, const Look& look,
                                                    std::span<const std::shared_ptr<const LoadedTexture>> frames,
                                                    const Corners& box, Exchange& exchange);
 
@@ -102,9 +103,8 @@ struct Scene {
 /// @param frames at least one, none empty
 /// @param box    around all frames, as far as is known
 /// @param exchange of the ranks that share the frames: collective
-[[nodiscard]] Scene chooseScene(const RenderParams& params,
-                                std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                const FrameSpan& span, Exchange& exchange);
+[[nodiscard]] Scene chooseScene(const PicturePlan& plan, std::span<const std::shared_ptr<const LoadedTexture>> frames,
+                                const Corners& box, const FrameSpan& span, Exchange& exchange);
 
 /// What the scene of a sequence is chosen from.
 struct SceneSource {
@@ -114,7 +114,7 @@ struct SceneSource {
     std::vector<FrameFile> lookFrames; ///< a few of them, the first one with an active voxel
 };
 /// By the headers of all files on disk, whichever are selected; nothing if none has an active voxel.
-[[nodiscard]] std::optional<SceneSource> sceneSource(const RenderParams& params);
+[[nodiscard]] std::optional<SceneSource> sceneSource(const SequenceParams& input, const PicturePlan& plan);
 
 /// A scene, and the frame that was read to make it if the sequence has no other.
 struct SequenceScene {
@@ -124,6 +124,6 @@ struct SequenceScene {
 
 /// The scene of sceneSource(); nothing if none of its frames has an active voxel.
 /// @param exchange of ranks, each of which reads a part of the frames; collective
-[[nodiscard]] std::optional<SequenceScene> sceneOfSequence(const RenderParams& params, Exchange& exchange);
+[[nodiscard]] std::optional<SequenceScene> sceneOfSequence(const RenderPlan& plan, Exchange& exchange);
 
 } // namespace vdblic

@@ -7,14 +7,14 @@
 
 namespace vdblic {
 
-ShownFrame::ShownFrame(const RenderParams& params, const Look& look, std::shared_ptr<const LoadedTexture> frame,
+ShownFrame::ShownFrame(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
                        std::shared_ptr<const Solid> solid, Exchange& exchange)
     : mFrame(std::move(frame)), mSolid(std::move(solid)), mVisible(volume(), look)
 {
     const bool hasLight = look.shadows > 0 || look.occlusion > 0;
-    if (hasLight || params.ground.side != GroundSide::kNone) mExtinctions.emplace(volume(), look, exchange);
+    if (hasLight || plan.ground.side != GroundSide::kNone) mExtinctions.emplace(volume(), look, exchange);
     if (!hasLight) return;
-    const std::vector<ClipPlane> solidCuts = params.rays.clip.stretched(params.stretch).solidPlanes();
+    const std::vector<ClipPlane> solidCuts = plan.rays.clip.stretched(plan.stretch).solidPlanes();
     mAmbient.emplace(*mExtinctions, volume(), look, mSolid.get(), solidCuts);
 }
 

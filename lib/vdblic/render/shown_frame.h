@@ -4,7 +4,7 @@
 #include "vdblic/cast/extinction_grid.h"
 #include "vdblic/cast/solid.h"
 #include "vdblic/core/exchange.h"
-#include "vdblic/render/render_params.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/scene.h"
 #include "vdblic/volume/visible_space.h"
 
@@ -20,7 +20,7 @@ class ShownFrame {
     /// @param look  of the pictures
     /// @param solid or null
     /// @param exchange of the ranks that cast pictures together, for which the frame was loaded: collective
-    ShownFrame(const RenderParams& params, const Look& look, std::shared_ptr<const LoadedTexture> frame,
+    ShownFrame(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
                std::shared_ptr<const Solid> solid, Exchange& exchange);
 
     [[nodiscard]] const LoadedTexture& frame() const { return *mFrame; }

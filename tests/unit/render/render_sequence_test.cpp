@@ -4,6 +4,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/render/render_plan.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -35,8 +36,8 @@ class RenderSequence : public testing::Test {
         std::filesystem::remove_all(mFolder);
         std::filesystem::create_directories(mFolder);
         mParams.input.pattern = mFolder / "lic.%04d.vdb";
-        mParams.output = mFolder / "image.%04d.png";
-        mParams.size = {40, 30};
+        mParams.outputs.images = mFolder / "image.%04d.png";
+        mParams.picture.size = {40, 30};
     }
     ~RenderSequence() override { std::filesystem::remove_all(mFolder); }
 
@@ -141,8 +142,8 @@ TEST_F(RenderSequence, WhatIsWrittenBesideAPictureDoesNotChangeIt)
     writeVdb(mFolder / "lic.0001.vdb", {texture, speed}, metadata);
     render();
     const std::vector<png_byte> alone = pixels("image.0001.png");
-    mParams.histogram = mFolder / "histogram.json";
-    mParams.transferOut = mFolder / "transfer.json";
+    mParams.outputs.histogram = mFolder / "histogram.json";
+    mParams.outputs.transferFunction = mFolder / "transfer.json";
     EXPECT_EQ(render().outputs.size(), 3u);
     EXPECT_EQ(pixels("image.0001.png"), alone);
 }
@@ -155,9 +156,7 @@ TEST_F(RenderSequence, TheCameraSeesAllFrames)
         const auto grid = boxGrid("density", box, scattered);
         write(frame, {grid});
     }
-    mParams.look.transfer.opacity = {{0, 0.9}};
-    mParams.look.textureStrength = 0;
-    mParams.background.color = glm::dvec3(0);
+    mParams.picture.lookOptions = {{"opacity", {"0:0.9"}}, {"modulate", {"0"}}, {"background", {"0", "0", "0"}}};
     render();
     const auto lit = [&](const std::vector<png_byte>& bytes, int x) {
         for (int y = 0; y < 30; ++y) {
@@ -216,7 +215,7 @@ TEST_F(RenderSequence, SkippedFramesStillDecideTheLook)
     for (const int frame : {1, 2})
         writeBox(frame, 10 * frame);
     mParams.input.pattern = "-";
-    mParams.skipExisting = true;
+    mParams.outputs.skipExisting = true;
     const std::string lines = fmt::format("{0}/lic.0001.vdb\n{0}/lic.0002.vdb\n", mFolder.string());
     mLines.str(lines);
     render();
@@ -231,14 +230,14 @@ TEST_F(RenderSequence, HistogramsCountTheVoxelsOfAllFrames)
 {
     for (const int frame : {1, 2})
         writeBox(frame, 10);
-    mParams.output.clear();
-    mParams.histogram = mFolder / "h.json";
+    mParams.outputs.images.clear();
+    mParams.outputs.histogram = mFolder / "h.json";
     EXPECT_EQ(render().outputs, std::vector<std::string>{"h.json"});
     EXPECT_FALSE(std::filesystem::exists(mFolder / "image.0001.png"));
     std::stringstream text;
     text << std::ifstream(mFolder / "h.json").rdbuf();
     EXPECT_NE(text.str().find("\"voxels\": 2000"), std::string::npos) << text.str();
-    mParams.histogram = mFolder / "h.svg";
+    mParams.outputs.histogram = mFolder / "h.svg";
     EXPECT_THROW(render(), ParameterError);
 }
 
@@ -255,7 +254,7 @@ TEST_F(RenderSequence, OneOutputIsNotWrittenTwice)
 {
     writeBox(4, 10);
     writeBox(9, 10);
-    mParams.output = mFolder / "image.png";
+    mParams.outputs.images = mFolder / "image.png";
     EXPECT_THROW(render(), ParameterError);
     EXPECT_FALSE(std::filesystem::exists(mFolder / "image.png"));
     mParams.input.pattern = "-";
@@ -267,7 +266,7 @@ TEST_F(RenderSequence, SaysOnceThatThereIsNoDriver)
 {
     for (const int frame : {1, 2})
         write(frame, {boxGrid("fog", boxOf(12, 12, 12), scattered)});
-    mParams.texture = "fog";
+    mParams.picture.texture = "fog";
     const Recorder recorder = render();
     ASSERT_EQ(recorder.said.size(), 1u);
     EXPECT_NE(recorder.said[0].find("magnitude"), std::string::npos);
@@ -304,25 +303,25 @@ TEST_F(RenderSequence, RefusesBadParametersBeforeAnyWork)
     const auto refuses = [&](auto change) {
         RenderParams params = mParams;
         change(params);
-        EXPECT_THROW(params.validate(), ParameterError);
+        EXPECT_THROW((void)resolve(params), ParameterError);
     };
-    refuses([](RenderParams& p) { p.output = "image.jpg"; });
-    refuses([](RenderParams& p) { p.size = {0, 10}; });
-    refuses([](RenderParams& p) { p.size = {10, 100000}; });
+    refuses([](RenderParams& p) { p.outputs.images = "image.jpg"; });
+    refuses([](RenderParams& p) { p.picture.size = {0, 10}; });
+    refuses([](RenderParams& p) { p.picture.size = {10, 100000}; });
     for (const double scale : {0.0, -1.0, 1e9, std::nan("")})
-        refuses([&](RenderParams& p) { p.scale = scale; });
-    refuses([](RenderParams& p) { p.samples = 0; });
-    refuses([](RenderParams& p) { p.look.textureStrength = -0.1; });
-    refuses([](RenderParams& p) { p.look.shading.ambient = std::nanf(""); });
-    refuses([](RenderParams& p) { p.rays.step = 0; });
-    refuses([](RenderParams& p) { p.camera.fieldOfView = 400; });
-    refuses([](RenderParams& p) { p.background.alpha = 2; });
-    refuses([](RenderParams& p) { p.output.clear(); });
-    refuses([](RenderParams& p) { p.exr.layers = {ImageLayer::kDepth}; }); // not in a .png
-    refuses([](RenderParams& p) { p.exr.compression = "best"; });
-    refuses([](RenderParams& p) { p.motion.orbit = std::nan(""); });
+        refuses([&](RenderParams& p) { p.picture.scale = scale; });
+    refuses([](RenderParams& p) { p.picture.samples = 0; });
+    refuses([](RenderParams& p) { p.picture.lookOptions["modulate"] = {"-0.1"}; });
+    refuses([](RenderParams& p) { p.picture.lookOptions["ambient"] = {"nan"}; });
+    refuses([](RenderParams& p) { p.picture.rays.step = 0; });
+    refuses([](RenderParams& p) { p.picture.camera.fieldOfView = 400; });
+    refuses([](RenderParams& p) { p.picture.lookOptions["background_alpha"] = {"2"}; });
+    refuses([](RenderParams& p) { p.outputs.images.clear(); });
+    refuses([](RenderParams& p) { p.outputs.exr.layers = {ImageLayer::kDepth}; }); // not in a .png
+    refuses([](RenderParams& p) { p.outputs.exr.compression = "best"; });
+    refuses([](RenderParams& p) { p.picture.motion.orbit = std::nan(""); });
     refuses([](RenderParams& p) {
-        p.motion.orbit = 1;
+        p.picture.motion.orbit = 1;
         p.input.pattern = "-";
     });
 }

@@ -5,6 +5,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/render/render_plan.h"
 #include "vdblic/render/render_sequence.h"
 #include "vdblic/render/scene.h"
 
@@ -49,8 +50,8 @@ class SharedFrames : public testing::Test {
             q->tree().setValueOn(*c, float((*c).x() - (*c).z()));
         writeVdb(mFolder / "t.vdb", {magnitude, texture, q}, {});
         mParams.input.pattern = mFolder / "t.vdb";
-        mParams.size = {93, 70};
-        mParams.camera.fieldOfView = 50;
+        mParams.picture.size = {93, 70};
+        mParams.picture.camera.fieldOfView = 50;
     }
     ~SharedFrames() override { std::filesystem::remove_all(mFolder); }
 
@@ -62,9 +63,9 @@ class SharedFrames : public testing::Test {
     void render(const std::string& name, Reporter& reporter, Exchange& exchange)
     {
         RenderParams params = mParams;
-        params.output = mFolder / name;
+        params.outputs.images = mFolder / name;
         std::istringstream none;
-        renderSequence(params, none, reporter, exchange);
+        renderSequence(resolve(params), none, reporter, exchange);
     }
     /// Ranks make the file that one process makes.
     void compare()
@@ -90,37 +91,36 @@ class SharedFrames : public testing::Test {
 
 TEST_F(SharedFrames, SurfacesWithHalosAndAllLayers)
 {
-    mParams.look.halo = 1;
-    mParams.rays.layers = true;
-    mParams.exr.layers = parseImageLayers({"all"});
+    mParams.picture.lookOptions["halo"] = {"1"};
+    mParams.outputs.exr.layers = parseImageLayers({"all"});
     compare();
 }
 
 TEST_F(SharedFrames, LinesInsideTheVolume)
 {
-    mParams.look.shading.model = ShadingModel::kLine;
-    mParams.camera.eye = glm::dvec3(5, 2, 1);
-    mParams.camera.target = glm::dvec3(-20, 3, 7);
+    mParams.picture.lookOptions["shading"] = {"lines"};
+    mParams.picture.camera.eye = glm::dvec3(5, 2, 1);
+    mParams.picture.camera.target = glm::dvec3(-20, 3, 7);
     compare();
 }
 
 TEST_F(SharedFrames, ShadowsSolidsCutsAndSeveralRays)
 {
-    mParams.look.shadows = 0.8;
-    mParams.look.occlusion = 0.6;
-    mParams.solid.source = "domain";
-    mParams.samples = 3;
-    mParams.rays.clip.planes = {{{3, 0, 0}, {-1, 0.2, 0}}};
-    mParams.annotations.box = true;
+    mParams.picture.lookOptions["shadows"] = {"0.8"};
+    mParams.picture.lookOptions["occlusion"] = {"0.6"};
+    mParams.picture.solid.source = "domain";
+    mParams.picture.samples = 3;
+    mParams.picture.rays.clip.planes = {{{3, 0, 0}, {-1, 0.2, 0}}};
+    mParams.picture.annotations.box = true;
     compare();
 }
 
 TEST_F(SharedFrames, AScalarOnItsOwnVoxelsARegionAndAStretch)
 {
-    mParams.opacityBy = {"q"};
-    mParams.regionBox = {-20, -30, -30, 30, 30, 20};
-    mParams.stretch = {1, 1, 1.7};
-    mParams.camera.projection = Projection::kOrthographic;
+    mParams.picture.opacityBy = "q";
+    mParams.picture.regionBox = {-20, -30, -30, 30, 30, 20};
+    mParams.picture.stretch = {1, 1, 1.7};
+    mParams.picture.camera.projection = Projection::kOrthographic;
     compare();
 }
 
@@ -131,8 +131,8 @@ TEST_F(SharedFrames, TheFirstRankTellsWhatOneProcessTells)
         void finished(const std::filesystem::path& output) override { text += output.filename().string() + '\n'; }
         std::string text;
     };
-    mParams.camera.eye = glm::dvec3(900);
-    mParams.camera.target = glm::dvec3(1900);
+    mParams.picture.camera.eye = glm::dvec3(900);
+    mParams.picture.camera.target = glm::dvec3(1900);
     Told alone;
     OneProcess one;
     render("x.exr", alone, one);
@@ -151,14 +151,15 @@ TEST_F(SharedFrames, RanksReadTheirPartsOnly)
 {
     // Orthographic and without gradients, so that a part is little more than its share.
     const auto file = FrameFile{1, mFolder / "t.vdb"};
-    mParams.texture = "density";
-    const Corners box = LoadedTexture(loadFrame(mParams, file)).volume.corners();
+    mParams.picture.texture = "density";
+    const PicturePlan plan = resolve(mParams).picture;
+    const Corners box = LoadedTexture(loadFrame(plan, file)).volume.corners();
     const Camera camera({.projection = Projection::kOrthographic}, box, {160, 160});
     const PictureCuts cuts(camera, box, 4);
     std::size_t owned = 0, had = 0, whole = 0;
     for (int rank = 0; rank < 4; ++rank) {
         const ViewShare share(cuts, rank, glm::dmat4(1));
-        const LoadedTexture part = loadFrame(mParams, file, nullptr, &share);
+        const LoadedTexture part = loadFrame(plan, file, nullptr, &share);
         whole = part.volume.domain().leafCount();
         had += part.volume.leafCount();
         std::size_t values = 0;

@@ -21,8 +21,8 @@ using Json = nlohmann::json;
 Start startFrom(Words words)
 {
     CLI::App app;
-    RenderParams params;
-    const cli::ParameterOptions options(app, pictureParametersOf(params));
+    PictureParams params;
+    const cli::ParameterOptions options(app, parametersOf(params));
     std::reverse(words.begin(), words.end());
     app.parse(std::move(words));
     return startOf(options.given(), {.pattern = "lic.%04d.vdb", .frames = "1-3"});
@@ -47,26 +47,24 @@ TEST(State, IsWhatTheCommandLineSays)
     }
 }
 
-TEST(State, HasTheParametersOfTheCommandLine)
+TEST(State, HasThePlanOfTheCommandLine)
 {
     const Start start = startFrom({"--texture", "density"});
-    const RenderParams params = paramsOf(start, Json::parse(R"({
+    const PicturePlan plan = planOf(start, Json::parse(R"({
         "size": [64, 40], "scale": 0.5, "eye": [3, -4, 5.5], "projection": "orthographic", "view-height": 2,
         "look": "smoke", "opacity-by": "q", "range": [-1.5, 2], "light": [[1, 0, 2], [0, 1, 0]],
         "clip-plane": [[0.5, 0.5, 0.5, 1, 0, 0]], "background": [1, 0, 0.5], "solid": "domain",
         "keys": [{"frame": 1, "fov": 20}]})"));
-    EXPECT_EQ(params.input.pattern, "lic.%04d.vdb");
-    EXPECT_EQ(params.input.frames, "1-3");
-    EXPECT_EQ(params.texture, "density");
-    EXPECT_EQ(params.scaledSize(), glm::ivec2(32, 20));
-    EXPECT_EQ(params.camera.eye, glm::dvec3(3, -4, 5.5));
-    EXPECT_EQ(params.camera.projection, Projection::kOrthographic);
-    EXPECT_EQ(params.opacityBy, Words{"q"});
-    EXPECT_EQ(params.look.transfer.range, (std::array{-1.5, 2.0}));
-    ASSERT_EQ(params.look.shading.lights.size(), 2); // in place of the look's
-    EXPECT_EQ(params.look.shading.lights[1].direction, glm::dvec3(0, 1, 0));
-    EXPECT_EQ(params.look.shading.ambient, 0.25f); // smoke's
-    EXPECT_FALSE(params.motion.keys.empty());
+    EXPECT_EQ(plan.texture, "density");
+    EXPECT_EQ(plan.scaledSize(), glm::ivec2(32, 20));
+    EXPECT_EQ(plan.camera.eye, glm::dvec3(3, -4, 5.5));
+    EXPECT_EQ(plan.camera.projection, Projection::kOrthographic);
+    EXPECT_EQ(plan.opacityBy, Words{"q"});
+    EXPECT_EQ(plan.look.transfer.range, (std::array{-1.5, 2.0}));
+    ASSERT_EQ(plan.look.shading.lights.size(), 2); // in place of the look's
+    EXPECT_EQ(plan.look.shading.lights[1].direction, glm::dvec3(0, 1, 0));
+    EXPECT_EQ(plan.look.shading.ambient, 0.25f); // smoke's
+    EXPECT_FALSE(plan.motion.keys.empty());
     // The command says the same.
     const Start again = startFrom(argumentsOf(start, Json::parse(R"({"eye": [3, -4, 5.5], "look": "smoke"})")));
     EXPECT_EQ(again.fixed, (std::map<std::string, Words>{{"texture", {"density"}}}));
@@ -120,7 +118,7 @@ TEST(State, HostileValuesAreRefused)
           R"({"eye": [1, 2]})", R"({"eye": [1, 2, 3, 4]})", R"({"look": "sepia"})", R"({"opacity": "0:2"})",
           R"({"range": [2, 1]})", R"({"light": [[0, 0, 0]]})", R"({"keys": 7})", R"({"keys": [{"frame": "x"}]})",
           R"({"keys": [{"frame": 1, "eye": [0]}]})", R"({"colormap": "gray", "colors": "0:#000000,1:#ffffff"})"})
-        EXPECT_THROW((void)paramsOf(start, Json::parse(state)), ParameterError) << state;
+        EXPECT_THROW((void)planOf(start, Json::parse(state)), ParameterError) << state;
 }
 
 TEST(State, ACommandIsSafeInAShell)

@@ -1,0 +1,84 @@
+#include "vdblic/render/render_plan.h"
+
+#include "vdblic/core/errors.h"
+#include "vdblic/io/texture_name.h"
+#include "vdblic/look/look_preset.h"
+#include "vdblic/look/transfer_file.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdblic {
+namespace {
+
+Parameters optionsOf(LookPreset& look)
+{
+    return joined({parametersOf(look.look), parametersOf(look.background)});
+}
+
+LookPreset lookOf(const PictureParams& params, const SequenceTraits& sequence)
+{
+    LookPreset look = lookPreset(params.look.empty() ? defaultLookName(sequence.isSparse) : params.look);
+    if (!params.transferFile.empty()) readTransferFile(params.transferFile, look.look.transfer);
+    set(optionsOf(look), params.lookOptions);
+    look.look.validate();
+    look.background.validate();
+    return look;
+}
+
+/// The grids that opacity may follow, the best one first.
+std::vector<std::string> opacityGrids(const PictureParams& params, const LookPreset& look,
+                                      const SequenceTraits& sequence)
+{
+    if (!params.opacityBy.empty()) return {params.opacityBy};
+    if (!params.by.empty()) return {};
+    const std::vector<std::string>& wanted = look.opacityBy;
+    const auto found =
+        std::find_first_of(wanted.begin(), wanted.end(), sequence.scalars.begin(), sequence.scalars.end());
+    return found == wanted.end() ? wanted : std::vector{*found};
+}
+
+} // namespace
+
+SequenceTraits traitsOf(const SequenceParams& sequence)
+{
+    return {.isSparse = isSparse(sequence),
+            .isNumbered = sequence.pattern != "-" && FramePattern(sequence.pattern).hasField()};
+}
+
+PicturePlan resolve(const PictureParams& params, const SequenceTraits& sequence)
+{
+    params.validate();
+    LookPreset look = lookOf(params, sequence);
+    std::vector<std::string> opacityBy = opacityGrids(params, look, sequence);
+    PicturePlan plan{params,          std::move(look.name), std::move(look.look),
+                     look.background, params.colorBy,       std::move(opacityBy)};
+    if (plan.colorBy.empty()) plan.colorBy = params.by.empty() ? kSpeedGrid : params.by;
+    if (plan.texture.empty()) plan.texture = sequence.texture;
+    if (!params.cameraFile.empty()) plan.motion.keys = readCameraKeys(params.cameraFile);
+    plan.motion.validate();
+    if (plan.motion.orbit != 0 && !plan.motion.orbitFrames && !sequence.isNumbered)
+        throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
+    return plan;
+}
+
+RenderPlan resolve(const RenderParams& params)
+{
+    params.validate();
+    RenderPlan plan{params.input, params.keepGoing, resolve(params.picture, traitsOf(params.input)), params.outputs};
+    plan.picture.rays.layers = !params.outputs.exr.layers.empty();
+    return plan;
+}
+
+PictureParams PicturePlan::params() const
+{
+    PictureParams params{*this, lookName, {}, {}, {}, colorBy, opacityBy.empty() ? colorBy : opacityBy.front()};
+    LookPreset all{lookName, look, background};
+    for (const Parameter& parameter : optionsOf(all)) {
+        if (Words words = parameter.get(); !words.empty())
+            params.lookOptions[std::string(parameter.key)] = std::move(words);
+    }
+    return params;
+}
+
+} // namespace vdblic
