@@ -152,7 +152,7 @@ TEST_F(SharedFrames, RanksReadTheirPartsOnly)
     // Orthographic and without gradients, so that a part is little more than its share.
     const auto file = FrameFile{1, mFolder / "t.vdb"};
     mParams.picture.texture = "density";
-    const PicturePlan plan = resolve(mParams).picture;
+    const PicturePlan plan = resolve(mParams.picture, {});
     const Corners box = LoadedTexture(loadFrame(plan, file)).volume.corners();
     const Camera camera({.projection = Projection::kOrthographic}, box, {160, 160});
     const PictureCuts cuts(camera, box, 4);
