@@ -113,6 +113,9 @@ class Both:
             bpy.ops.vdblic.color_by(scalar="density")
             tell("scalar", volume.data.materials[0].node_tree.nodes["Scalar"].attribute_name)
             tell("refused", refused(bpy.ops.vdblic.color_by, scalar="q"))
+            bpy.ops.vdblic.show(kind="STREAKS")
+            node = volume.data.materials[0].node_tree.nodes["Flow"]
+            tell("streaks", [node.node_tree.name, node.inputs["Begin"].default_value])
             """)
         self.assertEqual(told["range"], [12, 14, 1])
         self.assertEqual(
@@ -129,6 +132,9 @@ class Both:
         self.assertAlmostEqual(told["inputs"]["To"] / numpy.percentile(highest, 99), 1, delta=0.15)
         self.assertEqual(told["scalar"], "density")
         self.assertIn("no grid 'q' of numbers; it has density, magnitude", told["refused"])
+        group, begin = told["streaks"]
+        self.assertTrue(group.startswith("VDBLIC Streaks"))
+        self.assertAlmostEqual(begin, 0.1, places=6)
 
     def test_what_cannot_be_shown_is_told_and_adds_nothing(self):
         (file,) = self.textures(frames="1-1")

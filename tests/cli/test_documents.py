@@ -20,7 +20,6 @@ from support import BIN, ToolTest
 
 SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 DOCUMENTS = [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]
-FLOW_TEXTURE = SOURCE / "tools/blender/flow_texture.py"
 OURS = sorted([path.stem for path in (SOURCE / "tools").glob("vdblic_*.cpp")] +
               [f"vdblic_{path.stem.removesuffix('_tool')}" for path in (SOURCE / "tools/python").glob("*/*_tool.py")])
 
@@ -126,21 +125,17 @@ class Documents(ToolTest):
                     self.assertIn(line.strip(), found, document.name)
 
     def test_options_exist(self):
-        """An option belongs to the program that the code begins with, else to any of our tools or to the Blender script."""
-        scripts = options_in(FLOW_TEXTURE.read_text(encoding="utf-8")) | {"--help"}
-        ours = scripts.union(*(options_in(self.run_tool(tool, "--help").stdout) for tool in OURS))
+        """An option belongs to the program that the code begins with, else to any of our tools."""
+        ours = {"--help"}.union(*(options_in(self.run_tool(tool, "--help").stdout) for tool in OURS))
         seen = 0
         for document in DOCUMENTS:
             for code in inline_code(document) + shell_lines(document):
                 code = re.sub(r"(^|\s)#( |SBATCH).*", "", code)
                 code = re.sub(r"^([A-Z_a-z]+=\w+ )*(mpirun|srun) .*?(?=vdblic_|$)", "", code)  # their own options
-                if not code or code.split()[0] in ("cmake", "ctest", "c++", "pip"):
+                if not code or code.split()[0] in ("blender", "cmake", "ctest", "c++", "pip"):
                     continue
                 program = SOURCE / code.split()[0]
                 known = options_in(program.read_text(encoding="utf-8")) if program.is_file() else ours
-                if code.startswith("blender "):
-                    self.assertIn(FLOW_TEXTURE.name, code)
-                    code, known = code.split(" -- ")[1], scripts
                 with self.subTest(document=document.name, code=code):
                     self.assertEqual(options_in(code) - known, set())
                 seen += len(options_in(code))

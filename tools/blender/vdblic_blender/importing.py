@@ -9,7 +9,8 @@ from bpy_extras.io_utils import ImportHelper
 from mathutils import Matrix, Vector
 
 from .sequences import SequenceError, sequence_of
-from .vdb_header import DamagedFile, read_header
+from .showing import show
+from .vdb_header import DamagedFile, headers_of
 
 APART = 0.01  # of the volume's size: what is drawn beside the texture by more is told
 
@@ -104,12 +105,6 @@ def placement(header, up="AUTO", half=True, domain=None):
     return base @ Matrix.Translation(shift)
 
 
-def headers_of(files):
-    """The headers of up to five files over a sequence. Raises DamagedFile, OSError."""
-    last = len(files) - 1
-    return [read_header(files[i]) for i in sorted({last * i // 4 for i in range(5)})]
-
-
 def import_volume(context, path, up="AUTO", half=True, domain=None):
     """Add a file's sequence to the scene, each file at the frame of its number.
 
@@ -170,8 +165,6 @@ class VDBLIC_OT_import_sequence(bpy.types.Operator, ImportHelper):
     set_range: BoolProperty(name="Scene Frame Range", default=False, description="Let the scene play these frames")
 
     def execute(self, context):
-        from .showing import show  # which imports this module
-
         domain = context.scene.objects.get(self.domain) if self.domain else None
         if self.domain and not domain:
             self.report({"ERROR"}, f"there is no object {self.domain!r}; name the Mantaflow domain")

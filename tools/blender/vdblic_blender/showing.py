@@ -3,12 +3,11 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
-from .importing import headers_of
 from .looks import KINDS, LOOKS, kind_of
 from .materials import GROUPS, flow_node, new_material, set_colors, set_inputs
 from .sequences import SequenceError, sequence_of
 from .surveying import EmptyVolume, measure, survey
-from .vdb_header import DamagedFile, read_header
+from .vdb_header import DamagedFile, headers_of, read_header
 
 KIND_ITEMS = (
     ("AUTO", "By the File", "Streaks where inactive voxels are empty, else dense"),

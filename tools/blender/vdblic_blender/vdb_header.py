@@ -159,6 +159,12 @@ def read_header(path):
         reader.close()
 
 
+def headers_of(files):
+    """The headers of up to five files over a sequence. Raises DamagedFile, OSError."""
+    last = len(files) - 1
+    return [read_header(files[i]) for i in sorted({last * i // 4 for i in range(5)})]
+
+
 def _read(path, reader):
     if reader.number("<q") != MAGIC:
         raise ValueError("it does not begin as one")
