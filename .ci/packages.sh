@@ -4,7 +4,7 @@
 #     .ci/packages.sh         all: also what the other tools, the tests and the gate need
 #     .ci/packages.sh main    what turns velocities into pictures and a film: vdblic_advect, vdblic_render and ffmpeg
 #     .ci/packages.sh site    what tools/packaging/site.sh needs
-#     .ci/packages.sh arm64   what tests/arm64.sh needs; on Debian alone, libraries for ARM64 in build/arm64-root
+#     .ci/packages.sh arm64   what tests/compare_builds.sh arm64 needs; on Debian alone, libraries for ARM64 in build/arm64-root
 #
 # Each line names a Debian package and a probe that shows it is there: a command, a header, a file, a Python module of
 # /usr/bin/python3, or a sanitizer of clang. As root on Debian the missing ones are installed; anywhere else they are named

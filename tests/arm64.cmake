@@ -1,4 +1,4 @@
-# A toolchain of CMake for ARM64 on another machine: Debian's cross compiler, what tests/arm64.sh unpacked in
+# A toolchain of CMake for ARM64 on another machine: Debian's cross compiler, what .ci/packages.sh unpacked in
 # build/arm64-root, and QEMU to run programs.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)

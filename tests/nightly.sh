@@ -20,7 +20,7 @@ part tests/peers.sh
 part env VDBLIC_NIGHTLY=1 tests/run.sh --timeout 7200
 part tests/asan.sh
 part tests/tsan.sh
-part tests/clang.sh
+part tests/compare_builds.sh clang
 part tests/fuzz/run.sh 600
 cat "$summary"
 exit $failed
