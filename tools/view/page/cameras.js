@@ -2,7 +2,7 @@
 
 import { ask } from "./api.js";
 import { axes, optionsOf } from "./camera.js";
-import { make, makeRow, makeSection } from "./elements.js";
+import { make, makeLine, makeRow, makeSection } from "./elements.js";
 
 const kViews = [
     ["+x", [-1, 0, 0]],
@@ -33,7 +33,7 @@ export class Cameras extends EventTarget {
             change: () => store.setFollows(this.follow.checked),
         });
         store.addEventListener("follows", () => this.showFollows());
-        this.list = make("div", { class: "line" });
+        this.list = makeLine();
         this.element = makeSection(
             "Camera",
             false,
@@ -52,9 +52,7 @@ export class Cameras extends EventTarget {
                     "auto",
                 ),
             ),
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 make("button", { id: "add-key", click: () => this.addKey() }, "Set key at this frame"),
                 make("label", {}, this.follow, " follow keys"),
             ),

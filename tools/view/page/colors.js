@@ -1,11 +1,7 @@
-// The colour points on the ramp below a histogram: drag, add, remove, choose a colour.
+// The colour points on the ramp below a histogram: as others, and choose a colour.
 
-import { make, makeSvg, short } from "./elements.js";
-
-const kApart = 1e-3; // least distance of two points
-
-const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-const hexOf = (color) => "#" + color.map((c) => Math.round(c).toString(16).padStart(2, "0")).join("");
+import { channels, hexOf, make, makeLine, makeSvg, short } from "./elements.js";
+import { Points } from "./points.js";
 
 /// The colour of points [position, hex] at a position, linear between them as the renderer has it.
 export function colorAt(points, position) {
@@ -17,12 +13,11 @@ export function colorAt(points, position) {
     return hexOf(from.map((c, i) => c + (to[i] - c) * share));
 }
 
-export class ColorPoints {
-    /// @param curve whose ramp the points stand on
+export class ColorPoints extends Points {
     constructor(transfer, curve) {
-        Object.assign(this, { transfer, curve });
+        super(transfer, curve, "color");
         this.chosen = 0;
-        this.name = make("label", { for: "point-color", class: "name" });
+        this.label = make("label", { for: "point-color", class: "name" });
         this.input = make("input", { id: "point-color", type: "color", class: "swatch" });
         this.input.addEventListener("input", () => this.paint(false));
         this.input.addEventListener("change", () => transfer.store.commit());
@@ -31,10 +26,8 @@ export class ColorPoints {
             { id: "remove-color", "aria-label": "Remove the colour point", click: () => this.remove(this.chosen) },
             "Remove",
         );
-        this.element = make(
-            "div",
-            { class: "line" },
-            this.name,
+        this.element = makeLine(
+            this.label,
             this.input,
             make(
                 "button",
@@ -52,7 +45,7 @@ export class ColorPoints {
     /// @param y of the ramp's middle @return the points as elements
     draw(y) {
         this.chosen = Math.min(this.chosen, this.points.length - 1);
-        this.name.textContent = `Colour ${this.chosen + 1} of ${this.points.length}`;
+        this.label.textContent = `Colour ${this.chosen + 1} of ${this.points.length}`;
         if (!this.input.matches(":focus")) this.input.value = this.points[this.chosen][1];
         this.away.disabled = this.points.length < 2;
         return this.points.map(([position, color], index) =>
@@ -76,16 +69,6 @@ export class ColorPoints {
         );
     }
 
-    /// @param index of the point that was hit, if any
-    press(event, x, index) {
-        if (index !== undefined && event.button === 2) return this.remove(index);
-        const { curve } = this,
-            at = index ?? this.insert(curve.positionAt(x));
-        if (at < 0) return;
-        curve.drag(event, (toX) => this.move(at, curve.positionAt(toX)));
-        curve.focus("color", at);
-    }
-
     choose(index) {
         if (index === this.chosen) return;
         this.chosen = index;
@@ -98,59 +81,31 @@ export class ColorPoints {
     }
 
     paint(commit) {
-        this.set(
-            this.points.map((point, i) => (i === this.chosen ? [point[0], this.input.value] : point)),
-            commit,
-        );
+        const all = this.points.map((point, i) => (i === this.chosen ? [point[0], this.input.value] : point));
+        this.set(all, commit);
     }
 
-    move(index, position, commit = false) {
-        const low = index > 0 ? this.points[index - 1][0] + kApart : 0;
-        const high = index + 1 < this.points.length ? this.points[index + 1][0] - kApart : 1;
-        const place = Math.max(low, Math.min(high, position));
-        this.set(
-            this.points.map((point, i) => (i === index ? [place, point[1]] : point)),
-            commit,
-        );
+    newValue(position) {
+        return colorAt(this.points, position);
     }
 
-    /// Add a point of the colour that is there. @return its index, or -1 where there is no room
-    insert(position, commit = false) {
-        const { points } = this;
-        if (position < 0 || position > 1 || points.some((point) => Math.abs(point[0] - position) < 2 * kApart))
-            return -1;
-        const index = points.filter((point) => point[0] < position).length;
-        this.chosen = index;
-        this.set([...points.slice(0, index), [position, colorAt(points, position)], ...points.slice(index)], commit);
+    draggedValue(index) {
+        return this.points[index][1];
+    }
+
+    nudge(index, x, y) {
+        const [position, color] = this.points[index];
+        this.move(index, position + x + y, color, true);
+    }
+
+    insert(position, color, commit) {
+        const index = super.insert(position, color, commit);
+        if (index >= 0) this.choose(index);
         return index;
     }
 
-    /// Add a point between a point and the next one, or before the last one.
-    addAfter(index) {
-        const { points } = this,
-            next = points[index + 1]?.[0] ?? (points[index][0] < 1 ? 1 : points[index - 1]?.[0] ?? 0);
-        this.insert((points[index][0] + next) / 2, true);
-    }
-
     remove(index) {
-        if (this.points.length < 2) return;
         this.chosen = Math.max(0, index - 1);
-        this.set(
-            this.points.filter((_, i) => i !== index),
-            true,
-        );
-    }
-
-    key(event, index) {
-        const small = event.shiftKey ? 0.002 : 0.02,
-            step = { ArrowLeft: -small, ArrowDown: -small, ArrowRight: small, ArrowUp: small }[event.key];
-        if (event.key === "Delete" || event.key === "Backspace") {
-            this.remove(index);
-            this.curve.focus("color", Math.min(index, this.points.length - 1));
-        } else if (event.key === "Enter" || event.key === "Insert") this.addAfter(index);
-        else if (step) this.move(index, this.points[index][0] + step, true);
-        else return;
-        event.preventDefault();
-        event.stopPropagation();
+        super.remove(index);
     }
 }

@@ -1,6 +1,6 @@
 // The controls of single options: lists, sliders and checkboxes. Each shows what the server takes if nothing is chosen.
 
-import { isEdited, make, makeRow, makeSection, short } from "./elements.js";
+import { channels, hexOf, isEdited, make, makeRow, makeSection, short } from "./elements.js";
 import { Picks } from "./picks.js";
 
 /// name: [label, least, most, step]
@@ -194,17 +194,8 @@ export class Controls {
 
     /// Two colours, at the bottom and at the top; a new one at the bottom is that of all.
     background() {
-        const hex = (color) =>
-            "#" +
-            color
-                .map((c) =>
-                    Math.round(c * 255)
-                        .toString(16)
-                        .padStart(2, "0"),
-                )
-                .join("");
-        const chosen = (value) =>
-            [1, 3, 5].map((i) => Number((parseInt(value.slice(i, i + 2), 16) / 255).toFixed(4)));
+        const hex = (color) => hexOf(color.map((c) => c * 255));
+        const chosen = (value) => channels(value).map((c) => Number((c / 255).toFixed(4)));
         const inputs = [
             ["background", "Background at the bottom"],
             ["background-top", "Background at the top"],

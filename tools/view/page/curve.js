@@ -2,7 +2,7 @@
 
 import { Axis } from "./axis.js";
 import { ColorPoints, colorAt } from "./colors.js";
-import { isEdited, make, makeSvg, short } from "./elements.js";
+import { isEdited, make, makeLine, makeSvg, short } from "./elements.js";
 import { OpacityPoints } from "./opacity.js";
 
 // In units of the drawing.
@@ -47,7 +47,7 @@ export class Curve {
             "div",
             { class: "panel" },
             this.svg,
-            make("div", { class: "line" }, this.title, ...this.ends, make("label", {}, this.log, " log")),
+            makeLine(this.title, ...this.ends, make("label", {}, this.log, " log")),
             ...(this.colors ? [this.colors.element] : []),
         );
         this.svg.addEventListener("pointerdown", (event) => this.press(event));
@@ -201,8 +201,8 @@ export class Curve {
         if (end !== undefined) return this.drag(event, (toX) => this.dragEnd(Number(end), toX));
         const number = (text) => (text === undefined ? undefined : Number(text)),
             isOnRamp = y >= kRamp && y <= kRamp + kRampHeight;
-        if (this.colors && isOnRamp && index === undefined) this.colors.press(event, x, number(color));
-        else if (this.hasPoints && (index !== undefined || y < kRamp)) this.opacity.press(event, x, y, number(index));
+        if (this.colors && isOnRamp && index === undefined) this.colors.press(event, [x, y], number(color));
+        else if (this.hasPoints && (index !== undefined || y < kRamp)) this.opacity.press(event, [x, y], number(index));
     }
 
     /// @param move called with the places to which the hand goes

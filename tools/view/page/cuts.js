@@ -2,7 +2,7 @@
 
 import { Box } from "./box.js";
 import { axes } from "./camera.js";
-import { make, makeSection, short } from "./elements.js";
+import { make, makeLine, makeSection, short } from "./elements.js";
 import { add, cross, dot, length, normalize, scale, subtract } from "./vector.js";
 
 const kCutBox = {
@@ -32,9 +32,7 @@ export class Cuts {
         this.element = makeSection(
             "Cuts",
             false,
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 make("span", { class: "name" }, "Add plane"),
                 planeButton("x", () => [1, 0, 0]),
                 planeButton("y", () => [0, 1, 0]),
@@ -42,9 +40,7 @@ export class Cuts {
                 planeButton("view", () => this.viewNormal()),
             ),
             this.list,
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 ...this.boxes.map((box) => box.element),
                 make("label", {}, this.handles, " handles"),
             ),

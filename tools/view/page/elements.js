@@ -29,6 +29,10 @@ export function makeRow(name, id, ...controls) {
     return make("div", { class: "row" }, make("label", { for: id }, name), ...controls);
 }
 
+export function makeLine(...children) {
+    return make("div", { class: "line" }, ...children);
+}
+
 const edited = new WeakSet(); // fields with text that is not taken yet
 addEventListener("input", (event) => edited.add(event.target), { capture: true });
 for (const type of ["change", "focusout"])
@@ -43,3 +47,7 @@ export function isEdited(field) {
 export function short(value) {
     return String(Number(Number(value).toPrecision(4)));
 }
+
+/// The channels, 0 to 255, of a colour "#rrggbb".
+export const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+export const hexOf = (color) => "#" + color.map((c) => Math.round(c).toString(16).padStart(2, "0")).join("");

@@ -1,7 +1,7 @@
 // Keeping what was found: files, the command, the picture, a film.
 
 import { ask, get } from "./api.js";
-import { make, makeSection } from "./elements.js";
+import { make, makeLine, makeSection } from "./elements.js";
 
 const kPause = 300; // milliseconds between questions after the jobs of this page
 
@@ -38,29 +38,21 @@ export class Keep {
             "Keep",
             true,
             make("p", { class: "note" }, `Files go to ${folder}.`),
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 button("keep-files", "Save transfer and camera", () => this.saveFiles()),
                 button("copy-command", "Copy command", () => this.copy()),
             ),
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 make("span", { class: "name" }, "Size"),
                 this.sides[0],
                 "×",
                 this.sides[1],
             ),
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 button("keep-png", "Save PNG", () => this.make({ kind: "picture", format: "png", ...this.sized() })),
                 button("keep-exr", "Save EXR", () => this.make({ kind: "picture", format: "exr", ...this.sized() })),
             ),
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 button("keep-film", "Make film", () =>
                     this.make({ kind: "film", fps: this.rate.valueAsNumber || 24, ...this.withKeys() }),
                 ),
@@ -152,7 +144,7 @@ export class Keep {
             { "aria-label": `Stop ${file}`, click: () => this.run(() => ask("stop", { job })) },
             "Stop",
         );
-        const element = make("div", { class: "line" }, file, bar, count, stop);
+        const element = makeLine(file, bar, count, stop);
         this.list.append(element);
         const unit = file.endsWith(".mp4") ? "frames" : "samples";
         const show = (done, total) => {

@@ -1,6 +1,6 @@
 // One distant light by its direction in the picture's world: two angles, and a handle over the picture.
 
-import { make, makeRow } from "./elements.js";
+import { make, makeLine, makeRow } from "./elements.js";
 import { add, normalize, scale } from "./vector.js";
 
 export class Light {
@@ -26,7 +26,7 @@ export class Light {
         this.height = angle("light-height", 90);
         this.degrees = [this.side, this.height].map((slider) => make("output", { for: slider.id }));
         this.rows = [
-            make("div", { class: "line" }, make("label", {}, this.on, " distant light")),
+            makeLine(make("label", {}, this.on, " distant light")),
             makeRow("Side of light", this.side.id, this.side, this.degrees[0]),
             makeRow("Height of light", this.height.id, this.height, this.degrees[1]),
         ];

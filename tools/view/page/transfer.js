@@ -1,7 +1,7 @@
 // The transfer function over the histogram of its scalar: opacity points to drag, and the ends of the range.
 
 import { Curve } from "./curve.js";
-import { make, makeSection } from "./elements.js";
+import { make, makeLine, makeSection } from "./elements.js";
 
 const kLeastOpacity = 0.001; // of the logarithmic scale
 
@@ -23,9 +23,7 @@ export class Transfer {
             true,
             this.color.element,
             this.opacity.element,
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 make("button", { id: "thinner", click: () => this.thicken(0.8) }, "Thinner"),
                 make("button", { id: "denser", click: () => this.thicken(1.25) }, "Denser"),
                 make(
@@ -38,9 +36,7 @@ export class Transfer {
                     "Automatic",
                 ),
             ),
-            make(
-                "div",
-                { class: "line" },
+            makeLine(
                 make("label", {}, this.logCounts, " log counts"),
                 make("label", {}, this.logarithmic, " log opacity"),
             ),
