@@ -25,51 +25,16 @@
 namespace vdblic {
 namespace {
 
-/// Two threads that crash together in the middle of a file.
-[[noreturn]] void crashTogether()
-{
-    guardAgainstCrashes("tool");
-    const auto crash = [] {
-        const Hazard parsing("v.vdb", 1);
-        (void)std::raise(SIGSEGV);
-    };
-    std::thread first(crash), second(crash);
-    first.join();
-    second.join();
-    ::_exit(0);
-}
-
-TEST(CrashGuard, SpeaksOnceWhenThreadsCrashTogether)
-{
-    std::array<int, 2> pipe{};
-    ASSERT_EQ(::pipe2(pipe.data(), O_DIRECT), 0);
-    ::fcntl(pipe[1], F_SETPIPE_SZ, 4096);   // it holds one write; writers wait in turn for the next
-    ASSERT_EQ(::write(pipe[1], ".", 1), 1); // until it is read all threads have come to their first word
-    const pid_t child = ::fork();
-    if (child == 0) {
-        ::dup2(pipe[1], STDERR_FILENO);
-        crashTogether();
-    }
-    ::close(pipe[1]);
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    std::string said;
-    std::array<char, 4096> part{};
-    for (ssize_t length = 0; (length = ::read(pipe[0], part.data(), part.size())) > 0;)
-        said.append(part.data(), std::size_t(length));
-    ::close(pipe[0]);
-    int status = 0;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 3);
-    EXPECT_EQ(said.substr(1),
-              "tool: error: v.vdb: cannot be read as a .vdb file: it is damaged; OpenVDB crashed on it\n");
-}
+using std::chrono_literals::operator""ms;
 
 /// What a child process says before it ends by the status that is wanted.
+/// @param pause until the first word is read; the pipe is full so long, and the word after a "."
 template<typename Work>
-std::string saidAt(int wanted, const Work& work)
+std::string saidAt(int wanted, const Work& work, std::chrono::milliseconds pause = 0ms)
 {
     std::array<int, 2> pipe{};
-    if (::pipe(pipe.data()) != 0) return "no pipe";
+    if (::pipe2(pipe.data(), O_DIRECT) != 0) return "no pipe";
+    if (pause > 0ms && (::fcntl(pipe[1], F_SETPIPE_SZ, 4096) < 0 || ::write(pipe[1], ".", 1) != 1)) return "no page";
     const pid_t child = ::fork();
     if (child == 0) {
         ::dup2(pipe[1], STDERR_FILENO);
@@ -78,6 +43,7 @@ std::string saidAt(int wanted, const Work& work)
         ::_exit(0);
     }
     ::close(pipe[1]);
+    std::this_thread::sleep_for(pause);
     std::string said;
     std::array<char, 4096> part{};
     for (ssize_t length = 0; (length = ::read(pipe[0], part.data(), part.size())) > 0;)
@@ -88,6 +54,24 @@ std::string saidAt(int wanted, const Work& work)
     EXPECT_TRUE(WIFEXITED(status)) << status;
     EXPECT_EQ(WEXITSTATUS(status), wanted);
     return said;
+}
+
+constexpr const char* kDamaged =
+    "tool: error: v.vdb: cannot be read as a .vdb file: it is damaged; OpenVDB crashed on it\n";
+
+TEST(CrashGuard, SpeaksOnceWhenThreadsCrashTogether)
+{
+    const auto crash = [] {
+        const Hazard parsing("v.vdb", 1);
+        (void)std::raise(SIGSEGV);
+    };
+    const auto crashTogether = [&] {
+        std::thread first(crash), second(crash);
+        first.join();
+        second.join();
+    };
+    // Until the pipe is read all threads come to their first word.
+    EXPECT_EQ(saidAt(3, crashTogether, 200ms), std::string(".") + kDamaged);
 }
 
 /// A recursion without end. @return never
@@ -104,10 +88,8 @@ TEST(CrashGuard, TellsOfAStackThatOverflowsInAParser)
         volatile int none = 1;
         (void)deeper(&none);
     };
-    const std::string expected =
-        "tool: error: v.vdb: cannot be read as a .vdb file: it is damaged; OpenVDB crashed on it\n";
-    EXPECT_EQ(saidAt(3, parse), expected);
-    EXPECT_EQ(saidAt(3, [&] { std::thread(parse).join(); }), expected);
+    EXPECT_EQ(saidAt(3, parse), kDamaged);
+    EXPECT_EQ(saidAt(3, [&] { std::thread(parse).join(); }), kDamaged);
 }
 
 TEST(CrashGuard, TellsWhatAFunctionThatMustNotThrowThrew)
