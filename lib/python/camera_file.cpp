@@ -1,4 +1,4 @@
-#include "camera_file.h"
+#include "bindings.h"
 
 #include "vdblic/camera/camera_path.h"
 

@@ -1,5 +1,6 @@
 #include "files.h"
 
+#include "bindings.h"
 #include "grid_arrays.h"
 #include "text.h"
 #include "vdblic/core/errors.h"
@@ -169,8 +170,8 @@ void checkDense(const std::string& path, const openvdb::GridPtrVec& grids, const
     const double active = 100 * double(grids.front()->activeVoxelCount()) / voxels;
     const std::string others = grids.size() == 1 ? "" : fmt::format(" and {} others", grids.size() - 1);
     checkMemory(bytes * voxels,
-                fmt::format("{}: grid '{}'{}: the box of its voxels, of whose {:.3g} million {:.2g} % are active,",
-                            path, grids.front()->getName(), others, voxels / 1e6, active),
+                fmt::format("{}: grid '{}'{}: the bounding box ({:.3g} million voxels, {:.2g} % of them active)", path,
+                            grids.front()->getName(), others, voxels / 1e6, active),
                 grids.size() == 1 ? "cut the grid" : "choose fewer with `grids`, or cut them");
 }
 

@@ -51,7 +51,7 @@ py::dict arraysOf(const openvdb::GridBase& base, const openvdb::CoordBBox& box)
     constexpr int kComponents = openvdb::VecTraits<ValueT>::Size;
     using Number = typename openvdb::VecTraits<ValueT>::ElementType;
     const auto& grid = static_cast<const GridT&>(base);
-    checkMemory(voxelsOf(box) * (sizeof(ValueT) + 1), fmt::format("grid '{}': the box of its voxels", grid.getName()),
+    checkMemory(voxelsOf(box) * (sizeof(ValueT) + 1), fmt::format("grid '{}': its bounding box", grid.getName()),
                 "cut the grid");
     auto values = boxArray<Number>(box, kComponents);
     auto active = boxArray<bool>(box, 1);

@@ -1,4 +1,4 @@
-#include "grid_headers.h"
+#include "bindings.h"
 
 #include "grid_arrays.h"
 #include "text.h"

@@ -1,4 +1,4 @@
-#include "levels.h"
+#include "bindings.h"
 
 #include "files.h"
 #include "text.h"

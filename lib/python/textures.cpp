@@ -114,8 +114,7 @@ py::object Textures::next()
         const openvdb::GridBase::Ptr grid = std::const_pointer_cast<openvdb::GridBase>(made);
         if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid); scalar && grid->saveFloatAsHalf())
             roundToHalf(*scalar);
-        py::object arrays = toDictionary(*grid);
-        if (!arrays.is_none()) grids.append(arrays);
+        grids.append(toDictionary(*grid));
     }
     return py::make_tuple(grids, toDictionary(file->metadata));
 }

@@ -180,7 +180,7 @@ class Export(ToolTest):
         vdb.write(str(self.folder / "s.vdb"), grids)
         # The box of each takes 8 GiB of memory.
         message = self.fails(3, "vdblic_export", "s.vdb", "-o", "s.vti", preexec_fn=limited(20 << 30))
-        self.assertIn("and 2 others: the box of its voxels, of whose 1.73e+03 million", message)
+        self.assertIn("and 2 others: the bounding box (1.73e+03 million voxels", message)
         self.assertIn("choose fewer with --grids", message)
 
     def test_names_of_lists(self):
@@ -200,7 +200,7 @@ class Export(ToolTest):
         for status, words, *arguments in (
                 (3, "no grid 'p' of numbers or vectors; present: noise", "n.vdb", "-o", "n.vti", "--grids", "p"),
                 (3, "broken.vdb: cannot be read", "broken.vdb", "-o", "n.vti"),
-                (3, "huge.vdb: grid 'huge': the box of its voxels, of whose 1e+09 million 2e-13 % are active, would take", "huge.vdb", "-o", "n.vti"),
+                (3, "huge.vdb: grid 'huge': the bounding box (1e+09 million voxels, 2e-13 % of them active) would take", "huge.vdb", "-o", "n.vti"),
                 (3, "no such file", "nothing.vdb", "-o", "n.vti"),
                 (3, "names no files", "-", "-o", "n.vti"),
                 (2, "must end in .vti or .npz or .usda or .vdb", "n.vdb", "-o", "n.vtk"),

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace vdblic::python {
+
+/// Add what vdblic_convert (tools/python) uses of the library: the errors, frame patterns and lists, paths on standard
+/// input, checks of outputs, files that appear whole, and the grids of a file over one box.
+void bindFiles(pybind11::module_& module);
+
+/// Add `read_headers(path)`: the grids of a file without their voxels, and the file's metadata.
+///
+/// A grid is a dictionary: `name`, `type` (float, vec3s ...), `class` (fog volume ...), `numbers` (whether it is of
+/// floats, doubles or vectors of them on a linear transform), and, on a linear transform, `transform` (4 × 4, on
+/// columns) and `box` (first and last index of the active voxels, None if there are none). Only files of the few
+/// writers that store no boxes are read whole.
+void bindGridHeaders(pybind11::module_& module);
+
+/// Add `write_levels`, which makes coarser copies of a file.
+void bindLevels(pybind11::module_& module);
+
+/// Add `CameraFile(path)`, the key frames of a camera (docs/formats.md), whose `at(frame)` is a dictionary of
+/// those that the file sets among `eye`, `target`, `up`, `fov` (vertical, degrees) and `height`.
+void bindCameraFile(pybind11::module_& module);
+
+} // namespace vdblic::python
