@@ -42,7 +42,6 @@ LIST
 
 others_need() {
     cat <<'LIST'
-libcpp-httplib-dev      header  httplib.h
 libturbojpeg0-dev       header  turbojpeg.h
 libopenmpi-dev          command mpicxx
 openmpi-bin             command mpirun

@@ -15,7 +15,6 @@ sources() {
             $lib/image/color_map.cpp $lib/look/scalar_axis.cpp ;;
         json) echo $lib/core/parameters.cpp $lib/camera/*.cpp $lib/io/json_file.cpp $lib/io/input_file.cpp $lib/io/atomic_file.cpp tests/fuzz/no_checkpoint.cpp \
             $lib/look/transfer_file.cpp $lib/look/transfer_params.cpp $lib/look/scalar_axis.cpp $lib/image/color_map.cpp ;;
-        request) echo tools/view/connection.cpp ;;
     esac
 }
 
@@ -26,15 +25,15 @@ compile() {
 }
 
 fuzz() {
-    "$out/fuzz_$1" -max_total_time=$((seconds / 2)) -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \
+    "$out/fuzz_$1" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/" \
         -print_final_stats=1 "$out/corpus/$1" "tests/fuzz/corpus/$1"
 }
 
-for part in compile fuzz; do # two at a time
-    for pair in 'layout text' 'json request'; do
-        set -- $pair
-        $part "$1" &
-        $part "$2"
-        wait $!
+for part in compile fuzz; do
+    jobs=
+    for name in layout text json; do
+        $part "$name" &
+        jobs="$jobs $!"
     done
+    for job in $jobs; do wait "$job"; done
 done

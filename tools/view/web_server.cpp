@@ -1,89 +1,73 @@
 #include "view/web_server.h"
 
 #include "vdblic/core/errors.h"
-#include "view/connection.h"
 
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http.hpp>
 #include <fmt/format.h>
-#include <httplib.h>
+#include <poll.h>
 #include <pthread.h>
 #include <sys/random.h>
 
-#include <algorithm>
 #include <array>
-#include <atomic>
-#include <cctype>
-#include <cerrno>
 #include <chrono>
 #include <cstddef>
+#include <exception>
+#include <functional>
+#include <list>
 #include <optional>
-#include <poll.h>
 #include <string_view>
-#include <sys/socket.h>
-#include <thread>
-#include <unistd.h>
+#include <system_error>
+#include <utility>
 
 namespace vdblic::view {
 namespace {
 
-constexpr std::size_t kMostConnections = 48; // one thread each
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+using boost::beast::error_code;
+using Parser = http::request_parser<http::string_body>;
+
+constexpr std::size_t kMostConnections = 48, kMostRequests = 1000;                    // on a connection
+constexpr std::size_t kAnswering = 16;                                                // threads; further requests wait
+constexpr std::size_t kMostHead = 32 << 10, kMostBody = 1 << 20, kMostRead = 4 << 10; // bytes; the last at once
+constexpr std::chrono::seconds kIdle{30}, kMostTime{10}, kLinger{1};                  // kMostTime for a whole request
+constexpr std::size_t kStack = 1 << 20;                                               // bytes, of a thread
 constexpr int kBacklog = 256;
-constexpr std::size_t kMostRequests = 1000; // on a connection
-constexpr std::chrono::seconds kIdle{30};
-constexpr std::size_t kStack = 1 << 20; // bytes, of a connection's thread
 
-thread_local int socketOfThread = -1; // of the connection that the thread serves
-thread_local bool hasRefused = false; // a request of the connection
+constexpr std::array<std::pair<const char*, const char*>, 6> kHeaders{
+    {{"Content-Security-Policy", "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+                                 "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+     {"X-Content-Type-Options", "nosniff"},
+     {"Referrer-Policy", "no-referrer"},
+     {"Cross-Origin-Resource-Policy", "same-origin"},
+     {"Cross-Origin-Opener-Policy", "same-origin"},
+     {"Cache-Control", "no-store"}}};
 
-/// A connection as httplib reads and writes it.
-class ConnectionStream : public httplib::Stream {
-  public:
-    ConnectionStream(int socket, RequestReader& reader, std::chrono::milliseconds writing)
-        : mSocket(socket), mReader(reader), mWriting(writing)
-    {
-    }
+/// Give threads that are started from now on small stacks, which count against a limit on memory. @return kAnswering
+std::size_t threadsOfSmallStacks()
+{
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setstacksize(&attributes, kStack);
+    ::pthread_setattr_default_np(&attributes);
+    ::pthread_attr_destroy(&attributes);
+    return kAnswering;
+}
 
-    bool is_readable() const override { return true; }
-    bool is_writable() const override { return true; }
-    ssize_t read(char* bytes, std::size_t count) override { return ssize_t(mReader.read(bytes, count)); }
-    ssize_t write(const char* bytes, std::size_t count) override
-    {
-        const auto now = std::chrono::steady_clock::now();
-        if (!mDeadline) mDeadline = now + mWriting;
-        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(*mDeadline - now);
-        pollfd state{mSocket, POLLOUT, 0};
-        if (left.count() <= 0 || ::poll(&state, 1, int(left.count())) <= 0) return -1;
-        return ::send(mSocket, bytes, count, MSG_NOSIGNAL | MSG_DONTWAIT);
-    }
-    void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
-    void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
-    socket_t socket() const override { return mSocket; }
-
-    /// The time for writing will begin with the first byte of the answer.
-    void begin() { mDeadline.reset(); }
-
-  private:
-    int mSocket;
-    RequestReader& mReader;
-    std::chrono::milliseconds mWriting;
-    std::optional<std::chrono::steady_clock::time_point> mDeadline;
-};
-
-/// A thread for each connection.
-class ConnectionQueue : public httplib::TaskQueue {
-  public:
-    explicit ConnectionQueue(Connections& connections) : mConnections(connections), mThreads(kMostConnections) {}
-
-    void enqueue(std::function<void()> serve) override
-    {
-        mConnections.begins();
-        mThreads.enqueue(std::move(serve));
-    }
-    void shutdown() override { mThreads.shutdown(); }
-
-  private:
-    Connections& mConnections;
-    httplib::ThreadPool mThreads;
-};
+std::string textOf(boost::beast::string_view text)
+{
+    return {text.data(), text.size()};
+}
 
 /// The host in a Host header, without the port and the brackets of IPv6.
 std::string hostName(std::string_view header)
@@ -94,9 +78,9 @@ std::string hostName(std::string_view header)
 
 bool isAddress(const std::string& host)
 {
-    std::array<unsigned char, sizeof(in6_addr)> bytes;
-    return ::inet_pton(AF_INET, host.c_str(), bytes.data()) == 1 ||
-           ::inet_pton(AF_INET6, host.c_str(), bytes.data()) == 1;
+    error_code isNone;
+    (void)asio::ip::make_address(host, isNone);
+    return !isNone;
 }
 
 /// Whether two texts are equal, in a time that does not tell where they differ.
@@ -115,178 +99,307 @@ bool isGone(int socket)
     return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
-/// Whether nobody on the way can see a request of another length in it.
-bool hasLengthOfItsMethod(const httplib::Request& request)
+WebAnswer refusal(int status, const char* reason)
 {
-    const std::size_t lengths = request.get_header_value_count("Content-Length");
-    const std::string length = request.get_header_value("Content-Length");
-    const bool isInChunks = request.has_header("Transfer-Encoding");
-    if (request.method == "GET") return !isInChunks && (lengths == 0 || (lengths == 1 && length == "0"));
-    return isInChunks ? lengths == 0
-                      : lengths == 1 && !length.empty() && length.find_first_not_of("0123456789") == std::string::npos;
-}
-
-void refuse(httplib::Response& response, int status, const char* reason)
-{
-    hasRefused = true;
-    response.status = status;
-    response.set_header("Connection", "close");
-    response.set_content(fmt::format("{}\n", reason), "text/plain; charset=utf-8");
+    return {status, "text/plain; charset=utf-8", fmt::format("{}\n", reason)};
 }
 
 } // namespace
 
-class WebServer::Server : public httplib::Server {
+/// One thread runs everything but the handler.
+class WebServer::Server {
   public:
-    Server(std::string host, std::string token, WebServer::Handler handler, std::chrono::milliseconds writing)
-        : mHost(std::move(host)), mToken(std::move(token)), mHandler(std::move(handler)), mWriting(writing)
+    Server(const std::string& host, int port, std::string token, WebServer::Handler handler,
+           std::chrono::milliseconds writing)
+        : mHost(host), mToken(std::move(token)), mHandler(std::move(handler)), mWriting(writing)
     {
-        new_task_queue = [this] { return new ConnectionQueue(mConnections); };
-        set_tcp_nodelay(true);
-        set_idle_interval(0, 100000);
-        set_keep_alive_max_count(kMostRequests);
-        set_keep_alive_timeout(kIdle.count());
-        set_default_headers({{"Content-Security-Policy",
-                              "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-                              "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
-                             {"X-Content-Type-Options", "nosniff"},
-                             {"Referrer-Policy", "no-referrer"},
-                             {"Cross-Origin-Resource-Policy", "same-origin"},
-                             {"Cross-Origin-Opener-Policy", "same-origin"},
-                             {"Cache-Control", "no-store"}});
-        set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-            return passes(request, response) ? HandlerResponse::Unhandled : HandlerResponse::Handled;
+        const auto found = tcp::resolver(mContext).resolve(host, std::to_string(port), tcp::resolver::passive);
+        const tcp::endpoint endpoint = *found.begin();
+        mAcceptor.open(endpoint.protocol());
+        mAcceptor.set_option(tcp::acceptor::reuse_address(true));
+        if (endpoint.address().is_v6()) mAcceptor.set_option(asio::ip::v6_only(false));
+        mAcceptor.bind(endpoint);
+        mAcceptor.listen(kBacklog);
+    }
+
+    [[nodiscard]] int port() const { return mAcceptor.local_endpoint().port(); }
+
+    void serve()
+    {
+        accept();
+        while (!mContext.stopped()) {
+            try {
+                mContext.run();
+            } catch (const std::exception&) { // ends one connection: memory that is short, say
+            }
+        }
+        mThreads.join();
+    }
+
+    void stop()
+    {
+        asio::post(mContext, [this] {
+            mEnds = true;
+            mAcceptor.close();
+            mPause.cancel();
+            for (const std::list<Connection*> reading = mReading; Connection * connection : reading)
+                connection->close();
         });
-        Get(".*",
-            [this](const httplib::Request& request, httplib::Response& response) { answer(request, {}, response); });
-        Post(".*", [this](const httplib::Request& request, httplib::Response& response,
-                          const httplib::ContentReader& reader) {
-            std::string body;
-            const bool read = reader([&](const char* bytes, std::size_t count) {
-                body.append(bytes, count);
-                return body.size() <= RequestReader::kMostBody;
-            });
-            if (read) return answer(request, std::move(body), response);
-            refuse(response, 413, "the request is too large, too slow or broken");
-        });
     }
-
-    void begin()
-    {
-        ::listen(svr_sock_, kBacklog); // httplib has bound it with a backlog of 5, which loses connections
-        listen_after_bind();
-        mHasEnded = true;
-    }
-
-    /// A server that does not listen yet would miss the end.
-    void end()
-    {
-        while (!is_running() && !mHasEnded)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        stop();
-        mConnections.closeAll();
-    }
-
-    int port = 0;
 
   private:
-    /// The checks of a request's head; writes the answer to one that does not pass.
-    bool passes(const httplib::Request& request, httplib::Response& response) const
-    {
-        const std::string header = request.get_header_value("Host"), host = hostName(header);
-        const std::string origin = request.get_header_value("Origin");
-        const std::string site = request.get_header_value("Sec-Fetch-Site");
-        if (request.get_header_value_count("Host") != 1 || (host != "localhost" && host != mHost && !isAddress(host))) {
-            refuse(response, 421, "the Host header names another host");
-        } else if ((!origin.empty() && origin != "http://" + header) ||
-                   (!site.empty() && site != "same-origin" && site != "none")) {
-            refuse(response, 403, "the request comes from another site");
-        } else if (request.method != "GET" && request.method != "POST") {
-            refuse(response, 405, "only GET and POST are answered");
-        } else if (request.path.size() > 200 || request.path.size() < mToken.size() + 2 ||
-                   !equalInConstantTime(request.path.substr(1, mToken.size() + 1), mToken + "/")) {
-            refuse(response, 403, "the address lacks the token; copy all of what vdblic_view printed");
-        } else if (!hasLengthOfItsMethod(request)) {
-            refuse(response, 400, "a POST has one length or comes in chunks, and a GET has no body");
-        } else if (request.method == "POST" && (request.get_header_value("Content-Type") != "application/json" ||
-                                                request.has_header("Content-Encoding"))) {
-            refuse(response, 415, "the body must be application/json");
-        } else {
-            return true;
+    class Connection : public std::enable_shared_from_this<Connection> {
+      public:
+        Connection(Server& server, tcp::socket socket) : mServer(server), mStream(std::move(socket))
+        {
+            ++mServer.mOpen;
         }
-        return false;
+        ~Connection() { leave(); }
+        Connection(const Connection&) = delete;
+        Connection& operator=(const Connection&) = delete;
+
+        /// Read the next request. Its time begins with its first byte.
+        void read()
+        {
+            mParser.emplace();
+            mParser->header_limit(kMostHead);
+            mParser->body_limit(kMostBody);
+            mServer.mReading.push_back(this);
+            mServer.closeTooMany();
+            if (mBuffer.size() > 0) return readHead();
+            mStream.expires_after(kIdle);
+            mStream.async_read_some(mBuffer.prepare(kMostRead),
+                                    [self = shared_from_this()](const error_code& error, std::size_t count) {
+                                        self->mBuffer.commit(count);
+                                        if (!error) self->readHead();
+                                    });
+        }
+
+        /// @return whether everything that came was read
+        [[nodiscard]] bool isIdle()
+        {
+            error_code ignored;
+            return mStream.socket().available(ignored) == 0;
+        }
+
+        void close()
+        {
+            leave();
+            mStream.close();
+        }
+
+      private:
+        /// Count no more.
+        void leave()
+        {
+            mServer.mReading.remove(this);
+            if (std::exchange(mCounts, false)) --mServer.mOpen;
+        }
+
+        void readHead()
+        {
+            mStream.expires_after(kMostTime);
+            http::async_read_header(mStream, mBuffer, *mParser,
+                                    [self = shared_from_this()](const error_code& error, std::size_t) {
+                                        if (error) return self->refuseBroken(error);
+                                        self->readBody();
+                                    });
+        }
+
+        void readBody()
+        {
+            if (std::optional<WebAnswer> refused = mServer.check(*mParser)) return refuse(std::move(*refused));
+            http::async_read(mStream, mBuffer, *mParser,
+                             [self = shared_from_this()](const error_code& error, std::size_t) {
+                                 if (error) return self->refuseBroken(error);
+                                 self->answer();
+                             });
+        }
+
+        void refuseBroken(const error_code& error)
+        {
+            if (error == http::error::body_limit) return refuse(refusal(413, "the request is too large"));
+            if (error.category() == make_error_code(http::error::bad_method).category() &&
+                error != http::error::end_of_stream && error != http::error::partial_message) {
+                refuse(refusal(400, "the request is broken"));
+            }
+        }
+
+        void refuse(WebAnswer answer)
+        {
+            mRequests = kMostRequests;
+            write(std::move(answer));
+        }
+
+        void answer()
+        {
+            mServer.mReading.remove(this);
+            mStream.expires_never();
+            auto& request = mParser->get();
+            WebRequest asked{textOf(request.method_string()), mServer.pathOf(request), std::move(request.body()),
+                             [socket = mStream.socket().native_handle()] { return isGone(socket); }};
+            // A connection is freed by the thread that serves, so the one that answers gives it back.
+            asio::post(mServer.mThreads, [self = shared_from_this(), asked = std::move(asked),
+                                          work = asio::make_work_guard(mServer.mContext)]() mutable {
+                Server& server = self->mServer;
+                asio::post(server.mContext, [answer = server.mHandler(asked), self = std::move(self)]() mutable {
+                    self->write(std::move(answer));
+                });
+            });
+        }
+
+        void write(WebAnswer answer)
+        {
+            mServer.mReading.remove(this);
+            mAnswer = {http::status(answer.status), 11, std::move(answer.body)};
+            for (const auto& [name, value] : kHeaders)
+                mAnswer.set(name, value);
+            for (const auto& [name, value] : answer.headers)
+                mAnswer.set(name, value);
+            if (!answer.type.empty()) mAnswer.set(http::field::content_type, answer.type);
+            mAnswer.keep_alive(mParser->is_done() && mParser->keep_alive() && ++mRequests < kMostRequests &&
+                               !mServer.mEnds);
+            mAnswer.prepare_payload();
+            mStream.expires_after(mServer.mWriting);
+            http::async_write(mStream, mAnswer, [self = shared_from_this()](const error_code& error, std::size_t) {
+                if (error) return;
+                self->mAnswer.keep_alive() && !self->mServer.mEnds ? self->read() : self->end();
+            });
+        }
+
+        /// Read for a while what the client still sends: the end of a connection with unread bytes takes the answer
+        /// with it.
+        void end()
+        {
+            error_code ignored;
+            mStream.socket().shutdown(tcp::socket::shutdown_send, ignored);
+            if (mServer.mEnds) return;
+            mServer.mReading.push_front(this);
+            mStream.expires_after(kLinger);
+            passOver();
+        }
+
+        void passOver()
+        {
+            mBuffer.clear();
+            mStream.async_read_some(mBuffer.prepare(kMostRead),
+                                    [self = shared_from_this()](const error_code& error, std::size_t) {
+                                        if (!error) self->passOver();
+                                    });
+        }
+
+        Server& mServer;
+        boost::beast::tcp_stream mStream;
+        boost::beast::flat_buffer mBuffer;
+        std::optional<Parser> mParser;
+        http::response<http::string_body> mAnswer;
+        std::size_t mRequests = 0;
+        bool mCounts = true;
+    };
+
+    void accept()
+    {
+        mAcceptor.async_accept([this](const error_code& error, tcp::socket socket) {
+            if (mEnds) return;
+            if (error) { // no more descriptors, say
+                mPause.expires_after(std::chrono::milliseconds(100));
+                return mPause.async_wait([this](const error_code&) {
+                    if (!mEnds) accept();
+                });
+            }
+            error_code ignored;
+            socket.set_option(tcp::no_delay(true), ignored);
+            std::make_shared<Connection>(*this, std::move(socket))->read();
+            accept();
+        });
     }
 
-    void answer(const httplib::Request& request, std::string body, httplib::Response& response) const
+    /// Close those that have waited longest for their clients. What a client has sent is read before, or its request
+    /// would be lost.
+    void closeTooMany()
     {
-        const WebRequest asked{request.method, request.path.substr(mToken.size() + 2), std::move(body),
-                               [socket = socketOfThread] { return isGone(socket); }};
-        const WebAnswer given = mHandler(asked);
-        response.status = given.status;
-        for (const auto& [name, value] : given.headers)
-            response.set_header(name, value);
-        response.set_content(given.body, given.type);
+        for (auto next = mReading.begin(); mOpen > kMostConnections && next != mReading.end();) {
+            Connection* connection = *next++;
+            if (connection->isIdle()) connection->close();
+        }
     }
 
-    bool process_and_close_socket(socket_t socket) override
+    std::string pathOf(const Parser::value_type& request) const
     {
-        socketOfThread = socket;
-        hasRefused = false;
-        RequestReader reader(socket, mConnections);
-        ConnectionStream stream(socket, reader, mWriting);
-        bool closed = false;
-        for (std::size_t i = 0; i < kMostRequests && !closed && !hasRefused; ++i) {
-            if (!is_running() || !reader.readHead(kIdle)) break;
-            const auto begin = [&](httplib::Request&) { stream.begin(); };
-            if (!process_request(stream, i + 1 == kMostRequests, closed, begin)) break;
+        const std::string target = textOf(request.target());
+        return target.substr(0, target.find('?')).substr(mToken.size() + 2);
+    }
+
+    /// Check the head of a request. @return the answer to one that does not pass
+    std::optional<WebAnswer> check(const Parser& parser) const
+    {
+        const Parser::value_type& request = parser.get();
+        const auto header = [&](http::field name) { return textOf(request[name]); };
+        const std::string origin = header(http::field::origin), site = textOf(request["Sec-Fetch-Site"]);
+        const std::string host = hostName(header(http::field::host)), target = textOf(request.target());
+        if (request.count(http::field::host) != 1 || (host != "localhost" && host != mHost && !isAddress(host))) {
+            return refusal(421, "the Host header names another host");
         }
-        mConnections.ends(socket);
-        ::shutdown(socket, SHUT_RDWR);
-        ::close(socket);
-        return true;
+        if ((!origin.empty() && origin != "http://" + header(http::field::host)) ||
+            (!site.empty() && site != "same-origin" && site != "none")) {
+            return refusal(403, "the request comes from another site");
+        }
+        const bool isGet = request.method() == http::verb::get;
+        if (!isGet && request.method() != http::verb::post) return refusal(405, "only GET and POST are answered");
+        if (target.size() > 200 || target.size() < mToken.size() + 2 ||
+            !equalInConstantTime(target.substr(1, mToken.size() + 1), mToken + "/")) {
+            return refusal(403, "the address lacks the token; copy all of what vdblic_view printed");
+        }
+        const bool isInChunks = parser.chunked();
+        if (request.count(http::field::content_length) > 1 ||
+            (isGet ? isInChunks || parser.content_length().value_or(0) != 0
+                   : !isInChunks && !parser.content_length())) {
+            return refusal(400, "a POST has one length or comes in chunks, and a GET has no body");
+        }
+        if (!isGet && (header(http::field::content_type) != "application/json" ||
+                       request.count(http::field::content_encoding) != 0)) {
+            return refusal(415, "the body must be application/json");
+        }
+        return std::nullopt;
     }
 
     std::string mHost, mToken;
     WebServer::Handler mHandler;
     std::chrono::milliseconds mWriting;
-    Connections mConnections{kMostConnections};
-    std::atomic<bool> mHasEnded = false;
+    std::size_t mOpen = 0;
+    std::list<Connection*> mReading; // the one that has waited longest first
+    bool mEnds = false;
+    asio::io_context mContext{1};
+    tcp::acceptor mAcceptor{mContext};
+    asio::steady_timer mPause{mContext}; // before connections are accepted again
+    asio::thread_pool mThreads{threadsOfSmallStacks()};
 };
 
 WebServer::WebServer(const std::string& host, int port, std::string token, Handler handler,
                      std::chrono::milliseconds writing)
-    : mServer(std::make_unique<Server>(host, std::move(token), std::move(handler), writing))
-{
-    const bool bound =
-        port == 0 ? (mServer->port = mServer->bind_to_any_port(host)) > 0 : mServer->bind_to_port(host, port);
-    if (port != 0) mServer->port = port;
-    if (!bound) {
-        throw ParameterError(fmt::format("`port` {} of `host` {} cannot be used; another program may have it, or the "
-                                         "host is none of this machine's addresses",
-                                         port, host));
-    }
+try : mServer(std::make_unique<Server>(host, port, std::move(token), std::move(handler), writing)) {
+} catch (const boost::system::system_error& error) {
+    if (error.code() == boost::system::errc::resource_unavailable_try_again) throw std::system_error(error.code());
+    throw ParameterError(fmt::format("`port` {} of `host` {} cannot be used; another program may have it, or the "
+                                     "host is none of this machine's addresses",
+                                     port, host));
 }
 
 WebServer::~WebServer() = default;
 
 int WebServer::port() const
 {
-    return mServer->port;
+    return mServer->port();
 }
 
 void WebServer::serve()
 {
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, kStack);
-    ::pthread_setattr_default_np(&attributes);
-    ::pthread_attr_destroy(&attributes);
-    mServer->begin();
+    mServer->serve();
 }
 
 void WebServer::stop()
 {
-    mServer->end();
+    mServer->stop();
 }
 
 std::string randomToken()

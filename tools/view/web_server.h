@@ -29,7 +29,7 @@ struct WebAnswer {
 /// name that the server was given, and the Origin header, if there is one, the same host: other sites' pages get
 /// nothing, even if their name leads here (DNS rebinding). Heads, bodies, connections and the time for each are
 /// limited. A connection ends with a request that is refused, so that no body is taken for the next request. Of too
-/// many connections the one that has waited longest is closed.
+/// many connections the one that has waited longest for its client is closed.
 class WebServer {
   public:
     using Handler = std::function<WebAnswer(const WebRequest&)>;
