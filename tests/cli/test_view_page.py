@@ -48,6 +48,8 @@ WAITING = """
     window.waiting = waiting;
 """
 
+FOCUS = "document.querySelectorAll(arguments[0])[arguments[1]]?.focus()"
+
 
 def browser():
     options = webdriver.ChromeOptions()
@@ -102,6 +104,12 @@ class Page(ViewerTest):
         progress = lambda: self.element("progress").get_attribute("textContent")
         self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
 
+    def wait_for_small_pictures(self, frame):
+        """Wait until those of looks and of colours are all of this frame."""
+        made = """return [...document.querySelectorAll(".pick img")].every(
+            (image) => image.dataset.key?.includes(`"frame":${arguments[0]}}`))"""
+        self.wait_until(lambda: self.browser.execute_script(made, frame), f"no small pictures of frame {frame}")
+
     def drag(self, selector, x, y, index=0):
         """Drag what is at the place of an element, which the page may replace meanwhile."""
         self.wait_until_at_rest()
@@ -116,8 +124,7 @@ class Page(ViewerTest):
 
     def press(self, selector, index, *keys):
         """Keys on an element."""
-        focus = "document.querySelectorAll(arguments[0])[arguments[1]]?.focus()"
-        self.browser.execute_script(focus, selector, index)
+        self.browser.execute_script(FOCUS, selector, index)
         ActionChains(self.browser).send_keys(*keys).perform()
 
     def choose(self, name, value):
@@ -524,9 +531,8 @@ class Page(ViewerTest):
         self.wait_until(lambda: number() == "frame 3 of 3", "no step back")
         self.wait_for_refined()
         # Pictures of looks that are under way when their frame goes would be errors of the network.
-        made = """return [...document.querySelectorAll(".pick img")].every(
-            (image) => image.dataset.key?.includes('"frame":3'))"""
-        self.wait_until(lambda: self.browser.execute_script(made), "no small pictures")
+        self.browser.execute_script(FOCUS, "#option-look input", 0)
+        self.wait_for_small_pictures(3)
         self.element("newest").click()
         (self.folder / "lic.0003.vdb").unlink()
         self.wait_until(lambda: number() == "frame 2 of 2", "the frame is not gone")
@@ -537,6 +543,43 @@ class Page(ViewerTest):
         (self.folder / "new").write_bytes(self.contents("lic.0002.vdb"))
         (self.folder / "new").rename(self.folder / "lic.0005.vdb")
         self.wait_until(lambda: self.pixels() != shown, "the picture is stale")
+
+    def test_small_pictures_are_of_the_shown_frame(self):
+        """Also if another one is shown while they are made."""
+        self.open()
+        self.wait_for_small_pictures(1)
+        self.browser.execute_script("""
+            const ask = window.fetch, released = new Promise((release) => { window.release = release; });
+            window.held = 0;
+            window.fetch = async (...asked) => {
+                if (asked[0] === "thumbnail" && ++window.held) await released;
+                return ask(...asked);
+            };""")
+        self.press("#option-look input", 0, ".")
+        self.wait_until(lambda: self.browser.execute_script("return held") == 1, "no small picture is asked for")
+        self.element("on").click()  # and nobody turns to them any more
+        self.wait_for_refined()
+        self.browser.execute_script("release()")
+        self.wait_for_small_pictures(3)
+
+    def test_a_server_that_answers_again(self):
+        """What found no server is asked for once more, without the user."""
+        self.open()
+        self.wait_for_small_pictures(1)
+        self.element("on").click()
+        self.wait_for_refined()
+        self.browser.execute_script("""
+            const ask = window.fetch;
+            window.lost = new Set();
+            window.fetch = (...asked) =>
+                window.lost?.add(asked[0]) ? Promise.reject(new TypeError("no server")) : ask(...asked);""")
+        self.browser.execute_script(FOCUS, "#option-look input", 0)
+        asked = lambda: set(self.browser.execute_script("return [...lost]"))
+        self.wait_until(lambda: {"thumbnail", "status"} <= asked(), "nothing is asked for")
+        self.assertIn("does not answer", self.element("message").text)
+        self.browser.execute_script("document.activeElement.blur(); lost = null")
+        self.wait_for_small_pictures(2)
+        self.assertEqual(self.element("message").text, "")
 
     def test_time_goes_on(self):
         self.open()

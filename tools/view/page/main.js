@@ -83,6 +83,11 @@ async function begin() {
     const message = (text) => {
         byId("message").textContent = text || "";
     };
+    /// What found no server is asked for once more when it answers.
+    const complain = (error) => {
+        message(error.message);
+        view.isLost ||= error.status === 0;
+    };
 
     let asking = false,
         again = false;
@@ -111,7 +116,7 @@ async function begin() {
                 transfer.show(scene, histograms);
                 if (!picture.nothing) message("");
             } catch (error) {
-                message(error.message);
+                complain(error);
             }
         } while (again);
         asking = false;
@@ -147,6 +152,9 @@ async function begin() {
         picture.nothing = event.detail;
         message(event.detail);
     });
+    picture.addEventListener("lost", () => {
+        view.isLost = true;
+    });
     picture.addEventListener("resize", () => {
         if (view.scene) askScene();
     });
@@ -157,15 +165,19 @@ async function begin() {
         const isWanted = () => !timeline.isPlaying && !picture.isBusy && look.open;
         const isTurnedTo = !view.hasThumbnails || look.matches(":hover, :focus-within");
         if (view.makesThumbnails || !view.scene?.settled || !isTurnedTo || !isWanted()) return;
+        const { state, frame } = shown(),
+            key = JSON.stringify([state, frame]);
+        const isShown = () => key === JSON.stringify([shown().state, store.frame]);
         view.makesThumbnails = true;
+        view.hasThumbnails = false;
         try {
-            const { state, frame } = shown();
-            await controls.showPictures(state, frame, view.version, isWanted);
-            view.hasThumbnails = isWanted();
+            await controls.showPictures(state, frame, view.version, () => isWanted() && isShown());
+            view.hasThumbnails = isWanted() && isShown();
         } catch (error) {
-            message(error.message);
+            if (isShown()) complain(error);
         }
         view.makesThumbnails = false;
+        if (!isShown()) showThumbnails();
     }
     for (const type of ["pointerenter", "focusin", "toggle"])
         controls.sections.look.addEventListener(type, showThumbnails);
@@ -252,14 +264,15 @@ async function begin() {
             const status = await get("status");
             if (String(status.frames) !== String(timeline.frames)) timeline.setFrames(status.frames);
             keep.showJobs(status.jobs);
-            if (status.version !== view.version) {
+            if (status.version !== view.version || view.isLost) {
+                view.isLost = false;
                 await askScene();
                 if (!timeline.isPlaying) picture.refine();
             }
             view.version = status.version;
             if (!view.scene?.settled) pause = 300;
         } catch (error) {
-            message(error.message);
+            complain(error);
             pause = 5000;
         }
         setTimeout(follow, pause);

@@ -131,6 +131,7 @@ export class Picture extends EventTarget {
             return { ...shown, frame, turn };
         } catch (error) {
             if (error.name !== "AbortError") this.tell("message", error.message);
+            if (error.status === 0) this.tell("lost");
             return null;
         }
     }
