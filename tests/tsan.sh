@@ -17,10 +17,12 @@ if [ -z "$(library)" ]; then
     mkdir -p "$tbb/source"
     (
         cd "$tbb"
-        lists=$tbb/lists # a list of our own: the machine's stay as they are
-        mkdir -p "$lists/partial"
-        echo "deb-src http://deb.debian.org/debian $(. /etc/os-release && echo "$VERSION_CODENAME") main" > sources.list
-        set -- -o Dir::Etc::SourceList="$tbb/sources.list" -o Dir::Etc::SourceParts=/dev/null -o Dir::State::Lists="$lists"
+        # The machine's sources, for source packages, in lists of our own: the machine's stay as they are.
+        mkdir -p sources lists/partial
+        cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
+            sed -n 's/^[[:space:]]*deb[[:space:]]/deb-src /p' >sources/machine.list
+        sed -s 's/^Types:.*/Types: deb-src/I; $G' /etc/apt/sources.list.d/*.sources 2>/dev/null >sources/machine.sources || true
+        set -- -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$tbb/sources" -o Dir::State::Lists="$tbb/lists"
         apt-get update -qq "$@"
         apt-get source -qq --download-only "$@" onetbb
         tar xf onetbb_*.orig.tar.* -C source --strip-components=1
