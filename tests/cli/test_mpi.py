@@ -3,11 +3,10 @@
 import fcntl
 import os
 import pathlib
-import random
+import re
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
 import pyopenvdb as vdb
@@ -21,6 +20,8 @@ if not shutil.which("mpirun"):
 
 WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%04d.vdb"
 DATA = os.environ.get("VDBLIC_DATA")
+SUPPORT = os.environ["VDBLIC_TEST_SUPPORT"]
+not_sanitized = unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a sanitizer wants to be loaded first")
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}  # for containers
 
@@ -272,48 +273,77 @@ class Ranks(ToolTest):
         self.assertLessEqual(len(parts), 1)  # those of the last checkpoint, if one was complete
         self.assertEqual(len(parts), len(list(small.glob("checkpoint.x.vdb"))))
 
-    def start(self, ranks, *arguments):
-        run = subprocess.Popen(self.command(ranks, "vdblic_advect_mpi", "--threads", 1, *arguments), cwd=self.folder, env=ENVIRONMENT, text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        self.addCleanup(run.stdout.close)
+    FRAMES = WAKE, "--frames", "1-3", "--refine", 2
+
+    def start(self, ranks, rank, at, name):
+        """Start or resume a run of FRAMES. One of its ranks gets a signal at a call, as tests/support/kill_at_call.cpp has it."""
+        *mpirun, _, _, tool = self.command(ranks, "vdblic_advect_mpi")
+        program = list(map(str, (tool, "--threads", 1, *self.FRAMES, "-o", f"{name}.%04d.vdb", "--checkpoint-every", 1,
+                                 "--resume")))
+        signalled = ["env", f"LD_PRELOAD={SUPPORT}/libkill_at_call.so", f"VDBLIC_KILL_AT={at}", *program]
+        parts = [[":", "-n", str(count), *part] for count, part in
+                 ((rank, program), (1, signalled), (ranks - rank - 1, program)) if count > 0]
+        run = subprocess.Popen(mpirun + sum(parts, [])[1:], cwd=self.folder, env=ENVIRONMENT, text=True,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         self.addCleanup(run.stderr.close)
+        self.addCleanup(lambda: run.poll() is None and run.kill())
         return run
 
-    def ranks_of(self, run):
-        """The processes of the ranks."""
-        children = pathlib.Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text(encoding="ascii").split()
-        return [int(child) for child in children]
+    @staticmethod
+    def told(process, name):
+        """What the kernel tells of a process."""
+        return re.search(name + r":\s+(\w+)", pathlib.Path(f"/proc/{process}/status").read_text(encoding="utf-8"))[1]
 
-    def test_a_request_to_stop(self):
-        arguments = WAKE, "--frames", "1-3", "--refine", 2
-        self.one_process(*arguments)
-        run = self.start(3, *arguments, "-o", "stop.%04d.vdb", "--checkpoint-every", 1)
-        run.stdout.readline()  # the first texture
-        os.kill(run.pid, signal.SIGUSR1)
-        run.communicate(timeout=120)
-        self.assertEqual(run.returncode, 128 + signal.SIGUSR1)
-        self.assertIn("checkpoint.stop.vdb", self.files())
-        again = self.by_ranks(2, *arguments, "-o", "stop.%04d.vdb", "--resume")
+    def start_held(self, ranks, name):
+        """Start or resume a run whose rank 0 stops before it names a first file. @return the run and its ranks' processes"""
+        run = self.start(ranks, 0, f"linkat 1 {int(signal.SIGSTOP)}", name)
+        children = pathlib.Path(f"/proc/{run.pid}/task/{run.pid}/children")
+        processes = lambda: [int(child) for child in children.read_text(encoding="ascii").split()]
+        self.wait_until(lambda: len(processes()) == ranks and self.told(processes()[0], "State") == "T",
+                        "rank 0 does not stop")
+        return run, processes()
+
+    def assert_goes_on(self, name):
+        """What was written is that of an uninterrupted run, which an interrupted one ends as; no checkpoint is left."""
+        self.one_process(*self.FRAMES)
+        for path in self.folder.glob(f"{name}.*.vdb"):
+            self.assertEqual(path.read_bytes(), self.contents(path.name.replace(name, "one")))
+        again = self.by_ranks(2, *self.FRAMES, "-o", f"{name}.%04d.vdb", "--resume")
         self.assertEqual(again.returncode, 0, again.stderr)
-        self.assert_same("stop")
+        self.assert_same(name)
         self.assertFalse([name for name in self.files() if "checkpoint" in name])
 
+    @not_sanitized
+    def test_a_request_to_stop(self):
+        run, ranks = self.start_held(3, "stop")
+        os.kill(run.pid, signal.SIGUSR1)
+        self.wait_until(lambda: int(self.told(ranks[0], "ShdPnd"), 16) >> signal.SIGUSR1 - 1 & 1, "no request arrives")
+        os.kill(ranks[0], signal.SIGCONT)
+        messages = run.stderr.read()
+        self.assertEqual(run.wait(timeout=120), 128 + signal.SIGUSR1, messages)
+        self.assertIn("checkpoint.stop.vdb", self.files())
+        self.assert_goes_on("stop")
+
+    @not_sanitized
     def test_a_killed_rank(self):
-        arguments = WAKE, "--frames", "1-3", "--refine", 2
-        self.one_process(*arguments)
-        chance = random.Random(3)
-        for ranks in 3, 5, 3:
-            run = self.start(ranks, *arguments, "-o", "kill.%04d.vdb", "--checkpoint-every", 1, "--resume")
-            time.sleep(chance.uniform(0.3, 2))
-            if run.poll() is None:
-                for process in self.ranks_of(run)[-1:]:
-                    os.kill(process, signal.SIGKILL)
-            run.communicate(timeout=60)  # the others do not wait for ever
-        for path in self.folder.glob("kill.*.vdb"):
-            self.assertEqual(path.read_bytes(), self.contents(path.name.replace("kill", "one")))
-        self.outputs("vdblic_advect", *arguments, "-o", "kill.%04d.vdb", "--resume", timeout=300)
-        self.assert_same("kill")
-        self.assertFalse([name for name in self.files() if "checkpoint" in name])
+        """The others do not wait for ever."""
+        for number in 3, 5:
+            run, ranks = self.start_held(number, "kill")
+            os.kill(ranks[-1], signal.SIGKILL)
+            os.kill(ranks[0], signal.SIGCONT)
+            messages = run.stderr.read()
+            self.assertNotEqual(run.wait(timeout=120), 0, messages)
+        self.assert_goes_on("kill")
+
+    @not_sanitized
+    def test_ranks_killed_while_they_write(self):
+        """At calls of the system that bring an output or a checkpoint to the disk."""
+        for rank, call in (0, "linkat 1"), (0, "rename 1"), (2, "fsync 1"), (1, "fsync 2"):
+            run = self.start(3, rank, call, "kill")
+            messages = run.stderr.read()
+            self.assertNotEqual(run.wait(timeout=120), 0, call)
+            self.assertIn("signal 9", messages)
+        self.assert_goes_on("kill")
 
 
 if __name__ == "__main__":

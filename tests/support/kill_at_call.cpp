@@ -1,5 +1,6 @@
 /// Preloaded into a tool, kills it as SIGKILL does at a call that brings a file to the disk. VDBLIC_KILL_AT names the
 /// call and counts it, as in `fsync 3`. Of what is written a part is there then; nothing is flushed, named or renamed.
+/// A third word is the number of another signal, as of SIGSTOP: the call is made when the tool goes on.
 #include <atomic>
 #include <csignal>
 #include <cstddef>
@@ -12,7 +13,7 @@
 
 namespace {
 
-/// Whether the process ends at this call.
+/// Whether it is the turn of this call.
 bool isItsTurn(const char* name)
 {
     const char* const given = std::getenv("VDBLIC_KILL_AT");
@@ -22,15 +23,16 @@ bool isItsTurn(const char* name)
     return ++calls == std::atoi(given + length);
 }
 
+void giveSignal()
+{
+    const char* const word = std::strchr(std::strchr(std::getenv("VDBLIC_KILL_AT"), ' ') + 1, ' ');
+    ::kill(::getpid(), word ? std::atoi(word) : SIGKILL);
+}
+
 bool isFile(int descriptor)
 {
     struct stat status {};
     return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
-}
-
-int end()
-{
-    return ::kill(::getpid(), SIGKILL);
 }
 
 template<class Function>
@@ -47,25 +49,29 @@ ssize_t writev(int descriptor, const iovec* parts, int count)
 {
     static auto* const writev = next<ssize_t(int, const iovec*, int)>("writev");
     if (!isFile(descriptor) || !isItsTurn("writev")) return writev(descriptor, parts, count);
-    writev(descriptor, parts, 1);
-    return end();
+    const ssize_t part = writev(descriptor, parts, 1);
+    giveSignal();
+    return part;
 }
 
 int fsync(int descriptor)
 {
     static auto* const fsync = next<int(int)>("fsync");
-    return isItsTurn("fsync") ? end() : fsync(descriptor);
+    if (isItsTurn("fsync")) giveSignal();
+    return fsync(descriptor);
 }
 
 int linkat(int fromFolder, const char* from, int toFolder, const char* to, int flags)
 {
     static auto* const linkat = next<int(int, const char*, int, const char*, int)>("linkat");
-    return isItsTurn("linkat") ? end() : linkat(fromFolder, from, toFolder, to, flags);
+    if (isItsTurn("linkat")) giveSignal();
+    return linkat(fromFolder, from, toFolder, to, flags);
 }
 
 int rename(const char* from, const char* to)
 {
     static auto* const rename = next<int(const char*, const char*)>("rename");
-    return isItsTurn("rename") ? end() : rename(from, to);
+    if (isItsTurn("rename")) giveSignal();
+    return rename(from, to);
 }
 }
