@@ -63,9 +63,10 @@ def runnable(command):
     command = re.sub(r"(?<= )[A-Z]+(?= |$)", lambda word: PLACEHOLDERS[word[0]], command)
     tool, *words = command.split()
     command = f"{command} {REQUIRED[tool]}" if words[0].startswith("-") else command
-    if tool == "vdblic_view":  # runs until it is interrupted
+    if tool == "vdblic_view":  # runs until it is ended
         command = re.sub(r"--port \d+", "--port 0", command)
-        return f"timeout --preserve-status -s TERM 2 {command}; test $? = 143"
+        # Until it says its address.
+        return f"coproc {{ exec {command}; }}; read -ru $COPROC; kill $COPROC_PID; wait $COPROC_PID; test $? = 143"
     return command
 
 

@@ -197,14 +197,18 @@ class Scratch(ToolTest):
         flow = self.flow(frames="1-3")
         self.run_in(None, "whole", *flow)
         (self.folder / "lic").mkdir()
-        choice = random.Random(3)
-        for kill in range(often(3, 6)):
+        choice, there = random.Random(3), lambda: sum(name.startswith("lic.") for name in os.listdir(self.folder / "lic"))
+        for _ in range(often(3, 6)):
             limit = choice.choice(((), ("--max-memory", f"{LIMIT}M"), ("--max-memory", "144M")))
+            farther, pause = min(there() + choice.randint(0, 1), 2), choice.uniform(0, 0.2)
+            paths = LinePipe(2, "lic/lic.0001.vdb")  # so that the run is there until it is killed
             run = self.start(*flow, "-o", "lic/lic.%04d.vdb", "--resume", "--checkpoint-every", 1, "--threads",
-                             choice.choice((1, 2, 3)), *limit)
-            time.sleep(choice.uniform(0, 0.5 * (kill + 1)))
+                             choice.choice((1, 2, 3)), *limit, stdout=paths.writing)
+            self.wait_until(lambda n=farther: run.poll() is not None or there() >= n, "no outputs", pause=0.001)
+            time.sleep(pause)  # at any moment of a frame
             run.kill()
-            run.wait()
+            paths.close()
+            self.assertEqual(run.wait(), -signal.SIGKILL)
             for name in os.listdir(self.folder / "lic"):
                 self.assertTrue(name.startswith(("lic.", "checkpoint.lic.", ".checkpoint.lic.lock")), name)
         self.run_in(LIMIT, "lic", *flow, "--resume")
