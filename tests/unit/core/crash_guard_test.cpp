@@ -14,6 +14,8 @@
 #include <exception>
 #include <fcntl.h>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <string>
@@ -25,16 +27,30 @@
 namespace vdblic {
 namespace {
 
-using std::chrono_literals::operator""ms;
+/// Whether two threads and the one that waits for them are there, and all sleep; or the process has ended.
+bool allSleep(pid_t process)
+{
+    int threads = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task")) {
+        std::ifstream file(entry.path() / "stat");
+        const std::string told(std::istreambuf_iterator<char>(file), {});
+        const std::size_t name = told.rfind(')');
+        const char state = name == std::string::npos ? '?' : told.at(name + 2);
+        if (state == 'Z') return true;
+        if (state != 'S') return false;
+        ++threads;
+    }
+    return threads >= 3;
+}
 
 /// What a child process says before it ends by the status that is wanted.
-/// @param pause until the first word is read; the pipe is full so long, and the word after a "."
+/// @param isHeld whether it is heard only when its threads sleep, because the pipe holds a "." and has no room for more
 template<typename Work>
-std::string saidAt(int wanted, const Work& work, std::chrono::milliseconds pause = 0ms)
+std::string saidAt(int wanted, const Work& work, bool isHeld = false)
 {
     std::array<int, 2> pipe{};
     if (::pipe2(pipe.data(), O_DIRECT) != 0) return "no pipe";
-    if (pause > 0ms && (::fcntl(pipe[1], F_SETPIPE_SZ, 4096) < 0 || ::write(pipe[1], ".", 1) != 1)) return "no page";
+    if (isHeld && (::fcntl(pipe[1], F_SETPIPE_SZ, 4096) < 0 || ::write(pipe[1], ".", 1) != 1)) return "no page";
     const pid_t child = ::fork();
     if (child == 0) {
         ::dup2(pipe[1], STDERR_FILENO);
@@ -43,7 +59,8 @@ std::string saidAt(int wanted, const Work& work, std::chrono::milliseconds pause
         ::_exit(0);
     }
     ::close(pipe[1]);
-    std::this_thread::sleep_for(pause);
+    while (isHeld && !allSleep(child))
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::string said;
     std::array<char, 4096> part{};
     for (ssize_t length = 0; (length = ::read(pipe[0], part.data(), part.size())) > 0;)
@@ -70,8 +87,7 @@ TEST(CrashGuard, SpeaksOnceWhenThreadsCrashTogether)
         first.join();
         second.join();
     };
-    // Until the pipe is read all threads come to their first word.
-    EXPECT_EQ(saidAt(3, crashTogether, 200ms), std::string(".") + kDamaged);
+    EXPECT_EQ(saidAt(3, crashTogether, true), std::string(".") + kDamaged);
 }
 
 /// A recursion without end. @return never

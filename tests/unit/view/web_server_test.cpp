@@ -6,6 +6,10 @@
 #include <arpa/inet.h>
 #include <array>
 #include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <future>
+#include <iterator>
 #include <netinet/in.h>
 #include <string>
 #include <sys/socket.h>
@@ -63,6 +67,12 @@ std::string answer(int socket)
     return text;
 }
 
+/// How many files, pipes and connections this process has.
+std::ptrdiff_t descriptors()
+{
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+}
+
 TEST(Answers, MayTakeLongerToMakeThanToSend)
 {
     const Serving serving(
@@ -79,13 +89,17 @@ TEST(Answers, MayTakeLongerToMakeThanToSend)
 TEST(Answers, AreNotSentForeverToAClientThatDoesNotRead)
 {
     const std::size_t size = std::size_t(64) << 20; // more than the system takes for it
+    std::promise<std::ptrdiff_t> withConnection;
     const Serving serving(
         [&](const WebRequest&) {
+            withConnection.set_value(descriptors());
             return WebAnswer{200, "text/plain", std::string(size, 'x')};
         },
         100ms);
     const int socket = serving.ask();
-    std::this_thread::sleep_for(500ms);
+    const std::ptrdiff_t before = withConnection.get_future().get();
+    while (descriptors() >= before) // until the server has closed its end
+        std::this_thread::sleep_for(1ms);
     EXPECT_LT(answer(socket).size(), size);
 }
 
