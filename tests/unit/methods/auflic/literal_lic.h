@@ -1,6 +1,8 @@
 #pragma once
 
-#include "methods/test_flow.h"
+#include "vdblic/field/domain.h"
+#include "vdblic/field/flow_frame.h"
+#include "vdblic/methods/texture_params.h"
 
 #include <vector>
 
