@@ -27,7 +27,7 @@ COMMANDS = {  # valid without the tried option
     "vdblic_coherence": ["v.0001.vdb", "n.vdb", "--texture", "noise"],
     "vdblic_info": ["v.0001.vdb"],
     "vdblic_film": ["v.0001.vdb", "-o", "out.png", "--size", "8", "8"],
-    "vdblic_import": ["v.npy", "-o", "out.vdb"],
+    "vdblic_import": ["v.npz", "-o", "out.vdb"],
     "vdblic_export": ["n.vdb", "-o", "out.vti"],
 }
 # Legal values of an option, of those tried. Names may be anything but empty.
@@ -112,7 +112,7 @@ class HostileParameters(ToolTest):
         super().setUp()
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 8, 8, 8, "--frames", "1")
         self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "n.vdb")
-        numpy.save(self.folder / "v.npy", numpy.ones((2, 2, 2, 3)))
+        numpy.savez(self.folder / "v.npz", velocity=numpy.ones((2, 2, 2, 3)), voxel_size=1)
 
     def command(self, tool, option, values):
         """The tool's command with an option of these values."""

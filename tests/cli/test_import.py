@@ -241,30 +241,30 @@ class Arrays(ImportTest):
         for time, path in zip(TIMES, paths, strict=True):
             numpy.testing.assert_array_equal(self.assert_flow(path, lambda at, time=time: flows.flow(at, time)), active)
         numpy.save(self.folder / "plain.npy", flows.flow(numpy.stack([x, y, z], axis=-1)))
-        path, = self.imports("plain.npy", "-o", "plain.vdb")
+        path, = self.imports("plain.npy", "--layout", "xyzc", "-o", "plain.vdb")
         self.assert_flow(path, flows.flow, (6, 5, 4))
         numpy.savez(self.folder / "bad.npz", velocity=numpy.zeros((3, 3, 3, 3)), p=numpy.zeros((4, 4, 4)))
-        self.assertIn("different shapes", self.refuses(3, "bad.npz", "-o", "v.vdb"))
+        self.assertIn("different shapes", self.refuses(3, "bad.npz", "-o", "v.vdb", "--layout", "xyzc"))
 
 
 class Rules(ImportTest):
     def setUp(self):
         super().setUp()
         for frame in 1, 2, 3:
-            numpy.save(self.folder / f"f.{frame:04}.npy", numpy.full((8, 8, 8, 3), frame, numpy.float32))
+            numpy.savez(self.folder / f"f.{frame:04}.npz", velocity=numpy.full((8, 8, 8, 3), frame, numpy.float32), voxel_size=1)
 
     def test_sequences(self):
-        first = self.imports("f.%04d.npy", "-o", "v.####.vdb", "--dt", 0.5, "--frames", "2-3")
+        first = self.imports("f.%04d.npz", "-o", "v.####.vdb", "--dt", 0.5, "--frames", "2-3")
         self.assertEqual([path.name for path in first], ["v.0002.vdb", "v.0003.vdb"])
         self.assertEqual([vdb.readMetadata(str(path))["time"] for path in first], [0.5, 1])
         before = self.contents("v.0002.vdb")
         mine = self.contents("v.0002.vdb")
         (self.folder / "v.0003.vdb").write_bytes(mine)
-        self.imports("f.%04d.npy", "-o", "v.%04d.vdb", "--dt", 0.5, "--skip-existing")
+        self.imports("f.%04d.npz", "-o", "v.%04d.vdb", "--dt", 0.5, "--skip-existing")
         self.assertEqual(self.contents("v.0003.vdb"), mine)
-        self.imports("f.%04d.npy", "-o", "v.%04d.vdb", "--dt", 0.5)
+        self.imports("f.%04d.npz", "-o", "v.%04d.vdb", "--dt", 0.5)
         self.assertEqual(self.contents("v.0002.vdb"), before, "equal inputs give equal bytes")
-        done = self.run_tool("vdblic_import", "-", "-o", "p.%04d.vdb", stdin="f.0002.npy\nf.0003.npy\n")
+        done = self.run_tool("vdblic_import", "-", "-o", "p.%04d.vdb", stdin="f.0002.npz\nf.0003.npz\n")
         self.assertEqual(done.stdout.split(), ["p.0002.vdb", "p.0003.vdb"])
         self.assertIn("frame 3: ", done.stderr)
 
@@ -275,26 +275,26 @@ class Rules(ImportTest):
             self.assertRegex(help_text, r"(?m)^Positionals:\n  INPUT TEXT REQUIRED ")
 
     def test_mistakes(self):
-        (self.folder / "f.0005.npy").write_bytes(b"")
-        (self.folder / "g.1.npy").touch()
+        (self.folder / "f.0005.npz").write_bytes(b"")
+        (self.folder / "g.1.npz").touch()
         for status, words, *arguments in (
-                (3, "frame 4 is missing", "f.%04d.npy", "-o", "v.%04d.vdb"),
-                (3, "frame 7 is missing", "f.%04d.npy", "-o", "v.%04d.vdb", "--frames", 7),
-                (3, "f.%04d.npy", "f.%02d.npy", "-o", "v.%04d.vdb"),
-                (3, "the files on disk match g.%d.npy", "g.%04d.npy", "-o", "v.%04d.vdb"),
+                (3, "frame 4 is missing", "f.%04d.npz", "-o", "v.%04d.vdb"),
+                (3, "frame 7 is missing", "f.%04d.npz", "-o", "v.%04d.vdb", "--frames", 7),
+                (3, "f.%04d.npz", "f.%02d.npz", "-o", "v.%04d.vdb"),
+                (3, "the files on disk match g.%d.npz", "g.%04d.npz", "-o", "v.%04d.vdb"),
                 (3, "no such file", "-", "-o", "v.%04d.vdb"),
-                (3, "the file is empty", "f.0005.npy", "-o", "v.vdb"),
-                (3, "cannot be read", "f.%04d.npy", "-o", "v.%04d.vdb", "--frames", "1", "--like", "f.0001.npy"),
-                (2, "is no frame field; write f.%04d.npy", "f.*.npy", "-o", "v.vdb"),
-                (2, "names one file", "f.%04d.npy", "-o", "v.vdb", "--frames", "1-3"),
-                (2, "must end in .vdb", "f.0001.npy", "-o", "v.vti"),
-                (2, "--frames needs a pattern", "f.0001.npy", "-o", "v.vdb", "--frames", 1),
-                (2, "leave out --size", "f.0001.npy", "-o", "v.vdb", "--like", "f.0001.npy", "--size", 1, 1, 1),
-                (2, "of memory", "f.0001.npy", "-o", "v.vdb", "--size", 131072, 131072, 131072),
-                (2, "empty box", "f.0001.npy", "-o", "v.vdb", "--bounds", 0, 0, 0, 1, 1, 0),
-                (2, "there is no option --siz; --size is one", "f.0001.npy", "-o", "v.vdb", "--siz", 1)):
+                (3, "the file is empty", "f.0005.npz", "-o", "v.vdb"),
+                (3, "cannot be read", "f.%04d.npz", "-o", "v.%04d.vdb", "--frames", "1", "--like", "f.0001.npz"),
+                (2, "is no frame field; write f.%04d.npz", "f.*.npz", "-o", "v.vdb"),
+                (2, "names one file", "f.%04d.npz", "-o", "v.vdb", "--frames", "1-3"),
+                (2, "must end in .vdb", "f.0001.npz", "-o", "v.vti"),
+                (2, "--frames needs a pattern", "f.0001.npz", "-o", "v.vdb", "--frames", 1),
+                (2, "leave out --size", "f.0001.npz", "-o", "v.vdb", "--like", "f.0001.npz", "--size", 1, 1, 1),
+                (2, "of memory", "f.0001.npz", "-o", "v.vdb", "--size", 131072, 131072, 131072),
+                (2, "empty box", "f.0001.npz", "-o", "v.vdb", "--bounds", 0, 0, 0, 1, 1, 0),
+                (2, "there is no option --siz; --size is one", "f.0001.npz", "-o", "v.vdb", "--siz", 1)):
             with self.subTest(words):
-                self.assertIn(words, self.refuses(status, *arguments, stdin="missing.0001.npy\n"))
+                self.assertIn(words, self.refuses(status, *arguments, stdin="missing.0001.npz\n"))
 
     def test_files_that_are_broken(self):
         flows.write_vtk(flows.image(), self.folder / "whole.vti")

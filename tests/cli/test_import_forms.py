@@ -39,15 +39,22 @@ class Arrays(ImportHere):
                 self.assert_flow(paths[0], flows.flow, SIZE)
                 self.assert_flow(paths[-1], lambda at: flows.flow(at, TIMES[-1 if "t" in layout else 0]), SIZE)
         numpy.save(self.folder / "a.npy", one.transpose(3, 0, 1, 2))
-        self.assertIn("a.npy: 'velocity' has the shape (3, 6, 5, 4), whose last axis is not three components; say the order "
-                      "of its axes: --layout cxyz", self.refuses(3, "a.npy", "-o", "w.vdb"))
+        self.assertIn("a.npy: nothing tells the order of the axes of 'velocity' (3, 6, 5, 4); say it: --layout cxyz",
+                      self.refuses(3, "a.npy", "-o", "w.vdb"))
+        for values in one, steps[..., 0, :], one[..., 0]:  # (x, y, z, c) or (t, x, y, c), (x, y, z) or (z, y, x)
+            self.assertIn("nothing tells the order of the axes", self.refuses(3, self.save(values), "-o", "w.vdb"))
+        self.assertEqual(len(self.imports(self.save(steps[..., 0, :]), "-o", "w.%04d.vdb", "--layout", "txyc")), len(TIMES))
         self.assertIn("--layout is letters of t, c, x, y and z", self.refuses(2, "a.npy", "-o", "w.vdb", "--layout", "xxyz"))
         self.assertIn("the axes of 'velocity' (6, 5, 4, 3) are x, y, z, components; --layout tells others",
-                      self.run_tool("vdblic_import", self.save(one), "-o", "u.vdb").stderr)
+                      self.run_tool("vdblic_import", self.npz(one), "-o", "u.vdb").stderr)
 
     def save(self, values):
         numpy.save(self.folder / "b.npy", values)
         return "b.npy"
+
+    def npz(self, values):
+        numpy.savez(self.folder / "c.npz", velocity=values, origin=0)
+        return "c.npz"
 
     def test_planes(self):
         numpy.save(self.folder / "a.npy", sample()[:, :, 0, :2])
@@ -58,7 +65,7 @@ class Arrays(ImportHere):
         days = numpy.array(["2020-01-31", "2020-02-01", "2020-03-01"], "datetime64[D]")
         half = numpy.stack([sample()] * 3).astype("f2")
         numpy.savez(self.folder / "a.npz", velocity=half, time=days)
-        paths = self.imports("a.npz", "-o", "v.%04d.vdb")
+        paths = self.imports("a.npz", "-o", "v.%04d.vdb", "--layout", "txyzc")
         self.assert_flow(paths[0], lambda at: flows.flow(at).astype("f2"), SIZE)
         found = [vdb.readMetadata(str(path)) for path in paths]
         self.assertEqual([data["time"] for data in found], [0, 86400, 30 * 86400])
@@ -80,7 +87,7 @@ class Arrays(ImportHere):
                 for i, name in enumerate("uvw"):
                     file[f"flow/{name}"] = numpy.stack([sample(time)[..., i].T for time in TIMES])
                 file["time"] = TIMES
-            self.assertIn("say it: --layout with letters", self.refuses(3, f"a.{ending}", "-o", "v.%04d.vdb"))
+            self.assertIn("nothing tells the order of the axes", self.refuses(3, f"a.{ending}", "-o", "v.%04d.vdb"))
             paths = self.imports(f"a.{ending}", "-o", "v.%04d.vdb", "--layout", "tzyx", "--array", "flow/u,flow/v,flow/w")
             for time, path in zip(TIMES, paths, strict=True):
                 self.assert_flow(path, lambda at, time=time: flows.flow(at, time), SIZE)
@@ -141,6 +148,17 @@ class Earth(ImportHere):
         self.assertTrue(active[..., 0].all())
         numpy.testing.assert_allclose(values[..., 0, 0], earth_flows.east(place[0], place[1], 1.0)[..., 0], atol=1e-3)
 
+    @unittest.skipUnless(has("cfgrib", "eccodes"), "python3-cfgrib is not installed")
+    def test_grib_without_rows_and_columns(self):
+        import eccodes  # pylint: disable=import-outside-toplevel
+
+        for sample, words in (("reduced_gg_pl_32_grib2", "a reduced Gaussian grid, whose rows differ in length; make a regular "
+                               "one of it: cdo setgridtype,regular"), ("sh_pl_grib2", "spherical harmonics; make")):
+            message = eccodes.codes_grib_new_from_samples(sample)
+            with open(self.folder / "a.grib", "wb") as file:
+                eccodes.codes_write(message, file)
+            self.assertIn(words, self.refuses(3, "a.grib", "-o", "v.%04d.vdb"))
+
     def test_a_mesh_in_a_file_of_its_own(self):
         file = earth_flows.fvcom()[0]
         mesh = {name: file[name] for name in ("lon", "lat", "nv", "h", "siglay", "siglev")}
@@ -180,6 +198,10 @@ class Vtk(ImportHere):
         (self.folder / "a.vti.series").write_text(json.dumps(listed), encoding="ascii")
         paths = self.imports("a.vti.series", "-o", "s.%04d.vdb")
         self.assertEqual([vdb.readMetadata(str(path))["time"] for path in paths], TIMES)
+
+    def npz(self, values):
+        numpy.savez(self.folder / "c.npz", velocity=values, origin=0)
+        return "c.npz"
 
     def test_planes(self):
         """A plane is a layer of voxels: of an image whose spacing across it is 0, of quadrilaterals, structured or not."""

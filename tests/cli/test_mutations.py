@@ -122,7 +122,7 @@ class Mutations(ToolTest):
     @unittest.skipUnless(HAS_MODULE, "the module is not built, or a sanitized one")
     def test_imports(self):
         for name in "flow.npy", "flow.npz":
-            self.check(name, ("vdblic_import", name, "-o", "out.vdb"))
+            self.check(name, ("vdblic_import", name, "-o", "out.vdb", "--layout", "xyzc"))
 
     @unittest.skipUnless(HAS_MODULE, "the module is not built, or a sanitized one")
     def test_netcdf(self):

@@ -467,8 +467,8 @@ class Packaged(ToolTest):
         where = self.run_python("-c", program, path=packages)
         self.assertEqual(where.split(), [str(packages / "vdblic/__init__.py"), "1"])
         self.assertTrue((packages / "vdblic/py.typed").is_file())
-        numpy.save(self.folder / "v.npy", numpy.ones((4, 4, 4, 3)))
-        for tool, source, output in ("import", "v.npy", "v.vdb"), ("export", "v.vdb", "v.vti"):
+        numpy.savez(self.folder / "v.npz", velocity=numpy.ones((4, 4, 4, 3)), voxel_size=1)
+        for tool, source, output in ("import", "v.npz", "v.vdb"), ("export", "v.vdb", "v.vti"):
             command = [self.folder / f"prefix/bin/vdblic_{tool}", source, "-o", output]
             subprocess.run(command, cwd=self.folder, check=True, capture_output=True)
             self.assertIn(output, self.files())

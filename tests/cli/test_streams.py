@@ -58,7 +58,7 @@ class Streams(ToolTest):
         numpy.save(self.folder / "a.npy", numpy.ones((4, 4, 4, 3), numpy.float32))
         before = self.files()
         for command in (("vdblic_synth", "abc", "-o", "w.vdb", "--size", 8, 8, 8, "--frames", 1),
-                        ("vdblic_import", "a.npy", "-o", "w.vdb")):
+                        ("vdblic_import", "a.npy", "--layout", "xyzc", "-o", "w.vdb")):
             run = self.run_tool(*command, preexec_fn=lambda: os.closerange(0, 2))
             self.assertEqual(run.returncode, 4, run.stderr)
             self.assertTrue(run.stderr.endswith("standard output: cannot be written: Bad file descriptor\n"), run.stderr)
@@ -78,7 +78,7 @@ class Streams(ToolTest):
             ("vdblic_coherence", "{}", "v.0001.vdb"), ("vdblic_coherence", "v.0001.vdb", "{}"),
             ("vdblic_film", "{}", "-o", "o.mp4"), ("vdblic_view", "{}"), ("vdblic_export", "{}", "-o", "o.vti"),
             ("vdblic_export", "{}", "-o", "o.vdb", "--levels", 1), ("vdblic_export", "{}", "-o", "o.usda"),
-            ("vdblic_import", "v.npy", "-o", "o.vdb", "--like", "{}")))
+            ("vdblic_import", "v.npy", "--layout", "xyzc", "-o", "o.vdb", "--like", "{}")))
         yield from (((*render, option, "{}"), ".json") for option in ("--transfer", "--camera"))
         yield ("vdblic_export", "v.0001.vdb", "-o", "o.usda", "--camera", "{}"), ".json"
         yield from ((("vdblic_import", "{}", "-o", "o.vdb"), ending) for ending in (".npy", ".nc", ".vti", ".cgns"))

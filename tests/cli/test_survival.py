@@ -97,7 +97,7 @@ class Survival(ToolTest):
             os.link(self.folder / "c.0001.vdb", self.folder / f"c.{frame:04}.vdb")
         numpy.savez(self.folder / "v.npz", velocity=numpy.ones((12, 32, 32, 32, 3), numpy.float32))
         for command in (("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb"),
-                        ("vdblic_import", "v.npz", "-o", "i.%04d.vdb"),
+                        ("vdblic_import", "v.npz", "--layout", "txyzc", "-o", "i.%04d.vdb"),
                         ("vdblic_export", "c.%04d.vdb", "-o", "e_%04d.vti"),
                         ("vdblic_diff", "v.%04d.vdb", "v.%04d.vdb", "-o", "d.%04d.vdb"),
                         ("vdblic_render", "c.%04d.vdb", "-o", "i.%04d.png", "--texture", "speed")):
@@ -210,7 +210,7 @@ class Survival(ToolTest):
         numpy.save(self.folder / "v.npy", numpy.random.default_rng(1).random((16, 16, 16, 3)))
         before = self.files()
         for tool, *arguments in (("vdblic_advect", "v.%04d.vdb", "-o", "out.%04d.vdb", "--preroll", 0),
-                                 ("vdblic_import", "v.npy", "-o", "out.vdb"),
+                                 ("vdblic_import", "v.npy", "--layout", "xyzc", "-o", "out.vdb"),
                                  ("vdblic_export", "v.0001.vdb", "-o", "out.vti"),
                                  ("vdblic_noise", "--like", "v.0001.vdb", "-o", "out.vdb"),
                                  ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "out.vdb"),
@@ -231,7 +231,7 @@ class Survival(ToolTest):
         self.synth("1-4", (32, 32, 32))
         numpy.save(self.folder / "v.npy", numpy.random.default_rng(1).random((4, 32, 32, 32, 3), numpy.float32))
         for command in (("vdblic_advect", "v.%04d.vdb", "-o", "small/lic.%04d.vdb", "--preroll", 0),
-                        ("vdblic_import", "v.npy", "-o", "small/i.%04d.vdb")):
+                        ("vdblic_import", "v.npy", "--layout", "txyzc", "-o", "small/i.%04d.vdb")):
             done = self.run_tool(*command)
             self.assertEqual(done.returncode, 4, done.stderr)
             self.assertIn("No space left on device", done.stderr)
@@ -263,7 +263,7 @@ class Survival(ToolTest):
                         ("vdblic_advect", "v.0001.vdb", "-o", "link.vdb", "--noise", "noise.vdb"),
                         ("vdblic_advect", "v.0001.vdb", "-o", "noise.vdb", "--mask", "link.vdb"),
                         ("vdblic_noise", "--like", "noise.vdb", "-o", "link.vdb"),
-                        ("vdblic_import", "v.npy", "-o", "link.vdb", "--like", "noise.vdb"),
+                        ("vdblic_import", "v.npy", "--layout", "xyzc", "-o", "link.vdb", "--like", "noise.vdb"),
                         ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "-o", "v.0002.vdb"),
                         ("vdblic_diff", "v.0001.vdb", "v.0002.vdb", "--json", "v.0002.vdb"),
                         ("vdblic_info", "v.0001.vdb", "--json", "v.0001.vdb"),
@@ -284,7 +284,7 @@ class Survival(ToolTest):
         coherence = ("vdblic_coherence", "v.0001.vdb", "lic.0001.vdb")
         numpy.save(self.folder / "v.npy", numpy.ones((8, 8, 8, 3)))
         files = [(("vdblic_synth", "abc", "--size", 8, 8, 8, "--frames", 1), "-o", ".vdb"),
-                 (("vdblic_import", "v.npy"), "-o", ".vdb"), (("vdblic_export", "lic.0001.vdb"), "-o", ".vti"),
+                 (("vdblic_import", "v.npy", "--layout", "xyzc"), "-o", ".vdb"), (("vdblic_export", "lic.0001.vdb"), "-o", ".vti"),
                  (("vdblic_noise", "--size", 8, 8, 8), "-o", ".vdb"), (advect, "-o", ".vdb"), (render, "-o", ".png"),
                  (compared, "-o", ".vdb")]
         reports = [((*advect, "-o", "again.vdb"), "--json", ".json"), (render, "--histogram", ".json"),

@@ -57,9 +57,8 @@ def main(version, words):
     tool.add(
         "--layout",
         metavar="TEXT",
-        help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such "
-        "as "
-        "cxyz or tczyx; xyz, txyz, xyzc or txyzc by default.",
+        help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such as "
+        "cxyz or tczyx. Files in the form of vdblic_export need none.",
     )
     tool.add(
         "--explain",

@@ -185,7 +185,9 @@ def _probed(dataset, names, target):
         values.append(bridge.vtk_to_numpy(data.GetArray(name)))
         if residue := data.GetArray(RESIDUE + name):
             values[-1] = values[-1] + bridge.vtk_to_numpy(residue)
-    met = len(numpy.unique(bridge.vtk_to_numpy(data.GetArray(CELL))[mask])) / dataset.GetNumberOfCells()
+    ghosts = dataset.GetCellData().GetArray(GHOSTS)
+    seen = numpy.count_nonzero(bridge.vtk_to_numpy(ghosts) & HIDDEN_CELL == 0) if ghosts else dataset.GetNumberOfCells()
+    met = len(numpy.unique(bridge.vtk_to_numpy(data.GetArray(CELL))[mask])) / max(seen, 1)
     return values, mask, met
 
 

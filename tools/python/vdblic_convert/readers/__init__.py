@@ -6,7 +6,7 @@ Each module reads one family of files; it and the packages that it needs are loa
 import importlib
 import pathlib
 
-from ..errors import InputError
+from ..errors import InputError, ParameterError
 
 READERS = {
     "vtk_files": tuple(".vti .vtr .vts .vtu .vtp .vtm .vthb .vth .vtk .pvti .pvtr .pvts .pvtu .pvtp .pvd .series".split()),
@@ -25,6 +25,10 @@ def open_sources(paths, options):
         grids = [path for path in map(pathlib.Path, paths) if path.is_file() and dataset.is_grid(path)]
     flows = [path for path in paths if pathlib.Path(path) not in grids] or paths
     sources = [open_source(path, options, grids if flows is not paths else ()) for path in flows]
+    known = [source.data for source in sources if hasattr(source, "data")]
+    for name in set(options.attribute).difference(*(data.answered for data in known)):
+        held = "; ".join(f"{data.path} has {data.contents()}" for data in known) or f"{flows[0]} has no attributes"
+        raise ParameterError(f"--attribute {name}: there is no variable '{name}'; {held}")
     source = sources[0] if len(sources) == 1 else Joined(sources)
     source.paths = list(paths)
     return source

@@ -1,7 +1,7 @@
 """Arrays without names for their axes: NumPy's files, HDF5 and MATLAB's.
 
-Their order is [x, y, z] or [time, x, y, z], with the components of a vector last, unless --layout tells another one,
-which HDF5 needs. Beside its fields a file may hold `time` (seconds or dates, one a step), `origin` (centre of voxel
+Their order is told by --layout. NumPy's files with `origin`, `voxel_size`, `matrix`, `active` or axes are in the order of
+vdblic_export: [x, y, z] or [time, x, y, z], with the components of a vector last. Beside its fields a file may hold `time` (seconds or dates, one a step), `origin` (centre of voxel
 0 0 0), `voxel_size` (one or three lengths), `matrix` (4 × 4, indices to world space, in place of both), or the axes
 `x`, `y` and `z`, and `active` (a mask). Values that are not finite are left out.
 """
@@ -18,12 +18,14 @@ from . import Source
 from .grids import grid_of
 from .whole_files import check_whole
 
-PLACE = ("time", "frame", "dt", "origin", "voxel_size", "matrix", "active")
+FORM = ("origin", "voxel_size", "matrix", "active")  # which only files in the form of vdblic_export have
+PLACE = ("time", "frame", "dt", *FORM)
+NUMPY = ".npy", ".npz"
 
 
 def open_source(path, options):
     try:
-        if path.suffix.lower() in (".npy", ".npz"):
+        if path.suffix.lower() in NUMPY:
             loaded = numpy.load(path, mmap_mode="r", allow_pickle=False)
             arrays = {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
         else:
@@ -41,7 +43,7 @@ def open_source(path, options):
         KeyError,
         tokenize.TokenError,
     ) as error:
-        form = "NumPy's arrays" if path.suffix.lower() in (".npy", ".npz") else "HDF5"
+        form = "NumPy's arrays" if path.suffix.lower() in NUMPY else "HDF5"
         raise InputError(f"{path}: cannot be read as {form}: {error}") from None
     try:
         return ArrayFile(path, arrays, options.layout)
@@ -73,15 +75,16 @@ class ArrayFile(Source):
     def __init__(self, path, arrays, layout):
         self._place = {name: arrays.pop(name) for name in PLACE if name in arrays}
         self._told = bool(layout)
-        self._order = {name: _order(path, name, array, layout) for name, array in arrays.items()}
+        axes = all(axis in arrays and numpy.ndim(arrays[axis]) == 1 for axis in "xyz")
+        own = path.suffix.lower() in NUMPY and (axes or any(name in self._place for name in FORM))
+        self._order = {name: _order(path, name, array, layout, own) for name, array in arrays.items()}
         self._order = {name: order for name, order in self._order.items() if order}
         self._arrays = {name: arrays[name] for name in self._order}
         if not self._arrays:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in list(arrays.items())[:10])
             raise InputError(
-                f"{path}: no array is a field: one has the axes x y z or time x y z, and components last; others are "
-                f"told "
-                f"by --layout; it holds {shapes or 'nothing else'}"
+                f"{path}: no array is a field of the axes {layout or 'x y z'}, --layout tells others; it holds "
+                f"{shapes or 'nothing else'}"
             )
         shapes = {tuple(self._sizes(name).get(axis, 1) for axis in "xyz") for name in self._arrays}
         steps = {self._sizes(name)["t"] for name in self._arrays if "t" in self._order[name]} or {1}
@@ -167,12 +170,11 @@ class ArrayFile(Source):
         image.SetOrigin(*origin)
 
 
-def _order(path, name, array, layout):
+def _order(path, name, array, layout, told):
     """The axes of a field as letters of t, c, x, y, z; empty for other arrays. Raises InputError if unclear."""
     shape = numpy.shape(array)
-    is_velocity = name.rpartition("/")[2] in VECTORS and len(name) > 1
     if array.dtype.kind not in "fiu":
-        if array.dtype.kind == "c" and is_velocity:
+        if array.dtype.kind == "c" and name.rpartition("/")[2] in VECTORS:
             raise InputError(f"{path}: no array is a field: '{name}' has complex numbers, and a velocity has real ones")
         return ""
     if layout:
@@ -181,19 +183,15 @@ def _order(path, name, array, layout):
             if len(order) == len(shape) and ("c" not in order or shape[order.index("c")] in (2, 3)):
                 return order
         return ""
-    if path.suffix.lower() not in (".npy", ".npz") and len(shape) > 2:
-        raise InputError(
-            f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout with letters of t, c, "
-            f"x, y "
-            "and z, such as txyz (MATLAB's files have MATLAB's order reversed)"
-        )
-    if len(shape) > 3 and shape[-1] == 3:
-        return {4: "xyzc", 5: "txyzc"}.get(len(shape), "")
-    if is_velocity and len(shape) in (3, 4, 5):
-        likely = {3: "xyc", 4: "cxyz" if shape[0] == 3 else "xyzc", 5: "tcxyz"}[len(shape)]
-        raise InputError(
-            f"{path}: '{name}' has the shape {shape}, whose last axis is not three components; say the order of its "
-            f"axes: "
-            f"--layout {likely}, or another one"
-        )
-    return {3: "xyz", 4: "txyz"}.get(len(shape), "")
+    if len(shape) < 3:
+        return ""
+    vector = shape[-1] == 3 and len(shape) > 3
+    usual = {3: "xyz", 4: "xyzc" if vector else "txyz", 5: "txyzc"}.get(len(shape), "")
+    if told and (vector or name.rpartition("/")[2] not in VECTORS or len(name) == 1):
+        return usual
+    first = {4: "cxyz", 5: "tcxyz"}.get(len(shape)) if 3 in shape[:2] and not vector else None
+    reverse = "" if path.suffix.lower() in NUMPY else ", MATLAB's order reversed in MATLAB's files"
+    raise InputError(
+        f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout {first or usual or 'xyz'}, or "
+        f"other letters of t (time), c (component), x, y and z{reverse}"
+    )

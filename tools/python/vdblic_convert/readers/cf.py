@@ -9,7 +9,7 @@ from ..units import measures
 from .earth import standard_atmosphere, upward_velocity
 from .gridded import Gridded
 from .grids import grid_of
-from .heights import along_axis, vertical
+from .heights import heights_of_axis, vertical
 from .place import TURNED, axis_of, horizontal
 
 MEDIUM = r"(wind|(sea_water_)?velocity)"
@@ -32,6 +32,10 @@ USUAL = (  # names of components without a standard name; the last ones are thos
 class CfFile(Gridded):
     def __init__(self, data, options):
         super().__init__(data, options)
+        for dimension in data.sizes.keys() - data.variables.keys() - {self.time}:  # coordinates of another name
+            own = [n for n, v in data.variables.items() if v.dims == (dimension,) and axis_of(data, n)]
+            if len(own) == 1:
+                data.variables[dimension] = data.variables[own[0]]
         self._axes = {dimension: axis_of(data, dimension) for dimension in data.sizes if dimension != self.time}
         self._spaces = {
             name: self._space(name)
@@ -113,7 +117,8 @@ class CfFile(Gridded):
             )
             fields = {name: numpy.where(under, numpy.nan, field) for name, field in fields.items()}
         fields = {
-            name: self._turned(name, values[:, :, place.columns], place, velocity) for name, values in fields.items()
+            name: self._turned(name, numpy.where(place.torn, numpy.nan, values[:, :, place.columns]), place, velocity)
+            for name, values in fields.items()
         }
         return grid_of(place.x, place.y, z if z.ndim < 3 else z[:, :, place.columns], fields)
 
@@ -164,12 +169,14 @@ class CfFile(Gridded):
         return numpy.stack(parts, axis=-1)
 
     def _check_axes(self, name):
-        """Raise InputError for a variable that would be a field if one of its axes were known to be the time."""
+        """Raise InputError for a variable that would be a field without one of its axes."""
         long = self.long(name)
-        if len(long) == 4 and self._axes[long[0]] is None:
+        other = [d for d in long if self._axes[d] is None]
+        if other and {"X", "Y"} <= {self._axes[d] for d in long}:
             raise InputError(
-                f"{self.path}: the axis '{long[0]}' of '{name}' is of no known kind; if it is the time, give it units: "
-                f"ncatted -a units,{long[0]},o,c,'days since 2000-01-01' {self.path}"
+                f"{self.path}: the axis '{other[0]}' of '{name}' is of no known kind; say it: --attribute '{other[0]}:"
+                f"units=days since 2000-01-01' for the time, '{other[0]}:axis=Z' for the levels; of members or runs keep "
+                f"one: ncks -d {other[0]},0, or of GRIB grib_copy -w {other[0]}=1"
             )
 
     def _space(self, name):
@@ -197,13 +204,10 @@ class CfFile(Gridded):
         if level not in self.data.variables:
             return numpy.zeros(1)
         unit = self.data.text(level, "units")
-        if unit and measures(unit, "Pa"):
-            pressure = self.in_unit(level, self.place(level, 0), "Pa", role="the pressure")
-            return numpy.atleast_1d(standard_atmosphere(pressure)[0])
         if unit == "1" or re.match("level|layer|sigma", unit):
             self._notes.append(f"the one level of '{level}' ({unit}) is put at height 0")
             return numpy.zeros(1)
-        return numpy.atleast_1d(along_axis(self, level))
+        return heights_of_axis(self, level)
 
     def _in_si(self, name, values, step, dimensions, pressure, velocity):
         standard, role = self.data.text(name, "standard_name"), (

@@ -8,6 +8,15 @@ from .gridded import Data
 from .whole_files import check_whole
 
 
+IRREGULAR = {  # GRIB's grids that have no rows and columns, and what makes regular ones of them
+    "reduced_gg": ("a reduced Gaussian grid, whose rows differ in length", "setgridtype,regular"),
+    "reduced_ll": ("a reduced grid, whose rows differ in length", "setgridtype,regular"),
+    "sh": ("spherical harmonics", "sp2gp IN OUT, of vorticity and divergence cdo dv2uv"),
+    "healpix": ("a HEALPix grid", "remapbil,r360x180"),
+    "unstructured_grid": ("an unstructured grid", "remapbil,r360x180"),
+}
+
+
 def open_source(path, options, grids=()):
     from . import cf, mesh, ocean, wrf
 
@@ -103,4 +112,10 @@ def _grib(xarray, path):  # pylint: disable=unused-argument
         elif clash:
             continue
         found.update(data.variables)
+    grids = {name: variable.attrs.get("GRIB_gridType") for name, variable in found.items()}
+    wanted = {"u", "v", "u10", "v10"} & grids.keys() or {name for name, grid in grids.items() if grid}
+    if wanted and all(grids[name] in IRREGULAR for name in wanted):
+        name = min(wanted)
+        kind, mend = IRREGULAR[grids[name]]
+        raise InputError(f"{path}: '{name}' is on {kind}; make a regular one of it: cdo {mend}")
     return found, {}

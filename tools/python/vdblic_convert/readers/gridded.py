@@ -4,7 +4,7 @@ import re
 
 import numpy
 
-from ..errors import InputError, ParameterError
+from ..errors import InputError, needed
 from ..units import converted
 from . import Source
 from .times import is_date, seconds_of, seconds_of_texts
@@ -27,11 +27,16 @@ class Data:
                         f"grid "
                         "is another one"
                     )
-        for name, answer in answers.items():
-            if name not in variables:
-                raise ParameterError(f"--attribute {name}: {path} has no variable '{name}'; it has {self.contents()}")
+        self.answered = answers.keys() & variables.keys()
+        for name in self.answered:
+            answer = answers[name]
             kept = {key: value for key, value in variables[name].attrs.items() if key.lower() not in answer}
             variables[name].attrs = kept | answer
+
+    def add(self, name, dims, values, **attributes):
+        """A variable that follows from others."""
+        self.variables[name] = needed("xarray").Variable(dims, values, attributes)
+        self.sizes |= zip(dims, values.shape)
 
     def contents(self):
         return ", ".join(list(self.variables)[:20]) or "no variables"
@@ -63,8 +68,10 @@ class Gridded(Source):
             super().__init__(data.path, self._times())
         except (ValueError, TypeError, OverflowError) as error:
             if not options.dt:
+                name = self._time_variable() or self.time
                 raise InputError(
-                    f"{self.path}: its times cannot be read: {error}; or --dt gives their spacing"
+                    f"{self.path}: its times cannot be read: {error}; say it anew: --attribute '{name}:units=days since "
+                    f"2000-01-01' '{name}:calendar=standard', or give the spacing by --dt"
                 ) from None
             super().__init__(data.path, [None] * data.sizes.get(self.time, 1))
 
@@ -74,6 +81,10 @@ class Gridded(Source):
     def long(self, name):
         """The dimensions of a variable that have several values and are not the time."""
         return [d for d in self.data.variables[name].dims if d != self.time and self.data.sizes[d] > 1]
+
+    def in_time(self, name):
+        """Whether a variable has values of each step."""
+        return self.data.sizes.get(self.time, 1) == 1 or self.time in self.data.variables[name].dims
 
     def variable(self, name, step):
         """A variable at a step in double precision, NaN where it is missing, without axes of one value."""
@@ -94,8 +105,10 @@ class Gridded(Source):
             values = raw * scale + offset
         with numpy.errstate(invalid="ignore"):
             wrong = numpy.abs(values) > 9e36  # what NetCDF fills with where no fill value is declared
-            wrong |= False if low is None else raw < float(low)
-            wrong |= False if high is None else raw > float(high)
+            for bound, beyond in (low, numpy.less), (high, numpy.greater):
+                if bound is not None:  # of the unpacked values if it is of their type, which is wider than the packed one
+                    packed = numpy.result_type(bound).kind in "iu" or raw is values
+                    wrong |= beyond(raw if packed else values, float(bound))
         return numpy.where(wrong, numpy.nan, values).squeeze()
 
     def place(self, name, step, needed=True):
@@ -207,19 +220,12 @@ class Gridded(Source):
             self.explain(name, "the time, as text", "s from 1970 on", times)
             return times.tolist()
         if not units:
-            raise ValueError(
-                f"the time axis '{name}' has no units; give it units such as days since a date: "
-                f"ncatted -a units,{name},o,c,'days since 2000-01-01' {self.path}"
-            )
+            raise ValueError(f"the time axis '{name}' has no units")
         try:
             times = seconds_of(values, units, self.data.text(name, "calendar").lower() or "standard")
         except ValueError as error:
             reason = f" ({error})" if str(error) != units else ""
-            raise ValueError(
-                f"the time axis '{self.time or name}' is in '{units}'{reason}; give it units such as days since a "
-                f"date: "
-                f"ncatted -a units,{name},o,c,'days since 2000-01-01' {self.path}"
-            ) from None
+            raise ValueError(f"the time axis '{name}' is in '{units}'{reason}") from None
         self.calendar = is_date(units) and (self.data.text(name, "calendar").lower() or "standard")
         reference = self.named("forecast_reference_time")
         if self.data.text(name, "standard_name") == "forecast_period" and reference:

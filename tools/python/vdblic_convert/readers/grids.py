@@ -4,7 +4,7 @@ import numpy
 
 from ..vtk_data import GHOSTS, HIDDEN_POINT, add_array, bridge, core, model
 
-EVEN = 1e-4  # of a spacing: how far apart coordinates may be from even ones; float32 is about as exact
+EVEN = 1e-3  # of a spacing: how far coordinates may be from even ones; degrees in float32 are about as exact
 
 
 def grid_of(x, y, z, fields):
@@ -33,8 +33,10 @@ def grid_of(x, y, z, fields):
 
 
 def _even(axis):
-    steps = numpy.diff(axis)
-    return len(axis) == 1 or numpy.abs(steps - steps.mean()).max() <= EVEN * abs(steps.mean())
+    step = (axis[-1] - axis[0]) / max(len(axis) - 1, 1)
+    return len(axis) == 1 or (
+        bool(step) and numpy.abs(axis - axis[0] - step * numpy.arange(len(axis))).max() <= EVEN * abs(step)
+    )
 
 
 def _image(axes):

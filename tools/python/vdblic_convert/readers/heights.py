@@ -161,6 +161,14 @@ def _half_levels(source, dimensions, step):
     return None
 
 
+def heights_of_axis(source, axis):
+    """The heights of an axis, which may be a pressure of the standard atmosphere."""
+    if measures(source.data.text(axis, "units") or "1", "Pa"):
+        pressure = source.in_unit(axis, source.place(axis, 0), "Pa", role="the pressure")
+        return numpy.atleast_1d(standard_atmosphere(pressure)[0])
+    return numpy.atleast_1d(along_axis(source, axis))
+
+
 def along_axis(source, axis, dimensions=()):
     """The heights of an axis of heights or depths. Raises InputError where it does not tell which way is up."""
     values, text = source.place(axis, 0), source.data.text

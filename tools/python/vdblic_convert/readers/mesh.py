@@ -10,14 +10,22 @@ from ..vtk_data import WEDGE, add_array, bridge, core, model
 from .cf import COMPONENTS
 from .earth import local_plane
 from .gridded import Gridded
-from .heights import HEIGHTS, TERMS, along_axis, by_formula
+from .heights import HEIGHTS, TERMS, by_formula, heights_of_axis
 
 METRES = {"eta": "m", "depth": "m"}  # as FVCOM has them where a file does not say so
-DIMENSIONS = "nSCHISM_hgrid_node", "nCells", "ncells", "nod2", "nele"  # of meshes whose files do not describe them
+DIMENSIONS = "nSCHISM_hgrid_node", "nCells", "ncells", "nod2", "elem", "nele"  # of meshes that are described elsewhere
+MODELS = (  # the nodes around a face, and the places of nodes, as models have them
+    ("nv", ("lon", "lat")),
+    ("nv", ("x", "y")),
+    ("elements", ("lon", "lat")),
+    ("SCHISM_hgrid_face_nodes", ("SCHISM_hgrid_node_x", "SCHISM_hgrid_node_y")),
+    ("cellsOnVertex", ("lonCell", "latCell")),
+)
+ZCOR = "zcor", "zCoordinates"  # SCHISM's heights
 USUAL = (
-    ("u", "uReconstructZonal", "velocityZonal"),
-    ("v", "uReconstructMeridional", "velocityMeridional"),
-    ("ww", "w", "vertVelocityTop"),
+    ("u", "uReconstructZonal", "velocityZonal", "hvel x", "horizontalVelX"),
+    ("v", "uReconstructMeridional", "velocityMeridional", "hvel y", "horizontalVelY"),
+    ("ww", "w", "vertVelocityTop", "vertical_velocity", "verticalVelocity"),
 )
 
 
@@ -27,7 +35,7 @@ def is_mesh(data):
 
 
 def has_topology(data):
-    return bool(_topologies(data)) or bool({"cellsOnVertex", "nv"} & set(data.variables))
+    return bool(_topologies(data)) or any({joined, *nodes} <= set(data.variables) for joined, nodes in MODELS)
 
 
 def _topologies(data):
@@ -41,6 +49,9 @@ class MeshFile(Gridded):
     """
 
     def __init__(self, data, options):
+        for name in [name for name, variable in data.variables.items() if variable.dims[-1:] == ("two",)]:
+            both = data.variables.pop(name)  # SCHISM's vectors
+            data.variables |= {f"{name} {axis}": both.isel(two=i) for i, axis in enumerate("xy")}
         super().__init__(data, options)
         nodes, connectivity, start = self._topology()
         self._nodes, self._node = nodes, data.variables[nodes[0]].dims[-1]
@@ -83,21 +94,37 @@ class MeshFile(Gridded):
             if len(nodes) < 2:
                 raise InputError(f"{self.path}: the mesh '{found[0]}' names no node_coordinates")
             start = data.text(connectivity, "start_index") or "0"
-            return tuple(nodes[:2]), connectivity, int(start)
-        for connectivity, nodes in (
-            ("nv", ("lon", "lat")),
-            ("nv", ("x", "y")),
-            ("cellsOnVertex", ("lonCell", "latCell")),
-        ):
-            if connectivity in data.variables and set(nodes) <= set(data.variables):
-                if numpy.ptp(self.place(nodes[0], 0)) > 0:
-                    return nodes, connectivity, 1
+            return tuple(nodes[:2]), connectivity, int(float(start))
+        for connectivity, nodes in MODELS:
+            if {connectivity, *nodes} <= set(data.variables) and numpy.ptp(self.place(nodes[0], 0)) > 0:
+                return nodes, connectivity, 1
+        if found := self._corners():
+            return found
         raise InputError(
             f"{self.path}: it is an unstructured mesh ({', '.join(data.sizes)}), but nothing tells which nodes its "
-            f"cells "
-            "join: neither a mesh of UGRID (face_node_connectivity), FVCOM's nv, lon and lat nor MPAS's cellsOnVertex, "
-            f"lonCell and latCell; name the file of the mesh, too: vdblic_import {self.path} MESH.nc"
+            "cells join: neither a mesh of UGRID (face_node_connectivity), bounds of the cells' longitude and latitude "
+            "nor the variables of FVCOM (nv), SCHISM (SCHISM_hgrid_face_nodes), FESOM (elements) or MPAS "
+            f"(cellsOnVertex) and those of its nodes; name the file of the mesh, too: vdblic_import {self.path} MESH.nc"
         )
+
+    def _corners(self):
+        """Nodes by the bounds of cells, as ICON has them: corners at one place are one node. None without bounds."""
+        data, degrees = self.data, []
+        for kind in "longitude", "latitude":
+            told = (n for n, v in data.variables.items() if v.ndim == 1 and data.text(n, "standard_name") == kind)
+            name = next((name for name in told if data.text(name, "bounds") in data.variables), None)
+            if name is None or data.sizes[data.variables[data.text(name, "bounds")].dims[-1]] < 3:
+                return None
+            bounds = data.text(name, "bounds")
+            degrees.append(self.in_unit(bounds, self.place(bounds, 0), "degree", data.text(name, "units"), "corners"))
+        east, north = numpy.radians(degrees)
+        places = numpy.cos(north) * numpy.cos(east), numpy.cos(north) * numpy.sin(east), numpy.sin(north)
+        places = numpy.stack(places, axis=-1).reshape(-1, 3).round(7)
+        _, first, joined = numpy.unique(places, axis=0, return_index=True, return_inverse=True)
+        data.add("corners of cells", data.variables[bounds].dims, joined.reshape(east.shape))
+        for name, values in zip(("longitude of corners", "latitude of corners"), degrees):
+            data.add(name, ("corner",), values.ravel()[first], units="degree")
+        return ("longitude of corners", "latitude of corners"), "corners of cells", 0
 
     def _cut(self, connectivity, start):
         """Triangles as numbers of nodes (triangles, 3), and the face that each is of."""
@@ -120,7 +147,7 @@ class MeshFile(Gridded):
         """Where a field is, at nodes or in faces, and its vertical dimension or None; empty for other variables."""
         variable, long = self.data.variables[name], self.long(name)
         place = [d for d in long if d in (self._node, self._face)]
-        is_field = variable.dtype.kind in "fiu" and self.time in (None, *variable.dims)
+        is_field = variable.dtype.kind in "fiu" and self.in_time(name)
         if len(place) != 1 or len(long) > 2 or not is_field or name in self._nodes:
             return ()
         return (place[0], next((d for d in long if d != place[0]), None))
@@ -201,10 +228,14 @@ class MeshFile(Gridded):
         for name, variable in data.variables.items():
             if levels in variable.dims and data.text(name, "standard_name") in TERMS and variable.ndim <= 2:
                 return self._formula(name, step, nodes)
-            if data.text(name, "standard_name") in HEIGHTS and set(self.long(name)) == {levels, self._node}:
-                return self._field(name, step, self._node, ())
+            told = data.text(name, "standard_name"), data.text(name, "positive").lower()
+            known = name in ZCOR or told[0] in (*HEIGHTS, "depth") or told[1] in ("up", "down")
+            if known and set(self.long(name)) == {levels, self._node} and variable.dtype.kind == "f":
+                z = self.placed(name, self._field(name, step, self._node, ()), True)
+                z = self.in_unit(name, z, "m", "m" * (name in ZCOR), "the height or depth of layers")
+                return -z if told[1] == "down" or told == ("depth", "") else z
         if levels in data.variables:
-            return numpy.repeat(along_axis(self, levels)[:, None], nodes, axis=1)
+            return numpy.repeat(heights_of_axis(self, levels)[:, None], nodes, axis=1)
         raise InputError(
             f"{self.path}: nothing tells the heights of the levels '{levels}': neither formula_terms nor a variable of "
             "heights"

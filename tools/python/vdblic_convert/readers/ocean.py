@@ -12,6 +12,8 @@ from .grids import grid_of
 from .heights import TERMS, by_formula
 from .place import angles, ordered
 
+PLACES = (("lon_rho", "lat_rho"), "degree"), (("x_rho", "y_rho"), "m")
+FACES = {1: r"(eta|y)_(v|psi)", 2: r"(xi|x)_(u|psi)"}  # names of dimensions on the faces, by axis of a field
 METRES = dict.fromkeys(("eta", "depth", "depth_c"), "m")  # as ROMS has them where a file does not say so
 
 
@@ -21,10 +23,14 @@ def is_level(data, name):
 
 
 def is_ocean(data):
-    if not {"lon_rho", "x_rho"} & set(data.variables):
+    if not any(_has_place(data, names) for names, _ in PLACES):
         return False
     levels = any(is_level(data, name) and data.variables[name].ndim == 1 for name in data.variables)
     return levels or {"xi_rho", "eta_rho"} <= set(data.sizes)
+
+
+def _has_place(data, names):
+    return all(name in data.variables and data.variables[name].ndim > 1 for name in names)
 
 
 class OceanFile(Gridded):
@@ -89,16 +95,13 @@ class OceanFile(Gridded):
     def _columns(self):
         """The cells: rows and columns, and levels before them if there are some."""
         data = self.data
-        terms = dict(re.findall(r"(\w+): *(\w+)", data.text(self._levels, "formula_terms"))) if self._levels else {}
-        depth = terms.get("depth", "h")
-        if depth not in data.variables and not {"xi_rho", "eta_rho"} <= set(data.sizes):
-            raise InputError(f"{self.path}: the formula_terms of {self._levels} name no depth that the file holds")
-        last = data.variables[depth].dims[-2:] if depth in data.variables else ("eta_rho", "xi_rho")
-        return [data.variables[self._levels].size if self._levels else 1, *(data.sizes[name] for name in last)]
+        self._place, self._unit = next((names, unit) for names, unit in PLACES if _has_place(data, names))
+        rows = data.variables[self._place[0]].dims[-2:]
+        return [data.variables[self._levels].size if self._levels else 1, *(data.sizes[name] for name in rows)]
 
     def _is_field(self, name, variable):
         sizes = [self.data.sizes[d] for d in variable.dims if d != self.time]
-        if len(sizes) == 2 and not self._levels and name not in self.data.sizes and self.time in (None, *variable.dims):
+        if len(sizes) == 2 and not self._levels and name not in self.data.sizes and self.in_time(name):
             sizes = [1, *sizes]
         return (
             len(sizes) == 3
@@ -118,40 +121,38 @@ class OceanFile(Gridded):
 
     def _centred(self, name, step, water):
         """A variable at the centres of cells; on land NaN. A face towards land has no flow."""
-        values = self.variable(name, step)
+        values, dims = self.variable(name, step), (None, *self.data.variables[name].dims[-2:])
         values = values if self._levels else values[None]
-        rows, columns = water.shape
         if values.shape[0] == self._shape[0] + 1:
             values = (values[1:] + values[:-1]) / 2
+        counts = {axis: count for axis, count in enumerate(self._shape) if axis and (  # a face follows each cell but the last
+            values.shape[axis] < count or re.fullmatch(FACES[axis], dims[axis]))}  # fmt: skip
         wet = water
-        if values.shape[1] < rows:
-            wet = wet[1:] & wet[:-1]
-        if values.shape[2] < columns:
-            wet = wet[:, 1:] & wet[:, :-1]
-        if wet is not water:
+        for axis in counts:
+            rest = [(0, 1) if i == axis - 1 else (0, 0) for i in range(2)]
+            wet = wet & numpy.take(numpy.pad(wet, rest, mode="edge"), range(1, self._shape[axis] + 1), axis - 1)
+        if counts:
+            wet = wet[: values.shape[1], : values.shape[2]]
             values = numpy.where(wet, values, numpy.nan_to_num(values))
-        for axis, count in (1, rows), (2, columns):
-            if values.shape[axis] == count - 1:  # the faces between cells: the outer ones repeat the next
-                wide = numpy.pad(values, [(1, 1) if i == axis else (0, 0) for i in range(3)], mode="edge")
-                values = (numpy.take(wide, range(1, count + 1), axis) + numpy.take(wide, range(count), axis)) / 2
+        for axis, count in counts.items():  # the outer faces repeat the next
+            wide = [(1, count - values.shape[axis]) if i == axis else (0, 0) for i in range(3)]
+            wide = numpy.pad(values, wide, mode="edge")
+            values = (numpy.take(wide, range(1, count + 1), axis) + numpy.take(wide, range(count), axis)) / 2
         return numpy.where(water, values, numpy.nan)
 
     def _horizontal(self, step, water):
         """x and y, the order of columns, and how far the grid is turned against x [radians]."""
-        for names, unit in (("lon_rho", "lat_rho"), "degree"), (("x_rho", "y_rho"), "m"):
-            if not set(names) <= set(self.data.variables):
-                continue
-            x, y = (self.in_unit(name, self.place(name, step), unit, unit, "the cells' place") for name in names)
-            columns, turn = numpy.arange(x.shape[1]), None
-            if unit == "degree":
-                x, columns = ordered(x)
-                y = y[:, columns]
-                turn = angles(x, y)[0]
-                x, y, _, self.middle = local_plane(x, y, self.middle)
-            if "angle" in self.data.variables:
-                turn = self.place("angle", step, water)[:, columns]
-                turn = self.in_unit("angle", turn, "radian", "radian", "how the grid is turned")
-            elif turn is None:
-                turn = numpy.arctan2(numpy.gradient(y, axis=1), numpy.gradient(x, axis=1))
-            return x, y, columns, turn
-        raise InputError(f"{self.path}: there are neither lon_rho and lat_rho nor x_rho and y_rho")
+        unit = self._unit
+        x, y = (self.in_unit(name, self.place(name, step), unit, unit, "the cells' place") for name in self._place)
+        columns, turn = numpy.arange(x.shape[1]), None
+        if unit == "degree":
+            x, columns = ordered(x)
+            y = y[:, columns]
+            turn = angles(x, y)[0]
+            x, y, _, self.middle = local_plane(x, y, self.middle)
+        if "angle" in self.data.variables:
+            turn = self.place("angle", step, water)[:, columns]
+            turn = self.in_unit("angle", turn, "radian", "radian", "how the grid is turned")
+        elif turn is None:
+            turn = numpy.arctan2(numpy.gradient(y, axis=1), numpy.gradient(x, axis=1))
+        return x, y, columns, turn

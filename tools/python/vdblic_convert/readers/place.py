@@ -27,7 +27,8 @@ TURNED = 0.005  # rad: a grid that is turned by less lies along the meridians
 
 @dataclasses.dataclass
 class Place:
-    """x and y in metres, axes or (y, x); `columns` puts a field's columns in their order.
+    """x and y in metres, axes or (y, x); `columns` puts a field's columns in their order, `torn` are points (y, x) whose
+    cells the edge of the plane tears.
 
     `eastward` and `along` are the directions of the grid's axes, two angles each: of what is eastward and northward,
     against the world's x, and of what is along the grid; None where they are unknown.
@@ -36,6 +37,7 @@ class Place:
     x: numpy.ndarray
     y: numpy.ndarray
     columns: object = dataclasses.field(default_factory=lambda: slice(None))
+    torn: object = False
     eastward: tuple | None = None
     along: tuple | None = None
 
@@ -90,12 +92,19 @@ def ordered(longitude):
 
 
 def angles(longitude, latitude):
-    """Directions, against east, of a grid's columns and rows, at its points (y, x); degrees to radians."""
-    across = numpy.cos(numpy.radians(latitude))
-    return tuple(
-        numpy.arctan2(numpy.gradient(latitude, axis=axis), numpy.gradient(longitude, axis=axis) * across)
-        for axis in (-1, -2)
-    )
+    """Directions, against east, of a grid's rows and columns, at its points (y, x); degrees to radians.
+
+    They are those of chords through the sphere, which along meridians and parallels of any pole are the tangents.
+    """
+    lon, lat = numpy.radians(longitude), numpy.radians(latitude)
+    point = numpy.cos(lat) * numpy.cos(lon), numpy.cos(lat) * numpy.sin(lon), numpy.sin(lat)
+    turns = []
+    for axis in -1, -2:
+        x, y, z = (numpy.gradient(part, axis=axis, edge_order=min(2, part.shape[axis] - 1)) for part in point)
+        east = y * numpy.cos(lon) - x * numpy.sin(lon)
+        north = z * numpy.cos(lat) - (x * numpy.cos(lon) + y * numpy.sin(lon)) * numpy.sin(lat)
+        turns.append(numpy.arctan2(north, east))
+    return tuple(turns)
 
 
 def horizontal(source, field, dimensions):
@@ -159,10 +168,16 @@ def _check_degrees(source, name):
 
 def _on_earth(source, longitude, latitude, names):
     longitude, columns = ordered(numpy.array(longitude, float))
-    turn = (0.0, numpy.pi / 2)
+    turn, torn = (0.0, numpy.pi / 2), False
     if longitude.ndim == 2:
         latitude = latitude[:, columns]
         turn = angles(longitude, latitude)
+        torn = numpy.zeros(longitude.shape, bool)
+        for axis in 0, 1:
+            apart = numpy.abs(numpy.diff(longitude, axis=axis)) > 120
+            torn |= numpy.pad(apart, [(0, 1) if i == axis else (0, 0) for i in range(2)])
+        if torn.any():
+            source.notes().append(f"{numpy.count_nonzero(torn)} points by a pole are left out: the plane tears their cells")
     elif names[0] not in source.explained:
         for name, values in zip(names, (longitude, latitude)):
             source.explain(name, "an axis on the Earth", "degrees", values)
@@ -171,7 +186,7 @@ def _on_earth(source, longitude, latitude, names):
         source.notes().append(
             f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}"
         )
-    return Place(x, y, columns, (0.0, numpy.pi / 2), turn)
+    return Place(x, y, columns, torn, (0.0, numpy.pi / 2), turn)
 
 
 def _longitude_latitude(source, field, dimensions):
