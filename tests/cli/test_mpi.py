@@ -275,12 +275,13 @@ class Ranks(ToolTest):
 
     FRAMES = WAKE, "--frames", "1-3", "--refine", 2
 
-    def start(self, ranks, rank, at, name):
+    def start(self, ranks, rank, call, name, by=signal.SIGKILL):
         """Start or resume a run of FRAMES. One of its ranks gets a signal at a call, as tests/support/kill_at_call.cpp has it."""
         *mpirun, _, _, tool = self.command(ranks, "vdblic_advect_mpi")
         program = list(map(str, (tool, "--threads", 1, *self.FRAMES, "-o", f"{name}.%04d.vdb", "--checkpoint-every", 1,
                                  "--resume")))
-        signalled = ["env", f"LD_PRELOAD={SUPPORT}/libkill_at_call.so", f"VDBLIC_KILL_AT={at}", *program]
+        signalled = ["env", f"LD_PRELOAD={SUPPORT}/libkill_at_call.so", f"VDBLIC_KILL_AT={call}",
+                     f"VDBLIC_KILL_BY={int(by)}", *program]
         parts = [[":", "-n", str(count), *part] for count, part in
                  ((rank, program), (1, signalled), (ranks - rank - 1, program)) if count > 0]
         run = subprocess.Popen(mpirun + sum(parts, [])[1:], cwd=self.folder, env=ENVIRONMENT, text=True,
@@ -296,7 +297,7 @@ class Ranks(ToolTest):
 
     def start_held(self, ranks, name):
         """Start or resume a run whose rank 0 stops before it names a first file. @return the run and its ranks' processes"""
-        run = self.start(ranks, 0, f"linkat 1 {int(signal.SIGSTOP)}", name)
+        run = self.start(ranks, 0, "linkat 1", name, by=signal.SIGSTOP)
         children = pathlib.Path(f"/proc/{run.pid}/task/{run.pid}/children")
         processes = lambda: [int(child) for child in children.read_text(encoding="ascii").split()]
         self.wait_until(lambda: len(processes()) == ranks and self.told(processes()[0], "State") == "T",

@@ -1,6 +1,6 @@
 /// Preloaded into a tool, kills it as SIGKILL does at a call that brings a file to the disk. VDBLIC_KILL_AT names the
 /// call and counts it, as in `fsync 3`. Of what is written a part is there then; nothing is flushed, named or renamed.
-/// A third word is the number of another signal, as of SIGSTOP: the call is made when the tool goes on.
+/// VDBLIC_KILL_BY may have the number of another signal, as of SIGSTOP: the call is made when the tool goes on.
 #include <atomic>
 #include <csignal>
 #include <cstddef>
@@ -25,8 +25,8 @@ bool isItsTurn(const char* name)
 
 void giveSignal()
 {
-    const char* const word = std::strchr(std::strchr(std::getenv("VDBLIC_KILL_AT"), ' ') + 1, ' ');
-    ::kill(::getpid(), word ? std::atoi(word) : SIGKILL);
+    const char* const given = std::getenv("VDBLIC_KILL_BY");
+    ::kill(::getpid(), given ? std::atoi(given) : SIGKILL);
 }
 
 bool isFile(int descriptor)
