@@ -114,9 +114,9 @@ class LeafState {
 };
 
 /// Textures whose voxels are chosen by the flow of the first frame.
-class SparseTexture {
+class AdaptiveTexture {
   public:
-    virtual ~SparseTexture() = default;
+    virtual ~AdaptiveTexture() = default;
 
     /// Choose, before the first step; not before TextureMemory::restore().
     /// @param velocity     voxels of the first frame's velocity

@@ -65,10 +65,10 @@ void TextureRun::begin()
     start();
 }
 
-/// Let a sparse texture choose its voxels by the flow. @throws ParameterError
+/// Let a texture that adapts to the flow choose its voxels. @throws ParameterError
 void TextureRun::chooseVoxels()
 {
-    auto* const sparse = dynamic_cast<SparseTexture*>(mTexture.get());
+    auto* const sparse = dynamic_cast<AdaptiveTexture*>(mTexture.get());
     if (!sparse) return;
     const double displacement = mShared.fasterDisplacement(*mCurrent, mInterval.seconds);
     mReporter.say(sparse->choose(*mCurrent->domain.velocity, displacement));

@@ -70,7 +70,7 @@ TEST(TextureMethods, MakeTheTexturesOfTheirOwnName)
     const auto frames = test::unsteadyFlowWithHole(3);
     for (const TextureMethod* const method : textureMethods()) {
         const auto texture = makeFlowTexture({{.method = method}}, {NoiseField(7)});
-        auto* const sparse = dynamic_cast<SparseTexture*>(texture.get());
+        auto* const sparse = dynamic_cast<AdaptiveTexture*>(texture.get());
         EXPECT_EQ(sparse != nullptr, method->isSparse) << method->name;
         if (sparse) (void)sparse->choose(*frames.front().domain, 1);
         EXPECT_GT(texture->advance(test::stepFrom(frames, 0)).texture.tree()->activeVoxelCount(), 0u) << method->name;

@@ -23,7 +23,7 @@ namespace vdblic {
 /// frame at once, so with substeps the same ones are drawn more often.
 ///
 /// Of several ranks each has all streaks; it advances those, and draws that part of them, that its own leaves hold.
-class StreakTexture final : public FlowTexture, public TextureMemory, public SparseTexture {
+class StreakTexture final : public FlowTexture, public TextureMemory, public AdaptiveTexture {
   public:
     /// @param refinement as given
     StreakTexture(const TextureParams& texture, StreakParams params, const Refinement& refinement, std::uint32_t seed);
