@@ -1,7 +1,7 @@
 #include "bindings.h"
 #include "grid_arrays.h"
 #include "options.h"
-#include "picture.h"
+#include "renderer.h"
 #include "textures.h"
 #include "vdblic/coherence/coherence_report.h"
 #include "vdblic/coherence/coherence_sequence.h"
@@ -72,13 +72,14 @@ void writeVolume(const std::filesystem::path& path, const py::list& dictionaries
 }
 
 /// The picture of a volume. The array shares the image's memory.
-py::array_t<float> render(Picture& picture, const py::list& dictionaries, const py::dict& metadata, std::int64_t frame)
+py::array_t<float> render(Renderer& renderer, const py::list& dictionaries, const py::dict& metadata,
+                          std::int64_t frame)
 {
     const VdbFile volume = toVolume(dictionaries, metadata, "the texture");
     auto image = std::make_unique<Image>();
     {
         const py::gil_scoped_release release;
-        *image = picture.of(volume, frame);
+        *image = renderer.of(volume, frame);
     }
     const std::array<py::ssize_t, 3> shape = {image->size.y, image->size.x, 4};
     const float* pixels = &image->pixels.data()->x;
@@ -240,11 +241,11 @@ PYBIND11_MODULE(_core, module)
             return std::make_unique<Textures>(options, std::move(frames), std::move(tell));
         }))
         .def("next", &Textures::next);
-    py::class_<Picture>(module, "Picture")
-        .def(py::init([](const py::dict& options) { return std::make_unique<Picture>(options); }))
+    py::class_<Renderer>(module, "Picture")
+        .def(py::init([](const py::dict& options) { return std::make_unique<Renderer>(options); }))
         .def_property_readonly("background",
-                               [](const Picture& picture) {
-                                   const Background& background = picture.plan().background;
+                               [](const Renderer& renderer) {
+                                   const Background& background = renderer.plan().background;
                                    std::vector<double> numbers;
                                    for (const double down : {1.0, 0.0}) {
                                        const glm::dvec3 color = background.at(down);
@@ -253,7 +254,7 @@ PYBIND11_MODULE(_core, module)
                                    }
                                    return numbers;
                                })
-        .def_property_readonly("texture", [](const Picture& picture) { return picture.plan().texture; })
+        .def_property_readonly("texture", [](const Renderer& renderer) { return renderer.plan().texture; })
         .def("render", &render);
     py::class_<openvdb::Metadata, openvdb::Metadata::Ptr>(module, "Metadata")
         .def("__repr__", &openvdb::Metadata::str)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/render/scene.h"
+#include "vdblic/render/view.h"
 
 #include <cstddef>
 #include <functional>

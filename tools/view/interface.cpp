@@ -223,8 +223,8 @@ Json Interface::status()
 
 Json Interface::scene(const Json& state, std::int64_t frame)
 {
-    const View view = mViewer.view(state, frame);
-    const TransferFunction& transfer = view.scene.look.transfer;
+    const FrameView view = mViewer.view(state, frame);
+    const TransferFunction& transfer = view.view.look.transfer;
     Json points = Json::array();
     for (const OpacityPoint& point : transfer.opacity())
         points.push_back({point.position, point.opacity});
@@ -232,15 +232,15 @@ Json Interface::scene(const Json& state, std::int64_t frame)
     for (const auto& [position, color] : transfer.colors())
         colors.push_back({position, hexText(color)});
     Json corners = Json::array();
-    for (const glm::dvec3& corner : view.scene.box)
+    for (const glm::dvec3& corner : view.view.box)
         corners.push_back(listOf(corner));
     return {{"settled", view.settled},
             {"time", view.shown->frame().clock.time ? Json(*view.shown->frame().clock.time) : Json()},
-            {"camera", toJson(view.scene.cameras.at(frame))},
+            {"camera", toJson(view.view.cameras.at(frame))},
             {"box", corners},
             {"stretch", listOf(view.plan.stretch)},
             {"colorBy", view.shown->frame().hasColor ? view.plan.colorBy : mViewer.texture()},
-            {"opacityBy", view.scene.opacityBy},
+            {"opacityBy", view.view.opacityBy},
             {"range", transfer.range()},
             {"opacityRange", transfer.opacityRange()},
             {"colorScale", nameOf(transfer.colorAxis().scale)},
@@ -249,7 +249,7 @@ Json Interface::scene(const Json& state, std::int64_t frame)
             {"look", view.plan.lookName},
             {"colorMap", transfer.colorMapName()},
             {"colors", colors},
-            {"values", valuesOf(view.plan, view.scene.look.exposure)}};
+            {"values", valuesOf(view.plan, view.view.look.exposure)}};
 }
 
 Json Interface::keep(const Json& asked)

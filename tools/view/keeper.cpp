@@ -100,12 +100,12 @@ std::string Keeper::freeName() const
 
 Json Keeper::keepFiles(const Json& state, std::int64_t frame)
 {
-    const View view = mViewer.view(state, frame, /*settle=*/true);
+    const FrameView view = mViewer.view(state, frame, /*settle=*/true);
     const std::lock_guard lock(mMutex);
     const std::string name = freeName(), transfer = name + ".transfer.json", camera = name + ".camera.json";
     Json keys = state.value("keys", Json());
-    if (keys.is_null()) keys = Json::array({keyOf(view.scene.cameras.at(frame), frame)});
-    writeTransferFile(transfer, view.scene.look.transfer.params());
+    if (keys.is_null()) keys = Json::array({keyOf(view.view.cameras.at(frame), frame)});
+    writeTransferFile(transfer, view.view.look.transfer.params());
     writeTextFile(camera, jsonText(Json{{"keys", keys}}));
     Json rest = state; // what the two files do not hold
     for (const char* held : {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale",

@@ -130,7 +130,7 @@ PicturePlan Pictures::planFor(const PictureRequest& request) const
 ShownPicture Pictures::shown(Cast& cast, const PicturePlan& plan, const std::stop_token& stop,
                              const std::function<void(int)>& beforeSample)
 {
-    FramePicture& picture = cast.picture;
+    Picture& picture = cast.picture;
     const auto begin = std::chrono::steady_clock::now();
     while (picture.samples() < plan.samples) {
         beforeSample(picture.samples());

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vdblic/image/image.h"
-#include "vdblic/render/frame_picture.h"
+#include "vdblic/render/picture.h"
 #include "view/viewer.h"
 
 #include <nlohmann/json.hpp>
@@ -63,10 +63,11 @@ class Pictures {
     /// A picture with all that it refers to.
     struct Cast {
         std::string key;
-        View view;
-        FramePicture picture;
+        FrameView view;
+        Picture picture;
 
-        Cast(std::string k, View v) : key(std::move(k)), view(std::move(v)), picture(view.plan, view.scene, view.shown)
+        Cast(std::string k, FrameView v)
+            : key(std::move(k)), view(std::move(v)), picture(view.plan, view.view, view.shown)
         {
         }
     };

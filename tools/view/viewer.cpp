@@ -65,9 +65,9 @@ void keepFirst(List& list, const std::string& key, Value value, std::size_t most
     if (list.size() > most) list.pop_back();
 }
 
-SceneSource sourceOf(const SequenceParams& input, const PicturePlan& plan)
+ViewSource sourceOf(const SequenceParams& input, const PicturePlan& plan)
 {
-    auto source = sceneSource(input, plan);
+    auto source = viewSource(input, plan);
     if (!source) throw InputError(fmt::format("{}: no frame has an active voxel", input.pattern));
     return *source;
 }
@@ -113,7 +113,7 @@ std::vector<std::int64_t> Viewer::frames()
 
 void Viewer::readSource()
 {
-    const SceneSource found = sourceOf(mStart.input, planOf(mStart, Json::object()));
+    const ViewSource found = sourceOf(mStart.input, planOf(mStart, Json::object()));
     const std::lock_guard lock(mMutex);
     mSource = found;
     mSourceIsOld = false;
@@ -128,10 +128,10 @@ std::uint64_t Viewer::version()
     return mVersion;
 }
 
-SceneSource Viewer::source(const glm::dvec3& stretch)
+ViewSource Viewer::source(const glm::dvec3& stretch)
 {
     const std::lock_guard lock(mMutex);
-    SceneSource result = mSource;
+    ViewSource result = mSource;
     for (glm::dvec3& corner : result.box)
         corner *= stretch;
     return result;
@@ -207,7 +207,7 @@ std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const PicturePlan& plan, b
         }
     }
     if (settle) return settledBasis(plan);
-    const SceneSource known = source(plan.stretch);
+    const ViewSource known = source(plan.stretch);
     const FrameCache::Frame first = loadSoon(plan, known.lookFrames.front());
     if (first->volume.empty()) return settledBasis(plan);
     auto basis = std::make_shared<Basis>();
@@ -219,7 +219,7 @@ std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const PicturePlan& plan, b
     return basis;
 }
 
-void Viewer::settleLater(const View& view)
+void Viewer::settleLater(const FrameView& view)
 {
     mBackground.add([this, plan = view.plan, frame = view.shown->frame().file.frame] {
         (void)basisFor(plan, /*settle=*/true);
@@ -235,7 +235,7 @@ std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const PicturePlan& pla
 {
     auto basis = std::make_shared<Basis>();
     OneProcess alone;
-    const SceneSource known = source(plan.stretch);
+    const ViewSource known = source(plan.stretch);
     for (const FrameFile& file : known.lookFrames) {
         try {
             const FrameCache::Frame frame = load(plan, file);
@@ -253,7 +253,7 @@ std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const PicturePlan& pla
 }
 
 Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, const std::shared_ptr<const Basis>& basis,
-                                 const SceneSource& source)
+                                 const ViewSource& source)
 {
     const bool needsSubject = !(plan.camera.eye && plan.camera.projection == Projection::kPerspective);
     const std::string key = choiceKey(state);
@@ -275,7 +275,7 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
             }
         }
         OneProcess alone;
-        choice.subject = sceneSubject(plan, choice.look, frames, source.box, alone);
+        choice.subject = subjectOf(plan, choice.look, frames, source.box, alone);
     }
     const std::lock_guard lock(mMutex);
     keepFirst(mChoices, key, std::pair(basis, choice), kMostChoices);
@@ -300,9 +300,9 @@ std::shared_ptr<const Solid> Viewer::solidFor(const PicturePlan& plan, const Loa
 }
 
 /// The frame with a look, for all cameras.
-std::shared_ptr<const ShownFrame> Viewer::shownFor(const PicturePlan& plan, const Json& state, const Look& look,
-                                                   const FrameCache::Frame& frame,
-                                                   const std::shared_ptr<const Basis>& basis)
+std::shared_ptr<const ShownVolume> Viewer::shownFor(const PicturePlan& plan, const Json& state, const Look& look,
+                                                    const FrameCache::Frame& frame,
+                                                    const std::shared_ptr<const Basis>& basis)
 {
     const std::string key = choiceKey(state);
     {
@@ -311,26 +311,26 @@ std::shared_ptr<const ShownFrame> Viewer::shownFor(const PicturePlan& plan, cons
         if (isSame && mShown.key == key && mShown.basis == basis) return mShown.frame;
     }
     OneProcess alone;
-    auto shown = std::make_shared<const ShownFrame>(plan, look, frame, solidFor(plan, *frame), alone);
+    auto shown = std::make_shared<const ShownVolume>(plan, look, frame, solidFor(plan, *frame), alone);
     const std::lock_guard lock(mMutex);
     mShown = {key, basis, shown};
     return shown;
 }
 
-View Viewer::view(const Json& state, std::int64_t frame, bool settle)
+FrameView Viewer::view(const Json& state, std::int64_t frame, bool settle)
 {
     const PicturePlan plan = planOf(mStart, state);
     const FrameFile file = fileOf(frame);
-    const SceneSource known = source(plan.stretch);
+    const ViewSource known = source(plan.stretch);
     const auto basis = basisFor(plan, settle);
     const Choice choice = choiceFor(plan, state, basis, known);
     const CameraPath cameras(plan.camera, plan.motion, known.box, plan.scaledSize(), known.span, choice.subject);
     const double bytes = basis->look.volumeBytes + plan.imageBytes();
     const FrameCache::Frame loaded = settle ? load(plan, file) : loadSoon(plan, file);
-    return {plan,
-            Scene{choice.look, basis->look.opacityBy, cameras, known.box, bytes, basis->look.lastFrame,
-                  basis->look.longest},
-            shownFor(plan, state, choice.look, loaded, basis), basis->settled && loaded->file.path == file.path};
+    return {
+        plan,
+        View{choice.look, basis->look.opacityBy, cameras, known.box, bytes, basis->look.lastFrame, basis->look.longest},
+        shownFor(plan, state, choice.look, loaded, basis), basis->settled && loaded->file.path == file.path};
 }
 
 Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& up)
@@ -340,7 +340,7 @@ Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& u
     for (const char* name : {"eye", "target", "up", "view-height", "orbit", "orbit-frames", "keys"})
         state.erase(name);
     const PicturePlan plan = planOf(mStart, state);
-    const SceneSource known = source(plan.stretch);
+    const ViewSource known = source(plan.stretch);
     const Choice choice = choiceFor(plan, state, basisFor(plan, false), known);
     const glm::ivec2 size = plan.scaledSize();
     const Camera automatic(plan.camera, known.box, size, choice.subject);

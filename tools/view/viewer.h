@@ -2,8 +2,8 @@
 
 #include "vdblic/cast/solid.h"
 #include "vdblic/look/histogram.h"
-#include "vdblic/render/scene.h"
-#include "vdblic/render/shown_frame.h"
+#include "vdblic/render/shown_volume.h"
+#include "vdblic/render/view.h"
 #include "view/files_on_disk.h"
 #include "view/frame_cache.h"
 #include "view/state.h"
@@ -24,10 +24,10 @@
 namespace vdblic::view {
 
 /// All that a picture of a frame in a state is cast from.
-struct View {
+struct FrameView {
     PicturePlan plan;
-    Scene scene;
-    std::shared_ptr<const ShownFrame> shown;
+    View view;
+    std::shared_ptr<const ShownVolume> shown;
     bool settled; ///< whether it is as vdblic_render has it: the automatic choices made from as many frames, no copy
 };
 
@@ -55,12 +55,12 @@ class Viewer {
 
     /// @param settle wait until the automatic choices are settled and the frame itself is read
     /// @throws ParameterError on an impossible state or frame, InputError
-    [[nodiscard]] View view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
+    [[nodiscard]] FrameView view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
     /// The camera that sees all of what an automatic one would see, in another direction.
     /// @throws ParameterError on an impossible state or direction, InputError
     [[nodiscard]] Camera fitted(nlohmann::json state, const glm::dvec3& forward, const glm::dvec3& up);
     /// Read in the background what a view needs to be settled.
-    void settleLater(const View& view);
+    void settleLater(const FrameView& view);
     /// Read a frame in the background.
     void prefetch(const nlohmann::json& state, std::int64_t frame);
     /// The histograms of the frames that the choices are made from.
@@ -81,7 +81,7 @@ class Viewer {
     struct ShownLook { // a frame in a state without its camera
         std::string key;
         std::shared_ptr<const Basis> basis;
-        std::shared_ptr<const ShownFrame> frame;
+        std::shared_ptr<const ShownVolume> frame;
     };
 
     [[nodiscard]] FrameFile fileOf(std::int64_t frame);
@@ -92,19 +92,19 @@ class Viewer {
     [[nodiscard]] std::shared_ptr<const Basis> settledBasis(const PicturePlan& plan);
     void keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis);
     [[nodiscard]] Choice choiceFor(const PicturePlan& plan, const nlohmann::json& state,
-                                   const std::shared_ptr<const Basis>& basis, const SceneSource& source);
+                                   const std::shared_ptr<const Basis>& basis, const ViewSource& source);
     [[nodiscard]] std::shared_ptr<const Solid> solidFor(const PicturePlan& plan, const LoadedTexture& frame);
-    [[nodiscard]] std::shared_ptr<const ShownFrame> shownFor(const PicturePlan& plan, const nlohmann::json& state,
-                                                             const Look& look, const FrameCache::Frame& frame,
-                                                             const std::shared_ptr<const Basis>& basis);
-    [[nodiscard]] SceneSource source(const glm::dvec3& stretch);
+    [[nodiscard]] std::shared_ptr<const ShownVolume> shownFor(const PicturePlan& plan, const nlohmann::json& state,
+                                                              const Look& look, const FrameCache::Frame& frame,
+                                                              const std::shared_ptr<const Basis>& basis);
+    [[nodiscard]] ViewSource source(const glm::dvec3& stretch);
     void readSource();
 
     Start mStart;
     FrameCache mCache;
 
     std::mutex mMutex; // of all that follows
-    SceneSource mSource;
+    ViewSource mSource;
     std::vector<FileSeen> mFiles;
     std::chrono::steady_clock::time_point mChanged; // last change of mFiles
     bool mSourceIsOld = false;                      // than mFiles

@@ -10,7 +10,7 @@
 #include "vdblic/io/output_lock.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/render_sequence.h"
-#include "vdblic/render/scene.h"
+#include "vdblic/render/view.h"
 #include "vdblic/run/advect.h"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 
 #include "vdblic/camera/affine_transform.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/render/frame_picture.h"
+#include "vdblic/render/picture.h"
 #include "vdblic/render/picture_share.h"
 #include "vdblic/render/sequence_bounds.h"
 
@@ -39,51 +39,54 @@ FrameShare shareOf(const GridHeader& header, const Camera& camera, const glm::dv
 
 } // namespace
 
-FrameImage FrameRenderer::render(const FrameFile& file, const Scene* scene,
-                                 std::shared_ptr<const LoadedTexture> frame) const
+FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, RenderedFrame& frame) const
 {
     const PicturePlan& plan = mPlan.picture;
+    const FrameFile& file = frame.file;
+    const View* const view = frame.view;
     std::optional<FrameShare> share;
-    if (scene && !mExchange.isAlone()) {
+    if (view && !mExchange.isAlone()) {
         const std::optional<GridHeader> header = textureHeader(file, plan.texture);
         if (!header || !header->transform->isLinear()) {
             (void)loadFrame(plan, file); // says why
             throw InputError(fmt::format("{}: its header changes while it is read", file.path.string()));
         }
-        share.emplace(shareOf(*header, scene->cameras.at(file.frame), plan.stretch, mExchange));
-        frame = nullptr;
+        share.emplace(shareOf(*header, view->cameras.at(file.frame), plan.stretch, mExchange));
+        loaded = nullptr;
     }
-    if (!frame) {
-        frame = std::make_shared<const LoadedTexture>(loadFrame(plan, file, scene, share ? &share->leaves : nullptr));
+    if (!loaded) {
+        loaded = std::make_shared<const LoadedTexture>(loadFrame(plan, file, view, share ? &share->leaves : nullptr));
     }
-    FrameImage result{.hasColor = frame->hasColor, .unusableVoxels = frame->volume.unusableVoxels()};
-    if (!mPlan.outputs.histogram.empty() && scene) {
-        result.histograms.emplace(scene->look);
-        const auto color = frame->onTexture(frame->color);
-        const auto opacity = frame->opacity == frame->color ? color : frame->onTexture(frame->opacity);
-        result.histograms->add(*frame->texture, *color, *opacity);
+    frame.hasColor = loaded->hasColor;
+    frame.unusableVoxels = loaded->volume.unusableVoxels();
+    if (!mPlan.outputs.histogram.empty() && view) {
+        frame.histograms.emplace(view->look);
+        const auto color = loaded->onTexture(loaded->color);
+        const auto opacity = loaded->opacity == loaded->color ? color : loaded->onTexture(loaded->opacity);
+        frame.histograms->add(*loaded->texture, *color, *opacity);
     }
-    if (mPlan.outputs.images.empty() && mPlan.outputs.film.empty()) return result;
+    if (mPlan.outputs.images.empty() && mPlan.outputs.film.empty()) return {};
     const glm::ivec2 size = plan.scaledSize();
-    if (!scene) {
+    FrameImage result;
+    if (!view) {
         result.image = {size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
         if (plan.rays.layers) result.image.layers.resize(result.image.pixels.size());
         return result;
     }
-    FramePicture picture(plan, *scene,
-                         std::make_shared<const ShownFrame>(plan, scene->look, frame, solidOf(*frame), mExchange),
-                         share ? &share->picture : nullptr);
+    Picture picture(plan, *view,
+                    std::make_shared<const ShownVolume>(plan, view->look, loaded, solidOf(*loaded), mExchange),
+                    share ? &share->picture : nullptr);
     for (int sample = 0; sample < plan.samples; ++sample) {
         mReporter.checkStop();
         picture.addSample();
     }
     result.image = picture.image();
-    result.nothingSeen = picture.whyNothingIsSeen(result.image);
+    frame.nothingSeen = picture.whyNothingIsSeen(result.image);
     result.header = picture.header();
     if (share) {
-        std::uint64_t unusable = result.unusableVoxels;
+        std::uint64_t unusable = frame.unusableVoxels;
         mExchange.sum({&unusable, 1});
-        result.unusableVoxels = unusable;
+        frame.unusableVoxels = unusable;
     }
     return result;
 }

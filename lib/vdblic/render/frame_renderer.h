@@ -7,9 +7,10 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/render/render_plan.h"
-#include "vdblic/render/scene.h"
+#include "vdblic/render/view.h"
 
 #include <cstddef>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,14 +18,23 @@
 
 namespace vdblic {
 
-/// The image of a frame and what there is to tell of it.
-struct FrameImage {
-    Image image; ///< empty without an output; at ranks other than the first only their part
-    ImageHeader header;
+/// A frame after its turn, without the image: what there is to tell of it, or an error.
+struct RenderedFrame {
+    FrameFile file;
+    const View* view = nullptr; ///< null if no frame so far has an active voxel
     bool hasColor = true;
     std::size_t unusableVoxels = 0;
-    std::string nothingSeen; ///< why the image shows nothing; empty if it shows something
-    std::optional<TextureHistograms> histograms;
+    std::string nothingSeen{}; ///< why the image shows nothing; empty if it shows something
+    std::optional<TextureHistograms> histograms{};
+    bool skipped = false, wasDamaged = false; ///< the image that was there
+    std::string film{};                       ///< displayBytes() of the image, for a film
+    std::exception_ptr error{};
+};
+
+/// The image of a frame; without images and film empty, at ranks other than the first only their part.
+struct FrameImage {
+    Image image;
+    ImageHeader header;
 };
 
 /// Makes the images of a sequence's frames. Thread-safe for a process alone; several ranks share each frame.
@@ -36,11 +46,11 @@ class FrameRenderer {
     {
     }
 
-    /// Collective. @param scene null if no frame so far has an active voxel
+    /// Collective.
     /// @param loaded the frame if it was read before, else null
+    /// @param frame  with its file and view; receives what there is to tell
     /// @throws InputError naming the file; Stopped
-    [[nodiscard]] FrameImage render(const FrameFile& file, const Scene* scene,
-                                    std::shared_ptr<const LoadedTexture> loaded) const;
+    [[nodiscard]] FrameImage render(std::shared_ptr<const LoadedTexture> loaded, RenderedFrame& frame) const;
 
   private:
     [[nodiscard]] std::shared_ptr<const Solid> solidOf(const LoadedTexture& frame) const;

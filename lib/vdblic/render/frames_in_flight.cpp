@@ -10,7 +10,7 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/render/render_plan.h"
-#include "vdblic/render/scene.h"
+#include "vdblic/render/view.h"
 
 #include <algorithm>
 #include <string>

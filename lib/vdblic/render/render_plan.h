@@ -19,7 +19,7 @@ struct SequenceTraits {
 [[nodiscard]] SequenceTraits traitsOf(const SequenceParams& sequence);
 
 /// How pictures are made, all files read that a user names for them: the look, transfer function and key frames in
-/// effect. Only what depends on the voxels is still open, and is chosen by chooseScene(): ranges, the opacity curve,
+/// effect. Only what depends on the voxels is still open, and is chosen by chooseView(): ranges, the opacity curve,
 /// the exposure, and members of the camera that are not set.
 struct PicturePlan : PictureSettings {
     std::string lookName; ///< of the look that `look` and `background` began with

@@ -7,7 +7,7 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/render_sequence.h"
-#include "vdblic/render/scene.h"
+#include "vdblic/render/view.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "vdblic/cast/solid.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/render/render_plan.h"
-#include "vdblic/render/scene.h"
+#include "vdblic/render/view.h"
 #include "vdblic/volume/visible_space.h"
 
 #include <memory>
@@ -15,13 +15,13 @@ namespace vdblic {
 
 /// A frame as a look shows it, without what depends on the camera: pictures from several eyes share it. Immutable; any
 /// number of threads may read.
-class ShownFrame {
+class ShownVolume {
   public:
     /// @param look  of the pictures
     /// @param solid or null
     /// @param exchange of the ranks that cast pictures together, for which the frame was loaded: collective
-    ShownFrame(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
-               std::shared_ptr<const Solid> solid, Exchange& exchange);
+    ShownVolume(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
+                std::shared_ptr<const Solid> solid, Exchange& exchange);
 
     [[nodiscard]] const LoadedTexture& frame() const { return *mFrame; }
     [[nodiscard]] const TextureVolume& volume() const { return mFrame->volume; }

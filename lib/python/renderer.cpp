@@ -1,9 +1,9 @@
-#include "picture.h"
+#include "renderer.h"
 
 #include "options.h"
 
 #include "vdblic/io/texture_name.h"
-#include "vdblic/render/frame_picture.h"
+#include "vdblic/render/picture.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -17,7 +17,7 @@
 
 namespace vdblic::python {
 
-Picture::Picture(const pybind11::dict& keywords)
+Renderer::Renderer(const pybind11::dict& keywords)
 {
     PictureParams params;
     setFrom(keywords, parametersOf(params));
@@ -25,24 +25,24 @@ Picture::Picture(const pybind11::dict& keywords)
     mOfSparse = resolve(params, {.isSparse = true});
 }
 
-Image Picture::of(const VdbFile& volume, std::int64_t frame)
+Image Renderer::of(const VdbFile& volume, std::int64_t frame)
 {
     if (mOfSparse && isSparse(volume.metadata)) mPlan = std::move(*mOfSparse);
     mOfSparse.reset();
     const PicturePlan& plan = mPlan;
-    const auto loaded = std::make_shared<const LoadedTexture>(
-        loadFrame(plan, volume, {frame, volume.path}, mScene ? &*mScene : nullptr));
-    if (!mScene) {
+    const auto loaded =
+        std::make_shared<const LoadedTexture>(loadFrame(plan, volume, {frame, volume.path}, mView ? &*mView : nullptr));
+    if (!mView) {
         const glm::ivec2 size = plan.scaledSize();
         if (loaded->volume.empty())
             return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, plan.background)};
-        mScene = chooseScene(plan, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
+        mView = chooseView(plan, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
     }
     std::shared_ptr<const Solid> solid;
     if (!plan.solid.source.empty())
         solid = std::make_shared<const Solid>(makeSolid(plan.solid, *loaded->domain(), plan.stretch, frame));
-    FramePicture picture(plan, *mScene,
-                         std::make_shared<const ShownFrame>(plan, mScene->look, loaded, std::move(solid), mAlone));
+    Picture picture(plan, *mView,
+                    std::make_shared<const ShownVolume>(plan, mView->look, loaded, std::move(solid), mAlone));
     for (int sample = 0; sample < plan.samples; ++sample)
         picture.addSample();
     Image image = picture.image();

@@ -1,4 +1,4 @@
-#include "vdblic/render/shown_frame.h"
+#include "vdblic/render/shown_volume.h"
 
 #include "vdblic/camera/clipping.h"
 
@@ -7,8 +7,8 @@
 
 namespace vdblic {
 
-ShownFrame::ShownFrame(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
-                       std::shared_ptr<const Solid> solid, Exchange& exchange)
+ShownVolume::ShownVolume(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
+                         std::shared_ptr<const Solid> solid, Exchange& exchange)
     : mFrame(std::move(frame)), mSolid(std::move(solid)), mVisible(volume(), look)
 {
     const bool hasLight = look.shadows > 0 || look.occlusion > 0;

@@ -1,4 +1,4 @@
-#include "vdblic/render/frame_picture.h"
+#include "vdblic/render/picture.h"
 
 #include "vdblic/cast/ground_plane.h"
 #include "vdblic/image/color_map.h"
@@ -18,23 +18,23 @@ namespace vdblic {
 namespace {
 
 /// Cubic where linear interpolation would be seen as a pattern of voxels. One choice for all frames of a film.
-Interpolation interpolationFor(const Scene& scene, const TextureVolume& volume)
+Interpolation interpolationFor(const View& view, const TextureVolume& volume)
 {
     constexpr double kWidePixels = 3;
-    const double pixel = scene.cameras.first().pixelSize(middleOf(scene.box));
+    const double pixel = view.cameras.first().pixelSize(middleOf(view.box));
     return volume.voxelSize() > kWidePixels * pixel ? Interpolation::kCubic : Interpolation::kLinear;
 }
 
 } // namespace
 
-FramePicture::FramePicture(const PicturePlan& plan, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
-                           const PictureShare* share)
-    : mPlan(plan), mScene(scene), mShown(std::move(shown)), mShare(share), mExchange(share ? share->exchange : mAlone),
-      mRays(plan.rays), mCamera(scene.cameras.at(mShown->frame().file.frame))
+Picture::Picture(const PicturePlan& plan, const View& view, std::shared_ptr<const ShownVolume> shown,
+                 const PictureShare* share)
+    : mPlan(plan), mView(view), mShown(std::move(shown)), mShare(share), mExchange(share ? share->exchange : mAlone),
+      mRays(plan.rays), mCamera(view.cameras.at(mShown->frame().file.frame))
 {
     mRays.clip = plan.rays.clip.stretched(plan.stretch);
-    if (!mRays.interpolation) mRays.interpolation = interpolationFor(scene, mShown->volume());
-    const Look& look = scene.look;
+    if (!mRays.interpolation) mRays.interpolation = interpolationFor(view, mShown->volume());
+    const Look& look = view.look;
     const TextureVolume& volume = mShown->volume();
     const Solid* const solid = mShown->solid();
     const glm::dvec3 light = keyLight(look, mCamera);
@@ -43,7 +43,7 @@ FramePicture::FramePicture(const PicturePlan& plan, const Scene& scene, std::sha
         const std::vector<ClipPlane> cuts = mRays.clip.allPlanes(), solidCuts = mRays.clip.solidPlanes();
         // Automatic cameras may look along up and then have another one.
         const glm::dvec3 up = plan.motion.keys.empty() ? plan.camera.up.value_or(glm::dvec3(0, 0, 1)) : mCamera.up();
-        const GroundPlane plane = groundPlane(plan.ground.side, up, scene.box, solid);
+        const GroundPlane plane = groundPlane(plan.ground.side, up, view.box, solid);
         std::optional<glm::vec3> color;
         if (plan.ground.color) color = glm::vec3(linearFromDisplay(*plan.ground.color));
         mGround.emplace(plane, ShadowCasters{*mShown->extinctions(), volume, cuts, solid, solidCuts}, light, color);
@@ -55,48 +55,48 @@ FramePicture::FramePicture(const PicturePlan& plan, const Scene& scene, std::sha
     mSum.emplace(volume, look, mShown->visible(), share ? mCamera.cropped(share->area()) : mCamera, mRays, scenery);
 }
 
-Image FramePicture::image() const
+Image Picture::image() const
 {
     const LoadedTexture& frame = mShown->frame();
-    Image image = exposed(mSum->mean(), mScene.look.exposure);
+    Image image = exposed(mSum->mean(), mView.look.exposure);
     if (mShare) mShare->assemble(image);
     if (mPlan.annotations.any() && mExchange.isFirst()) {
         const auto shown = [&](const std::string& name) { // the texture stands in for the speed
             return !frame.hasColor && name == mPlan.colorBy ? frame.texture->getName() : name;
         };
         FrameClock clock = frame.clock;
-        clock.longest = mScene.longest;
-        const AnnotationContent content{mScene.box,
+        clock.longest = mView.longest;
+        const AnnotationContent content{mView.box,
                                         mPlan.stretch,
                                         shown(mPlan.colorBy),
-                                        shown(mScene.opacityBy),
+                                        shown(mView.opacityBy),
                                         frame.file.frame,
                                         clock,
-                                        mScene.lastFrame,
+                                        mView.lastFrame,
                                         frame.colorUnit,
                                         frame.opacityUnit,
                                         frame.lengthUnit,
                                         isGeographic(clock, frame.lengthUnit, mPlan.stretch)};
-        annotate(image, mPlan.annotations, content, mScene.look, mCamera, mPlan.background.at(0.5));
+        annotate(image, mPlan.annotations, content, mView.look, mCamera, mPlan.background.at(0.5));
     }
     return image;
 }
 
-ImageHeader FramePicture::header() const
+ImageHeader Picture::header() const
 {
     PicturePlan plan = mPlan;
     plan.texture = mShown->frame().texture->getName();
-    if (!plan.opacityBy.empty()) plan.opacityBy = {mScene.opacityBy};
+    if (!plan.opacityBy.empty()) plan.opacityBy = {mView.opacityBy};
     plan.rays.interpolation = mRays.interpolation;
-    return imageHeader(plan, mScene.look, mCamera, mShown->frame().file);
+    return imageHeader(plan, mView.look, mCamera, mShown->frame().file);
 }
 
-std::string FramePicture::whyNothingIsSeen(const Image& image)
+std::string Picture::whyNothingIsSeen(const Image& image)
 {
     const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
     const bool anySeen = std::any_of(image.pixels.begin(), image.pixels.end(), isSeen);
     if (mExchange.any(anySeen)) return {};
-    return vdblic::whyNothingIsSeen(mShown->volume(), mScene.look, mCamera, mRays, mExchange);
+    return vdblic::whyNothingIsSeen(mShown->volume(), mView.look, mCamera, mRays, mExchange);
 }
 
 } // namespace vdblic

@@ -8,8 +8,8 @@
 #include "vdblic/image/image_file.h"
 #include "vdblic/render/picture_share.h"
 #include "vdblic/render/render_plan.h"
-#include "vdblic/render/scene.h"
-#include "vdblic/render/shown_frame.h"
+#include "vdblic/render/shown_volume.h"
+#include "vdblic/render/view.h"
 
 #include <memory>
 #include <optional>
@@ -19,15 +19,15 @@
 namespace vdblic {
 
 /// The picture of a frame, which gets better with every sample. Everything that an image of a sequence shows.
-class FramePicture {
+class Picture {
   public:
-    /// @param plan, scene, share must outlive this
-    /// @param shown  the frame with the scene's look
+    /// @param plan, view, share must outlive this
+    /// @param shown  the frame with the view's look
     /// @param share  of the ranks that cast this picture together, for which the frame was loaded; or null. Collective
-    FramePicture(const PicturePlan& plan, const Scene& scene, std::shared_ptr<const ShownFrame> shown,
-                 const PictureShare* share = nullptr);
-    FramePicture(const FramePicture&) = delete;
-    FramePicture& operator=(const FramePicture&) = delete;
+    Picture(const PicturePlan& plan, const View& view, std::shared_ptr<const ShownVolume> shown,
+            const PictureShare* share = nullptr);
+    Picture(const Picture&) = delete;
+    Picture& operator=(const Picture&) = delete;
 
     /// Cast the next ray of every pixel. @throws Stopped, with the picture as it was, if a stop is requested
     void addSample(const std::stop_token& stop = {}) { mSum->add(stop); }
@@ -43,8 +43,8 @@ class FramePicture {
 
   private:
     const PicturePlan& mPlan;
-    const Scene& mScene;
-    std::shared_ptr<const ShownFrame> mShown;
+    const View& mView;
+    std::shared_ptr<const ShownVolume> mShown;
     const PictureShare* mShare;
     OneProcess mAlone;
     Exchange& mExchange; // of the share, else this process alone

@@ -1,0 +1,88 @@
+#pragma once
+
+#include "vdblic/camera/camera_path.h"
+#include "vdblic/io/sequence.h"
+#include "vdblic/look/look.h"
+#include "vdblic/render/loaded_texture.h"
+#include "vdblic/volume/texture_volume.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdblic {
+
+class Exchange;
+struct PicturePlan;
+struct RenderPlan;
+
+/// What the look of a sequence is chosen from: samples of some of its frames.
+struct LookBasis {
+    VolumeSamples samples;
+    double voxels = 0, volumeBytes = 0; ///< the most of a frame
+    double narrowest = 0;               ///< the shortest side of a frame's voxels [voxels]; the most of a frame
+    std::string opacityBy;              ///< name of the grid that opacity follows
+    std::vector<std::string> kinds;     ///< of the first frame
+    std::filesystem::path first;        ///< of the files
+    std::int64_t lastFrame = 0;         ///< the largest number of a frame
+    double longest = 0;                 ///< FrameClock::longest
+
+    /// @param frame    not empty
+    /// @param exchange of the ranks that share it: collective
+    void add(const LoadedTexture& frame, Exchange& exchange);
+    /// @throws ParameterError, InputError naming the first file
+    [[nodiscard]] Look choose(const PicturePlan& plan) const;
+};
+
+/// What fills the picture: all that is visible of the frames and their solids, or the box around them if that is in the
+/// picture; nothing if the camera leaves nothing to choose. @param exchange of the ranks that share the frames:
+/// collective
+[[nodiscard]] std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
+                                                std::span<const std::shared_ptr<const LoadedTexture>> frames,
+                                                const Corners& box, Exchange& exchange);
+
+/// What stays the same for the whole animation.
+struct View {
+    Look look;
+    std::string opacityBy; ///< name of the grid that opacity follows, in every frame
+    CameraPath cameras;
+    Corners box;                ///< around all frames, as far as is known
+    double frameBytes;          ///< estimate of the memory that a frame takes
+    std::int64_t lastFrame = 0; ///< of those that the view is chosen from, as LookBasis has it
+    double longest = 0;
+};
+
+/// @param frames at least one, none empty
+/// @param box    around all frames, as far as is known
+/// @param exchange of the ranks that share the frames: collective
+[[nodiscard]] View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const LoadedTexture>> frames,
+                              const Corners& box, const FrameSpan& span, Exchange& exchange);
+
+/// What the view of a sequence is chosen from.
+struct ViewSource {
+    std::size_t frameCount; ///< on disk
+    FrameSpan span;
+    Corners box;                       ///< around all frames, stretched
+    std::vector<FrameFile> lookFrames; ///< a few of them, the first one with an active voxel
+};
+/// By the headers of all files on disk, whichever are selected; nothing if none has an active voxel.
+[[nodiscard]] std::optional<ViewSource> viewSource(const SequenceParams& input, const PicturePlan& plan);
+
+/// A view, and the frame that was read to make it if the sequence has no other.
+struct SequenceView {
+    View view;
+    std::shared_ptr<const LoadedTexture> onlyFrame; ///< null if ranks share it
+};
+
+/// The view of viewSource(); nothing if none of its frames has an active voxel.
+/// @param exchange of ranks, each of which reads a part of the frames; collective
+[[nodiscard]] std::optional<SequenceView> viewOfSequence(const RenderPlan& plan, Exchange& exchange);
+
+} // namespace vdblic
