@@ -35,7 +35,7 @@ class Tool {
     void reads(std::function<std::vector<SequenceParams>()> inputs);
 
     /// `--scratch`: let what the job takes beyond the memory lie in a file on disk (core/paging.h).
-    /// @param inFiles what the job holds at a time, in files that it reads
+    /// @param inFiles peak memory of the job, as a multiple of the bytes of the input file that it reads
     /// @param output  returns a path of the job's output, in whose folder the file lies by default; called once all
     ///                options are parsed. Without it that is the folder for temporary files.
     void usesScratch(double inFiles, std::function<std::string()> output = {});

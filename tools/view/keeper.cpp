@@ -43,7 +43,7 @@ Json keyOf(const Camera& camera, std::int64_t frame)
     return key;
 }
 
-/// Run work whose errors are told to nobody but the page.
+/// Run work whose errors go to the page.
 template<typename Work>
 std::string errorOf(const Work& work)
 {
@@ -107,7 +107,7 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
     if (keys.is_null()) keys = Json::array({keyOf(view.view.cameras.at(frame), frame)});
     writeTransferFile(transfer, view.view.look.transfer.params());
     writeTextFile(camera, jsonText(Json{{"keys", keys}}));
-    Json rest = state; // what the two files do not hold
+    Json rest = state; // options that the two files do not hold
     for (const char* held : {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale",
                              "eye", "target", "up", "fov", "view-height", "orbit", "orbit-frames", "keys"})
         rest.erase(held);

@@ -17,7 +17,7 @@
 
 namespace vdblic::view {
 
-/// Writes what was found into the folder in which the viewer was started, under names that are still free:
+/// Writes views, pictures and films into the folder in which the viewer was started, under free names:
 /// view-001.transfer.json, view-001.camera.json, view-001.png, view-001.mp4.
 ///
 /// Pictures and films are jobs, a few at a time, each in a thread of its own. A job is told as an object: its number

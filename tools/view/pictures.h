@@ -28,7 +28,7 @@ struct PictureRequest {
     bool settle = false; ///< as Viewer::view()
 };
 
-/// A picture and what it is of.
+/// A picture, with its header and its state.
 struct ShownPicture {
     Image image;
     ImageHeader header;
@@ -82,7 +82,7 @@ class Pictures {
     /// The client, whose older request is asked to end.
     /// @throws Stopped if the request is the older one: requests on different connections may change places
     [[nodiscard]] std::shared_ptr<Client> clientOf(const PictureRequest& request, std::stop_token& stop);
-    /// Cast what is missing of a picture. @param beforeSample called with the number of samples that are there
+    /// Cast the missing samples of a picture. @param beforeSample called with the number of samples that are there
     [[nodiscard]] static ShownPicture shown(Cast& cast, const PicturePlan& plan, const std::stop_token& stop,
                                             const std::function<void(int)>& beforeSample);
 

@@ -70,7 +70,7 @@ Words wordsOf(const std::string& name, const Json& value)
     return words;
 }
 
-/// What a state gives, by key. @throws ParameterError
+/// The values of a state, by key. @throws ParameterError
 Given givenBy(const Start& start, const Json& state, const Parameters& parameters)
 {
     if (!state.is_object()) throw ParameterError("a state must be an object");

@@ -27,7 +27,7 @@ struct Start {
 [[nodiscard]] Start startOf(const Given& given, const SequenceParams& input);
 
 /// The arguments of vdblic_render for a state; its key frames are left out.
-/// @throws ParameterError on what a state cannot hold; no state names a file that the command line does not
+/// @throws ParameterError on a value that no state holds, such as a file that the command line does not name
 [[nodiscard]] std::vector<std::string> argumentsOf(const Start& start, const nlohmann::json& state);
 
 /// The plan by which vdblic_render would make the pictures of a state. @throws ParameterError, InputError

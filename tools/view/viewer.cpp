@@ -30,7 +30,7 @@ using Json = nlohmann::json;
 /// Time without a new frame after which automatic choices follow the frames that came.
 constexpr std::chrono::seconds kPause{5};
 
-/// What loadFrame() depends on besides the file.
+/// All that loadFrame() depends on besides the file.
 std::string loadKey(const PicturePlan& plan)
 {
     const glm::dvec3& stretch = plan.stretch;
@@ -45,7 +45,7 @@ std::string cacheKey(const PicturePlan& plan, const FrameFile& file)
     return fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(plan));
 }
 
-/// A state without what its camera and sampling are.
+/// A state without camera and sampling.
 std::string choiceKey(Json state)
 {
     for (const char* name : {"eye", "target", "up", "fov", "view-height", "projection", "size", "scale", "samples",

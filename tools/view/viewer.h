@@ -23,12 +23,12 @@
 
 namespace vdblic::view {
 
-/// All that a picture of a frame in a state is cast from.
+/// A frame and the view of it, from which pictures are cast.
 struct FrameView {
     PicturePlan plan;
     View view;
     std::shared_ptr<const ShownVolume> shown;
-    bool settled; ///< whether it is as vdblic_render has it: the automatic choices made from as many frames, no copy
+    bool settled; ///< whether the picture is vdblic_render's: choices from all their frames, and no coarser copy
 };
 
 /// A sequence that is looked at. Any number of threads may ask at a time.
@@ -56,10 +56,10 @@ class Viewer {
     /// @param settle wait until the automatic choices are settled and the frame itself is read
     /// @throws ParameterError on an impossible state or frame, InputError
     [[nodiscard]] FrameView view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
-    /// The camera that sees all of what an automatic one would see, in another direction.
+    /// The camera that shows in another direction all that an automatic one shows.
     /// @throws ParameterError on an impossible state or direction, InputError
     [[nodiscard]] Camera fitted(nlohmann::json state, const glm::dvec3& forward, const glm::dvec3& up);
-    /// Read in the background what a view needs to be settled.
+    /// Settle a view in the background: read the frames that it still needs.
     void settleLater(const FrameView& view);
     /// Read a frame in the background.
     void prefetch(const nlohmann::json& state, std::int64_t frame);

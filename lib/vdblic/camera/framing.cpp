@@ -23,7 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr glm::dvec2 kViews[] = {{30, 25}, {60, 25}, {30, 45}, {60, 45}, {30, 60}, {60, 60}};
 /// Share of the best view's coverage that counts as well.
 constexpr double kWell = 0.7;
-/// Views of a plate, whose thickness would hide what is on it in a view from the side. The best one is taken.
+/// Views of a plate, which shows nothing from the side. The best one is taken.
 constexpr glm::dvec2 kPlateViews[] = {{0, 80}, {0, 10}, {90, 10}};
 
 glm::dvec3 direction(const glm::dvec2& view, const glm::dvec3& up)

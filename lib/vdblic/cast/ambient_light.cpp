@@ -54,10 +54,10 @@ void AmbientLight::addSolid(const TextureVolume& volume, const Solid& solid, std
     });
 }
 
-/// Set the factors to those of ambient occlusion.
+/// Set the factors of ambient occlusion.
 void AmbientLight::occlude(const ExtinctionGrid& grid, double strength)
 {
-    constexpr float kGain = 2;         // of depths, as what is seen is mostly half transparent
+    constexpr float kGain = 2;         // on optical depths: visible matter is mostly half transparent
     constexpr double kReach = 1 / 8.0; // share of the grid's mean edge within which cells occlude
     constexpr double kAlongAxis = 1 / 15.0, kAcross = 3 / 40.0, kMostFactor = 1.6;
     const double reach = kReach * grid.cell() * std::cbrt(double(mExtinctions.size()));
@@ -71,7 +71,7 @@ void AmbientLight::occlude(const ExtinctionGrid& grid, double strength)
         tbb::parallel_for(std::size_t(0), arriving.size(),
                           [&](std::size_t cell) { arriving[cell] += float(weight) * std::exp(-kGain * depths[cell]); });
     }
-    double sum = 0, seen = 0; // what is closed in is hardly seen
+    double sum = 0, seen = 0; // enclosed cells are hardly seen
     for (std::size_t cell = 0; cell < arriving.size(); ++cell) {
         const double visible = -std::expm1(-double(mExtinctions[cell]) * grid.cell());
         seen += visible * double(arriving[cell]);

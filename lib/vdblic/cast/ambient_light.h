@@ -12,12 +12,12 @@ class TextureVolume;
 struct Look;
 struct Solid;
 
-/// What of the light from everywhere arrives in the cells of an ExtinctionGrid: ambient occlusion. It does not depend
-/// on the camera.
+/// Ambient occlusion: how much ambient light arrives in each cell of an ExtinctionGrid. It does not depend on the
+/// camera.
 ///
-/// Ambient light is that of fourteen directions (Lebedev's quadrature of degree 5, 1976); on its way optical depth is
-/// forgotten, so that only what is near occludes. A factor is relative to the mean of what is visible: occlusion gives
-/// form and takes no light away. Immutable; any number of threads may read.
+/// Ambient light comes from fourteen directions (Lebedev's quadrature of degree 5, 1976). Optical depth decays along
+/// its way, so that only near matter occludes. A factor is relative to the mean over all visible cells: occlusion gives
+/// form and keeps the picture's brightness. Immutable; any number of threads may read.
 class AmbientLight {
   public:
     /// @param visible   extinctions of the volume

@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// Where cubic cells of an index space lie that have values at their centres, by x, then y, then z. Values are
+/// A lattice of cubic cells in an index space, with values at the cells' centres, by x, then y, then z. Values are
 /// interpolated between the centres, and constant past the outermost.
 class CoarseCells {
   public:

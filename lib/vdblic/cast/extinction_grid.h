@@ -11,7 +11,7 @@ class Exchange;
 class TextureVolume;
 struct Look;
 
-/// The extinction of what a look makes visible of a volume, on a coarse grid over the volume's bounds.
+/// The extinction of a volume's visible voxels under a look, on a coarse grid over the volume's bounds.
 ///
 /// A cell holds the mean extinction of its voxels [1/voxel]. Cells are cubes of 2 voxels or more, so many that their
 /// number stays below a million whatever the volume's extent. Ranks that share the volume add up their own leaves, and

@@ -26,7 +26,7 @@ class Ground {
     {
     }
 
-    /// Add what is seen of the ground in pixels that show no surface. @param ray index among each pixel's rays
+    /// Add the visible ground to pixels that show no surface. @param ray index among each pixel's rays
     void addTo(SurfacePicture& picture, const TextureVolume& volume, const Look& look, const Camera& camera,
                int ray) const;
 

@@ -30,7 +30,7 @@ namespace {
 constexpr int kMostAcross = 192; // points of the lattice under the domain's longer side
 constexpr int kKeyDirections = 16, kOpenDirections = 32;
 constexpr double kKeyRadius = 0.06; // of the key light's disc, at distance 1
-constexpr double kReach = 1 / 4.0;  // of what occludes, in the mean edge of the domain
+constexpr double kReach = 1 / 4.0;  // of occlusion, in mean edges of the domain
 constexpr double kFarthest = 2.5;   // reaches after which nothing occludes
 constexpr float kKeyShare = 0.6f;   // of the light of an open ground
 constexpr std::size_t kMostSolidCells = 1 << 20;

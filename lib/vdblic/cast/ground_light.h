@@ -15,7 +15,7 @@ class ExtinctionGrid;
 class TextureVolume;
 struct Solid;
 
-/// What casts shadows on a ground.
+/// The volume and the solid that cast shadows on a ground.
 struct ShadowCasters {
     const ExtinctionGrid& visible;
     const TextureVolume& volume;       ///< of which `visible` are the extinctions
@@ -24,12 +24,12 @@ struct ShadowCasters {
     std::span<const ClipPlane> solidCuts{};
 };
 
-/// The light that arrives at a ground, on a lattice over it: that of the key light through volume and solid, and that
-/// from everywhere, of which what is near takes a part away.
+/// The light that arrives at a ground, on a lattice over it: the key light through volume and solid, and ambient light,
+/// which near matter occludes.
 ///
-/// The key light is a disc of a few degrees: shadows are sharp where they begin and get softer with the distance of
-/// what casts them. Light from everywhere is that of 32 directions, with Lambert's cosine in their density; on its way
-/// what lies farther off counts less. Both go through coarse cells: the volume's extinctions, and the parts of cells
+/// The key light is a disc of a few degrees: shadows are sharp at the foot of their caster and get softer with its
+/// distance. Ambient light comes from 32 directions, with Lambert's cosine in their density; along its way distant
+/// matter counts less. Both go through coarse cells: the volume's extinctions, and the parts of cells
 /// that are inside the solid. Immutable; any number of threads may read.
 class GroundLight {
   public:

@@ -17,7 +17,7 @@ template<>
 inline constexpr auto kNames<GroundSide> = std::to_array<std::string_view>({"none", "below", "low-x", "high-x", "low-y",
                                                                             "high-y", "low-z", "high-z"});
 
-/// A plane that takes the shadows of what is in the picture.
+/// A plane on which volume and solid cast shadows.
 struct GroundParams {
     GroundSide side = GroundSide::kNone;
     std::optional<glm::dvec3> color{}; ///< display (sRGB) values; unset: by the background

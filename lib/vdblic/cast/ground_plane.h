@@ -10,8 +10,8 @@ namespace vdblic {
 
 struct Solid;
 
-/// Where a ground lies, in world space: along a side of the box around the domain, or behind what of a solid lies
-/// farther out.
+/// Where a ground lies, in world space: along a side of the box around the domain, or farther out behind a solid that
+/// passes this side.
 struct GroundPlane {
     glm::dvec3 normal;  ///< towards the domain, of length 1
     glm::dvec3 axes[2]; ///< of the plane's coordinates, of length 1 and perpendicular

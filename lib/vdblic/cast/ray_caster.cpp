@@ -53,7 +53,7 @@ PixelLayers layersOf(const RaySum& sum, const RayTask& task)
     return layers;
 }
 
-/// Blend surfaces into the wanted pixels of an image of what is in front of them.
+/// Blend surfaces behind the cast pixels of an image.
 void addBehind(const SurfacePicture& surfaces, const std::uint8_t* only, Image& image)
 {
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {

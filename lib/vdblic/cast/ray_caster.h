@@ -18,7 +18,7 @@ struct Look;
 struct RayCastParams;
 struct Solid;
 
-/// What is in a picture besides the volume.
+/// Solid, ground and light of a picture.
 struct Scenery {
     const Solid* solid = nullptr;
     glm::vec3 solidColor{0}; ///< linear light
@@ -37,8 +37,8 @@ struct Scenery {
 /// @param params  valid
 /// @param visible leaves that are sampled; the others are skipped
 /// @param ray     index among the pixel's rays, for sampleShift() (ray_setup.h)
-/// @param scenery what else is in the picture: rays end at its surfaces, which are seen through what they have left
-/// @param only    by pixel: whether it is wanted, the others stay 0; or null: all are
+/// @param scenery rays end at its surfaces, which are seen with the transmittance that is left
+/// @param only    by pixel: whether to cast its ray, the others stay 0; null: all
 /// @param stop    asks for the end before the picture is complete
 /// @throws Stopped if a stop was requested
 [[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,

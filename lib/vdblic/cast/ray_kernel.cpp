@@ -21,7 +21,7 @@ constexpr float kMostBack = 0.499f; // voxels, from a sample to where its scalar
 
 /// The middles of steps, in steps from their rays' entries.
 ///
-/// The first step is as long as the shift, the last one is what remains of the span.
+/// The first step is as long as the shift, the last one ends with the span.
 VDBLIC_INLINE Float8 middleOf(Int8 step, Float8 shift, Float8 span)
 {
     const Float8 after = __builtin_convertvector(step, Float8) + shift;
@@ -58,7 +58,7 @@ struct alignas(32) RayKernel::Sample {
     Int8 voxel[3];
     Float8 place[3]; // position relative to the first voxel of its leaf
     Unsigned8 entry; // of the leaf in VisibleSpace
-    Int8 distant;    // distance of the cell from what is visible
+    Int8 distant;    // distance of the cell from the nearest visible cell
     Unsigned8 leaf;  // number
     Float8 texture;
 };
@@ -96,7 +96,7 @@ VDBLIC_INLINE void RayKernel::locate(const Lanes& lanes, Sample& result) const
     findEmpty(lanes, result);
 }
 
-/// Find how far the lanes' samples are from what is visible.
+/// Find the lanes' distances from visible cells.
 VDBLIC_INLINE void RayKernel::findEmpty(const Lanes& lanes, Sample& result) const
 {
     result.entry = mVisible.findLeaves(lanes.block, result.voxel);
@@ -246,7 +246,7 @@ void RayKernel::interpolateCubic(Sample& result) const
     result.texture = mTexture.cubicAt(result.leaf, Cells(result.place));
 }
 
-/// Those of the given lanes whose voxels are not shown.
+/// The given lanes whose voxels are hidden.
 unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
 {
     unsigned hidden = 0;
@@ -279,14 +279,14 @@ void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& res
     result = aside * aside;
 }
 
-/// Composite what lies between the given lanes' samples and those before them, and queue what is visible.
+/// Composite the steps between the given lanes' samples and the ones before, and queue the visible samples.
 ///
 /// The texture changes evenly between two samples; everything else is taken in the middle, or half a voxel before the
 /// later sample where steps are longer than a voxel. A ray's first and last sample stand for what is before and behind
 /// them, too.
 VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, unsigned which, const Sample& sample, ShadeQueue& queue) const
 {
-    // Of these lanes alone: a picture must not depend on what a ray's neighbours do.
+    // Of these lanes alone: a picture must not depend on a ray's neighbours.
     lanes.spent = maskOf(which) ? lanes.transmittance < mLeastTransmittance : lanes.spent;
     // Empty space has at most the largest texture without opacity.
     const Int8 isEmpty = sample.distant > 0;
@@ -300,7 +300,7 @@ VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, unsigned which, const Sample&
 
     const Float8 previous = sample.index > 0 ? middleOf(sample.index - 1, lanes.shift, lanes.span) : Float8{};
     const Float8 end = sample.index < lanes.last ? sample.distance : lanes.span;
-    // A sample's leaf holds what lies half a voxel before it, no more.
+    // A sample's leaf holds values up to half a voxel before it, no more.
     const Float8 half = (sample.distance - previous) * 0.5f, most = broadcast8(kMostBack * mPerStep);
     const Float8 distance = sample.distance - (half < most ? half : most), back = (distance - sample.distance) * mStep;
     const Float8 place[] = {sample.place[0] + lanes.direction[0] * back, sample.place[1] + lanes.direction[1] * back,
@@ -366,7 +366,7 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
         locate(lanes, sample);
         if (const unsigned left = leaving(lanes, sample)) advance(tasks, count, next, left, lanes, sample, sums);
         if (lanes.busy == 0) break;
-        // A ray leaves what is visible with one sample more.
+        // A ray takes one sample more behind the last visible cell.
         const Int8 isBehind = lanes.before > mHidden;
         const unsigned empty = laneBits(-sample.distant & ~isBehind) & lanes.busy, seen = lanes.busy & ~empty;
         if (empty != 0) {

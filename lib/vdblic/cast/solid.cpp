@@ -83,7 +83,7 @@ openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
     return result;
 }
 
-/// What the active voxels leave out of the box around them.
+/// The inactive voxels in the box around the active ones, as a solid.
 openvdb::FloatGrid::Ptr complementOf(const openvdb::FloatGrid& texture)
 {
     const openvdb::CoordBBox box = texture.evalActiveVoxelBoundingBox();

@@ -10,7 +10,7 @@ namespace vdblic {
 
 /// An opaque body in the picture.
 struct SolidParams {
-    /// Empty: none. `domain`: what the texture's voxels leave out of the box around them. Else FILE or FILE:GRID, one
+    /// Empty: none. `domain`: the inactive voxels in the box around the texture's. Else FILE or FILE:GRID, one
     /// file or a sequence with the input's frame numbers: a closed mesh (.obj, .stl, .ply), or the level set, fog
     /// volume or mask of a .vdb.
     std::string source;

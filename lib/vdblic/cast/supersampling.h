@@ -15,9 +15,9 @@ class VisibleSpace;
 
 inline constexpr int kMostSamples = 4096; ///< rays per pixel
 
-/// A picture that is cast ray by ray of its pixels: two rays for each, further ones only where those two differ or a
-/// neighbour differs, in the same tile of RaySetup. Elsewhere they would change nothing that is seen. Through a lens
-/// every pixel has all rays.
+/// The sum of a picture's rays, added one a pixel at a time: two for each pixel, further ones only where these two
+/// differ or a neighbour in the same tile of RaySetup differs. Elsewhere further rays would change nothing visible.
+/// Through a lens every pixel has all rays.
 class SampleSum {
   public:
     /// @param volume, look, visible, scenery must outlive this

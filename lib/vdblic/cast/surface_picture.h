@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// What is seen of surfaces through each pixel's centre, the volume taken away.
+/// The surface behind each pixel's centre, without the volume.
 struct SurfacePicture {
     std::vector<float> depths;      ///< along the view axis from the eye's plane [world]; infinite where there is none
     std::vector<glm::vec4> colors;  ///< linear light, lit; premultiplied by alpha

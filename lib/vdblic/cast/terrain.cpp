@@ -17,7 +17,7 @@
 namespace vdblic {
 namespace {
 
-/// Numbers of a rectangle of columns; beyond its sides those at the sides.
+/// Numbers of a rectangle of columns, constant beyond its sides.
 template<typename T>
 class Columns {
   public:
@@ -73,7 +73,7 @@ void forSteps(const Columns<int>& heights, const Visit& visit)
     }
 }
 
-/// The size of the data's voxels in those of the domain: all steps are at its multiples.
+/// The edge of the data's voxels, in voxels of the domain: all steps are at its multiples.
 std::array<int, 3> stepsOf(const Columns<int>& heights, const openvdb::CoordBBox& box)
 {
     const openvdb::Coord size = box.dim();
@@ -87,7 +87,7 @@ std::array<int, 3> stepsOf(const Columns<int>& heights, const openvdb::CoordBBox
     return result;
 }
 
-/// Whether most steps are small beside the range of heights, as those of a slope: a wall is one step.
+/// Whether most steps are small beside the range of heights, as on a slope: a wall is one step.
 bool isSlope(const Columns<int>& heights)
 {
     constexpr int kLeastSteps = 3; // from the lowest column to the highest

@@ -26,7 +26,7 @@ class ScratchMemory : public paging::Memory {
   public:
     /// @param folder  of the scratch file
     /// @param limit   of the process's resident memory [bytes]
-    /// @param inFiles what the job holds at a time, in files that it reads
+    /// @param inFiles peak memory of the job, as a multiple of the bytes of the input file that it reads
     ScratchMemory(std::filesystem::path folder, std::uint64_t limit, double inFiles);
 
     bool makeRoom(double bytes) override;

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kTitle = "vdblic_film: textures of a film that is not finished\n";
 
-/// The textures of a film while it is being made, with a text that tells what they were made from.
+/// The textures of an unfinished film, with a text that names their inputs and options.
 class FilmFolder {
   public:
     explicit FilmFolder(const fs::path& output)
@@ -44,7 +44,7 @@ class FilmFolder {
     [[nodiscard]] const std::string& pattern() const { return mPattern; }
     [[nodiscard]] const fs::path& path() const { return mFolder; }
 
-    /// Make the folder, or keep what is in it if that was made from the same. @throws OutputError
+    /// Make the folder, or keep its textures if their inputs and options are the same. @throws OutputError
     void open(const std::string& madeFrom, Reporter& reporter)
     {
         const std::string key = std::string(kTitle) + madeFrom;
@@ -69,7 +69,7 @@ class FilmFolder {
         writeTextFile(mKey, key);
     }
 
-    /// Remove what is ours, and the folder if nothing else is in it.
+    /// Remove the film's files, and the folder if no other file is in it.
     void remove() const
     {
         std::error_code ignored;
@@ -101,7 +101,7 @@ class FilmFolder {
     std::string mPattern;
 };
 
-/// Joins the progress of textures and pictures, and passes on what is of the film.
+/// Joins the progress of textures and pictures, and passes on the film's messages.
 class FilmReporter : public Reporter {
   public:
     FilmReporter(Reporter& reporter, std::size_t textures, std::size_t pictures)
@@ -158,7 +158,7 @@ void makePictures(const FilmParams& params, const FilmPlan& plan, const std::str
     Given given = plan.render;
     given["input"] = {textures};
     const RenderParams pictures = withGiven(RenderParams{}, given);
-    // What the first part frees serves the second one only a little.
+    // The pictures can use little of the memory that the textures free.
     constexpr double kPictures = 40e6; // without textures
     paging::makeRoom(plan.textureBytes + kPictures +
                      double(threadCount()) * bytesPerVoxel(resolve(pictures).picture) * plan.textureVoxels);

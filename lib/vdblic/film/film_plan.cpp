@@ -94,7 +94,7 @@ std::string commandOf(std::string_view tool, const Parameters& parameters, const
     return command;
 }
 
-/// What is chosen for a sequence, step by step.
+/// Chooses the plan of a film, step by step.
 class FilmPlanner {
   public:
     FilmPlanner(const FilmParams& params, const SequenceInfo& info)
@@ -139,7 +139,7 @@ class FilmPlanner {
         return mMoves * mPixels;
     }
 
-    /// The voxels a frame with which a film of the least length has the right pace, within what can be followed.
+    /// The voxels a frame with which a film of the least length has the right pace, within limits that eyes can follow.
     [[nodiscard]] double slowMotion() const
     {
         constexpr double kMostMoves = 12;

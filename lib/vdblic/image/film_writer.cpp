@@ -208,7 +208,7 @@ void FilmWriter::finish()
     mFile.commit();
 }
 
-/// Throw what ffmpeg says.
+/// Throw ffmpeg's message.
 void FilmWriter::fail()
 {
     ::close(std::exchange(mInput, -1));
@@ -228,7 +228,7 @@ void FilmWriter::fail()
                                                  : text.substr(text.rfind('\n') + 1)));
 }
 
-/// Close what is open, and wait for ffmpeg.
+/// Close the pipes, and wait for ffmpeg.
 void FilmWriter::close()
 {
     for (int* end : {&mInput, &mMessages}) {

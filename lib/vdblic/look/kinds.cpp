@@ -29,7 +29,7 @@ constexpr std::array<glm::dvec3, 16> kColors{{{0.98, 0.55, 0.12},
                                               {0.16, 0.55, 0.50},
                                               {0.80, 0.74, 0.98}}};
 
-constexpr double kNoneShare = 0.12; ///< of the optical depth of a kind, for what is of none
+constexpr double kNoneShare = 0.12; ///< optical depth of no kind, over that of a kind
 
 } // namespace
 
@@ -67,7 +67,7 @@ std::vector<OpacityPoint> opacityOfKinds(const VolumeSamples& samples, double vo
     const double mean = (double(ofKinds) + kNoneShare * double(ofNone)) / (kUnit * double(samples.texture.size()));
     const double depth = mean > 0 ? voxelDepth / mean : voxelDepth;
     const auto opacity = [](double opticalDepth) { return std::min(-std::expm1(-opticalDepth), kMostChosenOpacity); };
-    const double end = 1 / double(kinds); // of what is of no kind
+    const double end = 1 / double(kinds); // of the part of no kind
     return {{0, opacity(kNoneShare * depth)},
             {end, opacity(kNoneShare * depth)},
             {end, opacity(depth)},

@@ -8,14 +8,14 @@
 
 namespace vdblic {
 
-/// What transfer functions are for a scalar whose values are the numbers of kinds, such as the sources of streaks.
+/// Transfer functions for a scalar whose values number kinds, such as the sources of streaks.
 
-/// Give each kind a colour and as much of the range. Colours that are chosen are those of the middle of each kind's
-/// part of the range; by default the kinds have colours that eyes tell apart, and 0, none of them, is grey. A range of
-/// one's own shows numbers and no kinds.
+/// Give each kind a colour and an equal part of the range. Given colours are read at the middle of each kind's part;
+/// by default the kinds have colours that eyes tell apart, and 0, no kind, is grey. With a given range the scalar
+/// shows as numbers.
 void colorByKind(TransferParams& params);
 
-/// Opacity that is the same for all kinds, and less for what is of none. It is scaled as chooseLook() says.
+/// Opacity that is the same for all kinds, and less for no kind. It is scaled as chooseLook() says.
 /// @param samples    not empty, with the kinds as drivers
 /// @param voxelDepth mean optical depth of a voxel
 [[nodiscard]] std::vector<OpacityPoint> opacityOfKinds(const VolumeSamples& samples, double voxelDepth,

@@ -115,7 +115,7 @@ double lightShare(const Look& look, const VolumeSamples& samples)
 {
     constexpr double kArriving = 0.35; // of the light in shadows, in the mean
     constexpr double kFacing = 0.5;    // mean cosine between a light and normals in all directions
-    constexpr double kSurface = 0.7;   // share of what is lit as a surface
+    constexpr double kSurface = 0.7;   // share of samples that are lit as a surface
     constexpr int kSteps = 256;
     constexpr double kUnit = 0x1p32; // sums of integers do not depend on the order of the samples
     std::array<std::uint64_t, kSteps> visible{};

@@ -115,11 +115,11 @@ struct Look {
 ///
 /// A scalar's range is its 2nd to 99th percentile; that of one that only opacity follows begins at 0 if it has both
 /// signs. Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is scaled so
-/// that a path as long as `thickness` has the mean optical depth asked for: the front is seen, and some of what lies
-/// behind, whatever the volume's size. Where colour tells kinds apart, each has a colour of its own (kinds.h). The
-/// exposure makes up for what rims, shadows and light take away, so that two thirds of what is seen are as bright as
-/// their colour in the colour bar or brighter. It is an estimate from samples and look, up to three stops, and depends
-/// neither on the camera nor on the frame.
+/// that a path as long as `thickness` has the mean optical depth `opticalDepth`: the front is seen, and faintly the
+/// depths behind, whatever the volume's size. Where colour tells kinds apart, each has a colour of its own (kinds.h).
+/// The exposure makes up for what rims, shadows and light take away, so that two thirds of what is seen are as bright
+/// as their colour in the colour bar or brighter. It is an estimate from samples and look, up to three stops, and
+/// depends neither on the camera nor on the frame.
 /// @param samples   of one frame or of several
 /// @param thickness [voxels]
 /// @throws ParameterError; InputError if there is no sample

@@ -27,18 +27,18 @@ LookPreset lookPreset(std::string_view name)
             look.shadows = 0.4;
             look.occlusion = 0.8;
         }
-        if (name == "streaks") look.opticalDepth = 2; // streaks are solid; between them one sees what is behind
+        if (name == "streaks") look.opticalDepth = 2; // streaks are solid, and one sees between them
         look.halo = 0.3;
         look.depthCue = 0.25;
         look.shading.ambient = 0.55f;
     } else if (name == "paper") {
-        // On a bright ground what is darker stands out.
+        // On a bright ground dark streaks stand out.
         look.transfer.colors = {{0, {0.95, 0.62, 0.13}},
                                 {0.25, {0.90, 0.36, 0.20}},
                                 {0.5, {0.74, 0.17, 0.38}},
                                 {0.75, {0.40, 0.14, 0.56}},
                                 {1, {0.09, 0.14, 0.50}}};
-        look.opticalDepth = 8; // what is faint on a bright ground is pale
+        look.opticalDepth = 8; // faint streaks on a bright ground are pale
         look.halo = 0.1;
         look.depthCue = 0.15;
         look.shadows = 0.3;

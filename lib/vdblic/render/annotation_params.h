@@ -5,7 +5,7 @@
 
 namespace vdblic {
 
-/// What is drawn over a picture to explain it.
+/// Explanations drawn over a picture.
 struct AnnotationParams {
     bool box = false;      ///< outline of the domain, its far edges behind the volume
     bool axes = false;     ///< ticks in world units along three edges of the domain

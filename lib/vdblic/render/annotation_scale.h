@@ -21,7 +21,7 @@ struct ScaleBar {
 [[nodiscard]] ScaleBar scaleBar(const Camera& camera, const glm::dvec3& stretch);
 
 /// Draw a bar with its length over it. @param corner lower left [pixels]  @param unit of the world; empty: unknown
-/// @return the upper end of what is drawn
+/// @return the upper end of the drawing
 double drawScaleBar(const CairoCanvas& canvas, const glm::dvec2& corner, double textSize, const ScaleBar& bar,
                     const std::string& unit);
 
@@ -29,7 +29,7 @@ double drawScaleBar(const CairoCanvas& canvas, const glm::dvec2& corner, double 
 using AxisNames = std::array<std::string, 3>;
 
 /// Draw the directions of the world's axes at the target. @param corner lower left [pixels]
-/// @return the upper end of what is drawn
+/// @return the upper end of the drawing
 double drawTriad(const CairoCanvas& canvas, const glm::dvec2& corner, double textSize, const Camera& camera,
                  const AxisNames& names);
 

@@ -87,7 +87,7 @@ void selectFont(const CairoCanvas& canvas, const std::string& text, double textS
     cairo_set_font_size(canvas.context(), textSize);
 }
 
-/// @return the lower end of what is drawn
+/// @return the lower end of the drawing
 double drawColorBars(const CairoCanvas& canvas, Labels& labels, const AnnotationContent& content,
                      const TransferFunction& transfer, const glm::dvec2& size, double textSize, const glm::dvec3& ink)
 {
@@ -118,7 +118,7 @@ double drawColorBars(const CairoCanvas& canvas, Labels& labels, const Annotation
     return bottom;
 }
 
-/// What Cairo drew, in linear light, premultiplied.
+/// Cairo's drawing in linear light, premultiplied.
 std::vector<glm::vec4> pixelsOf(const CairoCanvas& canvas, const glm::ivec2& size)
 {
     cairo_surface_flush(canvas.surface());
@@ -185,7 +185,7 @@ void annotate(Image& image, const AnnotationParams& params, const AnnotationCont
     }
     Labels labels(front, size, textSize);
     const double margin = kMargin * textSize;
-    double bottom = size.y - margin; // of what comes next at the left
+    double bottom = size.y - margin; // of the next annotation at the left
     if (params.colorBar) {
         const double end = drawColorBars(front, labels, content, look.transfer, size, textSize, ink);
         labels.keepFree({{size.x - kBarRoom * textSize, 0}, {size.x, end + textSize}});
@@ -216,7 +216,7 @@ void annotate(Image& image, const AnnotationParams& params, const AnnotationCont
         selectFont(front, "", textSize);
     }
     if (params.axes) drawAxes(front, labels, content.box, content.stretch, content.lengthUnit, camera, textSize);
-    // The volume hides what lies behind it.
+    // The volume hides the far edges.
     image.annotations = pixelsOf(front, image.size);
     const std::vector<glm::vec4> behind = pixelsOf(back, image.size);
     for (std::size_t i = 0; i < behind.size(); ++i)

@@ -54,7 +54,7 @@ ImageAttribute valueOf(const Parameter& parameter, const Words& words)
     return repeatedText(parameter, words);
 }
 
-/// The plan with what was chosen where it leaves something open.
+/// The plan with every choice that it leaves open filled in.
 PicturePlan chosen(const PicturePlan& plan, const Look& look, const Camera& camera)
 {
     PicturePlan result = plan;
@@ -93,7 +93,7 @@ ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera&
         const Words words = parameter.get();
         if (!name.empty() && !words.empty()) attributes.emplace_back(name, valueOf(parameter, words));
     }
-    // What no tool sets.
+    // Values that no option sets.
     const TransferParams& transfer = all.look.transfer;
     if (!transfer.unit.empty()) attributes.emplace_back("unit", transfer.unit);
     if (!transfer.opacityUnit.empty()) attributes.emplace_back("opacityUnit", transfer.opacityUnit);

@@ -25,7 +25,7 @@
 namespace vdblic {
 namespace {
 
-/// A scalar grid that a file lacks, and what makes it.
+/// The message for a scalar grid that a file lacks, with the command that makes it.
 InputError missingScalar(const VdbFile& file, const std::vector<std::string>& names, std::string choice)
 {
     const auto made =
@@ -73,7 +73,7 @@ std::vector<std::string> kindsOf(const openvdb::FloatGrid& scalar, const openvdb
 }
 
 /// Of a sparse texture's file, a grid whose active voxels are the flow's. Sources have the streaks' voxels.
-/// @param color what colour follows; or null
+/// @param color grid that colour follows; or null
 openvdb::FloatGrid::Ptr flowVoxelsOf(const VdbFile& file, const openvdb::FloatGrid::Ptr& color)
 {
     if (color && color->getName() != kSourceGrid) return color;
@@ -86,7 +86,7 @@ openvdb::FloatGrid::Ptr resampledOn(const openvdb::FloatGrid::Ptr& grid, const o
     return together ? grid : resampled(*grid, texture);
 }
 
-/// Voxels around visible leaves whose records are read: lines take those of the next leaf.
+/// Voxels around visible leaves whose records are read: lines read the next leaf too.
 int rimOf(const PicturePlan& plan)
 {
     return plan.look.shading.model == ShadingModel::kLine ? LeafVoxel::kDim : 0;
@@ -177,7 +177,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
         const auto opacity = storedOpacity && storedOpacity != storedColor ? usable(storedOpacity) : color;
         const bool hasLines = plan.look.shading.model == ShadingModel::kLine;
         const std::string lengthUnit = textOf(file.metadata, "length_unit");
-        // The lines at a leaf's rim are those of its neighbours.
+        // The lines at a leaf's rim come from its neighbours.
         const RecordUse use{.look = hasLines || !view ? nullptr : &view->look,
                             .share = share,
                             .rim = rimOf(plan),

@@ -19,7 +19,7 @@ struct View;
 /// A frame that was read.
 struct LoadedTexture {
     FrameFile file;
-    openvdb::FloatGrid::Ptr texture, color, opacity; ///< what colour and opacity follow: two grids or one
+    openvdb::FloatGrid::Ptr texture, color, opacity; ///< colour and opacity follow two grids or one
     bool hasColor;                                   ///< if not, the texture colours
     std::string opacityBy;                           ///< name of the grid that opacity follows
     TextureVolume volume;

@@ -30,7 +30,7 @@ void give(const Image& image, const std::vector<T>& values, const PictureArea& a
     });
 }
 
-/// Take what give() appended, and remove it from the message.
+/// Move the values that give() appended out of the message.
 template<typename T>
 void take(const Image& image, std::vector<T>& values, const PictureArea& area, std::string_view& message)
 {

@@ -14,7 +14,7 @@ class Reporter;
 struct RenderPlan;
 struct View;
 
-/// What a run of pictures tells its user: messages, counts, and the reports on all frames.
+/// Messages and counts of a run, and the reports on all its frames.
 class RunReport {
   public:
     /// @param plan, reporter must outlive this  @param total frames; 0 if it is unknown

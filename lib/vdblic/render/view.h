@@ -23,7 +23,7 @@ class Exchange;
 struct PicturePlan;
 struct RenderPlan;
 
-/// What the look of a sequence is chosen from: samples of some of its frames.
+/// Samples of a few frames of a sequence, from which its look is chosen.
 struct LookBasis {
     VolumeSamples samples;
     double voxels = 0, volumeBytes = 0; ///< the most of a frame
@@ -41,14 +41,14 @@ struct LookBasis {
     [[nodiscard]] Look choose(const PicturePlan& plan) const;
 };
 
-/// What fills the picture: all that is visible of the frames and their solids, or the box around them if that is in the
+/// The points that fill the picture: of the visible cells and the solids of frames, or of the box if that is in the
 /// picture; nothing if the camera leaves nothing to choose. @param exchange of the ranks that share the frames:
 /// collective
 [[nodiscard]] std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                                 std::span<const std::shared_ptr<const LoadedTexture>> frames,
                                                 const Corners& box, Exchange& exchange);
 
-/// What stays the same for the whole animation.
+/// What all pictures of a sequence have in common: look, cameras, box. Immutable.
 struct View {
     Look look;
     std::string opacityBy; ///< name of the grid that opacity follows, in every frame
@@ -65,7 +65,7 @@ struct View {
 [[nodiscard]] View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const LoadedTexture>> frames,
                               const Corners& box, const FrameSpan& span, Exchange& exchange);
 
-/// What the view of a sequence is chosen from.
+/// The frames and the box from which the view of a sequence is chosen.
 struct ViewSource {
     std::size_t frameCount; ///< on disk
     FrameSpan span;

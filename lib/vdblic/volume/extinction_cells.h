@@ -13,13 +13,13 @@ class TextureVolume;
 struct ClipParams;
 struct Look;
 
-/// A cube of voxels in which a look shows something.
+/// A cube of voxels, some of them visible under a look.
 struct ExtinctionCell {
     static constexpr int kLog2Dim = 2, kDim = 1 << kLog2Dim;
     static constexpr double kUnit = 1 / double(1 << 20); ///< sums of integers do not depend on their order
 
     std::uint64_t extinction; ///< sum over its voxels [kUnit]
-    VoxelBox most;            ///< of voxels in it, around those that have most of it
+    VoxelBox most;            ///< around the voxels with most of the extinction
 
     /// In cells.
     [[nodiscard]] openvdb::Coord place() const { return at(openvdb::Coord(most.low.data())); }

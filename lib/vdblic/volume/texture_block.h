@@ -30,7 +30,7 @@ class TextureBlock {
 
     /// Of samples in the leaf, by the active voxels in ScalarLeaf.
     [[nodiscard]] LeafRange range() const;
-    /// @return what the records mean
+    /// @return the scale of the records
     [[nodiscard]] TextureScale writeTexture(TextureRecord* records) const;
     /// @param values receives ScalarLeaf
     void writeDrivers(float* values) const;

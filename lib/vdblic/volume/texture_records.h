@@ -17,7 +17,7 @@ VDBLIC_INLINE BFloat16 toBFloat16(float x)
     return BFloat16((bits + 0x7fff + (bits >> 16 & 1)) >> 16); // to nearest, ties to even
 }
 
-/// A cube of numbers around a leaf: those of its 8³ voxels and of some voxels around them, x slowest.
+/// A cube of numbers: a leaf's 8³ voxels and a rim around them, x slowest.
 template<int rim>
 struct PaddedLeaf {
     static constexpr int kRim = rim; ///< voxels on each side

@@ -48,7 +48,7 @@ std::optional<CoarseScalar> coarseScalar(const openvdb::FloatGrid& texture, cons
     return coarse;
 }
 
-/// The part of a domain that a rank has.
+/// A rank's part of a domain.
 std::shared_ptr<const Domain> partOf(const Domain& whole, const LeafShare& share, int rim)
 {
     std::vector<std::uint32_t> own, needed;

@@ -32,7 +32,7 @@ bool isBefore(const VoxelBox& a, const VoxelBox& b)
     return std::lexicographical_compare(inA.begin(), inA.end(), inB.begin(), inB.end());
 }
 
-/// The faces of boxes, eight boxes at a time; those past the last one are like it.
+/// The faces of boxes, eight boxes at a time; the last one fills up its eight.
 class BoxFaces {
   public:
     explicit BoxFaces(const std::vector<VoxelBox>& boxes)
