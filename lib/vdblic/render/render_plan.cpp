@@ -51,7 +51,8 @@ PicturePlan resolve(const PictureParams& params, const SequenceTraits& sequence)
     params.validate();
     LookPreset look = lookOf(params, sequence);
     std::vector<std::string> opacityBy = opacityGrids(params, look, sequence);
-    PicturePlan plan{params,          std::move(look.name), std::move(look.look),
+    const PictureSettings& settings = params;
+    PicturePlan plan{settings,        std::move(look.name), std::move(look.look),
                      look.background, params.colorBy,       std::move(opacityBy)};
     if (plan.colorBy.empty()) plan.colorBy = params.by.empty() ? kSpeedGrid : params.by;
     if (plan.texture.empty()) plan.texture = sequence.texture;
@@ -72,7 +73,8 @@ RenderPlan resolve(const RenderParams& params)
 
 PictureParams PicturePlan::params() const
 {
-    PictureParams params{*this, lookName, {}, {}, {}, colorBy, opacityBy.empty() ? colorBy : opacityBy.front()};
+    const PictureSettings& settings = *this;
+    PictureParams params{settings, lookName, {}, {}, {}, colorBy, opacityBy.empty() ? colorBy : opacityBy.front()};
     LookPreset all{lookName, look, background};
     for (const Parameter& parameter : optionsOf(all)) {
         if (Words words = parameter.get(); !words.empty())
