@@ -19,6 +19,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <system_error>
 #include <thread>
@@ -27,20 +28,23 @@
 namespace vdblic {
 namespace {
 
-/// Whether two threads and the one that waits for them are there, and all sleep; or the process has ended.
-bool allSleep(pid_t process)
+/// How many threads of a process wait for a write, once two and the one that waits for them sleep or it has ended;
+/// nothing before. 0 if the system does not tell.
+std::optional<int> waitingToWrite(pid_t process)
 {
-    int threads = 0;
+    int threads = 0, writing = 0;
     for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task")) {
-        std::ifstream file(entry.path() / "stat");
-        const std::string told(std::istreambuf_iterator<char>(file), {});
+        std::ifstream stat(entry.path() / "stat"), call(entry.path() / "syscall");
+        const std::string told(std::istreambuf_iterator<char>(stat), {});
         const std::size_t name = told.rfind(')');
         const char state = name == std::string::npos ? '?' : told.at(name + 2);
-        if (state == 'Z') return true;
-        if (state != 'S') return false;
+        if (state == 'Z') return 0;
+        if (state != 'S') return std::nullopt;
         ++threads;
+        int number = -1;
+        writing += call >> number && number == SYS_write ? 1 : 0;
     }
-    return threads >= 3;
+    return threads < 3 ? std::nullopt : std::optional(writing);
 }
 
 /// What a child process says before it ends by the status that is wanted.
@@ -59,8 +63,12 @@ std::string saidAt(int wanted, const Work& work, bool isHeld = false)
         ::_exit(0);
     }
     ::close(pipe[1]);
-    while (isHeld && !allSleep(child))
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (isHeld) {
+        std::optional<int> writing;
+        while (!(writing = waitingToWrite(child)))
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        EXPECT_LE(*writing, 1); // the first to exit ends the others: their words would rarely be read
+    }
     std::string said;
     std::array<char, 4096> part{};
     for (ssize_t length = 0; (length = ::read(pipe[0], part.data(), part.size())) > 0;)
