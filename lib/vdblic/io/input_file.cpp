@@ -16,4 +16,10 @@ void checkRegular(const std::filesystem::path& path)
     throw InputError(fmt::format("{}: is no regular file; an input must be one", path.string()));
 }
 
+bool isFile(const std::filesystem::path& path)
+{
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
+}
+
 } // namespace vdblic

@@ -9,4 +9,7 @@ namespace vdblic {
 /// @throws InputError naming the file
 void checkRegular(const std::filesystem::path& path);
 
+/// Whether there is something other than a folder.
+[[nodiscard]] bool isFile(const std::filesystem::path& path);
+
 } // namespace vdblic
