@@ -17,30 +17,12 @@ using namespace openvdb;
 
 /// The type of the grid that holds the differences of two grids.
 template<typename GridT>
-struct DifferenceOf {
-    using Type = FloatGrid;
-};
-template<>
-struct DifferenceOf<DoubleGrid> {
-    using Type = DoubleGrid;
-};
-template<>
-struct DifferenceOf<Int32Grid> : DifferenceOf<DoubleGrid> {
-};
-template<>
-struct DifferenceOf<Int64Grid> : DifferenceOf<DoubleGrid> {
-};
-template<>
-struct DifferenceOf<Vec3SGrid> {
-    using Type = Vec3SGrid;
-};
-template<>
-struct DifferenceOf<Vec3DGrid> {
-    using Type = Vec3DGrid;
-};
-template<>
-struct DifferenceOf<Vec3IGrid> : DifferenceOf<Vec3DGrid> {
-};
+using DifferenceOf = std::conditional_t<
+    std::is_same_v<GridT, Vec3SGrid>, Vec3SGrid,
+    std::conditional_t<VecTraits<typename GridT::ValueType>::IsVec, Vec3DGrid,
+                       std::conditional_t<std::is_same_v<GridT, FloatGrid> || std::is_same_v<GridT, BoolGrid> ||
+                                              std::is_same_v<GridT, MaskGrid>,
+                                          FloatGrid, DoubleGrid>>>;
 
 template<typename S, typename T>
 S scalarDifference(T a, T b)
@@ -68,37 +50,31 @@ D difference(const T& a, const T& b)
 template<typename GridT>
 GridBase::Ptr makeDifference(const GridT& a, const GridT& b)
 {
-    using Result = typename DifferenceOf<GridT>::Type;
+    using Result = DifferenceOf<GridT>;
     using Tree = typename Result::TreeType;
     using D = typename Result::ValueType;
-    constexpr bool kMask = std::is_same_v<GridT, MaskGrid>; // a mask's value is its activity
     auto tree = std::make_shared<Tree>(a.tree(), zeroVal<D>(), TopologyCopy());
     tree->topologyUnion(b.tree());
 
-    // A tile of the union is a constant on both sides.
-    auto it = tree->beginValueOn();
-    it.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);
-    for (; it; ++it) {
-        const Coord voxel = it.getCoord();
-        if constexpr (kMask)
-            it.setValue(D(a.tree().isValueOn(voxel) != b.tree().isValueOn(voxel)));
+    const auto fill = [&](const auto& value, const auto& readA, const auto& readB) {
+        const Coord voxel = value.getCoord();
+        if constexpr (std::is_same_v<GridT, MaskGrid>) // its value is its activity
+            value.setValue(D(readA.isValueOn(voxel) != readB.isValueOn(voxel)));
         else
-            it.setValue(difference<D>(a.tree().getValue(voxel), b.tree().getValue(voxel)));
-    }
-
+            value.setValue(difference<D>(readA.getValue(voxel), readB.getValue(voxel)));
+    };
+    auto tile = tree->beginValueOn();
+    tile.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) // of the union, so a constant on both sides
+        fill(tile, a.tree(), b.tree());
     std::vector<typename Tree::LeafNodeType*> leaves;
     tree->getNodes(leaves);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size()), [&](const auto& range) {
         const auto readA = a.getConstAccessor();
         const auto readB = b.getConstAccessor();
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            for (auto value = leaves[i]->beginValueOn(); value; ++value) {
-                const Coord voxel = value.getCoord();
-                if constexpr (kMask)
-                    value.setValue(D(readA.isValueOn(voxel) != readB.isValueOn(voxel)));
-                else
-                    value.setValue(difference<D>(readA.getValue(voxel), readB.getValue(voxel)));
-            }
+            for (auto value = leaves[i]->beginValueOn(); value; ++value)
+                fill(value, readA, readB);
         }
     });
 

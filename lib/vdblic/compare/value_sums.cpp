@@ -5,58 +5,38 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace vdblic::compare {
 namespace {
 
-VDBLIC_INLINE Double4 load(const double* p)
-{
-    Double4 x;
-    __builtin_memcpy(&x, p, sizeof x);
-    return x;
-}
-
-VDBLIC_INLINE Double4 broadcast(double x)
-{
-    return Double4{x, x, x, x};
-}
-VDBLIC_INLINE Double4 larger(Double4 a, Double4 b)
-{
-    return a > b ? a : b;
-}
-
-/// A mask of four lanes from bits 4·`half` to 4·`half` + 3 of a row.
-VDBLIC_INLINE Long4 lanesOf(std::uint64_t row, std::size_t half)
-{
-    const auto bits = std::int64_t(row >> (4 * half));
-    return (Long4{bits, bits, bits, bits} & Long4{1, 2, 4, 8}) != 0;
-}
-
-VDBLIC_INLINE Double4 keep(Double4 x, Long4 lanes)
-{
-    return lanes ? x : Double4{};
-}
-
 /// Sums and maxima run in eight lanes that are then joined pairwise: the same order on every machine.
-VDBLIC_INLINE double total(const Double4 (&x)[2])
+constexpr std::size_t kLanes = 8;
+template<typename T>
+using Lanes = std::array<T, kLanes>;
+
+double total(const Lanes<double>& x)
 {
-    const Double4 y = x[0] + x[1];
-    return (y[0] + y[2]) + (y[1] + y[3]);
+    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
 }
-VDBLIC_INLINE double largest(const Double4 (&x)[2])
+double largest(const Lanes<double>& x)
 {
-    const Double4 y = larger(x[0], x[1]);
-    return std::max(std::max(y[0], y[2]), std::max(y[1], y[3]));
+    return *std::max_element(x.begin(), x.end());
 }
-VDBLIC_INLINE std::uint64_t total(Long4 x)
+std::uint64_t total(const Lanes<std::uint64_t>& x)
 {
-    return std::uint64_t((x[0] + x[2]) + (x[1] + x[3]));
+    return std::accumulate(x.begin(), x.end(), std::uint64_t(0));
 }
 
-constexpr std::size_t kRows = kBlockValues / 8;
-VDBLIC_INLINE std::uint64_t rowOf(const BlockMask& mask, std::size_t row)
+/// Visit the values of a block: their number, their lane, and whether a mask has them.
+template<typename Visit>
+VDBLIC_INLINE void forEachValue(const BlockMask& mask, const Visit& visit)
 {
-    return mask[row / 8] >> (row % 8 * 8) & 255;
+    for (std::size_t first = 0; first < kBlockValues; first += kLanes) {
+        const std::uint64_t row = mask[first / 64] >> (first % 64);
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+            visit(first + lane, lane, (row >> lane & 1) != 0);
+    }
 }
 
 std::uint64_t count(const BlockMask& mask)
@@ -78,28 +58,21 @@ BlockMask both(const BlockMask& a, const BlockMask& b)
 /// Everything but the values that are not finite.
 VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& tolerances, ValueSums& sums)
 {
-    Double4 sum[2]{}, squares[2]{}, max[2]{}, relative[2]{}, peak[2]{};
-    Long4 overFail{}, overWarn{}, failing{};
-    for (std::size_t row = 0; row < kRows; ++row) {
-        const std::uint64_t on = rowOf(block.compared, row);
-        if (on == 0) continue;
-        const std::uint64_t oneSided = rowOf(block.onlyA, row) | rowOf(block.onlyB, row);
-        for (std::size_t half = 0; half < 2; ++half) {
-            const Long4 lanes = lanesOf(on, half);
-            const Double4 error = keep(load(&block.error[row * 8 + 4 * half]), lanes);
-            const Double4 magnitude = keep(load(&block.magnitude[row * 8 + 4 * half]), lanes);
-            sum[half] += error;
-            squares[half] += error * error;
-            max[half] = larger(error, max[half]);
-            peak[half] = larger(magnitude, peak[half]);
-            relative[half] = larger(error / (magnitude > 0. ? magnitude : broadcast(1.)), relative[half]);
-            // A true lane is −1.
-            const Long4 over = error > larger(broadcast(tolerances.relative) * magnitude, broadcast(tolerances.fail));
-            overFail -= over;
-            overWarn -= error > broadcast(tolerances.warn);
-            failing -= over | lanesOf(oneSided, half);
-        }
-    }
+    Lanes<double> sum{}, squares{}, max{}, relative{}, peak{};
+    Lanes<std::uint64_t> overFail{}, overWarn{}, failing{};
+    forEachValue(block.compared, [&](std::size_t n, std::size_t lane, bool isCompared) {
+        const double error = isCompared ? block.error[n] : 0, magnitude = isCompared ? block.magnitude[n] : 0;
+        const bool isOver = error > std::max(tolerances.relative * magnitude, tolerances.fail);
+        const bool isOneSided = isOn(block.onlyA, n) || isOn(block.onlyB, n);
+        sum[lane] += error;
+        squares[lane] += error * error;
+        max[lane] = std::max(max[lane], error);
+        peak[lane] = std::max(peak[lane], magnitude);
+        relative[lane] = std::max(relative[lane], error / (magnitude > 0 ? magnitude : 1));
+        overFail[lane] += isOver ? 1 : 0;
+        overWarn[lane] += error > tolerances.warn ? 1 : 0;
+        failing[lane] += isOver || (isCompared && isOneSided) ? 1 : 0;
+    });
     sums.sum = total(sum);
     sums.squares = total(squares);
     sums.max = largest(max);
@@ -112,41 +85,16 @@ VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& toleranc
 
 VDBLIC_KERNEL void sumComponent(const ErrorBlock& block, std::size_t component, ValueSums& sums)
 {
-    Double4 sum[2]{}, squares[2]{}, max[2]{};
-    for (std::size_t row = 0; row < kRows; ++row) {
-        for (std::size_t half = 0; half < 2; ++half) {
-            const Long4 lanes = lanesOf(rowOf(block.compared, row), half);
-            const Double4 error = keep(load(&block.components[component][row * 8 + 4 * half]), lanes);
-            sum[half] += error;
-            squares[half] += error * error;
-            max[half] = larger(error, max[half]);
-        }
-    }
+    Lanes<double> sum{}, squares{}, max{};
+    forEachValue(block.compared, [&](std::size_t n, std::size_t lane, bool isCompared) {
+        const double error = isCompared ? block.components[component][n] : 0;
+        sum[lane] += error;
+        squares[lane] += error * error;
+        max[lane] = std::max(max[lane], error);
+    });
     sums.componentSum[component] = total(sum);
     sums.componentSquares[component] = total(squares);
     sums.componentMax[component] = largest(max);
-}
-
-VDBLIC_KERNEL double largestMagnitude(const ErrorBlock& block)
-{
-    Double4 peak[2]{};
-    for (std::size_t row = 0; row < kRows; ++row) {
-        for (std::size_t half = 0; half < 2; ++half) {
-            const Long4 lanes = lanesOf(rowOf(block.compared, row), half);
-            peak[half] = larger(keep(load(&block.magnitude[row * 8 + 4 * half]), lanes), peak[half]);
-        }
-    }
-    return largest(peak);
-}
-
-VDBLIC_KERNEL bool finite(const double* values)
-{
-    Long4 bad{};
-    for (std::size_t i = 0; i < kBlockValues; i += 4) {
-        // The comparison is false for NaN too.
-        bad |= ~(load(values + i) <= broadcast(std::numeric_limits<double>::max()));
-    }
-    return (bad[0] | bad[1] | bad[2] | bad[3]) == 0;
 }
 
 } // namespace
@@ -198,7 +146,8 @@ ValueSums sumEqualBlock(const ErrorBlock& block)
 {
     ValueSums sums;
     sums.compared = count(block.compared);
-    sums.peak = largestMagnitude(block);
+    for (std::size_t n = 0; n < kBlockValues; ++n)
+        sums.peak = isOn(block.compared, n) ? std::max(sums.peak, block.magnitude[n]) : sums.peak;
     return sums;
 }
 
@@ -223,7 +172,8 @@ std::size_t firstOfError(const ErrorBlock& block, double max)
 
 bool allFinite(const std::array<double, kBlockValues>& values)
 {
-    return finite(values.data());
+    return std::all_of(values.begin(), values.end(), // false for NaN too
+                       [](double value) { return value <= std::numeric_limits<double>::max(); });
 }
 
 ValueDifference finish(const ValueSums& sums, int componentCount, double failPercent, std::optional<double> hardFail)
