@@ -129,7 +129,7 @@ std::vector<std::pair<std::int64_t, std::filesystem::path>> filesOf(const Sequen
     return files;
 }
 
-/// The metadata of a file, and of its grids what it lacks.
+/// The metadata of a file, completed by that of its grids.
 py::dict metadataOf(const VdbFile& file)
 {
     openvdb::MetaMap found;
@@ -152,14 +152,14 @@ py::dict readMetadata(const std::filesystem::path& path)
 
 bool areAlike(const openvdb::math::Transform& a, const openvdb::math::Transform& b)
 {
-    constexpr double kNear = 1e-12; // of a number
+    constexpr double kNear = 1e-12; // relative
     const openvdb::Mat4d one = affineRows(a), other = affineRows(b);
     return std::equal(one.asPointer(), one.asPointer() + 16, other.asPointer(),
                       [](double x, double y) { return std::abs(x - y) <= kNear * std::max(std::abs(x), std::abs(y)); });
 }
 
-/// Check that grids fit into the memory as dense arrays, and what is written of them too.
-/// @param box of the first one, at whose voxels all of them will be
+/// Check that memory can hold grids as dense arrays together with the output made from them.
+/// @param box of the first grid, which the arrays of all cover
 void checkDense(const std::string& path, const openvdb::GridPtrVec& grids, const openvdb::CoordBBox& box)
 {
     constexpr double kVoxel = 10, kNumber = 8; // bytes, and bytes of a number: at least so many, as measured

@@ -7,8 +7,8 @@
 
 namespace vdblic::python {
 
-/// The grids of numbers and vectors among some of a file, or among all.
-/// @throws InputError if one of them is missing, or there is none
+/// The named grids of a file, or without names all of its grids of numbers and vectors.
+/// @throws InputError if a named grid is missing or not of numbers, or the file has none
 [[nodiscard]] openvdb::GridPtrVec chosenGrids(const VdbFile& file, const std::vector<std::string>& names);
 
 } // namespace vdblic::python

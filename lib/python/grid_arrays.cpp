@@ -211,8 +211,8 @@ py::object numpyNumber(const char* type, Number value)
 using SmallVectors = openvdb::TypeList<openvdb::Vec2i, openvdb::Vec2s, openvdb::Vec2d, openvdb::Vec3i, openvdb::Vec3s,
                                        openvdb::Vec3d, openvdb::Vec4i, openvdb::Vec4s, openvdb::Vec4d>;
 
-/// A value of metadata, of a type that asMetadata() makes the same metadata of. What Python has no type for stays as it
-/// is.
+/// A value of metadata, of a type that asMetadata() makes the same metadata of. A type that Python lacks stays
+/// openvdb::Metadata.
 py::object asObject(const openvdb::Metadata& metadata)
 {
     py::object result = py::cast(metadata.copy());

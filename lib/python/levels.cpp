@@ -25,7 +25,7 @@ namespace {
 
 namespace py = pybind11;
 
-/// Whether half precision holds the numbers of a grid of floats or of vectors of them well.
+/// Whether half precision represents the values of a float or vector grid well.
 bool suitsHalf(const openvdb::GridBase& grid)
 {
     constexpr float kLeastLargest = 1.0f / 16, kMost = 65504;
@@ -48,8 +48,8 @@ bool suitsHalf(const openvdb::GridBase& grid)
     return isFinite && (largest == 0 || (largest >= kLeastLargest && largest <= kMost));
 }
 
-/// Write the first coarser copies of some grids of a file, or of all of numbers and vectors, each with half the voxels
-/// of the one before along each axis.
+/// Write the first coarser copies of a file's named grids, or without names of all its grids of numbers and vectors.
+/// Each copy has half the voxels of the one before along each axis.
 void writeLevels(const std::filesystem::path& source, const std::vector<std::filesystem::path>& paths,
                  const py::sequence& texts)
 {

@@ -163,7 +163,7 @@ VdbFile volumeOf(const py::object& source, const char* name)
     return readVdb(path);
 }
 
-/// The report on two of them.
+/// The report on two volumes.
 std::string diffOfVolumes(const py::object& sourceA, const py::object& sourceB, const py::dict& keywords)
 {
     CompareSequencesParams params;
@@ -186,7 +186,7 @@ std::string coherence(const std::string& velocity, const std::string& texture, c
     return toJson(coherenceOfSequence(params, silent), params);
 }
 
-/// What the keyword arguments of a function are. @param function advect, picture, render, diff or coherence
+/// The keyword arguments of a function. @param function advect, picture, render, diff or coherence
 py::list parametersOfFunction(const std::string& function)
 {
     AdvectParams run;
@@ -201,7 +201,7 @@ py::list parametersOfFunction(const std::string& function)
                                              : parametersOf(measured));
 }
 
-/// Let TBB use no more threads than the system starts, which it would abort the process for.
+/// Limit TBB to the threads that the system starts; it aborts the process where a thread cannot be started.
 void useStartableThreads()
 {
     const std::size_t wanted = threadCount(), startable = 1 + startableThreads(wanted - 1);

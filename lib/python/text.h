@@ -12,7 +12,7 @@ namespace vdblic::python {
 [[nodiscard]] pybind11::str toText(std::string_view text);
 /// The bytes of a text, those that toText() took included. @throws ParameterError for other surrogates
 [[nodiscard]] std::string fromText(const pybind11::str& text);
-/// The same for each. @throws ParameterError, also for what is no text
+/// fromText() of each item. @throws ParameterError, also if an item is no text
 [[nodiscard]] std::vector<std::string> fromTexts(const pybind11::sequence& texts);
 
 } // namespace vdblic::python

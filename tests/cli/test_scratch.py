@@ -18,7 +18,7 @@ WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%0
 DATA = os.environ.get("VDBLIC_DATA")
 MEBIBYTE = 1 << 20
 LIMIT = 128  # MiB, the least
-LATE = 1.1  # letting go can be late where other processes take the machine
+LATE = 1.1  # under load, use may exceed the limit briefly
 SAID = "of memory may be used: the rest lies in a scratch file"
 # A child's peak includes the memory of the process that starts it, so a small one does, and tells the peak.
 SMALL = """import os, sys

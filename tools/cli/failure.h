@@ -5,8 +5,8 @@
 
 namespace vdblic::cli {
 
-/// Tell the error that is being handled, in a catch clause: one message for any exception but for those that end the
-/// run by a signal, which it throws on (Stopped, ClosedPipe).
+/// Print one message for the exception that a catch clause handles. Stopped and ClosedPipe, which end the run by a
+/// signal, are thrown on.
 /// @return the exit status that the error has
 ExitStatus tellFailure(Console& console);
 

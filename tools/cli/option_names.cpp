@@ -14,7 +14,7 @@ bool isParameter(std::string_view word)
     return !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string_view::npos;
 }
 
-/// Parameters of vdblic_advect that messages about any volume advise, and their options.
+/// Parameters of vdblic_advect that messages of other tools may name, and their options.
 constexpr std::pair<std::string_view, std::string_view> kOfAdvect[] = {
     {"box", "--bbox"}, {"mask", "--mask"}, {"world_box", "--bbox-world"}};
 

@@ -17,7 +17,7 @@ std::string helpOf(const Parameter& parameter)
 {
     std::string help(parameter.text);
     const auto [least, most, isAbove] = parameter.info.limits;
-    constexpr double kFew = 1e7, kTiny = 1e-7; // bounds beyond are there for the machine's sake
+    constexpr double kFew = 1e7, kTiny = 1e-7; // wider bounds protect the machine, and are not shown
     const bool isBounded =
         (std::isfinite(least) || std::isfinite(most)) && !(std::abs(most) > kFew && least < kTiny && least != 0);
     const bool isSpecial = !parameter.choices.empty() || (isBounded && !(most > kFew && std::isfinite(most)));

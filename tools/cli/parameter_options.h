@@ -20,9 +20,9 @@ class ParameterOptions {
     ParameterOptions& operator=(const ParameterOptions&) = delete;
 
     [[nodiscard]] const Parameters& parameters() const { return mParameters; }
-    /// What the command line gave, by key.
+    /// The values that the command line gives, by key.
     [[nodiscard]] const std::map<std::string, Words>& given() const { return mGiven; }
-    /// Set what was given. @throws ParameterError; InputError naming a file
+    /// Set the parameters that the command line gives. @throws ParameterError; InputError naming a file
     void apply() const { set(mParameters, mGiven); }
 
   private:

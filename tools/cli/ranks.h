@@ -7,7 +7,7 @@
 
 namespace vdblic::cli {
 
-/// The processes that share a tool's job, and what the tool is called then.
+/// The processes that share a tool's job, and the suffix of the tool's name.
 struct Ranks {
     std::unique_ptr<Exchange> exchange;
     int onHost = 1; ///< processes that share this machine's memory

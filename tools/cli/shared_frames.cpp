@@ -16,7 +16,7 @@
 namespace vdblic::cli {
 namespace {
 
-/// Keeps what a rank reports, each with a letter for its kind, to be reported by another.
+/// Records a rank's reports, each with a letter for its kind, so that another rank can replay them.
 class KeptReports : public Reporter {
   public:
     explicit KeptReports(const Reporter& stops) : mStops(stops) {}

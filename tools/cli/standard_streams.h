@@ -2,8 +2,8 @@
 
 namespace vdblic::cli {
 
-/// Take the descriptors of standard streams that the caller has closed (`>&-`), so that no file gets one of them and
-/// then what is printed. Reading or writing such a stream fails. Call it before any file is opened.
+/// Occupy the descriptors of standard streams that the caller has closed (`>&-`), so that no file gets one of them and
+/// receives printed text. Reading or writing such a stream fails. Call it before any file is opened.
 void holdStandardStreams();
 
 } // namespace vdblic::cli

@@ -133,7 +133,7 @@ void Tool::limitMemory() const
     ::setrlimit(RLIMIT_DATA, &data);
 }
 
-/// As many as are asked for, or fewer where the system does not start so many: TBB would abort the process.
+/// The threads asked for, or those that the system starts if they are fewer: TBB would abort the process.
 std::size_t Tool::threadsToUse(Reporter& reporter) const
 {
     constexpr std::size_t kOthers = 2; // of which one reads ahead, one writes
@@ -194,7 +194,7 @@ void Tool::verify(Reporter& reporter) const
     reporter.say(fmt::format("{} files are in order, {} of them by their checksums", files, withChecksums));
 }
 
-/// What to say if the shell expanded a pattern into the names of files; empty if it did not.
+/// The message if the shell expanded a pattern into file names; empty if it did not.
 std::string Tool::expandedPattern() const
 {
     const std::vector<std::string> files = mApp.remaining();
@@ -254,7 +254,7 @@ int Tool::endBy(int signal) const
     return 128 + (signal != 0 ? signal : SIGTERM);
 }
 
-/// Print what was asked for instead of a job. @return the exit status
+/// Print the answer to --help, --version or a flag of answers(). @return the exit status
 int Tool::tell(const CLI::Success& asked) const
 {
     errno = 0;

@@ -27,15 +27,15 @@ class Tool {
 
     /// Add options for the job's parameters. They are set before the job begins.
     void options(Parameters parameters);
-    /// What the command line gave of them, by key.
+    /// The values that the command line gives, by key.
     [[nodiscard]] const std::map<std::string, Words>& given() const { return mOptions->given(); }
 
     /// Name the .vdb files that the job reads: `--verify` checks them, and a warning names files beside a pattern's
     /// that it does not match. @param inputs called once all options are parsed
     void reads(std::function<std::vector<SequenceParams>()> inputs);
 
-    /// `--scratch`: let what the job takes beyond the memory lie in a file on disk (core/paging.h).
-    /// @param inFiles peak memory of the job, as a multiple of the bytes of the input file that it reads
+    /// `--scratch`: allocations beyond the memory limit lie in a file on disk (core/paging.h).
+    /// @param inFiles peak bytes of input resident at once, as a multiple of one input file
     /// @param output  returns a path of the job's output, in whose folder the file lies by default; called once all
     ///                options are parsed. Without it that is the folder for temporary files.
     void usesScratch(double inFiles, std::function<std::string()> output = {});

@@ -118,7 +118,7 @@ void speakFirst()
     tSpeaks = 1;
 }
 
-/// What a crash is told as.
+/// The message and exit status of a crash.
 struct Cause {
     std::array<const char*, 4> text{}; ///< put together
     int status = gStatuses.badInput;

@@ -4,7 +4,7 @@
 
 namespace vdblic {
 
-/// What a process ends with after a crash.
+/// The exit statuses of a process after a crash.
 struct CrashStatuses {
     int badInput = 3, cannotWrite = 4;
 };

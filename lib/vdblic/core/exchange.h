@@ -11,7 +11,7 @@
 
 namespace vdblic {
 
-/// What processes that share the work of one run tell each other. Each is a *rank*, numbered from 0.
+/// Collective communication of the processes that share one run. Each is a *rank*, numbered from 0.
 ///
 /// All functions but rank() and size() are collective: every rank calls them in the same order. If a rank fails
 /// instead, it calls fail(), and the others' call throws the same error; so no rank waits for one that gave up. Not
@@ -87,7 +87,7 @@ class Exchange {
     bool mWasTold = false; // the last error was another rank's
 };
 
-/// A process alone.
+/// The exchange of a single process.
 class OneProcess final : public Exchange {
   public:
     [[nodiscard]] int rank() const override { return 0; }

@@ -7,8 +7,8 @@
 
 namespace vdblic {
 
-/// Which of some numbered places are free, as ranges of neighbours. Taking and giving back cost the same however many
-/// ranges there are. Allocates nothing after its construction. Not thread-safe.
+/// The free places of a numbered array, as ranges of neighbours. The cost of taking and returning places does not
+/// depend on the number of ranges. Allocates nothing after its construction. Not thread-safe.
 class FreeRuns {
   public:
     struct Range {

@@ -24,7 +24,7 @@ namespace vdblic {
 void setMemoryOption();
 [[nodiscard]] bool hasMemoryOption();
 
-/// How to have more memory, for messages: "raise `max_memory`" in a program that has that.
+/// Advice on getting more memory, for messages: "raise `max_memory`" in a program that has that.
 [[nodiscard]] std::string_view memoryMend();
 
 /// Check that an allocation fits into the memory.
@@ -34,8 +34,8 @@ void checkMemory(double needed, const std::string& what, const std::string& mend
 
 /// Check that tiles can be expanded to so many voxels, at the least memory that any work on voxels takes.
 /// @param where  prefix of the message; may be empty  @param ranks that share the voxels
-/// @param stored those of them that files hold one by one: they may lie in a scratch file (paging.h). What tiles of a
-///               few bytes expand to must fit into the memory. @throws InputError
+/// @param stored the voxels that files hold one by one; they may lie in a scratch file (paging.h). Voxels that tiles
+///               expand to must fit into memory. @throws InputError
 void checkVoxels(std::uint64_t count, const std::string& where = "", int ranks = 1, std::uint64_t stored = 0);
 
 } // namespace vdblic

@@ -9,7 +9,7 @@
 namespace vdblic {
 namespace {
 
-// Free runs whose pages are used again as they are; those of others are given up, so that nobody writes them.
+// Free runs whose pages are reused; pages of further free runs are discarded, so that they are never written.
 constexpr std::size_t kMostWarm = 64;
 constexpr std::size_t kGrowth = std::size_t(64) << 20; // of the file
 

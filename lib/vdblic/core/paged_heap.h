@@ -12,9 +12,9 @@
 
 namespace vdblic {
 
-/// Objects in a scratch file, those of a size close together in the order in which a thread asked for them.
+/// A heap in a scratch file: objects of one size lie together, in the order in which a thread allocated them.
 ///
-/// What is known of the objects is kept apart from them: allocating and freeing touch no page of the file. Thread-safe.
+/// The bookkeeping lies apart from the objects: allocating and freeing touch no page of the file. Thread-safe.
 /// Allocates nothing after its construction, because operator new calls it.
 class PagedHeap {
   public:
@@ -40,7 +40,7 @@ class PagedHeap {
     /// Why the file could not grow; 0 if it could.
     [[nodiscard]] int problem() const { return mProblem; }
 
-    /// Take some runs out of the resident memory.
+    /// Evict runs from resident memory.
     /// @param first, count may reach beyond the end
     void letGo(std::size_t first, std::size_t count) const noexcept;
     [[nodiscard]] std::size_t runs() const { return mTop; } ///< that were ever used

@@ -6,9 +6,9 @@
 namespace vdblic::paging {
 
 /// \file
-/// What the library tells of the memory that its work takes, for a program that can hold it elsewhere: in a scratch
-/// file (core/scratch_memory.h; docs/architecture.md, "Larger than memory"). What is in the memory, and so all results,
-/// are the same. In other programs all of this does nothing.
+/// How the library announces its need of memory to a program that can place memory elsewhere: in a scratch
+/// file (core/scratch_memory.h; docs/architecture.md, "Larger than memory"). Contents of memory, and so
+/// all results, are the same. In other programs all of this does nothing.
 
 /// Where a program's memory lies. Like its operator new it is of the process, not of an object. Thread-safe.
 class Memory {
@@ -33,8 +33,8 @@ namespace detail {
 extern std::atomic<Memory*> gMemory;
 } // namespace detail
 
-/// Make room for what a run takes in all: begin a scratch file if that is more than the limit, or near it. The scratch
-/// is then on the disk, so that the disk cannot become full later.
+/// Make room for a run's peak memory: begin a scratch file if that is near or above the limit. The file's blocks are
+/// then allocated on disk, so that the disk cannot become full later.
 /// @param bytes that the run takes
 /// @return whether memory is paged now and the scratch file holds as much
 /// @throws OutputError, naming the folder and the reason, if the scratch file cannot be made or grow so far
@@ -44,22 +44,23 @@ bool makeRoom(double bytes);
 /// @throws OutputError if no scratch file can be made
 void expectFiles(double bytes);
 
-/// Whether so much can be held: in memory, and in a scratch file on the disk as it is. False without a scratch file.
+/// Whether memory and a scratch file in the free space of the disk can hold so many bytes. False without a scratch
+/// file.
 [[nodiscard]] bool mayHold(double bytes);
 
-/// Called by threads that work on much memory, before they take up the next so many bytes: a thread that is faster than
-/// those that let go waits here.
+/// Called by threads that sweep much memory, before they touch the next bytes: a thread that outruns eviction waits
+/// here.
 inline void breathe(std::size_t bytes)
 {
     Memory* const memory = detail::gMemory.load(std::memory_order_acquire);
     if (__builtin_expect(memory != nullptr, 0)) memory->breathe(bytes);
 }
-inline constexpr std::size_t kLeafBytes = 16384;    ///< that work on a leaf takes up, about
-inline constexpr std::size_t kPointBytes = 1 << 19; ///< that a look around a point far from the last one does
+inline constexpr std::size_t kLeafBytes = 16384;    ///< touched by work on a leaf, about
+inline constexpr std::size_t kPointBytes = 1 << 19; ///< touched by a lookup far from the last one
 
 /// Why the scratch file could not grow, as a message; null if it could. May be called in a signal handler.
 [[nodiscard]] const char* problem() noexcept;
-/// What a bus error at an address means, as a message: the disk fails a page of the scratch file. Null if the address
+/// The message for a bus error at an address: the disk fails a page of the scratch file. Null if the address
 /// is not in it. May be called in a signal handler.
 [[nodiscard]] const char* failureAt(const void* address) noexcept;
 /// @throws OutputError with problem() if there is one

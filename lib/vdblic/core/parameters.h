@@ -25,7 +25,7 @@ namespace vdblic {
 /// A parameter's value as texts: one for a number or a name, several for a vector or a list, none if it is not given.
 using Words = std::vector<std::string>;
 
-/// What a word of a parameter is.
+/// The type of a parameter's words.
 enum class WordType { kFlag, kInteger, kNumber, kText };
 
 /// Bounds of numbers.
@@ -34,17 +34,17 @@ struct Limits {
     bool isAbove = false; ///< whether `least` itself is refused
 };
 
-/// What people are told of a parameter besides its key and its text.
+/// Presentation and limits of a parameter, besides its key and its text.
 struct ParameterInfo {
     std::string_view option{}; ///< of tools; empty: the key with dashes; without dashes: a positional argument
     std::string_view unit{};
-    std::string_view words{}; ///< what its words are: `X Y Z`
+    std::string_view words{}; ///< placeholders of its words: `X Y Z`
     std::string_view group{}; ///< of the help
     Limits limits{};
     bool isRequired = false;
     bool isExpert = false;        ///< stands at the end of the help
-    bool isContent = true;        ///< has a say in what the outputs hold: checkpoints keep it
-    bool isFile = false;          ///< names a file, or what is in one: no page of the viewer sets it
+    bool isContent = true;        ///< influences the content of outputs: checkpoints keep it
+    bool isFile = false;          ///< names a file, or a grid in one: no page of the viewer sets it
     std::string_view excludes{};  ///< key of a parameter that cannot be given beside it
     std::string_view attribute{}; ///< its name in an image's header; empty: the key in camel case
 };
@@ -65,7 +65,7 @@ struct Parameter {
     [[nodiscard]] std::string option() const; ///< `--life`, or `-o,--output`, or `VELOCITY`
     [[nodiscard]] bool isPositional() const { return !option().starts_with('-'); }
     [[nodiscard]] bool isList() const { return most > least; }
-    /// What a value must be: "a whole number from 1 to 1000".
+    /// The values allowed: "a whole number from 1 to 1000".
     [[nodiscard]] std::string kind() const;
     /// @throws ParameterError if words are none, too many, no numbers or out of bounds
     void check(const Words& words) const;
@@ -84,7 +84,7 @@ void checkLimits(const Parameters& parameters);
 /// Set those that are given, by key. @throws ParameterError, also on unknown keys
 void set(const Parameters& parameters, const std::map<std::string, Words>& given);
 
-/// How a type is written in words. Vectors of other libraries specialise it.
+/// Conversion of a type to and from words. Vectors of other libraries specialise it.
 template<typename T>
 struct WordsOf;
 
@@ -191,7 +191,7 @@ template<typename T>
     return result;
 }
 
-/// Describe what is set in another way than by a member.
+/// Describe a parameter that is no member of a struct.
 /// @param count words of a value
 [[nodiscard]] inline Parameter parameter(std::string_view key, std::string_view text, WordType type, std::size_t count,
                                          std::function<void(const Words&)> set, std::function<Words()> get,

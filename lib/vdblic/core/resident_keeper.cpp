@@ -8,8 +8,8 @@
 namespace vdblic {
 namespace {
 
-constexpr std::uint64_t kLate = std::uint64_t(24) << 20;         // what may come before letting go begins
-constexpr std::uint64_t kLeastScratch = std::uint64_t(16) << 20; // whatever else there is
+constexpr std::uint64_t kLate = std::uint64_t(24) << 20;         // growth possible before eviction begins
+constexpr std::uint64_t kLeastScratch = std::uint64_t(16) << 20; // stay resident, however much else the process holds
 
 } // namespace
 

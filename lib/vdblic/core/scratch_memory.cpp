@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNear = 0.8;                              // estimates are a quarter wrong at most
 constexpr std::uint64_t kLarge = std::uint64_t(512) << 20; // a limit that large pages do not soon exceed
-constexpr double kSpread = 1.25;                           // what a file takes for what is in it: runs have gaps
+constexpr double kSpread = 1.25;                           // bytes of the file for each byte of objects: runs have gaps
 
 } // namespace
 
@@ -72,7 +72,7 @@ bool ScratchMemory::makeRoom(double bytes)
 void ScratchMemory::expectFiles(double bytes)
 {
     const std::lock_guard lock(mMutex);
-    constexpr double kTool = 40e6; // what a tool takes by itself
+    constexpr double kTool = 40e6; // bytes of a tool without its data
     if (kTool + mInFiles * bytes > kNear * double(mLimit)) begin();
 }
 

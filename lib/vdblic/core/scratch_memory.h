@@ -14,19 +14,18 @@ namespace vdblic {
 
 class ResidentKeeper;
 
-/// Memory in a scratch file: what is larger than the memory that may be taken lies on disk, and is resident only as far
-/// as it is in use.
+/// Memory in a scratch file: allocations beyond the memory limit lie on disk, and only the pages in use are resident.
 ///
 /// The file is mapped into the process and has no name, so nothing is left of it after the process, however that ends.
-/// It begins, and with it the thread that keeps the process's resident memory below the limit, only when the work is
-/// told to need it (makeRoom(), expectFiles()); until then the program's operator new tests one pointer.
+/// The file, and the thread that keeps the process's resident memory below the limit, begin only when makeRoom() or
+/// expectFiles() announces that the work needs them; until then the program's operator new tests one pointer.
 ///
 /// Lives as long as the process, because memory is freed until its very end. Thread-safe.
 class ScratchMemory : public paging::Memory {
   public:
     /// @param folder  of the scratch file
     /// @param limit   of the process's resident memory [bytes]
-    /// @param inFiles peak memory of the job, as a multiple of the bytes of the input file that it reads
+    /// @param inFiles peak bytes of input resident at once, as a multiple of one input file
     ScratchMemory(std::filesystem::path folder, std::uint64_t limit, double inFiles);
 
     bool makeRoom(double bytes) override;
@@ -37,13 +36,13 @@ class ScratchMemory : public paging::Memory {
     [[nodiscard]] const char* failureAt(const void* address) const noexcept override;
 
     /// For the program's operator new: memory for an object, aligned as by operator new, and to 128 bytes if it has
-    /// more than 1 KiB; null if no memory is paged, the object is small, or the scratch file cannot grow (problem()).
+    /// more than 1 KiB; null if paging has not begun, the object is small, or the scratch file cannot grow (problem()).
     [[nodiscard]] static void* allocate(std::size_t bytes) noexcept
     {
         ScratchMemory* const begun = sBegun.load(std::memory_order_acquire);
         return __builtin_expect(begun != nullptr, 0) ? begun->take(bytes) : nullptr;
     }
-    /// Free memory of allocate(). @return whether it was such
+    /// Free memory of allocate(). @return whether allocate() had made it
     static bool release(void* memory) noexcept
     {
         ScratchMemory* const begun = sBegun.load(std::memory_order_acquire);

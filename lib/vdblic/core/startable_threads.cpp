@@ -18,7 +18,7 @@ std::size_t startableThreads(std::size_t most)
     std::vector<Started> started;
     started.reserve(most);
     std::mutex wait;
-    std::unique_lock all(wait); // all of them are there at a time
+    std::unique_lock all(wait); // all of them exist at once
     const auto run = [](void* of) -> void* {
         const std::lock_guard lock(*static_cast<std::mutex*>(of));
         return nullptr;

@@ -5,20 +5,20 @@
 
 namespace vdblic {
 
-/// What the system tells of memory, and how it hands it out: the one place that knows Linux's files and glibc's
-/// allocator.
+/// Memory figures of the system, and the settings of its allocator: the one place that knows Linux's files and
+/// glibc's allocator.
 
 /// Of this process [bytes].
 struct ProcessMemory {
     std::uint64_t resident = 0;
-    std::uint64_t files = 0;     ///< of which mapped files
-    std::uint64_t data = 0;      ///< what counts against RLIMIT_DATA
-    std::uint64_t addresses = 0; ///< what counts against RLIMIT_AS
+    std::uint64_t files = 0;     ///< of these, mapped files
+    std::uint64_t data = 0;      ///< counted against RLIMIT_DATA
+    std::uint64_t addresses = 0; ///< counted against RLIMIT_AS
 };
 /// Allocates nothing; signal handlers may call it. Nothing where it cannot be read.
 [[nodiscard]] ProcessMemory processMemory();
 
-/// The bytes that other processes leave, and nothing needs to be swapped for; no limit where it cannot be read.
+/// The bytes available without swapping; no limit where it cannot be read.
 [[nodiscard]] std::uint64_t freeMemory();
 
 /// The least limit of this process's control groups (v1 or v2) and of their ancestors [bytes].

@@ -4,7 +4,7 @@
 
 namespace vdblic {
 
-/// Threads that parallel work started here may use: what TBB's arena and its limit allow. Thread-safe.
+/// The threads that parallel work started here may use, by TBB's arena and its limit. Thread-safe.
 [[nodiscard]] std::size_t threadCount();
 
 } // namespace vdblic

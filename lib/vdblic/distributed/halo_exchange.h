@@ -15,7 +15,7 @@
 
 namespace vdblic {
 
-/// The leaves around a rank's own ones, its halo, and those of its own that lie in the halos of others. Both sides of
+/// A rank's halo (the leaves around its own ones), and its own leaves in the halos of other ranks. Both sides of
 /// an exchange list the same leaves in the same order, so messages hold values only.
 class HaloExchange final : public LeafOwners {
   public:

@@ -17,7 +17,7 @@ using DeliveredGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Int32Grid>
 
 constexpr std::size_t kLeavesPerChunk = std::size_t(1) << 13; // some 8 MB
 
-/// What a writer must know of a rank's leaves before they come.
+/// The numbers, lengths, kinds and sizes of a rank's leaves, which a writer needs before the leaves.
 Exchange::Bytes listOf(const OwnLeaves& leaves)
 {
     Exchange::Bytes message;

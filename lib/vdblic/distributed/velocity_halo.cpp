@@ -60,7 +60,7 @@ VelocityLeaf::NodeMaskType maskOfWords(const MaskWords& words)
     return mask;
 }
 
-/// What is active in a box, as a message.
+/// The active voxels of a box, as a message.
 Exchange::Bytes velocityMessage(const Vec3STree& tree, const CoordBBox& box)
 {
     Exchange::Bytes message;

@@ -10,8 +10,8 @@ struct CheckpointKeys {
                                 *kSpacing = "number_spacing", *kMotion = "scaled_motion";
 };
 
-/// Whether a file is a checkpoint of vdblic_advect or a part of one, by its content and not by its name. What cannot be
-/// read is none: no checkpoint is replaced or removed, but one that is known.
+/// Whether a file is a checkpoint of vdblic_advect or a part of one, by its content and not by its name. An unreadable
+/// file counts as none, so only a recognised checkpoint is ever replaced or removed.
 [[nodiscard]] bool isCheckpoint(const std::filesystem::path& path);
 
 /// Check that a checkpoint can be written, in the place of another or of nothing. @throws ParameterError, OutputError

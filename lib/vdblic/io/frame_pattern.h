@@ -14,8 +14,8 @@ namespace vdblic {
 /// The field must be in the last component of the path. Without a field the pattern names one file.
 class FramePattern {
   public:
-    /// @throws ParameterError on an empty name, two fields, a field in a folder's name, or what is probably a mistyped
-    ///         field
+    /// @throws ParameterError on an empty name, two fields, a field in a folder's name, or a field that is
+    ///         probably mistyped
     explicit FramePattern(std::string_view pattern);
 
     [[nodiscard]] bool hasField() const { return mWidth.has_value(); }

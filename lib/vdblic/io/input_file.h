@@ -9,7 +9,7 @@ namespace vdblic {
 /// @throws InputError naming the file
 void checkRegular(const std::filesystem::path& path);
 
-/// Whether there is something other than a folder.
+/// Whether a path leads to anything but a folder.
 [[nodiscard]] bool isFile(const std::filesystem::path& path);
 
 } // namespace vdblic

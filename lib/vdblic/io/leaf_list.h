@@ -11,9 +11,9 @@
 
 namespace vdblic {
 
-/// OpenVDB's list of a grid's leaves, one of the grid's metadata: their kinds, and the sizes of their values. It serves
-/// delayed loading; an OpenVDB without that has no list. Where there is one, openvdb/io/Compression.h includes its
-/// header; __has_include would find that of any OpenVDB on the machine.
+/// OpenVDB's list of a grid's leaves, a metadata entry of the grid: their kinds, and the sizes of their values. It
+/// serves delayed loading; an OpenVDB without delayed loading has no list. Where there is one, openvdb/io/Compression.h
+/// includes its header; __has_include would find that of any OpenVDB on the machine.
 #ifdef OPENVDB_DELAYED_LOAD_METADATA_HAS_BEEN_INCLUDED
 #define VDBLIC_HAS_LEAF_LIST true
 #else

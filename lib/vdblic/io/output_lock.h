@@ -7,8 +7,8 @@ namespace vdblic {
 /// A run's claim on a name: while it lives, no other process gets it. The system frees it when the process ends,
 /// however it ends.
 ///
-/// It is a lock (flock) on a small file, which tells who holds it and is removed with the claim; what a kill leaves is
-/// taken over by the next run. On file systems without locks nothing is claimed. Where NFS is mounted without them
+/// It is a lock (flock) on a small file, which names its holder and is removed with the claim; the next run takes
+/// over the file of a killed one. On file systems without locks nothing is claimed. Where NFS is mounted without them
 /// (`nolock`, `local_lock`), a claim holds on its host only.
 class OutputLock {
   public:

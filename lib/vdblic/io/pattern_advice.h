@@ -10,7 +10,7 @@ namespace vdblic {
 [[nodiscard]] std::string likelyPattern(const std::filesystem::path& folder, const std::string& prefix,
                                         const std::string& suffix, const std::string& only = {});
 
-/// What is probably meant by a file name that has no frame field but looks as if it were to have one, such as
+/// The pattern probably meant by a file name without a frame field that looks like a pattern, such as
 /// `v.*.vdb`, `v.%4d.vdb` or a folder's name; empty if there is nothing to advise.
 [[nodiscard]] std::string patternAdvice(const std::filesystem::path& pattern);
 

@@ -51,7 +51,7 @@ std::string leftOutText(std::string_view subject, const FramePattern& pattern)
                                      : meant + " matches numbers of that width");
 }
 
-/// @param frames that a steady field is to stand for  @param found what there is, more than one
+/// @param frames asked of a steady field  @param found the frames found, more than one
 [[noreturn]] void refuseSteady(int frames, const std::string& found)
 {
     throw ParameterError(
@@ -60,7 +60,7 @@ std::string leftOutText(std::string_view subject, const FramePattern& pattern)
                     frames, found));
 }
 
-/// The files that were selected: of a steady field the only one, as often as it is to be used.
+/// The selected files; the only file of a steady field is repeated.
 std::vector<FrameFile> repeated(std::vector<FrameFile> files, const SequenceParams& params)
 {
     if (params.steadyFrames == 1) return files;

@@ -47,10 +47,10 @@ struct SequenceParams {
     int steadyFrames = 1;                   ///< above 1: the sequence is one frame that is repeated so often
 };
 
-/// Those of an input sequence. @param name of the positional argument  @param text what the sequence is
+/// The parameters of an input sequence. @param name of the positional argument  @param text that describes the sequence
 [[nodiscard]] Parameters parametersOf(SequenceParams& params, std::string_view name, std::string_view text);
 
-/// Of stages whose outputs are independent of each other.
+/// The parameter `skip_existing` of stages whose outputs are independent of each other.
 [[nodiscard]] Parameter skipExistingParameter(bool& target);
 
 /// The files a sequence selects; all of them exist.

@@ -7,11 +7,11 @@
 
 namespace vdblic {
 
-/// What differs between the archives of OpenVDB's versions.
+/// Hides the differences between the archives of OpenVDB's versions.
 class VdbArchive : public openvdb::io::Archive {
   protected:
-    /// Read the header of a file that readLayout() accepts. A format later than OpenVDB's own is taken for that: it
-    /// only adds types of grids, and OpenVDB would print a warning, among the results of a tool.
+    /// Read the header of a file that readLayout() accepts. A format newer than OpenVDB's own is read as its
+    /// own: newer ones only add grid types, and OpenVDB would print a warning among the results of a tool.
     void readAnyHeader(std::istream& stream);
 
     /// Read a descriptor. @return an empty grid of its type

@@ -8,7 +8,7 @@
 
 namespace vdblic {
 
-/// What a file stores besides the voxels: its metadata, and its grids without their voxels.
+/// The content of a file without its voxels: metadata, and grids with empty trees.
 struct VdbHeader {
     openvdb::MetaMap metadata;
     openvdb::GridPtrVec grids; ///< empty trees, with metadata and transform

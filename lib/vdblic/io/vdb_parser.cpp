@@ -36,7 +36,7 @@ struct LeafBatch {
     std::vector<char> bytes;
 };
 
-/// What OpenVDB keeps on a stream and needs to parse leaves.
+/// The settings that OpenVDB keeps on a stream and needs to parse leaves.
 struct StreamSettings {
     openvdb::VersionId library;
     std::uint32_t format = 0, compression = 0;
