@@ -4,7 +4,7 @@ import re
 
 from .errors import InputError, ParameterError
 
-VECTORS = ("velocity", "Velocity", "VELOCITY", "vel", "VEL", "v", "U", "u", "V", "UMean")
+VECTORS = ("velocity", "Velocity", "VELOCITY", "vel", "vel_", "VEL", "v", "U", "u", "V", "UMean")
 OTHERS = re.compile("disp|moment|normal|magnet|vortic|force|accel|grad|coord|position|^B$", re.IGNORECASE)
 TRIPLES = (
     ("u", "v", "w"),

@@ -67,6 +67,15 @@ def blocks_of(dataset):
     return [block for block in blocks if block.IsA("vtkDataSet")]
 
 
+def check_cells(dataset, path):
+    """Raise InputError where a cell has a corner that is not there: VTK would end the process."""
+    for block in blocks_of(dataset):
+        if block.IsA("vtkUnstructuredGrid") and block.GetNumberOfCells():
+            last = bridge.vtk_to_numpy(block.GetCells().GetConnectivityArray()).max(initial=0)
+            if last >= block.GetNumberOfPoints():
+                raise InputError(f"{path}: cannot be read: a cell has point {last} of {block.GetNumberOfPoints()}")
+
+
 def having(dataset, names):
     """The blocks that have all the named arrays."""
     data = lambda block, name: block.GetPointData().GetArray(name) or block.GetCellData().GetArray(name)

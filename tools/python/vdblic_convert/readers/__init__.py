@@ -9,10 +9,23 @@ import pathlib
 from ..errors import InputError, ParameterError
 
 READERS = {
-    "vtk_files": tuple(".vti .vtr .vts .vtu .vtp .vtm .vthb .vth .vtk .pvti .pvtr .pvts .pvtu .pvtp .pvd .series".split()),
+    "vtk_files": (
+        *(".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vthb", ".vth", ".vtk"),
+        *(".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".pvd", ".series"),
+    ),
     "cases": (".foam", ".case", ".encas", ".cgns", ".vtkhdf", ".e", ".ex2", ".exo", ".cas", ".tec"),
     "dataset": (".nc", ".nc4", ".cdf", ".nc3", ".zarr", ".grib", ".grib1", ".grib2", ".grb", ".grb2"),
     "arrays": (".npy", ".npz", ".h5", ".hdf5", ".mat"),
+}
+REFUSED = {  # by the end of the name
+    "Fluent's form in HDF5": (".cas.h5", ".dat.h5"),
+    "Xdmf": (".xmf", ".xdmf"),
+    "Tecplot's binary form": (".plt", ".szplt"),
+    "Plot3D": (".xyz", ".q", ".p3d"),
+    "Nek5000": (".nek5000",),
+    "Enzo": (".hierarchy",),
+    "a list of EnSight's servers": (".sos",),
+    "AMReX": ("/Header",),
 }
 
 
@@ -44,21 +57,27 @@ def open_source(path, options, grids=()):
         raise InputError(f"{path}: no such file")
     if not path.is_dir() and not path.is_file():
         raise InputError(f"{path}: is no regular file; an input must be one")
+    name = str(path / "Header" if (path / "Header").is_file() else path)
+    for kind, ends in REFUSED.items():
+        if name.lower().endswith(tuple(map(str.lower, ends))):
+            raise InputError(f"{path}: {kind} is not read; ParaView's File > Save Data writes it as .vtm or .vtu")
     zarr = path.is_dir() and any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json"))
     if path.is_dir() and not zarr and not (path / "system" / "controlDict").is_file():
         raise InputError(
-            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file "
-            f"or a "
+            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file or a "
             "pattern such as name.%04d.vti"
         )
-    if path.is_file() and path.stat().st_size == 0 and path.suffix != ".foam":
-        raise InputError(f"{path}: the file is empty")
-    reader = (
-        ("dataset" if zarr else "cases")
-        if path.is_dir()
-        else next((r for r, endings in READERS.items() if path.suffix.lower() in endings), None)
-    )
-    if not reader and path.name.startswith("wrfout"):  # named by date
+    if path.is_file() and path.suffix != ".foam":
+        with open(path, "rb") as file:
+            start = file.read(30)
+        if not start:
+            raise InputError(f"{path}: the file is empty")
+        if start.startswith(b"version https://git-lfs"):
+            raise InputError(f"{path}: it is a pointer of Git LFS to the file, which 'git lfs pull' fetches")
+    reader = next((r for r, endings in READERS.items() if path.suffix.lower() in endings), None)
+    if path.is_dir():
+        reader = "dataset" if zarr else "cases"
+    elif path.name.startswith("wrfout"):  # named by date
         reader = "dataset"
     if not reader:
         known = " ".join(ending for endings in READERS.values() for ending in endings)

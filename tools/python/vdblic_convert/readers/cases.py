@@ -1,9 +1,9 @@
-"""Cases of files with time steps that VTK reads: OpenFOAM, EnSight and CGNS."""
+"""Cases of files that VTK reads, with time steps: OpenFOAM, EnSight, CGNS, Exodus, VTKHDF, Fluent and Tecplot."""
 
 import re
 
 from ..errors import InputError, needed
-from ..vtk_data import arrays_of, blocks_of, errors_of, merged, model
+from ..vtk_data import arrays_of, blocks_of, check_cells, errors_of, merged, model
 from . import Source, ensight
 from .whole_files import check_whole
 
@@ -24,7 +24,8 @@ def open_source(path, options):  # pylint: disable=unused-argument
     if path.suffix.lower() in OTHERS:
         check_whole(path)
         module, name = OTHERS[path.suffix.lower()]
-        return Case(path, getattr(needed(f"vtkmodules.{module}"), name)())
+        kind = {".cas": FluentCase, ".tec": TecplotFile}.get(path.suffix.lower(), Case)
+        return kind(path, getattr(needed(f"vtkmodules.{module}"), name)())
     return EnSightCase(path)
 
 
@@ -60,6 +61,7 @@ class Case(Source):
             data = self._update(self.times[step])
             if not any(block.GetNumberOfCells() for block in blocks_of(data)):
                 raise InputError(f"{self.path}: cannot be read, or it has no cells")
+            check_cells(data, self.path)
             self._read = step, data
         return self._read[1]
 
@@ -74,6 +76,45 @@ class Case(Source):
             else:
                 self._reader.UpdateTimeStep(time)
         return self._reader.GetOutputDataObject(0)
+
+
+class FluentCase(Case):
+    """A case and its data, which VTK would read for ever where one of them ends too early."""
+
+    def __init__(self, path, reader):
+        for part in path, path.with_suffix(".dat"):
+            if not part.is_file():
+                raise InputError(f"{path}: its data are in {part.name}, which does not exist")
+            text = re.sub(rb'"[^"]*"', b"", part.read_bytes()).rstrip()
+            sections, ends = len(re.findall(rb"\([23]\d{3} ?\(", text)), text.count(b"End of Binary Section")
+            if not text.endswith(b")") or sections != ends or not ends and text.count(b"(") != text.count(b")"):
+                raise InputError(f"{part}: it ends too early; copy it again")
+        super().__init__(path, reader)
+
+
+class TecplotFile(Case):
+    """A text of one time. VTK takes zeros for values that are missing, and several times for parts of one."""
+
+    def __init__(self, path, reader):
+        text = re.sub(r"#.*", "", path.read_bytes().decode(errors="replace"))
+        times = set(re.findall(r"SOLUTIONTIME\s*=\s*([-+\d.eE]+)", text, re.IGNORECASE))
+        if not re.search(r"VARIABLES\s*=", text, re.IGNORECASE):
+            raise InputError(f"{path}: it is no text of Tecplot with VARIABLES; save it as text")
+        if len(times) > 1 or re.search("SHARE", text, re.IGNORECASE):
+            raise InputError(f"{path}: zones of several times, or that share arrays, are not read; save a file for each time")
+        super().__init__(path, reader)
+        names = re.search(r'VARIABLES\s*=\s*((?:"[^"]*"[\s,]*)+|[^\n]+)', text, re.IGNORECASE)[1]
+        names = len(re.findall('"[^"]*"', names) or re.split(r"[\s,]+", names.strip()))
+        found = sum(len(line.split()) for line in text.splitlines() if not re.search(r'[=")]|[A-CF-Za-cf-z]', line))
+        needed_numbers = 0
+        for block in blocks_of(self.read(0, ())):
+            of_cells, cells = block.GetCellData().GetNumberOfArrays(), block.GetNumberOfCells()
+            needed_numbers += (names - of_cells) * block.GetNumberOfPoints() + of_cells * cells
+            if block.IsA("vtkUnstructuredGrid"):
+                needed_numbers += block.GetCells().GetConnectivityArray().GetNumberOfValues()
+        if found < needed_numbers and "*" not in text:
+            raise InputError(f"{path}: it ends too early: {found} of {needed_numbers} numbers are there; copy it again")
+        self.times = [float(time) for time in times] or [None]
 
 
 class EnSightCase(Case):

@@ -5,7 +5,7 @@ import re
 import xml.etree.ElementTree
 
 from ..errors import InputError, needed
-from ..vtk_data import arrays_of, blocks_of, bridge, errors_of, merged, model
+from ..vtk_data import arrays_of, blocks_of, bridge, check_cells, errors_of, merged, model
 from . import Source
 
 PARTS = {
@@ -62,6 +62,7 @@ def read_file(path, notes):
     data = reader.GetOutputDataObject(0)
     if not any(block.GetNumberOfPoints() for block in blocks_of(data)):
         raise InputError(f"{path}: cannot be read as a VTK file, or it has no points")
+    check_cells(data, path)
     for block in blocks_of(data):
         if block.IsA("vtkImageData"):  # a plane may have no spacing across it
             spacing = block.GetSpacing()
