@@ -165,6 +165,32 @@ class Moving(ImportHere):
         last, = self.imports("m.%d.vtu", "-o", "x.%d.vdb", "--size", 20, 10, 5, "--frames", 3)
         self.assertEqual(self.contents("x.3.vdb"), self.contents("v.3.vdb"))
 
+    def test_cases_that_move(self):
+        """The points of OpenFOAM in the folders of times; the geometry of EnSight a file for each time."""
+        places = dict(zip((0.0, 0.5, 1.0), (0, 0.5, -0.25)))
+        flows.write_foam(self.folder / "case", places)
+        points = (self.folder / "case/constant/polyMesh/points").read_text()
+        flows.write_ensight(self.folder, places)
+        geometry = (self.folder / "flow.geo").read_text().split("\n")
+        for i, (time, by) in enumerate(places.items()):
+            (self.folder / f"case/{time:g}/polyMesh").mkdir()
+            (self.folder / f"case/{time:g}/polyMesh/points").write_text(
+                re.sub(r"\((\S+) (\S+ \S+\))", lambda found, by=by: f"({float(found[1]) + by} {found[2]}", points),
+                encoding="ascii")
+            at = flows.grid_positions(*flows.axes()).reshape(-1, 3) + [by, 0, 0]
+            column = [f"{value:12.5e}" for value in at.T.ravel()]
+            (self.folder / f"flow.geo.{i:04}").write_text("\n".join([*geometry[:9], *column, ""]), encoding="ascii")
+        case = (self.folder / "flow.case").read_text()
+        for words in "", " change_coords_only":
+            (self.folder / f"flow{len(words)}.case").write_text(
+                case.replace("model: flow.geo", f"model: 1 flow.geo.****{words}"), encoding="ascii")
+        for name in "case", "flow0.case", "flow19.case":
+            paths = self.imports(name, "-o", "v.%d.vdb")
+            for path, (time, by) in zip(paths, places.items(), strict=True):
+                active = self.assert_flow(path, lambda at, time=time, by=by: flows.flow(at - [by, 0, 0], time))
+                self.assertEqual(active.sum(), 192 if name == "case" else 315)
+                path.unlink()
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -85,7 +85,7 @@ class Forms(ImportHere):
         self.assertEqual(vdb.readMetadata(str(self.folder / "points.vdb"))["time"], 2.5)
         zones = self.contents("points.tec").decode()
         (self.folder / "two.tec").write_text(zones + zones[zones.index("ZONE"):].replace("2.5", "3"), encoding="ascii")
-        self.assertIn("two.tec: zones of several times, or that share arrays, are not read",
+        self.assertIn("two.tec: zones of several times or with shared arrays are not read",
                       self.refuses(3, "two.tec", "-o", "w.vdb"))
 
     def test_fluent(self):

@@ -5,29 +5,8 @@ import itertools
 
 import numpy
 
+from . import vtk_data as vtk
 from .target import Target, filling, on_points
-from .vtk_data import (
-    GHOSTS,
-    HIDDEN_CELL,
-    HIDDEN_POINT,
-    REFINED_CELL,
-    RESIDUE,
-    add_array,
-    array,
-    at_points,
-    bridge,
-    cell_flags,
-    cell_sizes,
-    core,
-    dimensions_of,
-    filters,
-    flat_axis,
-    having,
-    hide_cells_of_hidden_points,
-    model,
-    shallow_copy,
-    solid,
-)
 
 MOST_VOXELS = 256**3  # of a grid that nobody chose
 CELL = "cell of the voxel"
@@ -39,12 +18,12 @@ class Flow:
 
     def __init__(self, dataset, names, path):
         self._dataset, self._names, self._path = dataset, names, path
-        self._images = [(block, _voxels_of(block, names)) for block in having(dataset, names)]
+        self._images = [(block, _voxels_of(block, names)) for block in vtk.having(dataset, names)]
         self._own = _joined([voxels for _, voxels in self._images])
 
     @functools.cached_property
     def _cells(self):
-        return solid(self._dataset, self._names, self._path)
+        return vtk.solid(self._dataset, self._names, self._path)
 
     def usual_target(self):
         """The grid for a flow if the user chooses none: its own voxels, as many as a structured grid has points (or
@@ -54,8 +33,8 @@ class Flow:
         cells, box = self._cells, _box(self._cells)
         if cells.IsA("vtkUnstructuredGrid"):
             return filling(box, _size_by_cells(cells, box))
-        points = numpy.array(dimensions_of(cells))
-        if not any(array(cells, name)[1] for name in self._names):
+        points = numpy.array(vtk.dimensions_of(cells))
+        if not any(vtk.array(cells, name)[1] for name in self._names):
             return filling(box, numpy.maximum(points - 1, 1))
         return on_points(box, points)
 
@@ -82,7 +61,7 @@ class Flow:
             volumes, mask = self._copied(target)
             met = 1.0
         else:
-            values, mask, met = _probed(at_points(self._cells, self._names), self._names, target)
+            values, mask, met = _probed(vtk.at_points(self._cells, self._names), self._names, target)
             volumes = [value.reshape(*target.size[::-1], -1).transpose(2, 1, 0, 3) for value in values]
             mask = mask.reshape(target.size[::-1]).transpose(2, 1, 0)
         for volume in volumes:
@@ -100,7 +79,7 @@ class Flow:
             seen = _by_axes(_visible(block, self._names), voxels)[here][..., 0]
             mask[there] |= seen
             for i, name in enumerate(self._names):
-                values = _by_axes(array(block, name)[0], voxels)[here]
+                values = _by_axes(vtk.array(block, name)[0], voxels)[here]
                 if i == len(volumes):
                     volumes.append(numpy.zeros((*target.size, values.shape[3]), values.dtype))
                 volumes[i][there][seen] = values[seen]
@@ -113,8 +92,8 @@ def _by_axes(values, voxels):
 
 def _size_by_cells(cells, box):
     """How many voxels fill a box so that one is as large as a cell of the finer half, and a layer of cells has one."""
-    volumes, extents = cell_sizes(cells)
-    lengths, flat = numpy.array(box[3:]) - numpy.array(box[:3]), flat_axis(cells)
+    volumes, extents = vtk.cell_sizes(cells)
+    lengths, flat = numpy.array(box[3:]) - numpy.array(box[:3]), vtk.flat_axis(cells)
     if cells.GetCellType(0) >= FIRST_CURVED:  # cells of order n are n voxels long
         corners = cells.GetCells().GetConnectivityArray().GetNumberOfTuples() / len(volumes)
         dimension = 3 if flat is None else 2
@@ -137,7 +116,7 @@ def _voxels_of(dataset, names):
     if not dataset.IsA("vtkImageData"):
         return None
     association = [dataset.GetPointData().GetArray(name) is not None for name in names]
-    if not all(association) and any(association) or (cell_flags(dataset) & REFINED_CELL).any():
+    if not all(association) and any(association) or (vtk.cell_flags(dataset) & vtk.REFINED_CELL).any():
         return None
     matrix, index = dataset.GetIndexToPhysicalMatrix(), numpy.eye(4)
     matrix = numpy.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
@@ -163,44 +142,45 @@ def _joined(lattices):
 
 def _visible(dataset, names):
     """Which points, or cells, of an image are not hidden by VTK's ghost flags."""
-    of_points = array(dataset, names[0])[1]
-    data, hidden = (dataset.GetPointData(), HIDDEN_POINT) if of_points else (dataset.GetCellData(), HIDDEN_CELL)
-    if data.GetArray(GHOSTS) is None:
+    of_points = vtk.array(dataset, names[0])[1]
+    data, hidden = (dataset.GetPointData(), vtk.HIDDEN_POINT) if of_points else (dataset.GetCellData(), vtk.HIDDEN_CELL)
+    if data.GetArray(vtk.GHOSTS) is None:
         return numpy.ones(dataset.GetNumberOfPoints() if of_points else dataset.GetNumberOfCells(), bool)
-    return bridge.vtk_to_numpy(data.GetArray(GHOSTS)) & hidden == 0
+    return vtk.bridge.vtk_to_numpy(data.GetArray(vtk.GHOSTS)) & hidden == 0
 
 
 def _probed(dataset, names, target):
-    dataset = shallow_copy(dataset)
-    hide_cells_of_hidden_points(dataset)
-    add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
-    probe = filters.vtkProbeFilter()
+    dataset = vtk.shallow_copy(dataset)
+    vtk.hide_cells_of_hidden_points(dataset)
+    vtk.add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
+    probe = vtk.filters.vtkProbeFilter()
     probe.SetInputData(_vtk_grid(target))
     probe.SetSourceData(dataset)
     probe.Update()
     data = probe.GetOutput().GetPointData()
-    mask = bridge.vtk_to_numpy(data.GetArray(probe.GetValidPointMaskArrayName())) != 0
+    mask = vtk.bridge.vtk_to_numpy(data.GetArray(probe.GetValidPointMaskArrayName())) != 0
     values = []
     for name in names:
-        values.append(bridge.vtk_to_numpy(data.GetArray(name)))
-        if residue := data.GetArray(RESIDUE + name):
-            values[-1] = values[-1] + bridge.vtk_to_numpy(residue)
-    ghosts = dataset.GetCellData().GetArray(GHOSTS)
-    seen = numpy.count_nonzero(bridge.vtk_to_numpy(ghosts) & HIDDEN_CELL == 0) if ghosts else dataset.GetNumberOfCells()
-    met = len(numpy.unique(bridge.vtk_to_numpy(data.GetArray(CELL))[mask])) / max(seen, 1)
+        values.append(vtk.bridge.vtk_to_numpy(data.GetArray(name)))
+        if residue := data.GetArray(vtk.RESIDUE + name):
+            values[-1] = values[-1] + vtk.bridge.vtk_to_numpy(residue)
+    seen = dataset.GetNumberOfCells()
+    if ghosts := dataset.GetCellData().GetArray(vtk.GHOSTS):
+        seen = numpy.count_nonzero(vtk.bridge.vtk_to_numpy(ghosts) & vtk.HIDDEN_CELL == 0)
+    met = len(numpy.unique(vtk.bridge.vtk_to_numpy(data.GetArray(CELL))[mask])) / max(seen, 1)
     return values, mask, met
 
 
 def _vtk_grid(target):
     """The voxels' centres as VTK's points; as an image where they lie along the axes, because that is probed faster."""
     if target.along_axes():
-        image = model.vtkImageData()
+        image = vtk.model.vtkImageData()
         image.SetDimensions(*target.size)
         image.SetOrigin(*target.origin())
         image.SetSpacing(*target.spacing)
         return image
-    points, cloud = core.vtkPoints(), model.vtkPolyData()
-    points.SetData(bridge.numpy_to_vtk(target.centres(), deep=True))
+    points, cloud = vtk.core.vtkPoints(), vtk.model.vtkPolyData()
+    points.SetData(vtk.bridge.numpy_to_vtk(target.centres(), deep=True))
     cloud.SetPoints(points)
     return cloud
 
@@ -211,7 +191,7 @@ def _ends(dataset):
 
 def _box(cells):
     """The box of cells, as x0, y0, z0, x1, y1, z1; that of a plane is as thick as its cells are wide."""
-    ends, flat = _ends(cells), flat_axis(cells)
+    ends, flat = _ends(cells), vtk.flat_axis(cells)
     if flat is not None:
         lengths = numpy.delete(ends[:, 1] - ends[:, 0], flat)
         ends[flat] += numpy.array([-0.5, 0.5]) * numpy.sqrt(numpy.prod(lengths) / cells.GetNumberOfCells())

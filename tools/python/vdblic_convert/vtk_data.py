@@ -91,7 +91,7 @@ def solid(dataset, names, path):
     found = [cells for block in own if (cells := _cells_of(block, 3))]
     found = found or [cells for block in own if flat_axis(block) is not None and (cells := _cells_of(block, 2))]
     if not found:
-        raise InputError(f"{path}: no cells of three dimensions, nor of a plane across an axis, have {', '.join(names)}")
+        raise InputError(f"{path}: no cells of three dimensions, nor of a plane, have {', '.join(names)}")
     if len(found) == 1 and not found[0].IsA("vtkPolyData"):
         return found[0]
     of_points = {name for name in names for block in found if array(block, name)[1]}
@@ -200,7 +200,7 @@ def at_points(dataset, names):
 
 
 def cell_sizes(grid):
-    """The volumes, or areas in a plane, of an unstructured grid's cells, and their lengths along x, y and z (cells, 3)."""
+    """The volumes, or areas in a plane, of an unstructured grid's cells, and their lengths along the axes (cells, 3)."""
     sizes = needed("vtkmodules.vtkFiltersVerdict").vtkCellSizeFilter()
     sizes.SetInputData(grid)
     sizes.Update()
@@ -230,7 +230,8 @@ def hide_cells_of_hidden_points(dataset):
     count.SetInputData(marked)
     count.Update()
     hidden = bridge.vtk_to_numpy(count.GetOutput().GetCellData().GetArray(GHOSTS + " hidden")) > 0
-    add_array(dataset.GetCellData(), GHOSTS, (cell_flags(dataset) | numpy.where(hidden, HIDDEN_CELL, 0)).astype(numpy.uint8))
+    flags = cell_flags(dataset) | numpy.where(hidden, HIDDEN_CELL, 0)
+    add_array(dataset.GetCellData(), GHOSTS, flags.astype(numpy.uint8))
 
 
 def _cells_of(block, dimension):

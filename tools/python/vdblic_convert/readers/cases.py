@@ -4,7 +4,8 @@ import re
 
 from ..errors import InputError, needed
 from ..vtk_data import arrays_of, blocks_of, check_cells, errors_of, merged, model
-from . import Source, ensight
+from . import ensight
+from .vtk_files import VtkSource
 from .whole_files import check_whole
 
 OTHERS = dict.fromkeys((".e", ".ex2", ".exo"), ("vtkIOExodus", "vtkExodusIIReader")) | {
@@ -29,12 +30,11 @@ def open_source(path, options):  # pylint: disable=unused-argument
     return EnSightCase(path)
 
 
-class Case(Source):
+class Case(VtkSource):
     """A reader of VTK's with time steps; each step is read when it is asked for."""
 
     def __init__(self, path, reader, name=None):
         self._reader = reader
-        self._read = None, None  # the last step and its data
         set_name = reader.SetCaseFileName if reader.IsA("vtkGenericEnSightReader") else reader.SetFileName
         with errors_of(path):
             set_name(name or str(path))
@@ -42,31 +42,21 @@ class Case(Source):
                 reader.UpdateInformation()
                 for kind in reader.NODAL, reader.ELEM_BLOCK:
                     reader.SetAllArrayStatus(kind, 1)
+            reader.UpdateInformation()
             if reader.IsA("vtkCGNSReader"):
-                reader.UpdateInformation()
                 reader.EnableAllPointArrays()
                 reader.EnableAllCellArrays()
-            reader.UpdateInformation()
         key = needed("vtkmodules.vtkCommonExecutionModel").vtkStreamingDemandDrivenPipeline.TIME_STEPS()
         information = reader.GetOutputInformation(0)
         times = [information.Get(key, i) for i in range(information.Length(key))] if information.Has(key) else [None]
-        super().__init__(path, times)
+        super().__init__(path, times, [])
 
-    def arrays(self, step):
-        return arrays_of(self.read(step, ()))
-
-    def read(self, step, names):
-        if self._read[0] != step:
-            self._read = None, None
-            data = self._update(self.times[step])
-            if not any(block.GetNumberOfCells() for block in blocks_of(data)):
-                raise InputError(f"{self.path}: cannot be read, or it has no cells")
-            check_cells(data, self.path)
-            self._read = step, data
-        return self._read[1]
-
-    def free(self):
-        self._read = None, None
+    def load(self, step):
+        data = self._update(self.times[step])
+        if not any(block.GetNumberOfCells() for block in blocks_of(data)):
+            raise InputError(f"{self.path}: cannot be read, or it has no cells")
+        check_cells(data, self.path)
+        return data
 
     def _update(self, time):
         """Let VTK read a time."""
@@ -101,7 +91,7 @@ class TecplotFile(Case):
         if not re.search(r"VARIABLES\s*=", text, re.IGNORECASE):
             raise InputError(f"{path}: it is no text of Tecplot with VARIABLES; save it as text")
         if len(times) > 1 or re.search("SHARE", text, re.IGNORECASE):
-            raise InputError(f"{path}: zones of several times, or that share arrays, are not read; save a file for each time")
+            raise InputError(f"{path}: zones of several times or with shared arrays are not read; save a file for each time")
         super().__init__(path, reader)
         names = re.search(r'VARIABLES\s*=\s*((?:"[^"]*"[\s,]*)+|[^\n]+)', text, re.IGNORECASE)[1]
         names = len(re.findall('"[^"]*"', names) or re.split(r"[\s,]+", names.strip()))
@@ -147,7 +137,7 @@ class OpenFoamCase(Case):
             )
         reader = needed("vtkmodules.vtkIOParallel").vtkPOpenFOAMReader()
         reader.SetController(needed("vtkmodules.vtkParallelCore").vtkDummyController())  # it crashes without one
-        self._decomposed, self._notes = bool(pieces) and not whole - {0}, []
+        self._decomposed = bool(pieces) and not whole - {0}
         reader.SetCaseType(0 if self._decomposed else 1)
         reader.SkipZeroTimeOff()
         reader.CreateCellToPointOff()  # solid cells are merged first
@@ -167,9 +157,6 @@ class OpenFoamCase(Case):
             self._notes.append(f"{path}: the regions that have the velocity are one flow, of {', '.join(regions)}")
         if not self.times:
             raise InputError(f"{path}: the case has no times")
-
-    def notes(self):
-        return self._notes
 
     def _meshes(self):
         """The names of the regions' cells."""

@@ -85,20 +85,24 @@ def time_of(data):
     return None
 
 
-class VtkFile(Source):
-    """One file is one step."""
+class VtkSource(Source):
+    """Data sets of VTK, of which that of one step is in memory. `load(step)` reads it."""
 
-    def __init__(self, path):
-        self._notes = []
-        self._data = read_file(path, self._notes)
-        super().__init__(path, [time_of(self._data)])
+    def __init__(self, path, times, notes=()):
+        super().__init__(path, times)
+        self._notes = notes
+        self._step, self._data = None, None
+
+    def load(self, step):
+        raise NotImplementedError
 
     def arrays(self, step):
         return arrays_of(self.read(step, ()))
 
     def read(self, step, names):
-        if self._data is None:
-            self._data = read_file(self.path, [])
+        if self._step != step or self._data is None:
+            self._data = None  # its memory, before the next one is read
+            self._step, self._data = step, self.load(step)
         return self._data
 
     def free(self):
@@ -106,6 +110,18 @@ class VtkFile(Source):
 
     def notes(self):
         return self._notes
+
+
+class VtkFile(VtkSource):
+    """One file is one step."""
+
+    def __init__(self, path):
+        super().__init__(path, [None], [])
+        self.times = [time_of(self.read(0, ()))]
+
+    def load(self, step):
+        self._notes.clear()
+        return read_file(self.path, self._notes)
 
 
 def _listed(path):
@@ -124,44 +140,31 @@ def _listed(path):
         raise InputError(f"{path}: cannot be read as a list of files: {error}") from None
 
 
-class PvdFile(Source):
+class PvdFile(VtkSource):
     """A list of files with their times; the files of one time are parts of one data set, or the last of one part."""
 
     def __init__(self, path):
         entries = _listed(path)
         if not entries:
             raise InputError(f"{path}: the list names no files")
-        steps, self._notes = {}, []
+        steps, notes = {}, []
         for time, part, file in entries:
             if not file.is_file():
                 raise InputError(f"{path}: the list names {file}, which does not exist")
             files = steps.setdefault(part if time is None else time, {})
             key = file if part is None or time is None else part
             if key in files:
-                self._notes.append(f"{path}: {time:g} s is listed twice; {file.name} is taken")
+                notes.append(f"{path}: {time:g} s is listed twice; {file.name} is taken")
             files[key] = file
         order = list(steps) if entries[0][0] is None else sorted(steps)
         self._parts = [list(steps[step].values()) for step in order]
-        self._read = None, None  # the last step and its data: a step is read once
-        super().__init__(path, [None] * len(order) if entries[0][0] is None else order)
+        super().__init__(path, [None] * len(order) if entries[0][0] is None else order, notes)
 
-    def arrays(self, step):
-        return arrays_of(self.read(step, ()))
-
-    def read(self, step, names):
-        if self._read[0] != step:
-            self._read = None, None
-            parts = [read_file(part, self._notes) for part in self._parts[step]]
-            whole = parts[0]
-            if len(parts) > 1:
-                whole = model.vtkMultiBlockDataSet()
-                for i, part in enumerate(parts):
-                    whole.SetBlock(i, part)
-            self._read = step, whole
-        return self._read[1]
-
-    def free(self):
-        self._read = None, None
-
-    def notes(self):
-        return self._notes
+    def load(self, step):
+        parts = [read_file(part, self._notes) for part in self._parts[step]]
+        if len(parts) == 1:
+            return parts[0]
+        whole = model.vtkMultiBlockDataSet()
+        for i, part in enumerate(parts):
+            whole.SetBlock(i, part)
+        return whole
