@@ -8,6 +8,8 @@ import pyopenvdb as vdb
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet, vtkStructuredGrid
+from vtkmodules.vtkFiltersCore import vtkAppendFilter
+from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 
 import flows
@@ -116,6 +118,21 @@ class Blocks(ImportHere):
         self.assertIn("no array is known as a velocity", done.stderr)
 
 
+    def test_cells_in_one_place_are_taken_in_their_order(self):
+        """Not in that of threads: a voxel has the value of the last cell around it."""
+        append = vtkAppendFilter()
+        for add in 100, 0:
+            image, _ = box((0, 0, 0), (1, 1, 1), 1 / 16, False, values=lambda at, add=add: flows.flow(at) + add)
+            split = vtkDataSetTriangleFilter()
+            split.SetInputData(image)
+            split.Update()
+            append.AddInputData(split.GetOutput())
+        append.Update()
+        flows.write_vtk(append.GetOutput(), self.folder / "twice.vtu")
+        path, = self.imports("twice.vtu", "-o", "v.vdb", "--size", 32, 32, 32)
+        self.assertTrue(self.assert_flow(path, flows.flow).all())
+
+
 class Planes(ImportHere):
     def test_quadrilaterals_are_not_cut_into_triangles(self):
         """A bilinear flow is exact in rectangles; with the flow in cells, a voxel is a cell."""
@@ -162,6 +179,10 @@ class Moving(ImportHere):
             self.assertEqual(vdb.read(str(path), "velocity").transform, first)
         self.imports("m.%d.vtu", "-o", "w.%d.vdb", "--size", 20, 10, 5, "--bounds", 1, -1, 0, 3, 1, 1)
         self.assertLess(velocity_of(self.folder / "w.2.vdb")[1].sum(), 800)
+        flows.write_vtk(self.moved(1e30), self.folder / "m.4.vtu")
+        done = self.run_tool("vdblic_import", "m.%d.vtu", "-o", "y.%d.vdb", "--size", 20, 10, 5, "--frames", 4)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("m.4.vtu: frame 4: ", done.stderr)
         last, = self.imports("m.%d.vtu", "-o", "x.%d.vdb", "--size", 20, 10, 5, "--frames", 3)
         self.assertEqual(self.contents("x.3.vdb"), self.contents("v.3.vdb"))
 

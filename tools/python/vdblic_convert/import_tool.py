@@ -234,7 +234,10 @@ class Conversion:
             return self._target
         target = flow.covered(self._target)
         if target.size != self._target.size:
-            target.check()
+            try:
+                target.check()
+            except ParameterError as error:
+                raise ParameterError(f"{step.source.path}: frame {step.frame}: {error}, or a box with --bounds") from None
             if not self._grown:
                 self._console.say(
                     f"{step.source.path}: frame {step.frame} reaches beyond the box of the first step; such frames get "

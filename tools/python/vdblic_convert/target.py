@@ -9,6 +9,7 @@ from vdblic._core import memory_limit, read_box
 from .errors import InputError, ParameterError
 
 MOST_INDEX = 131072
+FAR = 2.0**40  # further than any voxel
 ALIGNED = 1e-3  # of a voxel: how far from others those may be that stand for them
 BYTES = 80  # taken by a voxel and its coordinates while it is resampled and written
 
@@ -69,7 +70,8 @@ class Target:
         return place.astype(int) if same else None
 
     def _indices(self, positions):
-        return (positions - self.matrix[:3, 3]) @ numpy.linalg.inv(self.matrix[:3, :3]).T
+        at = (positions - self.matrix[:3, 3]) @ numpy.linalg.inv(self.matrix[:3, :3]).T
+        return numpy.nan_to_num(at, nan=FAR).clip(-FAR, FAR)
 
     def check(self):
         """Raise ParameterError if the voxels are more than there can be."""

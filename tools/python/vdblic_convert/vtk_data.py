@@ -13,6 +13,8 @@ filters = needed("vtkmodules.vtkFiltersCore")
 extraction = needed("vtkmodules.vtkFiltersExtraction")
 bridge = needed("vtkmodules.util.numpy_support")
 
+core.vtkSMPTools.SetBackend("Sequential")  # threads would race where several cells have a point: other bytes each time
+
 GHOSTS = "vtkGhostType"
 DUPLICATE_CELL, HIDDEN_POINT, REFINED_CELL, HIDDEN_CELL = 1, 2, 8, 32
 RESIDUE = "residue of "
