@@ -23,8 +23,7 @@ int main(int argc, char** argv)
         vdblic::Exchange& exchange = *ranks.exchange;
         if (!exchange.isAlone() && (!params.outputs.film.empty() || !params.outputs.histogram.empty())) {
             throw vdblic::ParameterError(
-                "a film or a histogram is of all frames, which no rank has: leave it out here, "
-                "and make it by vdblic_render");
+                "a film or a histogram needs all frames, and no rank has them: make it with vdblic_render");
         }
         vdblic::RenderPlan plan;
         exchange.together([&] { plan = resolve(params); });

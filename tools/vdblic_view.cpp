@@ -66,10 +66,10 @@ int main(int argc, char** argv)
     tool.usesScratch(kInFiles);
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         if (input.pattern == "-")
-            throw vdblic::ParameterError("a viewer goes back and forth in a sequence; name a file or a pattern, not -");
+            throw vdblic::ParameterError("the viewer needs every frame at any time: name a file or a pattern, not -");
         warnOfOtherNumbers(input, reporter);
         const double cache = cacheBytes(app);
-        reporter.detail(fmt::format("frames that were read are kept up to {}", vdblic::memoryText(cache)));
+        reporter.detail(fmt::format("frames are kept in memory up to {}", vdblic::memoryText(cache)));
         vdblic::view::Viewer viewer(vdblic::view::startOf(tool.given(), input), cache);
         vdblic::view::Interface interface(viewer);
         const std::string token = vdblic::view::randomToken();

@@ -1,4 +1,4 @@
-"""The frames of an .exr sequence beside an independent ray caster in NumPy, written from docs/render.md."""
+"""The frames of an .exr sequence beside an independent ray caster in NumPy."""
 
 import json
 import unittest

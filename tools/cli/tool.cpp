@@ -83,7 +83,7 @@ Tool::Tool(std::string name, const std::string& description)
         ->check(CLI::Range(1, kMaxThreads));
     setMemoryOption();
     mApp.add_option("--max-memory", mMaxMemory,
-                    "Memory that may be taken, such as 800M or 16G; what the machine has by default.")
+                    "Memory limit of the tool, such as 800M or 16G; what the machine has by default.")
         ->type_name("SIZE");
     CLI::Option* quiet = mApp.add_flag("-q,--quiet", mQuiet, "Print errors and warnings only.");
     mApp.add_flag("-v,--verbose", mVerbose, "Print details.")->excludes(quiet);
@@ -154,7 +154,7 @@ void Tool::usesScratch(double inFiles, std::function<std::string()> output)
     mInFiles = inFiles;
     mOutput = std::move(output);
     mApp.add_option("--scratch", mScratch,
-                    fmt::format("Folder for a file that holds what is taken beyond --max-memory; {} by default.",
+                    fmt::format("Folder for the scratch file of a job beyond --max-memory; {} by default.",
                                 mOutput ? "that of the outputs" : "that for temporary files"))
         ->type_name("DIR");
 }

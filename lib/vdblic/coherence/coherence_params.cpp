@@ -12,7 +12,7 @@ namespace vdblic {
 Parameters parametersOf(CoherenceParams& params)
 {
     constexpr double kMostSamples = 1e8;
-    return {parameter("samples", "Points a frame is looked at.", params.samples, {.limits = {1, kMostSamples}})};
+    return {parameter("samples", "Sample points in a frame.", params.samples, {.limits = {1, kMostSamples}})};
 }
 
 void CoherenceParams::validate() const

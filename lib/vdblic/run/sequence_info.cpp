@@ -284,9 +284,9 @@ Parameters parametersOf(SequenceInfoParams& params)
                   params.flow.input.frames),
         parameter("values", "Read the voxels too: their range, those that are not finite, displacements, checksums.",
                   params.values),
-        parameter("refine", "Refinement of the textures whose memory and time are told.", params.refine,
+        parameter("refine", "Refinement for the estimate of memory and time.", params.refine,
                   {.limits = {1, double(Refinement::kMost)}}),
-        parameter("spacing", "Spacing of the streaks whose memory and time are told.", params.spacing,
+        parameter("spacing", "Spacing of streaks for the estimate of memory and time.", params.spacing,
                   {.unit = "voxels of the velocity", .limits = {0.01, 1e6}}),
     };
     return joined({own, parametersOf(params.flow)});

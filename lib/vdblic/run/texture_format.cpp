@@ -12,9 +12,9 @@ Parameters parametersOf(TextureFormat& params)
     return {
         parameter("scalars", "Voxels of magnitude and the other float grids.", params.scalars,
                   {.words = "VOXELS", .group = "Output"}),
-        parameter("precision", "Numbers of texture and scalars in the files.", params.precision,
+        parameter("precision", "Precision of texture and scalars in the files.", params.precision,
                   {.words = "NUMBERS", .group = "Output"}),
-        parameter("compression", "Of the files.", params.compression, {.words = "HOW", .group = "Output"}),
+        parameter("compression", "Compression of the files.", params.compression, {.words = "HOW", .group = "Output"}),
     };
 }
 
