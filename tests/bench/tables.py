@@ -95,7 +95,7 @@ def bench(script, *arguments):
 def print_viewer(build):
     """The viewer on a refined wake."""
     with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        texture = f"{folder}/wake.vdb"
+        texture = f"{folder}/wake.0012.vdb"
         subprocess.run([build / "tools/vdblic_advect", WAKE, "-o", texture, "--refine", "4", "--with", "vorticity,q", "-q"], check=True, stdout=subprocess.DEVNULL)
         bench("viewer", build, texture)
 
