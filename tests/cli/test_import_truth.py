@@ -256,6 +256,33 @@ class Meshes(TruthTest):
                 numpy.testing.assert_allclose(found[:, 1], earth_flows.north(*place), atol=1e-4)
 
 
+class Carried(TruthTest):
+    def test_a_vector_is_turned_as_the_velocity(self):
+        """Stress along a grid that is turned by 0.7, beside the velocity; one component alone is refused."""
+        file = earth_flows.turned()
+        for name, other in ("tx", "u"), ("ty", "v"):
+            told = file[other][2] | {"standard_name": f"surface_downward_{name[1]}_stress", "units": "Pa"}
+            file[name] = [file[other][0], 3 * file[other][1], told]
+        path, = self.imported(file, "--carry", "ty,tx,u")
+        for name, value in ("tx", 1.5), ("ty", 0), ("u", 0.5):
+            values = [voxel.value for voxel in vdb.read(str(path), name).citerOnValues()]
+            numpy.testing.assert_allclose(values, value, atol=0.01)
+        self.assertIn("'tx' is the component x of a vector along a grid that is turned; carry the other one, too",
+                      self.fails(3, "vdblic_import", "f.nc", "-o", "w.vdb", "--carry", "tx"))
+
+    def test_of_roms(self):
+        netcdf_flows.write_ocean(self.folder / "f.nc", [0], angle=0.4)
+        with netCDF4.Dataset(self.folder / "f.nc", "r+") as data:
+            for name in "uv":
+                data.createVariable(f"{name}_stokes", "f8", data[name].dimensions)[...] = 2 * data[name][:]
+        path, = self.imports("f.nc", "-o", "v.%04d.vdb", "--carry", "u_stokes,v_stokes")
+        read = [vdb.read(str(path), name).getConstAccessor() for name in ("u_stokes", "v_stokes")]
+        voxels = list(vdb.read(str(path), "velocity").citerOnValues())
+        self.assertGreater(len(voxels), 100)
+        for voxel in voxels:
+            numpy.testing.assert_allclose([grid.getValue(voxel.min) for grid in read], numpy.multiply(2, voxel.value[:2]), atol=1e-5)
+
+
 class Answers(TruthTest):
     def test_of_several_files(self):
         """An answer is of the files that have the variable; one that no file has is refused."""

@@ -156,6 +156,29 @@ class XArray(ToolTest):
         single = data.assign_coords(x=(5e5 + 0.1 * numpy.arange(12)).astype(numpy.float32))
         self.assertAlmostEqual(vdblic.as_volume(single)["u"].voxel_size[0], 0.1, places=2)
 
+    def test_units_are_those_of_the_import(self):
+        data = self.dataset()
+        data["x"].attrs["units"], data["y"].attrs["units"], data["time"].attrs["units"] = "feet", "hm", "minutes"
+        volume = vdblic.as_volume(data.isel(time=1))
+        numpy.testing.assert_allclose(numpy.diag(volume["u"].transform)[:3], (0.6096, -50, 0.25))
+        self.assertEqual((volume.time, volume.metadata["length_unit"]), (630.0, "m"))
+
+    def test_the_earth_is_read_as_the_tool_reads_files(self):
+        """A Dataset on longitude, latitude and depth: the velocity is that of the file."""
+        import earth_flows  # pylint: disable=import-outside-toplevel  # it needs netCDF4
+
+        earth_flows.write(self.folder / "sea.nc", earth_flows.sea())
+        path, = self.outputs("vdblic_import", "sea.nc", "-o", "v.vdb")
+        known = vdblic.read(path)["velocity"]
+        with self.xarray.open_dataset(self.folder / "sea.nc") as data:
+            found = vdblic.as_volume(data.isel(time=0))
+            numpy.testing.assert_array_equal(found["velocity"].values, known.values)
+            numpy.testing.assert_allclose(found["velocity"].transform, known.transform, rtol=1e-12)
+            self.assertEqual(found.metadata["length_unit"], "m")
+            del data["u"].attrs["units"]
+            with self.assertRaisesRegex(ValueError, "the Dataset: 'u' has no units"):
+                vdblic.as_volume(data.isel(time=0))
+
     def test_an_array_is_a_grid_and_a_texture(self):
         speed = self.dataset().u.isel(time=0).rename("speed")
         grid = vdblic.Grid(speed, name="s")
@@ -180,9 +203,9 @@ class XArray(ToolTest):
                 (uneven, r"coordinates 'z' are uneven, with steps from 1 to 2; .*\.interp\(z=numpy.linspace\(0, 8, 8\)\)"),
                 (data.assign_coords(z=[1] * 8), "coordinates 'z' are uneven"),
                 (data.assign_coords(x=list("abcdefghijkl")), "coordinates 'x' are not finite numbers"),
-                (degrees, "coordinates 'y' are in 'degrees_north'"),
+                (degrees, "the Dataset: .*; say .* data\\['x'\\].attrs\\['units'\\] = 'm'"), (degrees.u, "'y' are in 'degrees_north'"),
                 (hours, "times 'time' are in 'hours since 2000-01-01'"),
-                (data.rename(x="lon", y="lat"), "no variable .* x, y and z; its dimensions are .*rename"),
+                (data.rename(x="lon", y="lat"), "the Dataset: 'z' has no units; say which"),
                 (data.u.rename(z="level"), "'u' has no dimension z; its dimensions are level, y, x"),
                 (self.dataset().u, r"the data have a dimension 'time'; choose one moment, as .isel\(time=0\) does"),
                 (data.expand_dims(run=3, member=3).u, "beside x, y and z; a vector has one, of 3 components")):

@@ -1,20 +1,21 @@
 """Data of xarray and VTK, whose axes have names and coordinates, as grids.
 
-Neither package is imported unless the data are an object of it.
+Neither package is imported unless the data are an object of it. Units, and Datasets that have longitude, latitude or
+pressure, are those of vdblic_import.
 """
 
 from __future__ import annotations
 
 import datetime
+import importlib
+import re
 from collections.abc import Iterator
 from typing import Any
 
 import numpy
 
-_METRES = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "km": 1e3}
-_SECONDS = "", "s", "sec", "second", "seconds"
 _SECOND = numpy.timedelta64(1, "s")
-_ADVICE = "(vdblic_import reads NetCDF with longitude, latitude and pressure)"
+_ADVICE = "(of a Dataset with u and v on longitude, latitude and heights or pressures, the velocity is made)"
 
 
 def is_labelled(data: Any) -> bool:
@@ -67,14 +68,29 @@ def _of_xarray(data, voxel_size):
         raise ValueError(f"the data have a dimension '{time}'; choose one moment, as .isel({time}=0) does")
     arrays = [data]
     if hasattr(data, "data_vars"):
-        arrays = [array for array in data.data_vars.values() if _axes(array).keys() == set("xyz")]
-        if not arrays:
-            raise ValueError(f"no variable of the Dataset has the dimensions x, y and z; {_about(data)}")
+        arrays = [array for array in data.data_vars.values() if _axes(array).keys() == set("xyz") and _has_lengths(array)]
     metadata = {}
-    grids = [_grid_of_array(array, voxel_size, metadata) for array in arrays]
+    if arrays:
+        grids = [_grid_of_array(array, voxel_size, metadata) for array in arrays]
+    else:
+        try:
+            grids, metadata = _by_the_reader("dataset").grids_of(data), {"length_unit": "m"}
+        except ValueError as error:  # which names options of the tool
+            raise ValueError(re.sub(r"--attribute '(.+?):(\w+)=(.+?)'", r"data['\1'].attrs['\2'] = '\3'", str(error))) from None
     if time in data.coords:
         metadata |= clock(_moment(data, time))
     return grids, metadata
+
+
+def _has_lengths(array):
+    """Whether the coordinates along x, y and z are lengths, or say nothing else."""
+    units = [str(array.coords[name].attrs.get("units", "")) for name in _axes(array).values() if name in array.coords]
+    return all(unit in ("", "1") or _by_the_reader("units").measures(unit, "m") for unit in units)
+
+
+def _by_the_reader(module):
+    """A module of vdblic_import's, which is beside this one."""
+    return importlib.import_module(f"vdblic_convert.{'readers.' * (module == 'dataset')}{module}")
 
 
 def _grid_of_array(array, voxel_size, metadata):
@@ -126,18 +142,13 @@ def _step_and_first(array, dimension, voxel_size, metadata):
         return voxel_size, 0.0
     coordinates = array.coords[dimension]
     unit = str(coordinates.attrs.get("units", ""))
-    if unit in _METRES:
-        metadata["length_unit"] = "m"
-    elif unit not in ("", "1"):
-        raise ValueError(
-            f"the coordinates '{dimension}' are in '{unit}'; give them in m or km, or without the attribute `units` "
-            f"{_ADVICE}"
-        )
     stored = numpy.asarray(coordinates.values)
     if stored.dtype.kind not in "iuf" or not numpy.isfinite(stored).all():
         raise ValueError(f"the coordinates '{dimension}' are not finite numbers; give lengths")
     rounding = numpy.finfo(stored.dtype).eps if stored.dtype.kind == "f" else 0.0
-    numbers = stored * _METRES.get(unit, 1.0)
+    numbers = stored * 1.0
+    if unit not in ("", "1"):
+        numbers, metadata["length_unit"] = _converted(numbers, unit, "m", f"the coordinates '{dimension}'"), "m"
     if len(numbers) == 1:
         return voxel_size, float(numbers[0])
     first, last, count = float(numbers[0]), float(numbers[-1]), len(numbers)
@@ -166,9 +177,19 @@ def _moment(data, name):
     """The value of a time that data of one time have."""
     time = data.coords[name]
     unit = str(time.attrs.get("units", ""))
-    if time.dtype.kind in "iuf" and unit not in _SECONDS:
-        raise ValueError(f"the times '{name}' are in '{unit}'; give seconds, or dates as xarray.decode_cf makes them")
+    if time.dtype.kind in "iuf" and unit:
+        return _converted(time.values, unit, "s", f"the times '{name}'")[()]
     return time.values[()]
+
+
+def _converted(values, unit, wanted, what):
+    try:
+        return _by_the_reader("units").converted(values, unit, wanted)
+    except ValueError:
+        raise ValueError(
+            f"{what} are in '{unit}'; give them in {wanted} or what converts to it, times as xarray.decode_cf makes them "
+            f"{_ADVICE}"
+        ) from None
 
 
 def _of_vtk(data):

@@ -156,9 +156,8 @@ class Conversion:
 
     def write(self, step, series, path):
         """Write a step's .vdb file."""
-        import numpy
         import vdblic
-        from .resample import Flow
+        from .resample import flow_at
 
         if self._target is None:
             self._target = self._choose(series)
@@ -166,30 +165,18 @@ class Conversion:
         arrays = source.arrays(step.index)
         chosen(arrays, self._names, (), where)  # every step has them
         check_carried(arrays, self._options.carry, where)
-        names = (*self._names, *(name for name in self._options.carry if name not in self._names))
-        volumes, mask, target = {}, True, None
-        for data, own in source.parts(step.index, names, self._names):
-            flow = Flow(data, own, where)
-            target = target or self._covering(flow, step)
-            values, valid, met = flow.sampled(target)
-            volumes.update(zip(own, values))
-            mask = mask & valid
-            self._check_cells(met)
+        velocity, carried, mask, met, target = flow_at(
+            source, step.index, self._names, self._options.carry, lambda flow: self._covering(flow, step), where
+        )
+        self._check_cells(met)
         self._tell_notes(source)
         if not mask.any():
             self._console.warn(f"{source.path}: frame {step.frame} has no values within the voxels")
-        velocity = numpy.zeros((*mask.shape, 3), numpy.float32)
-        for slot, name in enumerate(self._names):
-            if volumes[name].shape[3] == 3:  # all of the velocity, or what a component along the grid adds to it
-                velocity += volumes[name]
-            else:
-                velocity[..., slot : slot + 1] += volumes[name]
         if self._options.explain and not self._explained:
             self._explained = [self._console.say(text) for text in source.explained.values()]
-        carried = [(name, volumes[name]) for name in self._options.carry]
         self._tell_once(velocity, mask, step)
         grids = []
-        for name, values in [("velocity", velocity), *carried]:
+        for name, values in [("velocity", velocity), *carried.items()]:
             vector = values.shape[3] == 3
             place = target.matrix, target.first, name
             kind = {"vector_type": "contravariant relative"} if vector else {}

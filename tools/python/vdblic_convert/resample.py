@@ -6,6 +6,7 @@ import itertools
 import numpy
 
 from . import vtk_data as vtk
+from .errors import InputError
 from .target import Target, filling, on_points
 
 MOST_VOXELS = 256**3  # of a grid that nobody chose
@@ -109,6 +110,46 @@ def _size_by_cells(cells, box):
         least = numpy.prod(lengths) / MOST_VOXELS
         spacing[~layer] *= (max(volume, least) / numpy.prod(spacing)) ** (1 / numpy.count_nonzero(~layer))
     return numpy.maximum(numpy.round(lengths / spacing), 1).astype(int)
+
+
+def flow_at(source, step, names, carry, choose, path):
+    """A step of a source at the voxels of the grid that `choose` makes of its Flow.
+
+    Returns the velocity (x, y, z, 3), the carried values by name, where all have values, the least share of cells in which
+    there is a voxel, and the grid. A component along a turned grid is a share of the vector: that of the velocity, or of
+    two that are carried together.
+    """
+    volumes, mask, met, target = {}, True, 1.0, None
+    for data, own in source.parts(step, (*names, *(name for name in carry if name not in names)), names):
+        flow = Flow(data, own, path)
+        target = target or choose(flow)
+        values, valid, share = flow.sampled(target)
+        volumes.update(zip(own, values))
+        mask, met = mask & valid, min(met, share)
+    velocity = numpy.zeros((*mask.shape, 3), numpy.float32)
+    for slot, name in enumerate(names):
+        if volumes[name].shape[3] == 3:
+            velocity += volumes[name]
+        else:
+            velocity[..., slot : slot + 1] += volumes[name]
+    turned = {name for name in carry if volumes[name].shape[3] > source.arrays(step)[name]}
+    for slot, name in enumerate(names):  # components of the velocity that are carried, too
+        if name in turned:
+            volumes[name] = velocity[..., slot : slot + 1]
+    pairs = {}
+    for name in turned.difference(names):
+        kind, slot = source.vector_of(name)
+        pairs.setdefault(kind, {})[slot] = name
+    for pair in pairs.values():
+        if len(pair) < 2:
+            (slot, name), = pair.items()
+            raise InputError(
+                f"{path}: '{name}' is the component {'xy'[slot]} of a vector along a grid that is turned; carry the other "
+                f"one, too: --carry {name},NAME"
+            )
+        vector = volumes[pair[0]] + volumes[pair[1]]
+        volumes |= {name: vector[..., slot : slot + 1] for slot, name in pair.items()}
+    return velocity, {name: volumes[name] for name in carry}, mask, met, target
 
 
 def _voxels_of(dataset, names):

@@ -64,8 +64,8 @@ def open_source(path, options, grids=()):
     zarr = path.is_dir() and any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json"))
     if path.is_dir() and not zarr and not (path / "system" / "controlDict").is_file():
         raise InputError(
-            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file or a "
-            "pattern such as name.%04d.vti"
+            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file or "
+            "a pattern such as name.%04d.vti"
         )
     if path.is_file() and path.suffix != ".foam":
         with open(path, "rb") as file:
@@ -129,6 +129,10 @@ class Source:
         """
         return [(self.read(step, names), names)]
 
+    def vector_of(self, name):  # pylint: disable=unused-argument
+        """The kind of vector of which a variable is a component along the grid's rows (0) or columns (1); else None."""
+        return None
+
     def free(self):
         """Free the memory of a step that was read; it is read again when it is needed."""
 
@@ -156,8 +160,7 @@ class Joined(Source):
                 if a != b and (None in (a, b) or abs(a - b) > 1e-9 * max(abs(a), abs(b))):
                     raise InputError(
                         f"{other.path}: step {step + 1} is at {_text(b)}, in {first.path} at {_text(a)}; files of one "
-                        f"flow have "
-                        "the same times"
+                        "flow have the same times"
                     )
             if {first.calendar, other.calendar} - {"standard", "gregorian", "proleptic_gregorian"} and (
                 first.calendar != other.calendar
@@ -194,6 +197,9 @@ class Joined(Source):
     def free(self):
         for source in self._sources:
             source.free()
+
+    def vector_of(self, name):
+        return next((found for source in self._sources if (found := source.vector_of(name))), None)
 
     def notes(self):
         return [note for source in self._sources for note in source.notes()]

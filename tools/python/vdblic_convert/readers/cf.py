@@ -18,10 +18,8 @@ COMPONENTS = (
     rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity|y_sea_water_velocity)",
     rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
 )
-EASTWARD, ALONG = (
-    r"(?!.*grid_).*(east|north)ward_.*",
-    r".*grid_(east|north)ward_.*|.*(x|y)_wind|.*_(x|y)_velocity|[xy]_sea_.*",
-)
+EASTWARD = r"(?!.*grid_).*(east|north)ward_.*"
+ALONG = r"(|.*_)(grid_(?:east|north)ward|x|y)_.+"
 USUAL = (  # names of components without a standard name; the last ones are those of models
     ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "air_u", "u10"),
     ("v", "V", "VVEL", "vomecrty", "va", "vo", "water_v", "air_v", "v10"),
@@ -50,8 +48,7 @@ class CfFile(Gridded):
         if not self._fields:
             raise InputError(
                 f"{self.path}: no variable has two horizontal axes, with or without a vertical axis, that are known; "
-                f"it "
-                f"holds {data.contents()}; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
+                f"it holds {data.contents()}; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
             )
 
     def components(self, step):
@@ -124,23 +121,24 @@ class CfFile(Gridded):
 
     def _turned(self, name, values, place, velocity):
         """A horizontal component as its share of a velocity along the world's axes, where its own are others."""
-        if name not in velocity[:2] or len(velocity) < 2:
+        standard = self.data.text(name, "standard_name")
+        slot = velocity.index(name) if name in velocity else (self.vector_of(name) or (None, 2))[1]
+        if slot > 1 or name in velocity and len(velocity) < 2:
             return values
-        slot, standard = velocity.index(name), self.data.text(name, "standard_name")
+        self.explained.setdefault(name, f"'{name}' is carried")
         kinds = ["eastward"] * bool(re.fullmatch(EASTWARD, standard)) + ["along"] * bool(re.fullmatch(ALONG, standard))
         relative = str(self.data.attrs(name).get("GRIB_uvRelativeToGrid", ""))
         if relative in ("0", "1"):  # GRIB's own word; its y runs northwards, however the rows are stored
             kinds = ["along" if relative == "1" else "eastward"]
             place.along = place.along and (place.along[0], place.along[0] + numpy.pi / 2)
-        if not kinds and self._fields[velocity[0]] != self._fields[velocity[1]]:
+        if not kinds and name in velocity and self._fields[velocity[0]] != self._fields[velocity[1]]:
             kinds = ["along"]  # on the faces of cells
         turns = {kind: getattr(place, kind) for kind in kinds or ("eastward", "along")}
         if kinds and turns[kinds[0]] is None:
             raise InputError(
                 f"{self.path}: '{name}' is {standard}, and nothing tells where east is along its axes: neither "
-                f"longitude "
-                f"and latitude nor a grid_mapping; if it is along the axes: --attribute '{name}:standard_name="
-                f"{'xy'[slot]}_wind'"
+                "longitude and latitude nor a grid_mapping; if it is along the axes: --attribute "
+                f"'{name}:standard_name={'xy'[slot]}_wind'"
             )
         known = [turn[slot] for turn in turns.values() if turn is not None]
         against = [numpy.abs(numpy.angle(numpy.exp(1j * (angle - slot * numpy.pi / 2)))).max() for angle in known]
@@ -150,23 +148,22 @@ class CfFile(Gridded):
                 f"degrees against east and north, or along those? say it: --attribute '{name}:standard_name="
                 f"{'xy'[slot]}_wind' or '{name}:standard_name={('east', 'north')[slot]}ward_wind'"
             )
-        self.explained[
-            name
-        ] += (
-            f", {(kinds[0] if kinds[0] == 'along' else ('eastward', 'northward')[slot]) if kinds else 'along the axes'}"
-        )
+        how = {"along": "along the grid", "eastward": ("eastward", "northward")[slot]}
+        self.explained[name] += f", {how[kinds[0]] if kinds else 'along the axes'}"
         if against[0] < 1e-6:
             return values
         if kinds == ["along"] and numpy.any(numpy.sin(place.along[1] - place.along[0]) < 0):
             raise InputError(
                 f"{self.path}: '{name}' is along a grid whose rows run the other way round than its columns; say how "
-                f"it "
-                f"is directed: --attribute '{name}:standard_name={('east', 'north')[slot]}ward_wind', or turn the "
-                f"rows: "
-                f"ncpdq -a -{self._fields[name][1]}"
+                f"it is directed: --attribute '{name}:standard_name={('east', 'north')[slot]}ward_wind', or turn the "
+                f"rows: ncpdq -a -{self._fields[name][1]}"
             )
         parts = [values * numpy.cos(known[0]), values * numpy.sin(known[0]), 0 * values]
         return numpy.stack(parts, axis=-1)
+
+    def vector_of(self, name):
+        match = re.fullmatch(r"(|.*_)(eastward|northward|x|y)_(.+)", self.data.text(name, "standard_name"))
+        return match and (match[1] + match[3], int(match[2] in ("northward", "y")))
 
     def _check_axes(self, name):
         """Raise InputError for a variable that would be a field without one of its axes."""

@@ -1,5 +1,6 @@
 """Gridded files of every form as xarray's variables, and which convention a file follows."""
 
+import argparse
 import logging
 import re
 
@@ -18,12 +19,34 @@ IRREGULAR = {  # GRIB's grids that have no rows and columns, and what makes regu
 
 
 def open_source(path, options, grids=()):
-    from . import cf, mesh, ocean, wrf
-
     variables, attributes = _variables(path)
     for grid in grids:
         variables = _variables(grid)[0] | variables
-    data = Data(path, variables, attributes, options.attribute)
+    return _source(Data(path, variables, attributes, options.attribute), options)
+
+
+def grids_of(data):
+    """The grids of a Dataset of xarray of one moment, as keyword arguments of vdblic.Grid; its velocity is one of them."""
+    from ..resample import flow_at
+    from ..velocity import chosen
+
+    encode = needed("xarray").conventions.encode_cf_variable
+    variables = {str(name): encode(data[name].variable, name=name) for name in data.variables}
+    source = _source(Data("the Dataset", variables, data.attrs, {}), argparse.Namespace(dt=1.0))
+    names, _ = chosen(source.arrays(0), (), source.velocity(0), source.path)
+
+    def usual(flow):
+        target = flow.usual_target()
+        target.check()
+        return target
+
+    velocity, _, active, _, target = flow_at(source, 0, names, (), usual, source.path)
+    return [{"values": velocity, "active": active, "transform": target.matrix, "origin": target.first, "name": "velocity"}]
+
+
+def _source(data, options):
+    from . import cf, mesh, ocean, wrf
+
     if {"PH", "PHB"} <= set(data.variables):
         return wrf.WrfFile(data, options)
     if mesh.is_mesh(data):

@@ -24,8 +24,7 @@ class Data:
                 if self.sizes.setdefault(dimension, size) != size:
                     raise InputError(
                         f"{path}: '{name}' has {size} values along '{dimension}', others {self.sizes[dimension]}: its "
-                        f"grid "
-                        "is another one"
+                        "grid is another one"
                     )
         self.answered = answers.keys() & variables.keys()
         for name in self.answered:

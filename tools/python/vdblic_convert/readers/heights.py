@@ -111,8 +111,7 @@ def vertical(source, field, dimensions, step, there):
         if data.text(axis, "standard_name") == "sea_water_pressure" or pressure.max() > MOST_PRESSURE:
             raise InputError(
                 f"{source.path}: '{axis}' is a pressure of up to {pressure.max():g} Pa, which is none of air; depths "
-                f"in "
-                f"the sea are not computed from it; if a decibar may count as a metre: --attribute '{axis}:units=m' "
+                f"in the sea are not computed from it; if a decibar may count as a metre: --attribute '{axis}:units=m' "
                 f"'{axis}:standard_name=depth'"
             )
         if z is None:

@@ -62,11 +62,12 @@ class OceanFile(Gridded):
         water = self._water(step)
         x, y, columns, turn = self._horizontal(step, water)
         fields = {name: self._centred(name, step, water)[..., columns] for name in names}
-        for slot, name in enumerate(velocity):
-            if name not in names:
-                continue
-            fields[name] = self.in_unit(name, fields[name], "m/s", "m/s", f"component {'xyz'[slot]}")
+        for name in names:
+            slot = velocity.index(name) if name in velocity else (self.vector_of(name) or (None, 2))[1]
+            if name in velocity:
+                fields[name] = self.in_unit(name, fields[name], "m/s", "m/s", f"component {'xyz'[slot]}")
             if slot < 2 and not re.fullmatch(EASTWARD, self.data.text(name, "standard_name")):
+                self.explained.setdefault(name, f"'{name}' is carried")
                 angle = turn + slot * numpy.pi / 2
                 fields[name] = numpy.stack(
                     [fields[name] * numpy.cos(angle), fields[name] * numpy.sin(angle), 0 * fields[name]], axis=-1
@@ -76,6 +77,11 @@ class OceanFile(Gridded):
         if self._levels:
             z = by_formula(self, self._levels, step, water, METRES)[0][..., columns]
         return [(grid_of(x, y, z, fields), names)]
+
+    def vector_of(self, name):
+        dims = self.data.variables[name].dims
+        faces = [axis for axis, words in FACES.items() if re.fullmatch(words, dims[axis - 3])]
+        return (re.sub("[uv]", "", name, 1), 2 - faces[0]) if len(faces) == 1 else None
 
     def _levels_of_roms(self):
         """The formula of levels that only ROMS's own variables tell."""
