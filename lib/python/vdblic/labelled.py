@@ -68,7 +68,7 @@ def _of_xarray(data, voxel_size):
         raise ValueError(f"the data have a dimension '{time}'; choose one moment, as .isel({time}=0) does")
     arrays = [data]
     if hasattr(data, "data_vars"):
-        arrays = [array for array in data.data_vars.values() if _axes(array).keys() == set("xyz") and _has_lengths(array)]
+        arrays = [a for a in data.data_vars.values() if _axes(a).keys() == set("xyz") and _has_lengths(a)]
     metadata = {}
     if arrays:
         grids = [_grid_of_array(array, voxel_size, metadata) for array in arrays]
@@ -76,7 +76,8 @@ def _of_xarray(data, voxel_size):
         try:
             grids, metadata = _by_the_reader("dataset").grids_of(data), {"length_unit": "m"}
         except ValueError as error:  # which names options of the tool
-            raise ValueError(re.sub(r"--attribute '(.+?):(\w+)=(.+?)'", r"data['\1'].attrs['\2'] = '\3'", str(error))) from None
+            mend = r"data['\1'].attrs['\2'] = '\3'"
+            raise ValueError(re.sub(r"--attribute '(.+?):(\w+)=(.+?)'", mend, str(error))) from None
     if time in data.coords:
         metadata |= clock(_moment(data, time))
     return grids, metadata
@@ -187,8 +188,8 @@ def _converted(values, unit, wanted, what):
         return _by_the_reader("units").converted(values, unit, wanted)
     except ValueError:
         raise ValueError(
-            f"{what} are in '{unit}'; give them in {wanted} or what converts to it, times as xarray.decode_cf makes them "
-            f"{_ADVICE}"
+            f"{what} are in '{unit}'; give them in {wanted} or what converts to it, times as xarray.decode_cf makes "
+            f"them {_ADVICE}"
         ) from None
 
 

@@ -115,9 +115,9 @@ def _size_by_cells(cells, box):
 def flow_at(source, step, names, carry, choose, path):
     """A step of a source at the voxels of the grid that `choose` makes of its Flow.
 
-    Returns the velocity (x, y, z, 3), the carried values by name, where all have values, the least share of cells in which
-    there is a voxel, and the grid. A component along a turned grid is a share of the vector: that of the velocity, or of
-    two that are carried together.
+    Returns the velocity (x, y, z, 3), the carried values by name, where all have values, the least share of cells in
+    which there is a voxel, and the grid. A component along a turned grid is a share of the vector: that of the velocity,
+    or of two that are carried together.
     """
     volumes, mask, met, target = {}, True, 1.0, None
     for data, own in source.parts(step, (*names, *(name for name in carry if name not in names)), names):
@@ -144,8 +144,8 @@ def flow_at(source, step, names, carry, choose, path):
         if len(pair) < 2:
             (slot, name), = pair.items()
             raise InputError(
-                f"{path}: '{name}' is the component {'xy'[slot]} of a vector along a grid that is turned; carry the other "
-                f"one, too: --carry {name},NAME"
+                f"{path}: '{name}' is the component {'xy'[slot]} of a vector along a grid that is turned; carry the "
+                f"other one, too: --carry {name},NAME"
             )
         vector = volumes[pair[0]] + volumes[pair[1]]
         volumes |= {name: vector[..., slot : slot + 1] for slot, name in pair.items()}

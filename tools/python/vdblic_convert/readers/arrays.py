@@ -1,7 +1,7 @@
 """Arrays without names for their axes: NumPy's files, HDF5 and MATLAB's.
 
-Their order is told by --layout. NumPy's files with `origin`, `voxel_size`, `matrix`, `active` or axes are in the order of
-vdblic_export: [x, y, z] or [time, x, y, z], with the components of a vector last. Beside its fields a file may hold
+Their order is told by --layout. NumPy's files with `origin`, `voxel_size`, `matrix`, `active` or axes are in the order
+of vdblic_export: [x, y, z] or [time, x, y, z], with the components of a vector last. Beside its fields a file may hold
 `time` (seconds or dates, one a step), `origin` (centre of voxel 0 0 0), `voxel_size` (one or three lengths), `matrix`
 (4 × 4, indices to world space, in place of both), or the axes `x`, `y` and `z`, and `active` (a mask). Values that are
 not finite are left out.
@@ -176,7 +176,7 @@ def _order(path, name, array, layout, told):
     shape = numpy.shape(array)
     if array.dtype.kind not in "fiu":
         if array.dtype.kind == "c" and name.rpartition("/")[2] in VECTORS:
-            raise InputError(f"{path}: no array is a field: '{name}' has complex numbers, and a velocity has real ones")
+            raise InputError(f"{path}: no array is a field: '{name}' has complex numbers, a velocity has real ones")
         return ""
     if layout:
         for left_out in "", "c", "t", "tc":
@@ -187,12 +187,13 @@ def _order(path, name, array, layout, told):
     if len(shape) < 3:
         return ""
     vector = shape[-1] == 3 and len(shape) > 3
-    usual = {3: "xyz", 4: "xyzc" if vector else "txyz", 5: "txyzc"}.get(len(shape), "")
-    if told and (vector or name.rpartition("/")[2] not in VECTORS or len(name) == 1):
-        return usual
-    first = {4: "cxyz", 5: "tcxyz"}.get(len(shape)) if 3 in shape[:2] and not vector else None
+    is_velocity = name.rpartition("/")[2] in VECTORS and len(name) > 1
+    if told and (vector or not is_velocity):
+        return {3: "xyz", 4: "xyzc" if vector else "txyz", 5: "txyzc"}.get(len(shape), "")
+    place = "first" if is_velocity and shape[-1] not in (2, 3) else "last" if is_velocity or vector else "none"
+    likely = {"first": ("cxy", "cxyz", "tcxyz"), "last": ("xyc", "xyzc", "txyzc"), "none": ("xyz", "txyz", "xyz")}[place]
     reverse = "" if path.suffix.lower() in NUMPY else ", MATLAB's order reversed in MATLAB's files"
     raise InputError(
-        f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout {first or usual or 'xyz'}, or "
-        f"other letters of t (time), c (component), x, y and z{reverse}"
+        f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout "
+        f"{likely[min(len(shape), 5) - 3]}, or other letters of t (time), c (component), x, y and z{reverse}"
     )

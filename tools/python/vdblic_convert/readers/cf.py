@@ -171,9 +171,9 @@ class CfFile(Gridded):
         other = [d for d in long if self._axes[d] is None]
         if other and {"X", "Y"} <= {self._axes[d] for d in long}:
             raise InputError(
-                f"{self.path}: the axis '{other[0]}' of '{name}' is of no known kind; say it: --attribute '{other[0]}:"
-                f"units=days since 2000-01-01' for the time, '{other[0]}:axis=Z' for the levels; of members or runs keep "
-                f"one: ncks -d {other[0]},0, or of GRIB grib_copy -w {other[0]}=1"
+                f"{self.path}: the axis '{other[0]}' of '{name}' is of no known kind; say it: --attribute "
+                f"'{other[0]}:units=days since 2000-01-01' for the time, '{other[0]}:axis=Z' for levels; of members "
+                f"keep one: ncks -d {other[0]},0, or of GRIB grib_copy -w {other[0]}=1"
             )
 
     def _space(self, name):

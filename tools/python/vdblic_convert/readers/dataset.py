@@ -26,7 +26,7 @@ def open_source(path, options, grids=()):
 
 
 def grids_of(data):
-    """The grids of a Dataset of xarray of one moment, as keyword arguments of vdblic.Grid; its velocity is one of them."""
+    """The velocity of a Dataset of xarray of one moment, in a list of keyword arguments of vdblic.Grid."""
     from ..resample import flow_at
     from ..velocity import chosen
 
@@ -41,7 +41,8 @@ def grids_of(data):
         return target
 
     velocity, _, active, _, target = flow_at(source, 0, names, (), usual, source.path)
-    return [{"values": velocity, "active": active, "transform": target.matrix, "origin": target.first, "name": "velocity"}]
+    place = {"transform": target.matrix, "origin": target.first}
+    return [{"values": velocity, "active": active, "name": "velocity"} | place]
 
 
 def _source(data, options):

@@ -5,7 +5,7 @@ import re
 import numpy
 
 from ..errors import InputError, needed
-from ..units import converted
+from ..units import converted, measures
 from . import Source
 from .times import is_date, seconds_of, seconds_of_texts
 
@@ -69,8 +69,8 @@ class Gridded(Source):
             if not options.dt:
                 name = self._time_variable() or self.time
                 raise InputError(
-                    f"{self.path}: its times cannot be read: {error}; say it anew: --attribute '{name}:units=days since "
-                    f"2000-01-01' '{name}:calendar=standard', or give the spacing by --dt"
+                    f"{self.path}: its times cannot be read: {error}; say it anew: --attribute "
+                    f"'{name}:units=days since 2000-01-01' '{name}:calendar=standard', or give the spacing by --dt"
                 ) from None
             super().__init__(data.path, [None] * data.sizes.get(self.time, 1))
 
@@ -105,7 +105,7 @@ class Gridded(Source):
         with numpy.errstate(invalid="ignore"):
             wrong = numpy.abs(values) > 9e36  # what NetCDF fills with where no fill value is declared
             for bound, beyond in (low, numpy.less), (high, numpy.greater):
-                if bound is not None:  # of the unpacked values if it is of their type, which is wider than the packed one
+                if bound is not None:  # of the unpacked values if it is of their type, no whole number
                     packed = numpy.result_type(bound).kind in "iu" or raw is values
                     wrong |= beyond(raw if packed else values, float(bound))
         return numpy.where(wrong, numpy.nan, values).squeeze()
@@ -163,7 +163,8 @@ class Gridded(Source):
             return found
         for name, variable in self.data.variables.items():
             own = self.data.text(name, "standard_name"), self.data.text(name, "units")
-            if variable.dims == dimensions and not own[0] and name not in self.used and _may_be(own[1], units):
+            may_be = not own[1] or measures(own[1], *units)
+            if variable.dims == dimensions and not own[0] and name not in self.used and may_be:
                 raise InputError(
                     f"{self.path}: '{name}' may be the {standard_names[0]}, but has no standard_name; say: --attribute "
                     f"'{name}:standard_name={standard_names[0]}', or =other"
@@ -258,9 +259,3 @@ class Gridded(Source):
         ranked = [(rank(name), name) for name in self.data.variables]
         ranked = [(value, name) for value, name in ranked if value is not None]
         return min(ranked, key=lambda pair: pair[0])[1] if ranked else None
-
-
-def _may_be(unit, units):
-    from ..units import measures
-
-    return not unit or measures(unit, *units)

@@ -131,8 +131,11 @@ class OceanFile(Gridded):
         values = values if self._levels else values[None]
         if values.shape[0] == self._shape[0] + 1:
             values = (values[1:] + values[:-1]) / 2
-        counts = {axis: count for axis, count in enumerate(self._shape) if axis and (  # a face follows each cell but the last
-            values.shape[axis] < count or re.fullmatch(FACES[axis], dims[axis]))}  # fmt: skip
+        counts = {  # of cells along axes on whose faces the values lie, one after each cell
+            axis: self._shape[axis]
+            for axis, words in FACES.items()
+            if values.shape[axis] < self._shape[axis] or re.fullmatch(words, dims[axis])
+        }
         wet = water
         for axis in counts:
             rest = [(0, 1) if i == axis - 1 else (0, 0) for i in range(2)]

@@ -27,8 +27,8 @@ TURNED = 0.005  # rad: a grid that is turned by less lies along the meridians
 
 @dataclasses.dataclass
 class Place:
-    """x and y in metres, axes or (y, x); `columns` puts a field's columns in their order, `torn` are points (y, x) whose
-    cells the edge of the plane tears.
+    """x and y in metres, axes or (y, x); `columns` puts a field's columns in their order, `torn` are points (y, x)
+    whose cells the edge of the plane tears.
 
     `eastward` and `along` are the directions of the grid's axes, two angles each: of what is eastward and northward,
     against the world's x, and of what is along the grid; None where they are unknown.
@@ -177,7 +177,8 @@ def _on_earth(source, longitude, latitude, names):
             apart = numpy.abs(numpy.diff(longitude, axis=axis)) > 120
             torn |= numpy.pad(apart, [(0, 1) if i == axis else (0, 0) for i in range(2)])
         if torn.any():
-            source.notes().append(f"{numpy.count_nonzero(torn)} points by a pole are left out: the plane tears their cells")
+            count = numpy.count_nonzero(torn)
+            source.notes().append(f"{count} points by a pole are left out: the plane tears their cells")
     elif names[0] not in source.explained:
         for name, values in zip(names, (longitude, latitude)):
             source.explain(name, "an axis on the Earth", "degrees", values)
