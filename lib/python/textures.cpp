@@ -5,7 +5,6 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/printable.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/run/lead_in.h"
 #include "vdblic/run/run_outputs.h"
 #include "vdblic/run/texture_file.h"
 
@@ -53,29 +52,29 @@ Parameters advectParameters(AdvectParams& params)
 Textures::Textures(const py::dict& keywords, py::object frames, py::function tell)
     : mFrames(std::move(frames)), mTell(std::move(tell))
 {
-    setFrom(keywords, advectParameters(mParams));
-    if (mFrames.is_none() && mParams.flow.input.pattern == "-")
+    AdvectParams params;
+    setFrom(keywords, advectParameters(params));
+    if (mFrames.is_none() && params.flow.input.pattern == "-")
         throw ParameterError("paths on standard input are for the tools; name a file or a pattern");
-    mParams.output = "texture.vdb"; // which is not written
-    mParams.validate();
-    if (mFrames.is_none()) {
-        mParams = withLeadIn(mParams, *this);
-    } else {
-        // One file, as far as the run can tell.
-        mParams.flow.input = {.pattern = "frames", .steadyFrames = mParams.flow.input.steadyFrames};
-    }
-    mRun.emplace(mParams, source(), static_cast<Reporter&>(*this), mAlone);
+    params.output = "texture.vdb"; // which is not written
+    params.validate();
+    // Frames in memory are one file, as far as the run can tell.
+    if (!mFrames.is_none()) params.flow.input = {.pattern = "frames", .steadyFrames = params.flow.input.steadyFrames};
+    const FramesAround around = mFrames.is_none() ? framesAround(params.flow.input) : FramesAround{};
+    mPlan.emplace(resolve(std::move(params), around));
+    if (const std::string leadIn = leadInText(*mPlan); !leadIn.empty()) say(leadIn);
+    mRun.emplace(*mPlan, source(), static_cast<Reporter&>(*this), mAlone);
 }
 
 FrameSource Textures::source()
 {
-    const int steadyFrames = mParams.flow.input.steadyFrames;
+    const int steadyFrames = mPlan->input.steadyFrames;
     if (!mFrames.is_none()) {
         FrameSource source = [this] { return nextFrame(); };
         return steadyFrames > 1 ? steadySource(std::move(source), steadyFrames) : source;
     }
     std::size_t total = 0;
-    return openSequence(mParams.flow.input, mNoLines, total);
+    return openSequence(mPlan->input, mNoLines, total);
 }
 
 /// A frame of the iterator, whose errors become the caller's.
@@ -105,7 +104,7 @@ py::object Textures::next()
             if (!made) continue;
             const std::int64_t frame = made->frame.velocity.file.frame;
             file =
-                makeTextureFile(mParams, *made, textureNumber(*mFirst, frame, mParams.texture.substeps, made->substep));
+                makeTextureFile(*mPlan, *made, textureNumber(*mFirst, frame, mPlan->substeps(), made->substep));
         }
     }
     if (!file) return py::none();

@@ -35,7 +35,7 @@ class __attribute__((visibility("hidden"))) Textures : private Reporter { // as 
     [[nodiscard]] FrameSource source();
     [[nodiscard]] std::optional<FrameFile> nextFrame();
 
-    AdvectParams mParams;
+    std::optional<AdvectPlan> mPlan;
     pybind11::object mFrames;
     pybind11::function mTell;
     OneProcess mAlone;

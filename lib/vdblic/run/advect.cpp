@@ -6,7 +6,7 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/output_lock.h"
 #include "vdblic/run/frame_writer.h"
-#include "vdblic/run/lead_in.h"
+#include "vdblic/run/advect_plan.h"
 #include "vdblic/run/run_checkpoint.h"
 #include "vdblic/run/run_outputs.h"
 #include "vdblic/run/run_report.h"
@@ -15,7 +15,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -38,16 +37,16 @@ constexpr int kMostWriters = 8;
 /// A run over the frames of a sequence, from files to files.
 class Advection {
   public:
-    Advection(const AdvectParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
-        : mParams(params), mReporter(reporter), mExchange(exchange), mOutputs(params),
-          mCheckpoint(params, mOutputs, reporter, exchange),
-          mRun(params, openSequence(params.flow.input, lines, mTotal), reporter, exchange,
+    Advection(const AdvectPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange)
+        : mPlan(plan), mReporter(reporter), mExchange(exchange), mOutputs(plan),
+          mCheckpoint(plan, mOutputs, reporter, exchange),
+          mRun(plan, openSequence(plan.input, lines, mTotal), reporter, exchange,
                {[this](const LoadedFrame& frame) { noteFrame(frame); }, [this] { mCheckpoint.stepBegins(); }}),
-          mWriter(reporter, exchange, params.textures(mTotal - std::min(mTotal, std::size_t(params.leadInFrames()))),
-                  params.format.compression, params.flow.velocity.carry.empty() ? kMostWriters : 1)
+          mWriter(reporter, exchange, plan.textures(mTotal),
+                  plan.params.format.compression, plan.params.flow.velocity.carry.empty() ? kMostWriters : 1)
     {
         mOutputs.check(mWriter.total());
-        if (exchange.isFirst()) mLock.emplace(mOutputs.lock(), params.output);
+        if (exchange.isFirst()) mLock.emplace(mOutputs.lock(), plan.params.output);
     }
 
     void run()
@@ -63,7 +62,7 @@ class Advection {
             if (!mRun.isDone()) saveIfDue();
         }
         mWriter.finish();
-        if (!mParams.keepCheckpoint) mCheckpoint.remove();
+        if (!mPlan.params.keepCheckpoint) mCheckpoint.remove();
         report(watch.lap());
     }
 
@@ -73,7 +72,7 @@ class Advection {
         try {
             mWriter.finishWriting();
             const std::uint64_t made = mRun.steps();
-            const bool isWritten = mWriter.done() == mParams.texturesDone(made);
+            const bool isWritten = mWriter.done() == mPlan.texturesDone(made);
             std::array<double, 2> steps = {double(made), -double(made)};
             mExchange.max(steps); // a rank may have failed in the middle of a step
             if (mExchange.any(!mCheckpoint.isUnsaved() || !isWritten || steps[0] != -steps[1])) return;
@@ -117,7 +116,7 @@ class Advection {
     void beforeLast()
     {
         mWriter.finish();
-        if (mParams.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mRun.texture());
+        if (mPlan.params.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mRun.texture());
     }
 
     void saveIfDue()
@@ -134,7 +133,7 @@ class Advection {
         mReport.frames.push_back(
             {number, made.step.domain->voxelCount(), made.step.stats, frame.seconds, made.step.times});
         mReporter.detail(frameLine(mReport.frames.back()));
-        TextureFile file = makeTextureFile(mParams, made, number);
+        TextureFile file = makeTextureFile(mPlan, made, number);
         made.step.texture = {}; // its grid is freed as soon as its leaves are stored
         Stopwatch watch;
         std::vector<OwnLeaves> own = mRun.shared().store(frame, file, mWriter.isMineNext());
@@ -157,10 +156,10 @@ class Advection {
             mReport.frames[i].write += mWriter.seconds()[i];
         for (const std::string& line : runLines(mReport))
             mReporter.detail(line);
-        if (!mParams.json.empty()) (void)writeReport(mParams.json, toJson(mReport));
+        if (!mPlan.params.json.empty()) (void)writeReport(mPlan.params.json, toJson(mReport));
     }
 
-    const AdvectParams& mParams;
+    const AdvectPlan& mPlan;
     Reporter& mReporter;
     Exchange& mExchange;
     RunOutputs mOutputs;
@@ -187,7 +186,7 @@ void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& r
 
 void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& reporter, Exchange& exchange)
 {
-    AdvectParams whole;
+    std::optional<AdvectPlan> plan;
     std::istringstream text;
     std::optional<Advection> advection;
     bool isRunning = false; // at every rank or at none
@@ -195,8 +194,9 @@ void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& r
         params.validate();
         const bool isShared = params.flow.input.pattern == "-" && !exchange.isAlone();
         if (isShared) text.str(exchange.broadcast(exchange.isFirst() ? textOf(lines) : ""));
-        whole = withLeadIn(params, reporter);
-        advection.emplace(whole, isShared ? text : lines, reporter, exchange);
+        plan.emplace(resolve(params, framesAround(params.flow.input)));
+        if (const std::string leadIn = leadInText(*plan); !leadIn.empty()) reporter.say(leadIn);
+        advection.emplace(*plan, isShared ? text : lines, reporter, exchange);
         exchange.agree();
         isRunning = true;
         advection->run();

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstddef>
 #include <string_view>
 
 namespace vdblic {
@@ -171,51 +170,6 @@ std::vector<std::string> AdvectParams::derivedScalars() const
     std::erase(scalars, kVelocityName);
     std::erase(scalars, kHitsGrid);
     return scalars;
-}
-
-int AdvectParams::prerollFrames() const
-{
-    return preroll.value_or(method().preroll(*this));
-}
-
-std::uint64_t AdvectParams::prerollSteps() const
-{
-    return std::uint64_t(prerollFrames()) * std::uint64_t(texture.substeps);
-}
-
-int AdvectParams::leadInFrames() const
-{
-    return leadIn.value_or(method().leadIn(*this));
-}
-
-int AdvectParams::finishTaps() const
-{
-    return finish.value_or(method().finish);
-}
-
-std::uint64_t AdvectParams::warmUpSteps() const
-{
-    return prerollSteps() + std::uint64_t(leadIn.value_or(0)) * std::uint64_t(texture.substeps);
-}
-
-std::uint64_t AdvectParams::framesDone(std::uint64_t steps) const
-{
-    return (std::max(steps, prerollSteps()) - prerollSteps()) / std::uint64_t(texture.substeps);
-}
-
-std::uint64_t AdvectParams::texturesDone(std::uint64_t steps) const
-{
-    return std::max(steps, warmUpSteps()) - warmUpSteps();
-}
-
-int AdvectParams::substep(std::uint64_t steps) const
-{
-    return int((std::max(steps, prerollSteps()) - prerollSteps()) % std::uint64_t(texture.substeps));
-}
-
-std::size_t AdvectParams::textures(std::size_t frames) const
-{
-    return frames > 0 ? (frames - 1) * std::size_t(texture.substeps) + 1 : 0;
 }
 
 } // namespace vdblic

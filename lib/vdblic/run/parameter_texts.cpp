@@ -2,18 +2,18 @@
 
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 
 #include <fmt/format.h>
 
 namespace vdblic {
 
-ParameterTexts parameterTexts(const AdvectParams& params)
+ParameterTexts parameterTexts(const AdvectPlan& plan)
 {
-    AdvectParams chosen = params;
-    chosen.preroll = params.prerollFrames();
-    chosen.leadIn = params.leadInFrames();
-    chosen.finish = params.finishTaps();
+    AdvectParams chosen = plan.params;
+    chosen.preroll = plan.preroll;
+    chosen.leadIn = plan.leadIn;
+    chosen.finish = plan.finish;
     ParameterTexts texts;
     for (const Parameter& parameter : parametersOf(chosen)) {
         if (!parameter.info.isContent) continue;
@@ -23,7 +23,7 @@ ParameterTexts parameterTexts(const AdvectParams& params)
         texts.emplace_back(parameter.key, text);
     }
     // What no tool sets.
-    const FeedbackParams& feedback = params.texture.feedback;
+    const FeedbackParams& feedback = plan.params.texture.feedback;
     texts.emplace_back("mean_along_flow", fmt::format("{}", feedback.taps));
     texts.emplace_back("deviation", fmt::format("{}", feedback.deviation));
     return texts;

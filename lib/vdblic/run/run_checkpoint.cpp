@@ -10,7 +10,7 @@
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/methods/flow_texture.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 #include "vdblic/run/run_outputs.h"
 #include "vdblic/run/texture_file.h"
 
@@ -56,9 +56,9 @@ void removeCheckpoint(const std::filesystem::path& path, std::error_code& error)
 
 } // namespace
 
-RunCheckpoint::RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter, Exchange& exchange)
-    : mParams(params), mOutputs(outputs), mReporter(reporter), mExchange(exchange), mParameters(parameterTexts(params)),
-      mSchedule(params.checkpointEvery)
+RunCheckpoint::RunCheckpoint(const AdvectPlan& plan, RunOutputs& outputs, Reporter& reporter, Exchange& exchange)
+    : mPlan(plan), mOutputs(outputs), mReporter(reporter), mExchange(exchange), mParameters(parameterTexts(plan)),
+      mSchedule(plan.params.checkpointEvery)
 {
 }
 
@@ -67,13 +67,13 @@ std::optional<Checkpoint> RunCheckpoint::find()
     const bool isThere = isFinished(mOutputs.checkpoint()), isKnown = isCheckpoint(mOutputs.checkpoint());
     mExchange.agree(); // before rank 0 removes it
     if (isThere && !isKnown) refuseForeign();
-    if (isThere && !mParams.resume && !mParams.restart) {
+    if (isThere && !mPlan.params.resume && !mPlan.params.restart) {
         throw ParameterError(
             fmt::format("{}: an earlier run left this checkpoint; go on from it with `resume`, or remove "
                         "it and start from the beginning with `restart`",
                         mOutputs.checkpoint().string()));
     }
-    if (!mParams.resume) return std::nullopt;
+    if (!mPlan.params.resume) return std::nullopt;
     if (!isThere) {
         mReporter.say(fmt::format("no {}: starting from the beginning", mOutputs.checkpoint().string()));
         return std::nullopt;
@@ -93,14 +93,14 @@ void RunCheckpoint::refuseForeign() const
     } catch (const InputError& error) {
         found = fmt::format("{}; it is damaged, or no checkpoint of vdblic_advect", error.what());
     }
-    if (mParams.resume) throw InputError(found + ": copy it again, or move it away to start from the beginning");
+    if (mPlan.params.resume) throw InputError(found + ": copy it again, or move it away to start from the beginning");
     throw ParameterError(found + ", and one would replace it: move it away, or give another `output`");
 }
 
 std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& checkpoint, FlowSequence& flow)
 {
-    const int substeps = mParams.texture.substeps;
-    const std::uint64_t frames = mParams.framesDone(checkpoint.position.steps);
+    const int substeps = mPlan.substeps();
+    const std::uint64_t frames = mPlan.framesDone(checkpoint.position.steps);
     std::vector<std::filesystem::path> outputs;
     for (std::uint64_t i = 0; i < frames; ++i) {
         const std::optional<FrameFile> file = flow.skip();
@@ -110,7 +110,7 @@ std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& che
                              fmt::format("has {} frames done, the input has only {} now: give all of them", frames, i));
         }
         noteInput(file->path, flow.stampOf(*file));
-        if (i < std::uint64_t(mParams.leadInFrames())) continue;
+        if (i < std::uint64_t(mPlan.leadIn)) continue;
         mOutputs.startAt(file->frame);
         addFinished(*file, substeps, outputs);
     }
@@ -123,7 +123,7 @@ void RunCheckpoint::addFinished(const FrameFile& file, int substeps, std::vector
     for (int substep = 0; substep < substeps; ++substep) {
         outputs.push_back(mOutputs.texture(file.frame, substep));
         if (!mExchange.isFirst()) continue; // which tells of them
-        const std::string fault = faultOf(outputs.back(), mOutputs.number(file.frame, substep), mParams);
+        const std::string fault = faultOf(outputs.back(), mOutputs.number(file.frame, substep), mPlan);
         if (fault.empty()) continue;
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("tells that {} was finished, but {}: put it back",
                                                             outputs.back().string(), fault));
@@ -132,7 +132,7 @@ void RunCheckpoint::addFinished(const FrameFile& file, int substeps, std::vector
 
 void RunCheckpoint::checkEnds(const Checkpoint& checkpoint, const FrameFile& last) const
 {
-    if (mParams.substep(checkpoint.position.steps) == 0) return;
+    if (mPlan.substep(checkpoint.position.steps) == 0) return;
     refuseCheckpoint(
         mOutputs.checkpoint(),
         fmt::format("is past frame {}, but the input ends there: give the frame range of the first run", last.frame));
@@ -142,8 +142,8 @@ void RunCheckpoint::restore(const Checkpoint& checkpoint, const LoadedFrame& fra
                             std::vector<std::filesystem::path>& outputs) const
 {
     const RunPosition& position = checkpoint.position;
-    if (mParams.framesDone(position.steps) >= std::uint64_t(mParams.leadInFrames()))
-        addFinished(frame.velocity.file, mParams.substep(position.steps), outputs);
+    if (mPlan.framesDone(position.steps) >= std::uint64_t(mPlan.leadIn))
+        addFinished(frame.velocity.file, mPlan.substep(position.steps), outputs);
     auto state = checkpoint.states.begin();
     auto part = checkpoint.parts.begin();
     const auto isElsewhere = [&](const CheckpointPart& one) {
@@ -156,7 +156,7 @@ void RunCheckpoint::restore(const Checkpoint& checkpoint, const LoadedFrame& fra
     };
     try {
         if (auto* const memory = dynamic_cast<TextureMemory*>(&texture))
-            memory->restore(position.steps, position.interval / mParams.texture.substeps, frame.domain.texture, next);
+            memory->restore(position.steps, position.interval / mPlan.substeps(), frame.domain.texture, next);
     } catch (const InputError& error) {
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("{}: copy it again", error.what()));
     }
@@ -200,7 +200,7 @@ void RunCheckpoint::write(const FlowTexture& texture)
     Checkpoint checkpoint{unsaved.position, mInputs, {}};
     // A step depends on the frames at both ends of its interval and on none after them.
     const std::size_t lastStep = std::max(unsaved.position.steps, std::uint64_t(1)) - 1;
-    checkpoint.inputs.resize(std::min<std::size_t>(mParams.framesDone(lastStep) + 2, mInputs.size()));
+    checkpoint.inputs.resize(std::min<std::size_t>(mPlan.framesDone(lastStep) + 2, mInputs.size()));
     try {
         if (mExchange.isAlone() && partsOf(texture) == 1) {
             checkpoint.states.push_back(stateOf(texture, 0, *unsaved.transform).file);

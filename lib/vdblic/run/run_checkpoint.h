@@ -19,7 +19,7 @@
 
 namespace vdblic {
 
-struct AdvectParams;
+struct AdvectPlan;
 class FlowSequence;
 class FlowTexture;
 struct FrameFile;
@@ -32,7 +32,7 @@ class RunCheckpoint {
   public:
     /// All arguments must outlive this. @throws ParameterError
     /// @param exchange with the ranks that share the run; find(), write() and remove() are collective
-    RunCheckpoint(const AdvectParams& params, RunOutputs& outputs, Reporter& reporter, Exchange& exchange);
+    RunCheckpoint(const AdvectPlan& plan, RunOutputs& outputs, Reporter& reporter, Exchange& exchange);
 
     // Going on from the checkpoint of an interrupted run, in the order of the calls.
 
@@ -87,7 +87,7 @@ class RunCheckpoint {
     void removeParts(std::optional<std::uint64_t> but) const;
     void addFinished(const FrameFile& file, int substeps, std::vector<std::filesystem::path>& outputs) const;
 
-    const AdvectParams& mParams;
+    const AdvectPlan& mPlan;
     RunOutputs& mOutputs;
     Reporter& mReporter;
     Exchange& mExchange;

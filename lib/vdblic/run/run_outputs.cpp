@@ -5,7 +5,7 @@
 #include "vdblic/io/checkpoint_mark.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/output_pattern.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 
 #include <fmt/format.h>
 
@@ -21,17 +21,18 @@ namespace vdblic {
 namespace {
 
 /// Runs over parts of a sequence have checkpoints of their own, so that they can share a folder.
-std::string checkpointName(const AdvectParams& params)
+std::string checkpointName(const AdvectPlan& plan)
 {
-    if (params.leadIn.value_or(0) == 0 && params.framesBefore == 0) return "checkpoint";
-    const std::int64_t first = selectedFrames(params.flow.input).at(std::size_t(params.leadIn.value_or(0)));
+    if (plan.leadIn == 0 && plan.framesBefore == 0) return "checkpoint";
+    const std::int64_t first = selectedFrames(plan.input).at(std::size_t(plan.leadIn));
     return fmt::format("checkpoint.{:04}", first);
 }
 
 } // namespace
 
-RunOutputs::RunOutputs(const AdvectParams& params)
-    : mParams(params), mTextures(params.output), mCheckpoint(mTextures.companion(checkpointName(params)))
+RunOutputs::RunOutputs(const AdvectPlan& plan)
+    : mPlan(plan), mParams(plan.params), mTextures(plan.params.output),
+      mCheckpoint(mTextures.companion(checkpointName(plan)))
 {
 }
 
@@ -50,7 +51,7 @@ std::int64_t textureNumber(std::int64_t first, std::int64_t frame, int substeps,
 
 std::int64_t RunOutputs::number(std::int64_t frame, int substep) const
 {
-    return textureNumber(mFirst.value_or(frame), frame, mParams.texture.substeps, substep);
+    return textureNumber(mFirst.value_or(frame), frame, mPlan.substeps(), substep);
 }
 
 std::filesystem::path RunOutputs::lock() const
@@ -90,11 +91,11 @@ void RunOutputs::check(std::size_t textures)
 {
     if (textures > 0) checkOutputPattern(mTextures, textures);
     checkCheckpoint(mCheckpoint); // RunCheckpoint::find() tells of a file that is there
-    if (mParams.flow.input.pattern != "-") {
-        const std::vector<std::int64_t> frames = selectedFrames(mParams.flow.input);
-        for (auto frame = frames.begin() + mParams.leadIn.value_or(0); frame != frames.end(); ++frame) {
+    if (mPlan.input.pattern != "-") {
+        const std::vector<std::int64_t> frames = selectedFrames(mPlan.input);
+        for (auto frame = frames.begin() + mPlan.leadIn; frame != frames.end(); ++frame) {
             startAt(*frame);
-            for (int substep = 0; substep < mParams.texture.substeps; ++substep)
+            for (int substep = 0; substep < mPlan.substeps(); ++substep)
                 checkReplaceable(texture(*frame, substep));
         }
     }
@@ -110,8 +111,8 @@ void RunOutputs::checkInputs(const FrameFile& velocity) const
     for (std::string& reference : references) {
         if (!reference.empty()) reference = parseGridReference(reference).path.string();
     }
-    if (mParams.flow.input.pattern != "-") references.push_back(mParams.flow.input.pattern);
-    for (int substep = 0; substep < mParams.texture.substeps; ++substep) {
+    if (mPlan.input.pattern != "-") references.push_back(mPlan.input.pattern);
+    for (int substep = 0; substep < mPlan.substeps(); ++substep) {
         const std::int64_t output = number(velocity.frame, substep);
         std::vector<std::filesystem::path> inputs = {velocity.path};
         for (const std::string& reference : references) {

@@ -11,6 +11,7 @@
 namespace vdblic {
 
 struct AdvectParams;
+struct AdvectPlan;
 
 /// The number of a texture: the first frame keeps its number, and substeps count on.
 /// @param substep its number after the frame. @throws ParameterError if the number is too large
@@ -19,8 +20,8 @@ struct AdvectParams;
 /// The files that a run over a sequence writes: textures, a checkpoint beside them, and a report if one is wanted.
 class RunOutputs {
   public:
-    /// @param params must outlive this. @throws ParameterError if the output is no pattern
-    explicit RunOutputs(const AdvectParams& params);
+    /// @param plan must outlive this. @throws ParameterError if the output is no pattern
+    explicit RunOutputs(const AdvectPlan& plan);
 
     /// Number the outputs from the sequence's first frame; later calls change nothing.
     void startAt(std::int64_t frame) { mFirst = mFirst.value_or(frame); }
@@ -49,6 +50,7 @@ class RunOutputs {
     void checkInputs(const FrameFile& velocity) const;
 
   private:
+    const AdvectPlan& mPlan;
     const AdvectParams& mParams;
     FramePattern mTextures;
     std::optional<std::int64_t> mFirst;

@@ -5,7 +5,7 @@
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/flow/frame_halo.h"
 #include "vdblic/methods/flow_texture.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 #include "vdblic/run/displacements.h"
 
 #include <fmt/format.h>
@@ -81,7 +81,7 @@ void SharedRun::surround(LoadedFrame& start, LoadedFrame& end, double seconds, c
     std::array<float, 3> displacement{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         displacement[axis] = std::max(before[int(axis)], after[int(axis)]);
-    const std::array<float, 3> path = texture.farthestPath(displacement, seconds / mParams.texture.substeps);
+    const std::array<float, 3> path = texture.farthestPath(displacement, seconds / mPlan.substeps());
     Farthest farthest{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         farthest.path[axis] = path[axis] + float(start.domain.refinement.factors[axis]) - 1;
@@ -103,7 +103,7 @@ std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& f
     std::vector<OwnLeaves> stored;
     for (std::size_t i = 0; i < file.computed; ++i) {
         const Domain& domain = i < file.onTexture ? *file.domain : *frame.domain.velocity;
-        stored.push_back(storeOwn(domain, *file.grids[i], mParams.format.compression));
+        stored.push_back(storeOwn(domain, *file.grids[i], mPlan.params.format.compression));
         if (isWriter) file.grids[i] = withoutValues(domain, *file.grids[i]);
     }
     return stored;

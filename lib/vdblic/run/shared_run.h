@@ -16,7 +16,7 @@
 
 namespace vdblic {
 
-struct AdvectParams;
+struct AdvectPlan;
 class FlowTexture;
 
 /// What the ranks of a run tell each other about its frames. All functions but store() are collective, and do nothing
@@ -24,7 +24,7 @@ class FlowTexture;
 class SharedRun {
   public:
     /// Both must outlive this.
-    SharedRun(const AdvectParams& params, Exchange& exchange) : mParams(params), mExchange(exchange) {}
+    SharedRun(const AdvectPlan& plan, Exchange& exchange) : mPlan(plan), mExchange(exchange) {}
 
     /// Check that all ranks read the same frame. @param stamp of the frame, empty if there is none. @throws InputError
     void checkSame(const std::string& stamp) const;
@@ -50,7 +50,7 @@ class SharedRun {
     [[nodiscard]] std::vector<OwnLeaves> store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const;
 
   private:
-    const AdvectParams& mParams;
+    const AdvectPlan& mPlan;
     Exchange& mExchange;
     double mLeastImbalance = 1;          // that the last attempt to cut anew found possible
     std::vector<openvdb::Coord> mDepths; // of the ranks' halos [texture voxels]

@@ -15,7 +15,7 @@
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/lic/finish.h"
 #include "vdblic/lic/hits.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 #include "vdblic/run/texture_run.h"
 #include "vdblic/run/velocity_output.h"
 
@@ -77,8 +77,9 @@ openvdb::FloatTree::Ptr wholeTree(const Domain& domain, const openvdb::FloatTree
 }
 
 /// @param refinement of the texture that was made
-openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement& refinement)
+openvdb::MetaMap parameterMetadata(const AdvectPlan& plan, const Refinement& refinement)
 {
+    const AdvectParams& params = plan.params;
     openvdb::MetaMap metadata;
     metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.textureName));
     const TextureParams& texture = params.texture;
@@ -90,10 +91,10 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement&
     metadata.insertMeta("interpolation", openvdb::StringMetadata(std::string(nameOf(refinement.interpolation))));
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
-    metadata.insertMeta("finish", openvdb::Int32Metadata(params.finishTaps()));
+    metadata.insertMeta("finish", openvdb::Int32Metadata(plan.finish));
     if (!texture.method->isSteady) {
-        metadata.insertMeta("preroll", openvdb::Int32Metadata(params.prerollFrames()));
-        if (params.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(params.leadInFrames()));
+        metadata.insertMeta("preroll", openvdb::Int32Metadata(plan.preroll));
+        if (plan.framesBefore > 0) metadata.insertMeta("lead_in", openvdb::Int32Metadata(plan.leadIn));
     }
     if (params.noise.empty()) {
         metadata.insertMeta("seed", openvdb::Int64Metadata(params.seed));
@@ -105,15 +106,16 @@ openvdb::MetaMap parameterMetadata(const AdvectParams& params, const Refinement&
 
 } // namespace
 
-TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::int64_t number)
+TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64_t number)
 {
+    const AdvectParams& params = plan.params;
     const LoadedFrame& frame = made.frame;
     const VelocityFrame& velocity = frame.velocity;
     const openvdb::Mat3d toWorldPerSecond = velocity.toWorldPerSecond(made.interval);
     const openvdb::math::Transform::Ptr ofTexture = made.transform();
     const openvdb::math::Transform& transform = *ofTexture;
     const openvdb::FloatTree::Ptr texture = finish(frame.flow(), velocity.toVoxelsPerStep(made.interval),
-                                                   std::move(made.step.texture), {params.finishTaps()})
+                                                   std::move(made.step.texture), {plan.finish})
                                                 .tree();
     const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
     std::vector<openvdb::FloatGrid::Ptr> scalars =
@@ -155,7 +157,7 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
     file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : hasSecond ? 2 : 1;
     file.domain = made.step.domain;
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
-    file.metadata = parameterMetadata(params, made.step.refinement);
+    file.metadata = parameterMetadata(plan, made.step.refinement);
     for (auto chosen = made.step.metadata.beginMeta(); chosen != made.step.metadata.endMeta(); ++chosen)
         file.metadata.insertMeta(chosen->first, *chosen->second);
     if (!velocity.sourceCreator.empty())
@@ -173,7 +175,7 @@ TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::i
     return file;
 }
 
-std::string faultOf(const std::filesystem::path& output, std::int64_t number, const AdvectParams& params)
+std::string faultOf(const std::filesystem::path& output, std::int64_t number, const AdvectPlan& plan)
 {
     if (!isFinished(output)) return "it is not there";
     try {
@@ -182,8 +184,8 @@ std::string faultOf(const std::filesystem::path& output, std::int64_t number, co
         const auto frame = found.getMetadata<openvdb::Int64Metadata>("frame");
         if (!frame || frame->value() != number)
             return frame ? fmt::format("it is frame {}", frame->value()) : "it is no texture";
-        const Refinement& refinement = params.flow.domain.refinement;
-        const openvdb::MetaMap wanted = parameterMetadata(params, refinement);
+        const Refinement& refinement = plan.params.flow.domain.refinement;
+        const openvdb::MetaMap wanted = parameterMetadata(plan, refinement);
         for (auto entry = wanted.beginMeta(); entry != wanted.endMeta(); ++entry) {
             if (entry->first == "refine" && !refinement.isGiven) continue; // the first frame may have chosen it
             const openvdb::Metadata::ConstPtr value = found[entry->first];

@@ -10,7 +10,7 @@
 
 namespace vdblic {
 
-struct AdvectParams;
+struct AdvectPlan;
 class Domain;
 struct RunTexture;
 
@@ -32,10 +32,10 @@ struct TextureFile {
 /// @param made   shares its grids with the result; its texture is moved
 /// @param number of the output
 /// Computed in parallel; the result does not depend on the number of threads.
-[[nodiscard]] TextureFile makeTextureFile(const AdvectParams& params, RunTexture& made, std::int64_t number);
+[[nodiscard]] TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64_t number);
 
-/// Why a file cannot be the whole texture of a number that a run with these parameters has finished; empty if it can.
+/// Why a file cannot be the whole texture of a number that a run by this plan has finished; empty if it can.
 /// Reads all of its bytes, for their checksums.
-[[nodiscard]] std::string faultOf(const std::filesystem::path& output, std::int64_t number, const AdvectParams& params);
+[[nodiscard]] std::string faultOf(const std::filesystem::path& output, std::int64_t number, const AdvectPlan& plan);
 
 } // namespace vdblic

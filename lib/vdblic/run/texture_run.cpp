@@ -25,19 +25,20 @@ std::unique_ptr<FlowTexture> makeTexture(const AdvectParams& params)
 }
 
 /// The flow as the textures need it: streaks are traced on the velocity's own voxels.
-FlowSequenceParams flowOf(const AdvectParams& params)
+FlowSequenceParams flowOf(const AdvectPlan& plan)
 {
-    FlowSequenceParams flow = params.flow;
-    if (params.method().isSparse) flow.domain.refinement = {};
+    FlowSequenceParams flow = plan.params.flow;
+    flow.input = plan.input;
+    if (plan.method().isSparse) flow.domain.refinement = {};
     return flow;
 }
 
 } // namespace
 
-TextureRun::TextureRun(const AdvectParams& params, FrameSource source, Reporter& reporter, Exchange& exchange,
+TextureRun::TextureRun(const AdvectPlan& plan, FrameSource source, Reporter& reporter, Exchange& exchange,
                        Hooks hooks)
-    : mParams(params), mReporter(reporter), mExchange(exchange), mHooks(std::move(hooks)), mShared(params, exchange),
-      mTexture(makeTexture(params)), mFlow(flowOf(params), std::move(source), reporter, exchange)
+    : mPlan(plan), mReporter(reporter), mExchange(exchange), mHooks(std::move(hooks)), mShared(plan, exchange),
+      mTexture(makeTexture(plan.params)), mFlow(flowOf(plan), std::move(source), reporter, exchange)
 {
 }
 
@@ -46,7 +47,7 @@ void TextureRun::open()
     mCurrent = nextFrame();
     mReporter.checkStop(); // a stop may be what ended standard input
     if (!mCurrent) {
-        const bool isStream = mParams.flow.input.pattern == "-";
+        const bool isStream = mPlan.input.pattern == "-";
         throw InputError(isStream ? "no frame to compute: standard input named none" : "no frame to compute");
     }
     mNext = nextFrame();
@@ -57,10 +58,10 @@ void TextureRun::begin()
     const std::optional<LoadedFrame>& end = mNext ? mNext : mAfter;
     mInterval = mFlow.intervalAfter(*mCurrent, end ? &*end : nullptr);
     // Added up, as by a run over all frames.
-    for (int i = 0; i < mParams.framesBefore; ++i)
+    for (int i = 0; i < mPlan.framesBefore; ++i)
         mTime += mInterval.seconds;
     mTime = mCurrent->velocity.time.value_or(mTime);
-    if (mParams.voxelsPerFrame) setMotion(motionFor(*mParams.voxelsPerFrame));
+    if (mPlan.params.voxelsPerFrame) setMotion(motionFor(*mPlan.params.voxelsPerFrame));
     chooseVoxels();
     start();
 }
@@ -80,7 +81,7 @@ void TextureRun::goOn(const RunPosition& position)
     mTime = position.time;
     mInterval = {position.interval, "as before"};
     mFlow.setSpacing(position.frameSpacing);
-    mSubstep = mParams.substep(position.steps);
+    mSubstep = mPlan.substep(position.steps);
     setMotion(position.motion);
     start();
 }
@@ -116,9 +117,9 @@ void TextureRun::start()
 void TextureRun::checkMemoryFor(const LoadedFrame& first) const
 {
     const double bytes =
-        mParams.method().bytes(mParams, first.domain, mParams.flow.domain.refinement, mParams.writesHits());
+        mPlan.method().bytes(mPlan.params, first.domain, mPlan.params.flow.domain.refinement, mPlan.params.writesHits());
     const std::string voxels = fmt::format("{} {} voxels", first.domain.texture->voxelCount(),
-                                           mParams.method().isSparse ? "velocity" : "texture");
+                                           mPlan.method().isSparse ? "velocity" : "texture");
     const std::string each = mExchange.isAlone() ? "" : fmt::format(" each for {} ranks", mExchange.size());
     const std::string text = fmt::format("{}: about {} of memory{}", voxels, memoryText(bytes), each);
     first.domain.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
@@ -151,7 +152,7 @@ std::optional<LoadedFrame> TextureRun::nextFrame()
 
 bool TextureRun::hasStep()
 {
-    if (mNext && mSubstep == mParams.texture.substeps) {
+    if (mNext && mSubstep == mPlan.substeps()) {
         mTime += mInterval.seconds;
         mCurrent = std::move(mNext);
         mNext = nextFrame();
@@ -163,7 +164,7 @@ bool TextureRun::hasStep()
 
 std::optional<RunTexture> TextureRun::step()
 {
-    if (mSteps < mParams.prerollSteps()) {
+    if (mSteps < mPlan.prerollSteps()) {
         mShared.surround(*mCurrent, *mCurrent, mInterval.seconds, *mTexture);
         (void)advance(*mCurrent, *mCurrent, *mCurrent, false);
         return std::nullopt;
@@ -181,8 +182,8 @@ std::optional<RunTexture> TextureRun::stepBetweenFrames()
         mStart = at(mSubstep);
     }
     LoadedFrame end = at(mSubstep + 1);
-    const bool isWritten = mSteps >= mParams.warmUpSteps();
-    const double time = mTime + mSubstep * mInterval.seconds / mParams.texture.substeps;
+    const bool isWritten = mSteps >= mPlan.warmUpSteps();
+    const double time = mTime + mSubstep * mInterval.seconds / mPlan.substeps();
     RunTexture made{*mStart, mSubstep, time, mInterval.seconds, advance(*mStart, end, *mNext, isWritten)};
     mStart = std::move(end);
     ++mSubstep;
@@ -194,7 +195,7 @@ std::optional<RunTexture> TextureRun::stepBetweenFrames()
 /// The flow at a substep between the current frame and the next.
 LoadedFrame TextureRun::at(int substep) const
 {
-    const int substeps = mParams.texture.substeps;
+    const int substeps = mPlan.substeps();
     return substep == 0          ? *mCurrent
            : substep == substeps ? *mNext
                                  : frameBetween(*mCurrent, *mNext, double(substep) / substeps);
@@ -206,7 +207,7 @@ RunTexture TextureRun::lastStep()
     LoadedFrame& last = *mCurrent;
     LoadedFrame end = last;
     if (mAfter) {
-        const int substeps = mParams.texture.substeps;
+        const int substeps = mPlan.substeps();
         mInterval = mFlow.intervalAfter(last, &*mAfter);
         mShared.surround(last, *mAfter, mInterval.seconds, *mTexture);
         end = substeps == 1 ? *mAfter : frameBetween(last, *mAfter, 1.0 / substeps);
@@ -234,7 +235,7 @@ FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame&
 {
     if (mExchange.any(mReporter.stopRequested())) throw Stopped{};
     if (mHooks.stepBegins) mHooks.stepBegins();
-    const double substeps = mParams.texture.substeps;
+    const double substeps = mPlan.substeps();
     const std::unique_ptr<const LeafOwners> owners = mShared.ownersOf(start);
     const double interval = mInterval.seconds;
     const FlowFrame from = start.flow(), to = end.flow(), first = mCurrent->flow(), last = next.flow();
@@ -247,14 +248,14 @@ FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame&
     FlowTextureStep made =
         mTexture->advance({from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
                            end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners,
-                           &whole, isShown, isShown && mParams.writesHits()});
+                           &whole, isShown, isShown && mPlan.params.writesHits()});
     ++mSteps;
     return made;
 }
 
 RunPosition TextureRun::position() const
 {
-    const bool isNextFrame = mNext && mSubstep == mParams.texture.substeps;
+    const bool isNextFrame = mNext && mSubstep == mPlan.substeps();
     return {mSteps, mInterval.seconds, isNextFrame ? mTime + mInterval.seconds : mTime, mFlow.spacing(),
             mCurrent->velocity.motion};
 }
@@ -279,7 +280,7 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
                                    frame.velocity.file.label(), frame.velocity.gridName, largest));
     }
     // A streak's tail suits the displacement.
-    if (mParams.method().isSparse || mParams.method().isSteady || largest <= kLargeDisplacement ||
+    if (mPlan.method().isSparse || mPlan.method().isSteady || largest <= kLargeDisplacement ||
         mWarnedOfDisplacement)
         return;
     const double faster = mShared.fasterDisplacement(frame, seconds);

@@ -5,7 +5,7 @@
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/methods/flow_texture.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 #include "vdblic/run/checkpoint.h"
 #include "vdblic/run/shared_run.h"
 
@@ -48,7 +48,7 @@ class TextureRun {
 
     /// All references must outlive this. @param source of the frames
     /// @throws ParameterError; InputError if the noise cannot be read
-    TextureRun(const AdvectParams& params, FrameSource source, Reporter& reporter, Exchange& exchange,
+    TextureRun(const AdvectPlan& plan, FrameSource source, Reporter& reporter, Exchange& exchange,
                Hooks hooks = {});
 
     /// Read the first frames. @throws InputError, also if there is none
@@ -65,7 +65,7 @@ class TextureRun {
     [[nodiscard]] bool hasStep();
     [[nodiscard]] bool isDone() const { return mIsDone; } ///< whether the last step is made
     /// Whether the step to make is of the last frame. After hasStep().
-    [[nodiscard]] bool isLast() const { return !mNext && mSteps >= mParams.prerollSteps(); }
+    [[nodiscard]] bool isLast() const { return !mNext && mSteps >= mPlan.prerollSteps(); }
     /// Make a step. @return its texture; nothing if it only prepares those to come
     /// @throws Stopped before the step if the reporter asks for that; InputError
     [[nodiscard]] std::optional<RunTexture> step();
@@ -95,7 +95,7 @@ class TextureRun {
                                           bool isShown);
     void warnOfOddFlow(const LoadedFrame& frame, double seconds);
 
-    const AdvectParams& mParams;
+    const AdvectPlan& mPlan;
     Reporter& mReporter;
     Exchange& mExchange;
     Hooks mHooks;

@@ -8,6 +8,7 @@
 #include "vdblic/methods/lic/lic.h"
 #include "vdblic/methods/registry.h"
 #include "vdblic/run/advect.h"
+#include "vdblic/run/advect_plan.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -75,7 +76,7 @@ TEST_P(Substeps, EqualTheFramesBetween)
     const auto advance = [&](const FlowFrame& start, const FlowFrame& end) {
         return pipeline->advance({start, end, toStep, toStep, 1.0 / kSubsteps}).texture;
     };
-    for (std::uint64_t i = 0; i < params.prerollSteps(); ++i)
+    for (std::uint64_t i = 0; i < resolve(params).prerollSteps(); ++i)
         (void)advance(dense[0], dense[0]);
     for (std::size_t k = 0; k < dense.size(); ++k) {
         const auto expected = advance(dense[k], dense[std::min(k + 1, dense.size() - 1)]);

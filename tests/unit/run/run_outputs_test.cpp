@@ -2,7 +2,7 @@
 
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,8 @@ TEST(RunOutputs, NamesTheCheckpointBesideTheTextures)
 {
     AdvectParams params;
     params.output = "folder/lic.%04d.vdb";
-    const RunOutputs outputs(params);
+    const AdvectPlan plan = resolve(params);
+    const RunOutputs outputs(plan);
     EXPECT_EQ(outputs.texture(7, 0), "folder/lic.0007.vdb");
     EXPECT_EQ(outputs.checkpoint(), "folder/checkpoint.lic.vdb");
 }
@@ -29,7 +30,8 @@ TEST(RunOutputs, CountSubstepsFromTheFirstFrame)
     AdvectParams params;
     params.output = "lic.%04d.vdb";
     params.texture.substeps = 12;
-    RunOutputs outputs(params);
+    const AdvectPlan plan = resolve(params);
+    RunOutputs outputs(plan);
     outputs.startAt(-3);
     outputs.startAt(5); // has no effect
     EXPECT_EQ(outputs.number(-3, 0), -3);
@@ -49,7 +51,7 @@ TEST(RunOutputs, MustDiffer)
     params.output = (folder / "lic.%04d.vdb").string();
     const auto check = [&](const std::string& report) {
         params.json = report.empty() ? "" : (folder / report).string();
-        RunOutputs(params).check(2);
+        RunOutputs(resolve(params)).check(2);
     };
     EXPECT_NO_THROW(check(""));
     EXPECT_NO_THROW(check("report.json"));
@@ -61,8 +63,8 @@ TEST(RunOutputs, MustDiffer)
     params = {};
     params.flow.input.pattern = (folder / "v.0001.vdb").string();
     params.output = (folder / "lic.vdb").string();
-    EXPECT_NO_THROW(RunOutputs(params).check(1));
-    EXPECT_THROW(RunOutputs(params).check(2), ParameterError);
+    EXPECT_NO_THROW(RunOutputs(resolve(params)).check(1));
+    EXPECT_THROW(RunOutputs(resolve(params)).check(2), ParameterError);
 }
 
 TEST(RunOutputs, OfSubstepsReplaceNoLaterInput)
@@ -72,13 +74,13 @@ TEST(RunOutputs, OfSubstepsReplaceNoLaterInput)
         folder.add(name, "content");
     AdvectParams params;
     params.flow.input.pattern = params.output = (folder / "v.%04d.vdb").string();
-    EXPECT_THROW(RunOutputs(params).checkInputs({1, folder / "v.0001.vdb"}), ParameterError);
+    EXPECT_THROW(RunOutputs(resolve(params)).checkInputs({1, folder / "v.0001.vdb"}), ParameterError);
     params.output = (folder / "v.%03d.vdb").string();
     params.texture.substeps = 2;
-    EXPECT_NO_THROW(RunOutputs(params).checkInputs({1, folder / "v.0001.vdb"}));
+    EXPECT_NO_THROW(RunOutputs(resolve(params)).checkInputs({1, folder / "v.0001.vdb"}));
     params.output = (folder / "v.0%03d.vdb").string();
-    EXPECT_NO_THROW(RunOutputs(params).checkInputs({5, folder / "elsewhere.vdb"}));
-    EXPECT_THROW(RunOutputs(params).checkInputs({2, folder / "elsewhere.vdb"}), ParameterError);
+    EXPECT_NO_THROW(RunOutputs(resolve(params)).checkInputs({5, folder / "elsewhere.vdb"}));
+    EXPECT_THROW(RunOutputs(resolve(params)).checkInputs({2, folder / "elsewhere.vdb"}), ParameterError);
 }
 
 TEST(RunOutputs, ReplaceNoInput)
@@ -89,7 +91,7 @@ TEST(RunOutputs, ReplaceNoInput)
     const auto check = [&](const std::string& velocity, AdvectParams params) {
         params.output = (folder / "a.%04d.vdb").string();
         params.json = (folder / "report.json").string();
-        RunOutputs(params).checkInputs({3, folder / velocity});
+        RunOutputs(resolve(params)).checkInputs({3, folder / velocity});
     };
     EXPECT_NO_THROW(check("v.0003.vdb", {}));
     for (const char* output : {"a.0003.vdb", "checkpoint.a.vdb", "report.json"}) {

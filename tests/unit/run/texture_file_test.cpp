@@ -3,7 +3,7 @@
 #include "methods/test_flow.h"
 #include "vdblic/flow/flow_sequence.h"
 #include "vdblic/methods/lic/lic.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 #include "vdblic/run/texture_run.h"
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
     const auto texture = made.step.texture.tree();
     const openvdb::math::Transform::Ptr finer = made.frame.textureTransform();
 
-    const TextureFile file = makeTextureFile(params, made, 5);
+    const TextureFile file = makeTextureFile(resolve(params), made, 5);
     EXPECT_EQ(namesOf(file), (std::vector<std::string>{"texture", "hits", "magnitude", "vorticity", "q", "smoke"}));
     EXPECT_EQ(file.grids[0]->transform(), *finer);
     EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[0])->treePtr(), texture);
@@ -84,7 +84,7 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
 TEST(TextureFile, MagnitudeIsInWorldUnitsPerSecond)
 {
     RunTexture made = turningTexture();
-    const TextureFile file = makeTextureFile({}, made, 1);
+    const TextureFile file = makeTextureFile(resolve({}), made, 1);
     const auto magnitude = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[1]);
     EXPECT_EQ(magnitude->activeVoxelCount(), made.frame.domain.velocity->voxelCount());
     for (auto voxel = magnitude->cbeginValueOn(); voxel; ++voxel) {
@@ -99,7 +99,7 @@ TEST(TextureFile, TellsItsTimeAndParameters)
     AdvectParams params;
     params.texture.lifeSpan = 6;
     params.texture.substeps = 4;
-    openvdb::MetaMap metadata = makeTextureFile(params, made, 5).metadata;
+    openvdb::MetaMap metadata = makeTextureFile(resolve(params), made, 5).metadata;
     EXPECT_EQ(metadata.metaValue<std::int64_t>("frame"), 5);
     EXPECT_EQ(metadata.metaValue<double>("source_frame"), 3.75);
     EXPECT_EQ(metadata.metaValue<double>("time"), 1.5);
@@ -109,7 +109,7 @@ TEST(TextureFile, TellsItsTimeAndParameters)
     EXPECT_EQ(metadata.metaValue<std::int32_t>("preroll"), 6);
     params.texture.method = &kLic;
     made = turningTexture();
-    metadata = makeTextureFile(params, made, 5).metadata;
+    metadata = makeTextureFile(resolve(params), made, 5).metadata;
     EXPECT_EQ(metadata.metaValue<std::string>("method"), "lic");
     EXPECT_FALSE(metadata["sharpen"]); // steady LIC has no feedback
 }
