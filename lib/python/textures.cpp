@@ -63,7 +63,12 @@ Textures::Textures(const py::dict& keywords, py::object frames, py::function tel
     const FramesAround around = mFrames.is_none() ? framesAround(params.flow.input) : FramesAround{};
     mPlan.emplace(resolve(std::move(params), around));
     if (const std::string leadIn = leadInText(*mPlan); !leadIn.empty()) say(leadIn);
-    mRun.emplace(*mPlan, source(), static_cast<Reporter&>(*this), mAlone);
+    mRun.emplace(*mPlan, source(), static_cast<Reporter&>(*this), mAlone, static_cast<RunObserver&>(*this));
+}
+
+void Textures::frameRead(const LoadedFrame& frame)
+{
+    if (!mFirst) mFirst = frame.velocity.file.frame;
 }
 
 FrameSource Textures::source()
@@ -94,17 +99,15 @@ py::object Textures::next()
     std::optional<TextureFile> file;
     {
         const py::gil_scoped_release release;
-        if (!mFirst) {
-            mRun->open();
-            mRun->begin();
-            mFirst = mRun->firstFrame().velocity.file.frame;
+        if (mNext) {
+            ++*mNext;
+        } else {
+            mNext = mRun->begin();
         }
-        while (!file && mRun->hasStep()) {
-            std::optional<RunTexture> made = mRun->step();
-            if (!made) continue;
-            const std::int64_t frame = made->frame.velocity.file.frame;
-            file =
-                makeTextureFile(*mPlan, *made, textureNumber(*mFirst, frame, mPlan->substeps(), made->substep));
+        if (*mNext != mRun->end()) {
+            RunTexture& made = **mNext;
+            const std::int64_t frame = made.frame.velocity.file.frame;
+            file = makeTextureFile(*mPlan, made, textureNumber(*mFirst, frame, mPlan->substeps(), made.substep));
         }
     }
     if (!file) return py::none();

@@ -18,7 +18,7 @@ namespace vdblic::python {
 
 /// The textures of a velocity sequence, one after the other, from files or from volumes of Python, to volumes of
 /// Python. Ctrl-C ends it before the next step. Not thread-safe.
-class __attribute__((visibility("hidden"))) Textures : private Reporter { // as what it holds
+class __attribute__((visibility("hidden"))) Textures : private Reporter, private RunObserver { // as what it holds
   public:
     /// @param frames an iterator over lists of grids as dictionaries and their metadata; None: files by `input`
     /// @param tell   called with a kind, `said` or `warned`, and a message
@@ -32,6 +32,7 @@ class __attribute__((visibility("hidden"))) Textures : private Reporter { // as 
     void warn(std::string_view message) override { tell("warned", message); }
     [[nodiscard]] bool stopRequested() const override;
     void tell(const char* kind, std::string_view message);
+    void frameRead(const LoadedFrame& frame) override;
     [[nodiscard]] FrameSource source();
     [[nodiscard]] std::optional<FrameFile> nextFrame();
 
@@ -41,7 +42,8 @@ class __attribute__((visibility("hidden"))) Textures : private Reporter { // as 
     OneProcess mAlone;
     std::istringstream mNoLines; // of standard input
     std::optional<TextureRun> mRun;
-    std::int64_t mTaken = 0; // frames of the iterator
+    std::optional<TextureRun::Iterator> mNext; // nothing before the first
+    std::int64_t mTaken = 0;                   // frames of the iterator
     std::optional<std::int64_t> mFirst;
 };
 

@@ -5,8 +5,8 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/output_lock.h"
-#include "vdblic/run/frame_writer.h"
 #include "vdblic/run/advect_plan.h"
+#include "vdblic/run/frame_writer.h"
 #include "vdblic/run/run_checkpoint.h"
 #include "vdblic/run/run_outputs.h"
 #include "vdblic/run/run_report.h"
@@ -35,15 +35,14 @@ namespace {
 constexpr int kMostWriters = 8;
 
 /// A run over the frames of a sequence, from files to files.
-class Advection {
+class Advection : private RunObserver {
   public:
     Advection(const AdvectPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange)
         : mPlan(plan), mReporter(reporter), mExchange(exchange), mOutputs(plan),
           mCheckpoint(plan, mOutputs, reporter, exchange),
-          mRun(plan, openSequence(plan.input, lines, mTotal), reporter, exchange,
-               {[this](const LoadedFrame& frame) { noteFrame(frame); }, [this] { mCheckpoint.stepBegins(); }}),
-          mWriter(reporter, exchange, plan.textures(mTotal),
-                  plan.params.format.compression, plan.params.flow.velocity.carry.empty() ? kMostWriters : 1)
+          mRun(plan, openSequence(plan.input, lines, mTotal), reporter, exchange, *this),
+          mWriter(reporter, exchange, plan.textures(mTotal), plan.params.format.compression,
+                  plan.params.flow.velocity.carry.empty() ? kMostWriters : 1)
     {
         mOutputs.check(mWriter.total());
         if (exchange.isFirst()) mLock.emplace(mOutputs.lock(), plan.params.output);
@@ -51,19 +50,11 @@ class Advection {
 
     void run()
     {
-        start();
-        Stopwatch watch;
-        while (mRun.hasStep()) {
-            if (mRun.isLast()) beforeLast();
-            std::optional<RunTexture> made = mRun.step();
-            // Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
-            if (!mRun.isDone()) mCheckpoint.stepDone(mRun.position(), mRun.frame());
-            if (made) write(std::move(*made));
-            if (!mRun.isDone()) saveIfDue();
-        }
+        for (RunTexture& texture : mRun)
+            write(std::move(texture));
         mWriter.finish();
         if (!mPlan.params.keepCheckpoint) mCheckpoint.remove();
-        report(watch.lap());
+        report(mWatch.lap());
     }
 
     /// After an error or a request to stop: finish what is being written, and leave a checkpoint of what is finished.
@@ -86,25 +77,25 @@ class Advection {
 
   private:
     /// Begin with the first frame, or where an interrupted run was.
-    void start()
+    std::optional<RunPosition> begins(FlowSequence& flow) override
     {
-        const std::optional<Checkpoint> checkpoint = mCheckpoint.find();
-        std::vector<std::filesystem::path> outputs;
-        if (checkpoint) outputs = mCheckpoint.passOver(*checkpoint, mRun.flow());
-        mRun.open();
-        if (!checkpoint) {
-            mCheckpoint.remove();
-            return mRun.begin();
-        }
-        const LoadedFrame& frame = mRun.firstFrame();
-        if (mRun.isOnlyFrame()) mCheckpoint.checkEnds(*checkpoint, frame.velocity.file);
-        mCheckpoint.restore(*checkpoint, frame, mRun.texture(), outputs);
-        for (const std::filesystem::path& output : outputs)
-            mWriter.pass(output);
-        mRun.goOn(checkpoint->position);
+        mResumed = mCheckpoint.find();
+        if (!mResumed) return std::nullopt;
+        mFinished = mCheckpoint.passOver(*mResumed, flow);
+        return mResumed->position;
     }
 
-    void noteFrame(const LoadedFrame& frame)
+    void opened(const LoadedFrame& first, bool isOnly, FlowTexture& texture) override
+    {
+        if (!mResumed) return mCheckpoint.remove();
+        if (isOnly) mCheckpoint.checkEnds(*mResumed, first.velocity.file);
+        mCheckpoint.restore(*mResumed, first, texture, mFinished);
+        for (const std::filesystem::path& output : mFinished)
+            mWriter.pass(output);
+        mResumed.reset(); // with the state that it holds
+    }
+
+    void frameRead(const LoadedFrame& frame) override
     {
         const FrameFile& file = frame.velocity.file;
         mCheckpoint.noteInput(file.path, frame.stamp);
@@ -112,18 +103,30 @@ class Advection {
         mOutputs.checkInputs(file);
     }
 
-    /// Frames that are added later follow the last but one step: the last one has no frame to lead to.
-    void beforeLast()
+    void stepBegins() override
     {
-        mWriter.finish();
-        if (mPlan.params.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mRun.texture());
+        mCheckpoint.stepBegins();
+        if (!std::exchange(mHasBegun, true)) mWatch = Stopwatch();
     }
 
-    void saveIfDue()
+    /// Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
+    void stepDone(const RunPosition& position, const LoadedFrame& next) override
+    {
+        mCheckpoint.stepDone(position, next);
+    }
+
+    void textureDone() override
     {
         if (!mExchange.any(mExchange.isFirst() && mCheckpoint.isDue())) return;
         mWriter.finish(); // a checkpoint covers only outputs that are on disk
         mCheckpoint.write(mRun.texture());
+    }
+
+    /// Frames that are added later follow the last but one step: the last one has no frame to lead to.
+    void lastBegins() override
+    {
+        mWriter.finish();
+        if (mPlan.params.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mRun.texture());
     }
 
     void write(RunTexture made)
@@ -169,6 +172,10 @@ class Advection {
     TextureRun mRun;
     FrameWriter mWriter;
     RunReport mReport;
+    std::optional<Checkpoint> mResumed;           // until the run goes on from it
+    std::vector<std::filesystem::path> mFinished; // outputs of the interrupted run
+    Stopwatch mWatch;                             // since the first step
+    bool mHasBegun = false;
 };
 
 std::string textOf(std::istream& lines)

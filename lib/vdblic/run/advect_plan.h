@@ -35,8 +35,8 @@ struct AdvectPlan {
     [[nodiscard]] std::size_t textures(std::size_t frames) const;
 };
 
-/// Make the choices of a run. A lead-in from the sequence's first frame on follows the preroll, so the textures are those
-/// of a run over all frames; another one stands in for it.
+/// Make the choices of a run. A lead-in from the sequence's first frame on follows the preroll, so the textures are
+/// those of a run over all frames; another one stands in for it.
 /// @param params valid  @param around framesAround() the selected ones; of frames in memory none
 [[nodiscard]] AdvectPlan resolve(AdvectParams params, const FramesAround& around = {});
 

@@ -114,9 +114,9 @@ TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64
     const openvdb::Mat3d toWorldPerSecond = velocity.toWorldPerSecond(made.interval);
     const openvdb::math::Transform::Ptr ofTexture = made.transform();
     const openvdb::math::Transform& transform = *ofTexture;
-    const openvdb::FloatTree::Ptr texture = finish(frame.flow(), velocity.toVoxelsPerStep(made.interval),
-                                                   std::move(made.step.texture), {plan.finish})
-                                                .tree();
+    const openvdb::FloatTree::Ptr texture =
+        finish(frame.flow(), velocity.toVoxelsPerStep(made.interval), std::move(made.step.texture), {plan.finish})
+            .tree();
     const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
     std::vector<openvdb::FloatGrid::Ptr> scalars =
         derivedGrids(params.derivedScalars(), *frame.domain.velocity, *velocity.values, toWorldPerSecond);

@@ -36,12 +36,41 @@ FlowSequenceParams flowOf(const AdvectPlan& plan)
 } // namespace
 
 TextureRun::TextureRun(const AdvectPlan& plan, FrameSource source, Reporter& reporter, Exchange& exchange,
-                       Hooks hooks)
-    : mPlan(plan), mReporter(reporter), mExchange(exchange), mHooks(std::move(hooks)), mShared(plan, exchange),
+                       RunObserver& observer)
+    : mPlan(plan), mReporter(reporter), mExchange(exchange), mObserver(observer), mShared(plan, exchange),
       mTexture(makeTexture(plan.params)), mFlow(flowOf(plan), std::move(source), reporter, exchange)
 {
 }
 
+TextureRun::Iterator TextureRun::begin()
+{
+    const std::optional<RunPosition> from = mObserver.begins(mFlow);
+    open();
+    mObserver.opened(*mCurrent, !mNext, *mTexture);
+    from ? goOn(*from) : start();
+    mFlow.describe(*mCurrent, mInterval, mShared.largestDisplacement(*mCurrent, mInterval.seconds));
+    checkMemoryFor(*mCurrent);
+    advance();
+    return Iterator(*this);
+}
+
+/// Make steps up to the next texture.
+void TextureRun::advance()
+{
+    const bool hasMade = mMade.has_value();
+    mMade.reset();
+    if (hasMade && !mIsDone) mObserver.textureDone();
+    while (!mMade && !mIsDone) {
+        takeFrame();
+        if (!mNext && mSteps >= mPlan.prerollSteps()) mObserver.lastBegins();
+        mMade = step();
+        if (mIsDone) return;
+        mObserver.stepDone(position(), mStart ? *mStart : *mCurrent);
+        if (!mMade) mObserver.textureDone();
+    }
+}
+
+/// Read the first frames.
 void TextureRun::open()
 {
     mCurrent = nextFrame();
@@ -53,7 +82,8 @@ void TextureRun::open()
     mNext = nextFrame();
 }
 
-void TextureRun::begin()
+/// Start from the first frame.
+void TextureRun::start()
 {
     const std::optional<LoadedFrame>& end = mNext ? mNext : mAfter;
     mInterval = mFlow.intervalAfter(*mCurrent, end ? &*end : nullptr);
@@ -63,7 +93,6 @@ void TextureRun::begin()
     mTime = mCurrent->velocity.time.value_or(mTime);
     if (mPlan.params.voxelsPerFrame) setMotion(motionFor(*mPlan.params.voxelsPerFrame));
     chooseVoxels();
-    start();
 }
 
 /// Let a texture that adapts to the flow choose its voxels. @throws ParameterError
@@ -75,6 +104,7 @@ void TextureRun::chooseVoxels()
     mReporter.say(sparse->choose(*mCurrent->domain.velocity, displacement));
 }
 
+/// Start where an interrupted run was.
 void TextureRun::goOn(const RunPosition& position)
 {
     mSteps = position.steps;
@@ -83,7 +113,6 @@ void TextureRun::goOn(const RunPosition& position)
     mFlow.setSpacing(position.frameSpacing);
     mSubstep = mPlan.substep(position.steps);
     setMotion(position.motion);
-    start();
 }
 
 /// The factor, in three digits, with which the faster half of the current frame moves so many voxels.
@@ -107,17 +136,11 @@ void TextureRun::setMotion(double motion)
     }
 }
 
-void TextureRun::start()
-{
-    mFlow.describe(*mCurrent, mInterval, mShared.largestDisplacement(*mCurrent, mInterval.seconds));
-    checkMemoryFor(*mCurrent);
-}
-
 /// Tell how much memory the run takes; refuse a run that takes too much now, not after minutes.
 void TextureRun::checkMemoryFor(const LoadedFrame& first) const
 {
-    const double bytes =
-        mPlan.method().bytes(mPlan.params, first.domain, mPlan.params.flow.domain.refinement, mPlan.params.writesHits());
+    const double bytes = mPlan.method().bytes(mPlan.params, first.domain, mPlan.params.flow.domain.refinement,
+                                              mPlan.params.writesHits());
     const std::string voxels = fmt::format("{} {} voxels", first.domain.texture->voxelCount(),
                                            mPlan.method().isSparse ? "velocity" : "texture");
     const std::string each = mExchange.isAlone() ? "" : fmt::format(" each for {} ranks", mExchange.size());
@@ -142,7 +165,7 @@ std::optional<LoadedFrame> TextureRun::nextFrame()
     std::optional<LoadedFrame> frame = mFlow.next();
     mShared.checkSame(frame ? frame->stamp : "");
     if (frame) {
-        if (mHooks.frameRead) mHooks.frameRead(*frame);
+        mObserver.frameRead(*frame);
     } else {
         mAfter = mFlow.after();
         mShared.checkSame(mAfter ? mAfter->stamp : "");
@@ -150,23 +173,23 @@ std::optional<LoadedFrame> TextureRun::nextFrame()
     return frame;
 }
 
-bool TextureRun::hasStep()
+/// Go to the next frame after the last substep of one.
+void TextureRun::takeFrame()
 {
-    if (mNext && mSubstep == mPlan.substeps()) {
-        mTime += mInterval.seconds;
-        mCurrent = std::move(mNext);
-        mNext = nextFrame();
-        mStart.reset();
-        mSubstep = 0;
-    }
-    return !mIsDone;
+    if (!mNext || mSubstep < mPlan.substeps()) return;
+    mTime += mInterval.seconds;
+    mCurrent = std::move(mNext);
+    mNext = nextFrame();
+    mStart.reset();
+    mSubstep = 0;
 }
 
+/// Make a step. @return its texture; nothing if it only prepares those to come
 std::optional<RunTexture> TextureRun::step()
 {
     if (mSteps < mPlan.prerollSteps()) {
         mShared.surround(*mCurrent, *mCurrent, mInterval.seconds, *mTexture);
-        (void)advance(*mCurrent, *mCurrent, *mCurrent, false);
+        (void)makeStep(*mCurrent, *mCurrent, *mCurrent, false);
         return std::nullopt;
     }
     return mNext ? stepBetweenFrames() : lastStep();
@@ -184,7 +207,7 @@ std::optional<RunTexture> TextureRun::stepBetweenFrames()
     LoadedFrame end = at(mSubstep + 1);
     const bool isWritten = mSteps >= mPlan.warmUpSteps();
     const double time = mTime + mSubstep * mInterval.seconds / mPlan.substeps();
-    RunTexture made{*mStart, mSubstep, time, mInterval.seconds, advance(*mStart, end, *mNext, isWritten)};
+    RunTexture made{*mStart, mSubstep, time, mInterval.seconds, makeStep(*mStart, end, *mNext, isWritten)};
     mStart = std::move(end);
     ++mSubstep;
     if (!isWritten) return std::nullopt;
@@ -215,7 +238,7 @@ RunTexture TextureRun::lastStep()
         mShared.surround(last, end, mInterval.seconds, *mTexture);
     }
     mIsDone = true;
-    RunTexture made{last, 0, mTime, mInterval.seconds, advance(last, end, mAfter ? *mAfter : last, true)};
+    RunTexture made{last, 0, mTime, mInterval.seconds, makeStep(last, end, mAfter ? *mAfter : last, true)};
     warnOfOddFlow(made.frame, made.interval);
     return made;
 }
@@ -230,11 +253,11 @@ void TextureRun::balance(LoadedFrame& frame)
 }
 
 /// @param next frame on disk after the current one, at the end of the interval that the step is a part of
-FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
-                                    bool isShown)
+FlowTextureStep TextureRun::makeStep(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
+                                     bool isShown)
 {
     if (mExchange.any(mReporter.stopRequested())) throw Stopped{};
-    if (mHooks.stepBegins) mHooks.stepBegins();
+    mObserver.stepBegins();
     const double substeps = mPlan.substeps();
     const std::unique_ptr<const LeafOwners> owners = mShared.ownersOf(start);
     const double interval = mInterval.seconds;
@@ -253,6 +276,7 @@ FlowTextureStep TextureRun::advance(const LoadedFrame& start, const LoadedFrame&
     return made;
 }
 
+/// Where the run is between two steps.
 RunPosition TextureRun::position() const
 {
     const bool isNextFrame = mNext && mSubstep == mPlan.substeps();
@@ -280,8 +304,7 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
                                    frame.velocity.file.label(), frame.velocity.gridName, largest));
     }
     // A streak's tail suits the displacement.
-    if (mPlan.method().isSparse || mPlan.method().isSteady || largest <= kLargeDisplacement ||
-        mWarnedOfDisplacement)
+    if (mPlan.method().isSparse || mPlan.method().isSteady || largest <= kLargeDisplacement || mWarnedOfDisplacement)
         return;
     const double faster = mShared.fasterDisplacement(frame, seconds);
     if (faster <= kLargeDisplacement) return;

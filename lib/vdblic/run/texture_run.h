@@ -10,7 +10,7 @@
 #include "vdblic/run/shared_run.h"
 
 #include <cstddef>
-#include <functional>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -34,54 +34,73 @@ struct RunTexture {
     }
 };
 
-/// The textures of a velocity sequence, one step after the other: preroll, lead-in, every frame with its substeps, and
-/// the last one. It reads frames as it needs them, and writes nothing.
+/// What a run tells those who write its textures and checkpoints. All functions are called in the thread of the run, at
+/// all ranks alike; those that are not overridden do nothing.
+class RunObserver {
+  public:
+    virtual ~RunObserver() = default;
+
+    /// The run begins; no frame is read yet. @return where it goes on; nothing: with the first frame
+    [[nodiscard]] virtual std::optional<RunPosition> begins(FlowSequence& /*flow*/) { return std::nullopt; }
+    /// The first frames are read. A texture that goes on gets its state here. @param isOnly whether no other frame
+    /// follows
+    virtual void opened(const LoadedFrame& /*first*/, bool /*isOnly*/, FlowTexture& /*texture*/) {}
+    virtual void frameRead(const LoadedFrame& /*frame*/) {}
+    virtual void stepBegins() {}
+    /// A step is made that is not the last. @param next flow that the next step starts from
+    virtual void stepDone(const RunPosition& /*position*/, const LoadedFrame& /*next*/) {}
+    /// A step is made that is not the last, and its texture, if it has one to show, is passed on.
+    virtual void textureDone() {}
+    /// Only the step of the last frame is left.
+    virtual void lastBegins() {}
+};
+
+/// The textures of a velocity sequence, in order: a range that is passed through once.
 ///
-/// All functions that are not const are collective if several ranks share the run. Not thread-safe.
+///     for (RunTexture& texture : run) write(std::move(texture));
+///
+/// It makes the steps: preroll, lead-in, every frame with its substeps, and the last one. It reads frames as it needs
+/// them, and writes nothing. Advancing is collective if several ranks share the run. Not thread-safe.
 class TextureRun {
   public:
-    /// What the caller does at certain moments of the run; nothing if empty.
-    struct Hooks {
-        std::function<void(const LoadedFrame&)> frameRead;
-        std::function<void()> stepBegins;
+    class Iterator {
+      public:
+        explicit Iterator(TextureRun& run) : mRun(&run) {}
+        [[nodiscard]] RunTexture& operator*() const { return *mRun->mMade; }
+        Iterator& operator++()
+        {
+            mRun->advance();
+            return *this;
+        }
+        [[nodiscard]] bool operator==(std::default_sentinel_t /*end*/) const { return !mRun->mMade; }
+
+      private:
+        TextureRun* mRun;
     };
 
     /// All references must outlive this. @param source of the frames
     /// @throws ParameterError; InputError if the noise cannot be read
     TextureRun(const AdvectPlan& plan, FrameSource source, Reporter& reporter, Exchange& exchange,
-               Hooks hooks = {});
+               RunObserver& observer);
 
-    /// Read the first frames. @throws InputError, also if there is none
-    void open();
-    [[nodiscard]] const LoadedFrame& firstFrame() const { return *mCurrent; } ///< after open()
-    [[nodiscard]] bool isOnlyFrame() const { return !mNext; }                 ///< after open()
-
-    /// Start from the first frame. @throws InputError if the run needs more memory than it may take
-    void begin();
-    /// Start where an interrupted run was; texture() has its state. @throws as begin()
-    void goOn(const RunPosition& position);
-
-    /// Whether a step is left to make; reads a frame if the step needs one.
-    [[nodiscard]] bool hasStep();
-    [[nodiscard]] bool isDone() const { return mIsDone; } ///< whether the last step is made
-    /// Whether the step to make is of the last frame. After hasStep().
-    [[nodiscard]] bool isLast() const { return !mNext && mSteps >= mPlan.prerollSteps(); }
-    /// Make a step. @return its texture; nothing if it only prepares those to come
-    /// @throws Stopped before the step if the reporter asks for that; InputError
-    [[nodiscard]] std::optional<RunTexture> step();
-
-    /// Where the run is between two steps, and the flow that the next one starts from.
-    [[nodiscard]] RunPosition position() const;
-    [[nodiscard]] const LoadedFrame& frame() const { return mStart ? *mStart : *mCurrent; }
+    /// Read the first frames and make steps up to the first texture. Once.
+    /// @throws InputError, also if there is no frame, or the run needs more memory than it may take
+    /// @throws Stopped before a step if the reporter asks for that; so does the iterator
+    [[nodiscard]] Iterator begin();
+    [[nodiscard]] static std::default_sentinel_t end() { return {}; }
 
     [[nodiscard]] std::uint64_t steps() const { return mSteps; } ///< made, preroll included
-    [[nodiscard]] FlowTexture& texture() { return *mTexture; }
     [[nodiscard]] const FlowTexture& texture() const { return *mTexture; }
-    [[nodiscard]] FlowSequence& flow() { return mFlow; }
     [[nodiscard]] const SharedRun& shared() const { return mShared; }
 
   private:
+    void advance();
+    void open();
     void start();
+    void goOn(const RunPosition& position);
+    void takeFrame();
+    [[nodiscard]] std::optional<RunTexture> step();
+    [[nodiscard]] RunPosition position() const;
     void chooseVoxels();
     void setMotion(double motion);
     [[nodiscard]] double motionFor(double voxels) const;
@@ -91,18 +110,19 @@ class TextureRun {
     [[nodiscard]] LoadedFrame at(int substep) const;
     [[nodiscard]] std::optional<RunTexture> stepBetweenFrames();
     [[nodiscard]] RunTexture lastStep();
-    [[nodiscard]] FlowTextureStep advance(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
-                                          bool isShown);
+    [[nodiscard]] FlowTextureStep makeStep(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
+                                           bool isShown);
     void warnOfOddFlow(const LoadedFrame& frame, double seconds);
 
     const AdvectPlan& mPlan;
     Reporter& mReporter;
     Exchange& mExchange;
-    Hooks mHooks;
+    RunObserver& mObserver;
     SharedRun mShared;
     std::unique_ptr<FlowTexture> mTexture;
     FlowSequence mFlow;
     std::uint64_t mSteps = 0;
+    std::optional<RunTexture> mMade; // that the iterators show
     std::optional<LoadedFrame> mCurrent, mNext;
     std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
     std::optional<LoadedFrame> mStart; // of the next substep; nothing before an interval's first

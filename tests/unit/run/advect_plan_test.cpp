@@ -51,8 +51,9 @@ TEST(AdvectPlan, LetsALeadInStandInForThePreroll)
     EXPECT_EQ(selectedFrames(plan.input), (std::vector<std::int64_t>{4, 5, 6}));
     EXPECT_EQ(plan.framesBefore, 3);
     EXPECT_EQ(plan.preroll, 0);
-    EXPECT_EQ(leadInText(plan), "frame 4 is computed first and not written; with `lead_in` 4 the textures would be those "
-                                "of a run over all frames");
+    EXPECT_EQ(leadInText(plan),
+              "frame 4 is computed first and not written; with `lead_in` 4 the textures would be those "
+              "of a run over all frames");
 }
 
 TEST(AdvectPlan, CountsStepsAndTextures)
