@@ -76,7 +76,8 @@ std::optional<LoadedFrame> FlowSequence::next()
     lookAhead(file->contents ? std::launch::deferred : std::launch::async | std::launch::deferred);
     checkSuccession(frame.velocity);
     mLast = frame.flow();
-    if (!mExchange.isAlone()) mLast.domain = mLast.refinedFrom = nullptr; // parts of what the next frame needs
+    if (!mExchange.isAlone())
+        mLast.domain = mLast.refinedFrom = nullptr; // a rank's part: the next frame needs the whole
     for (const std::string& remark : frame.velocity.remarks)
         sayOnce(remark);
     return frame;

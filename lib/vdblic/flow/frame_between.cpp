@@ -39,7 +39,7 @@ class ValuesBetween {
     float mFraction;
 };
 
-/// Matrix from the stored values of one frame to those of another.
+/// Matrix from the stored unit of one frame to the stored unit of another.
 openvdb::Mat3s unitChange(const VelocityFrame& from, const VelocityFrame& to)
 {
     if (from.unit == to.unit && from.scale == to.scale) return openvdb::Mat3s::identity();

@@ -8,7 +8,7 @@
 
 namespace vdblic {
 
-/// For each voxel of a leaf, x slowest: sums over those of the voxel and its 26 neighbours that the domain has.
+/// For each voxel of a leaf, x slowest: sums over the voxel and its 26 neighbours inside the domain.
 struct NeighbourSums {
     std::array<float, LeafVoxel::kCount> value;  ///< of the weighted values
     std::array<float, LeafVoxel::kCount> weight; ///< of the weights

@@ -12,7 +12,7 @@ struct ValueRange {
     float least = -std::numeric_limits<float>::infinity(), most = std::numeric_limits<float>::infinity();
 };
 
-/// High-pass filter: c + strength · (c − mean of those of the 26 neighbours that the domain has), for every voxel; c
+/// High-pass filter: c + strength · (c − mean of the 26 neighbours inside the domain), for every voxel; c
 /// itself without neighbours.
 ///
 /// @param texture 0 wherever the domain has no voxel

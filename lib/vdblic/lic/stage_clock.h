@@ -6,7 +6,7 @@ namespace vdblic {
 
 /// Seconds of wall time spent, in the parts of Table 2 of Liu & Moorhead 2004.
 struct StageTimes {
-    double load = 0;     ///< building the field from what was read
+    double load = 0;     ///< building the velocity field
     double scatter = 0;  ///< advancing pathlines and depositing values
     double convolve = 0; ///< dividing sums by hits, and the mean along the flow
     double filter = 0;   ///< sharpening, contrast and noise

@@ -46,9 +46,9 @@ struct FlowTextureStep {
     LeafValues<float> texture; ///< in [0, 1], on `domain` and in its halo
     ScatterStats stats;
     StageTimes times;
-    std::shared_ptr<const Domain> domain{}; ///< that of the step's first frame, or the part of it that holds something
-    Refinement refinement{};                ///< texture voxels in those of the velocity
-    openvdb::MetaMap metadata{};            ///< what the method tells of itself in a file
+    std::shared_ptr<const Domain> domain{}; ///< the first frame's; of a sparse texture its non-empty leaves
+    Refinement refinement{};                ///< texture voxels for each velocity voxel
+    openvdb::MetaMap metadata{};            ///< choices of the method, for the file's metadata
     LeafValues<float> source{};             ///< of streaks with sources: the numbers of those; else no tree
     LeafValues<std::int32_t> hits{};        ///< if asked for: the values that own voxels received; else no tree
 };
@@ -101,7 +101,7 @@ class TextureMemory {
                          const std::function<std::optional<VdbFile>()>& next) = 0;
 };
 
-/// A state on the leaves of the domain, of which each rank has its own.
+/// A state on the leaves of the domain; each rank holds the state of its own leaves.
 class LeafState {
   public:
     virtual ~LeafState() = default;

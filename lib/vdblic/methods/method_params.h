@@ -8,7 +8,7 @@
 
 namespace vdblic {
 
-/// The parameters of all methods, of which TextureParams::method is the chosen one.
+/// The parameters of all methods; TextureParams::method chooses one.
 struct MethodParams {
     TextureParams texture{};
     StreakParams streaks{};    ///< of the method streaks

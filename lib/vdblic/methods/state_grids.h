@@ -23,10 +23,10 @@ struct VdbFile;
 [[nodiscard]] std::size_t statePartCount(const Domain& domain);
 /// The own leaves of one part.
 [[nodiscard]] Domain::Leaves statePart(const Domain& domain, std::size_t part);
-/// The voxels of some leaves.
+/// The bounding box of leaves.
 [[nodiscard]] openvdb::CoordBBox boxOf(const Domain& domain, Domain::Leaves leaves);
 
-/// A copy of the values on some leaves, as a grid. Made in parallel.
+/// A copy of the values on the given leaves, as a grid. Made in parallel.
 [[nodiscard]] openvdb::FloatGrid::Ptr stateGrid(const Domain& domain, Domain::Leaves leaves,
                                                 const LeafValues<float>& values, const std::string& name);
 

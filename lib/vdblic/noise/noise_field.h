@@ -48,7 +48,7 @@ class NoiseField {
 
 /// The input of the first step: the noise, fixed-point (kNoiseMax), on a domain's own leaves. Made in parallel.
 [[nodiscard]] LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise);
-/// The same numbers on some of its leaves, 0 where the domain has no voxel.
+/// The same numbers on the given leaves, 0 where the domain has no voxel.
 [[nodiscard]] LeafValues<float> noiseValues(const Domain& domain, const NoiseField& noise, Domain::Leaves on);
 
 } // namespace vdblic

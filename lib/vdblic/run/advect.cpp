@@ -57,7 +57,7 @@ class Advection : private RunObserver {
         report(mWatch.lap());
     }
 
-    /// After an error or a request to stop: finish what is being written, and leave a checkpoint of what is finished.
+    /// After an error or a request to stop: finish open files, and leave a checkpoint of the finished textures.
     void abandon() noexcept
     {
         try {

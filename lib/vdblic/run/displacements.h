@@ -14,7 +14,7 @@ class Displacements {
   public:
     /// Count a frame's active voxels, in parallel. @param interval seconds of the step
     void add(const VelocityFrame& frame, double interval);
-    /// Add up those of all ranks; collective.
+    /// Sum the counts of all ranks; collective.
     void join(Exchange& exchange);
 
     /// The displacement of the faster half of the flow: half of all motion is of voxels that move at least so far, to a

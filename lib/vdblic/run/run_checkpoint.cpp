@@ -47,7 +47,7 @@ std::size_t partsOf(const FlowTexture& texture)
     return memory ? memory->parts() : 1;
 }
 
-/// What is no checkpoint stays.
+/// Other files stay.
 void removeCheckpoint(const std::filesystem::path& path, std::error_code& error)
 {
     if (isCheckpoint(path)) std::filesystem::remove(path, error);
@@ -83,7 +83,7 @@ std::optional<Checkpoint> RunCheckpoint::find()
     return checkpoint;
 }
 
-/// Refuse to go on from what is no checkpoint, or to replace it by one.
+/// Refuse a foreign file under the checkpoint's name, to read or to replace.
 void RunCheckpoint::refuseForeign() const
 {
     const std::filesystem::path& path = mOutputs.checkpoint();

@@ -49,7 +49,7 @@ class RunCheckpoint {
 
     /// Put the state of the interrupted run into a new one.
     /// @param frame   that the next step starts from or after
-    /// @param outputs of passOver(); receives those of the frame's substeps that were finished
+    /// @param outputs of passOver(); receives the finished substeps of the frame
     /// @throws InputError
     void restore(const Checkpoint& checkpoint, const LoadedFrame& frame, FlowTexture& texture,
                  std::vector<std::filesystem::path>& outputs) const;

@@ -35,7 +35,7 @@ class RunOutputs {
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
     /// What a run locks for as long as it writes them: two runs would mix their outputs.
     [[nodiscard]] std::filesystem::path lock() const;
-    /// A part of the checkpoint after some steps.
+    /// A part of the checkpoint after `steps` steps.
     [[nodiscard]] std::filesystem::path checkpointPart(std::uint64_t steps, std::size_t part) const;
     /// The parts of the checkpoint that are on disk. @param but after these steps
     [[nodiscard]] std::vector<std::filesystem::path> checkpointParts(std::optional<std::uint64_t> but) const;

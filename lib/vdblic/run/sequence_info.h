@@ -27,7 +27,7 @@ struct SequenceInfoParams {
 /// But for the sequence itself: a tool inspects several.
 [[nodiscard]] Parameters parametersOf(SequenceInfoParams& params);
 
-/// The values of a grid over all frames, those of vectors by their lengths.
+/// The values of a grid over all frames; of vectors their lengths.
 struct ValueInfo {
     double low, high;            ///< of the finite values; low exceeds high if there are none
     std::uint64_t notFinite = 0; ///< voxels
@@ -54,10 +54,10 @@ struct MotionInfo {
     double largest = 0, mean = 0;
     double fasterHalf = 0;                 ///< see Displacements
     std::int64_t frame = 0;                ///< of the largest
-    std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": those that would move its faster half by some voxels
+    std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": units that suit its faster half
 };
 
-/// The streaks of a run that takes its defaults from the largest frame, and what it takes.
+/// Defaults that streaks would get from the largest frame, and the cost of a run with them.
 struct StreaksInfo {
     std::array<float, 3> spacing{}; ///< [voxels of the velocity]
     std::array<int, 3> refine{};
@@ -86,7 +86,7 @@ struct VelocityInfo {
     std::optional<StreaksInfo> streaks{};
 };
 
-/// What is known of a sequence before anything is computed.
+/// Content of a sequence, and estimates, before anything is computed.
 struct SequenceInfo {
     std::string pattern, creator;
     std::vector<std::int64_t> frames, missing; ///< on disk; in the gaps between them, or of those asked for

@@ -19,7 +19,7 @@ namespace vdblic {
 struct AdvectPlan;
 class FlowTexture;
 
-/// What the ranks of a run tell each other about its frames. All functions but store() are collective, and do nothing
+/// Exchange between the ranks of a run, frame by frame. All functions but store() are collective, and do nothing
 /// for a process alone. Not thread-safe.
 class SharedRun {
   public:
@@ -38,7 +38,7 @@ class SharedRun {
     /// shares of it have become so unequal that this pays. @return whether that was done, as a text
     [[nodiscard]] std::optional<std::string> balance(LoadedFrame& frame, FlowTexture& texture);
 
-    /// Take from the other ranks what the steps between two frames need.
+    /// Receive the halo that steps between two frames need.
     /// @param seconds between the frames  @param texture that makes the steps
     void surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture);
 

@@ -224,7 +224,7 @@ LoadedFrame TextureRun::at(int substep) const
                                  : frameBetween(*mCurrent, *mNext, double(substep) / substeps);
 }
 
-/// The texture of the last frame. Without a frame after it the flow is taken to stay as it is.
+/// The texture of the last frame. Without a frame after it the flow is steady.
 RunTexture TextureRun::lastStep()
 {
     LoadedFrame& last = *mCurrent;
@@ -284,7 +284,7 @@ RunPosition TextureRun::position() const
             mCurrent->velocity.motion};
 }
 
-/// Warn of what is likely wrong with a frame, though its texture can be computed.
+/// Warn of a suspicious frame whose texture can be computed.
 void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
 {
     const std::int64_t number = frame.velocity.file.frame;

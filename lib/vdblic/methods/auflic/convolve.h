@@ -49,7 +49,7 @@ class Convolution {
     /// Threads may take different leaves. @param hits Hits words of an own leaf
     void take(std::size_t leaf, const std::int64_t* hits) const;
 
-    /// The texture after all leaves were taken, in [0, 1], with room for the halo. Called once.
+    /// The texture, once every own leaf has been passed to take(); in [0, 1], with room for the halo. Called once.
     [[nodiscard]] LeafValues<float> texture();
 
     /// The running mean for the step to come, if there are substeps. Called once, after texture().

@@ -13,9 +13,9 @@
 namespace vdblic {
 
 /// What an AUFLIC pathline carries: the values of all its seeds in one word of Hits. A value has weight kWeight when it
-/// is taken up; every frame takes away the same share of what is left. A new pathline begins as if it had taken up its
-/// first seed's value in every frame before. So every pathline that is in a voxel carries about the same, and one that
-/// finds its voxel closed ends: the first one there takes over its values.
+/// is taken up; every frame removes the same share of the remaining weight. A new pathline begins as if it had taken up
+/// its first seed's value in every frame before. So every pathline that is in a voxel carries about the same, and one
+/// that finds its voxel closed ends: the first one there takes over its values.
 ///
 /// With a share of 4 / (3 L) streaks are as long, and as coherent, as with a window of L frames.
 class FadingValues {

@@ -19,8 +19,8 @@ namespace vdblic {
 /// noise as often as its fluid was outside a step ago. Near a slow inlet nothing else flows in: fed back alone, a
 /// voxel's own values would freeze into streaks as long as the domain.
 ///
-/// With substeps, read "frame" for "step" above. Only tiles that release seeds in the next step get an input; the
-/// others keep the original noise, which nothing reads.
+/// With substeps, read "frame" for "step" above. Only tiles that release seeds in the next step get
+/// an input; the others keep the original noise, which nothing reads.
 ///
 /// @param field    velocity over the step that made the texture, prepared; filled and released here
 /// @param texture  in [0, 1], on the field's domain, its halo included; 0 outside

@@ -23,7 +23,7 @@ namespace vdblic {
 /// and, where it carries more, `words`. A point's position is stored relative to the centre of its voxel, so no bit of
 /// it is lost.
 ///
-/// The grids are made for some leaves of the domain at a time, so that no second copy of the whole state is in memory.
+/// Grids hold a part of the leaves each, so that no second copy of the whole state is in memory.
 
 /// The grid `noise`. @param input of a step, fixed-point (kNoiseMax)
 [[nodiscard]] openvdb::GridBase::Ptr inputGrid(const Domain& domain, Domain::Leaves leaves,
@@ -51,7 +51,7 @@ class FlowStateReader {
     /// @param words  that each particle carries beside its Hits
     FlowStateReader(const Domain& domain, std::size_t words, bool hasMean);
 
-    /// Take what a file holds of the own leaves.
+    /// Read the own leaves that a file holds.
     /// @throws InputError, without the file's name, if a grid is missing or does not fit the domain
     void add(const VdbFile& file);
 

@@ -14,7 +14,7 @@ namespace vdblic {
 ///
 /// Moments are taken over blocks of 4³ voxels: wide enough to measure contrast, narrow enough that no feature grows
 /// broader than a few voxels. A voxel's moments are interpolated linearly between the centres of the nearest blocks.
-/// Any number of threads may read what is added before.
+/// Any number of threads may read after the last add().
 class LocalContrast {
   public:
     /// @param domain must outlive this

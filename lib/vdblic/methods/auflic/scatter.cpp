@@ -35,7 +35,7 @@
 namespace vdblic {
 namespace {
 
-/// What the own leaves have collected.
+/// Hits in the own leaves, and voxels without a hit.
 struct Collected {
     std::size_t hits = 0, emptyVoxels = 0;
 };
@@ -183,7 +183,7 @@ template<typename Carried>
 constexpr ScatterMethod kScatter = {&Carried::words, Carried::kWeight, std::is_same_v<Carried, FadingValues>,
                                     &scatterTiles<Carried>};
 
-/// Add up what the ranks did.
+/// Sum the statistics of all ranks.
 void sumOver(const LeafOwners& owners, ScatterStats& stats, Collected& found)
 {
     std::size_t* const figures[] = {&stats.particles, &stats.blocked,    &stats.released, &stats.reused,

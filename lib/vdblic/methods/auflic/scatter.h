@@ -76,13 +76,13 @@ class Scatter {
     /// @param domain of the step to come; its local leaves are all that a particle can be in
     void handOver(const LeafOwners& owners, const Domain& domain);
 
-    /// Continue from the state of another Scatter after `steps` steps. @param particles those of the other
+    /// Continue from the particles of another Scatter after `steps` steps.
     void restore(std::uint64_t steps, ParticleBins particles);
 
   private:
     TextureParams mParams;
     std::uint64_t mStep = 0;
-    std::vector<ParticleBins> mBins; // of the particles that go on, one for each thread that moved some
+    std::vector<ParticleBins> mBins; // particles that go on; one for each thread
 };
 
 } // namespace vdblic

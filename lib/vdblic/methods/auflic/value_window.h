@@ -14,7 +14,7 @@ namespace vdblic {
 
 /// What a pathline of AUFLIC as published carries: the values of its seeds, each to the end of its life span (Liu &
 /// Moorhead 2004). Beside their Hits it has one word for each frame of the life span: the sum of up to 255 16-bit
-/// values in the upper 24 bits, their number in the lower 8. Members as those of FadingValues.
+/// values in the upper 24 bits, their number in the lower 8. Members as in FadingValues.
 ///
 /// A pathline that took up nothing in a whole step is blocked: it takes up no more and ends with its last value.
 class ValueWindow {

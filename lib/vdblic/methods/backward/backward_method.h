@@ -7,7 +7,7 @@ namespace vdblic {
 /// \file
 /// What TextureMethod says of all methods that look back.
 
-/// The frames after which little is left of what a blended texture began with.
+/// Frames until a blended texture has forgotten its start.
 [[nodiscard]] int settlingFrames(const MethodParams& params);
 
 /// The life span and the share of noise.

@@ -16,7 +16,7 @@ struct BackwardParams {
     [[nodiscard]] double shareFor(int lifeSpan) const;
     /// That of one of several steps in a frame, which together have the share of a frame.
     [[nodiscard]] double stepShare(int lifeSpan, int substeps) const;
-    /// The frames after which less than a fifth is left of what a texture began with.
+    /// Frames until the weight of the first texture falls below a fifth.
     [[nodiscard]] int settlingFrames(int lifeSpan) const;
 
     void validate() const; ///< @throws ParameterError

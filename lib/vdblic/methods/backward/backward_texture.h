@@ -11,11 +11,11 @@
 
 namespace vdblic {
 
-/// Textures whose values come back along pathlines: what the methods of this folder share.
+/// Base of the textures whose values come back along pathlines: IBFV, LEA, UFAC.
 ///
 /// A method carries one or several floats a voxel from frame to frame. Those of the next frame are pulled back: each
 /// voxel of its domain looks where its fluid was a step ago. So a voxel always has a value, and the cost of a step does
-/// not depend on what was before. The texture of a frame is made of what is carried there.
+/// not depend on what was before. The texture of a frame is made from the values carried there.
 class BackwardTexture : public FlowTexture, public TextureMemory, public LeafState {
   public:
     [[nodiscard]] FlowTextureStep advance(const FlowStep& step) final;
@@ -30,7 +30,7 @@ class BackwardTexture : public FlowTexture, public TextureMemory, public LeafSta
   protected:
     using Carried = std::vector<LeafValues<float>>;
 
-    /// @param names of what is carried, as grids of a checkpoint
+    /// @param names of the carried values, as grids of a checkpoint
     BackwardTexture(const TextureParams& params, NoiseField noise, std::vector<std::string> names);
 
     [[nodiscard]] const TextureParams& params() const { return mParams; }

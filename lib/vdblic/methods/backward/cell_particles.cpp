@@ -134,7 +134,8 @@ struct Move {
         }
     }
 
-    /// Give voxels in which no particle arrives new noise: all whose fluid comes from outside, and some others.
+    /// Give new noise to voxels in which no particle arrives: all whose fluid comes from outside, a tenth of the
+    /// others.
     /// @param row of the first voxel
     void renew(const openvdb::Coord& row, const Vector8& positions, unsigned lanes, Float8& value) const
     {

@@ -65,7 +65,7 @@ class PeriodicNoise {
     [[nodiscard]] float ofPoint(int x, int y, int z) const;
 
     const NoiseField* mNoise;
-    std::uint32_t mOfStep, mTurn; ///< parts of a period, of 2¹⁶: that of a step, and what has passed
+    std::uint32_t mOfStep, mTurn; ///< 2⁻¹⁶ periods: in a step, and since the first step
 };
 
 } // namespace vdblic

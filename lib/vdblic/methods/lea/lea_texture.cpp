@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFilterHalf = 1; // steps
 
-enum : std::size_t { kValues, kOffsets, kBlended }; // of what is carried
+enum : std::size_t { kValues, kOffsets, kBlended }; // index in Carried
 
 } // namespace
 

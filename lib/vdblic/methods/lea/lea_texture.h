@@ -14,7 +14,7 @@ namespace vdblic {
 /// "Lagrangian-Eulerian advection of noise and dye textures for unsteady flow visualization", TVCG 8(3), 2002.
 ///
 /// In detail, where ours may differ from the authors': the filter is a line integral convolution over a step each way.
-/// What was blended lies a step apart along the pathline, and the filter closes the gaps. Shares are those of a frame,
+/// Blended values lie a step apart along the pathline; the filter closes the gaps. Shares are those of a frame,
 /// whatever its substeps. A voxel that is new in the domain begins with its noise.
 class LeaTexture final : public BackwardTexture {
   public:

@@ -33,7 +33,7 @@ std::size_t advanceStreaks(const StreakTurn& turn, const PathlineParams& params,
 void addStreaks(const StreakTurn& turn, const PathlineParams& params, const Domain& region,
                 const std::vector<StreakPlace>& places, const LeafOwners& owners, std::vector<Streak>& streaks);
 
-/// Add the first streaks of a run, each with a whole tail: the flow has been for ever what it is at the turn's
+/// Add the first streaks of a run, each with a whole tail, as if the flow had always been that of the turn's
 /// beginning. Collective; computed in parallel. @param tail in frames
 void addFirstStreaks(const StreakTurn& turn, const PathlineParams& params, const Domain& region, double tail,
                      const std::vector<StreakPlace>& places, const LeafOwners& owners, std::vector<Streak>& streaks);

@@ -41,7 +41,7 @@ struct StreakShape {
 [[nodiscard]] StreakShape streakShape(const StreakParams& params, const Refinement& refinement, const Domain& domain,
                                       double displacement);
 
-/// The same for a domain of which only the size is known. @param voxels of the velocity, in `box`
+/// The same from the size of a domain alone. @param voxels of the velocity, in `box`
 [[nodiscard]] StreakShape streakShape(const StreakParams& params, const Refinement& refinement, std::size_t voxels,
                                       const openvdb::CoordBBox& box, double displacement);
 

@@ -26,7 +26,7 @@ struct StreakState {
     std::vector<Streak> streaks;
     StreakShape shape;
 };
-/// @throws InputError, without the file's name, if the file has no such grid or what is in it is no state
+/// @throws InputError, without the file's name, if the grid is missing or holds no state
 [[nodiscard]] StreakState readStreaks(const VdbFile& file);
 
 } // namespace vdblic

@@ -15,7 +15,7 @@
 namespace vdblic {
 namespace {
 
-enum : std::size_t { kParticleValues, kParticleOffsets }; // of what is carried
+enum : std::size_t { kParticleValues, kParticleOffsets }; // index in Carried
 
 /// The part of the kernel to take, so that its streamline and the pathline stay together.
 /// @param change of the velocity in a step [voxels]  @param half of the kernel [steps]
