@@ -11,6 +11,7 @@ import random
 import re
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -174,6 +175,33 @@ class HostileFiles(ToolTest):
                     complaints.append((*runs[run], run.result()))
         listed = "".join(f"\n{number}, {' '.join(way)}: {complaint}" for number, way, complaint in sorted(complaints))
         self.assertFalse(complaints, f"{len(complaints)} of {len(jobs)} runs:{listed}")
+
+    @unittest.skipIf(SANITIZED, "a sanitizer tells of the crash first")
+    def test_a_file_that_crashes_openvdb(self):
+        """Every tool ends with a message; a program with the module ends, as docs/CONTRIBUTING.md says."""
+        data = bytearray(self.originals.files["points"])
+        length = data.index(b"mass") + 24  # of a leaf's values of an attribute, which OpenVDB copies as it is told
+        data[length:length + 4] = (1 << 24).to_bytes(4, "little")
+        for path in self.undamaged.iterdir():
+            os.link(path, self.folder / path.name)
+        (self.folder / "bad.vdb").write_bytes(data)
+        numpy.save(self.folder / "v.npy", numpy.ones((4, 4, 4, 3)))
+        before = self.files()
+        every = commands("points")
+        if (BIN / "vdblic_export").exists():
+            every += (("vdblic_export", "bad.vdb", "-o", "out.npz"), ("vdblic_export", "bad.vdb", "-o", "out.vti"),
+                      ("vdblic_export", "bad.vdb", "-o", "out.vdb", "--levels", "1"),
+                      ("vdblic_import", "v.npy", "-o", "out.vdb", "--like", "bad.vdb"))
+        for command in every:
+            with self.subTest(command=command):
+                message = self.fails(3, *command)
+                self.assertEqual(message.count("error: "), 1, message)
+                self.assertIn("bad.vdb: cannot be read as a .vdb file: it is damaged; OpenVDB crashed on it", message)
+                self.assertEqual(self.files(), before)
+        if list((BIN.parent / "python").glob("vdblic/_core*.so")):
+            read = "import sys; sys.path.insert(0, sys.argv[1]); import vdblic; vdblic.read('bad.vdb')"
+            run = subprocess.run([sys.executable, "-c", read, BIN.parent / "python"], cwd=self.folder, capture_output=True)
+            self.assertIn(run.returncode, (-signal.SIGSEGV, -signal.SIGABRT), run.stderr)
 
     def test_every_tool_has_handlers_of_crashes(self):
         """Also those in Python. A crash outside of a parser stays one."""

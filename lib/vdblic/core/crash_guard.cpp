@@ -1,5 +1,6 @@
 #include "vdblic/core/crash_guard.h"
 
+#include "vdblic/core/crash_litter.h"
 #include "vdblic/core/hazard.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
@@ -168,6 +169,7 @@ extern "C" void onCrash(int signal, siginfo_t* info, void* /*context*/)
     }
     line.add("\n");
     line.print();
+    removeCrashLitter();
     ::_exit(cause->status);
 }
 

@@ -88,6 +88,7 @@ OutputLock::OutputLock(std::filesystem::path file, const std::filesystem::path& 
         if (hasName(mFile, mDescriptor)) break;
         ::close(std::exchange(mDescriptor, -1)); // its holder has just removed it
     }
+    mLitter.emplace(mFile.string());
     const std::string holder = fmt::format("{}{}", kMark, nameOfProcess());
     // Whom a message names is of use, but no condition.
     if (::ftruncate(mDescriptor, 0) == 0) (void)!::pwrite(mDescriptor, holder.data(), holder.size(), 0);
@@ -95,6 +96,7 @@ OutputLock::OutputLock(std::filesystem::path file, const std::filesystem::path& 
 
 OutputLock::~OutputLock()
 {
+    mLitter.reset();
     ::unlink(mFile.c_str());
     ::close(mDescriptor);
 }

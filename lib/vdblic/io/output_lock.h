@@ -1,6 +1,9 @@
 #pragma once
 
+#include "vdblic/core/crash_litter.h"
+
 #include <filesystem>
+#include <optional>
 
 namespace vdblic {
 
@@ -22,6 +25,7 @@ class OutputLock {
   private:
     std::filesystem::path mFile;
     int mDescriptor = -1;
+    std::optional<CrashLitter> mLitter;
 };
 
 } // namespace vdblic
