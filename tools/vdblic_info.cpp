@@ -2,6 +2,7 @@
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/input_files.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/sequence_info.h"
 
@@ -28,10 +29,16 @@ int main(int argc, char** argv)
     constexpr double kInFiles = 3; // a file, and the velocity that it holds
     tool.usesScratch(kInFiles);
     return tool.run(argc, argv, [&](Reporter& reporter) {
-        for (const std::string& pattern : patterns) {
-            if (!json.empty()) checkNotInput(json, pattern);
+        if (!json.empty()) {
+            InputFiles inputs;
+            for (const std::string& pattern : patterns) {
+                params.flow.input.pattern = pattern;
+                for (const FrameFile& file : selectFrames(params.flow.input))
+                    inputs.add(file.path);
+            }
+            inputs.check(json);
+            checkReport(json);
         }
-        if (!json.empty()) checkReport(json);
         AdvectParams run;
         const Parameters advised = parametersOf(run); // what the advice is about
         std::vector<SequenceInfo> sequences;

@@ -57,16 +57,36 @@ class Streams(ToolTest):
     def test_no_file_takes_the_place_of_a_closed_stream(self):
         numpy.save(self.folder / "a.npy", numpy.ones((4, 4, 4, 3), numpy.float32))
         before = self.files()
-        for command in (("vdblic_synth", "abc", "-o", "w.vdb", "--size", 8, 8, 8, "--frames", 1),
-                        ("vdblic_import", "a.npy", "--layout", "xyzc", "-o", "w.vdb")):
-            run = self.run_tool(*command, preexec_fn=lambda: os.closerange(0, 2))
+        made_by = {"vdblic_synth": ("abc", "-o", "w.vdb", "--size", 8, 8, 8, "--frames", 1),
+                   "vdblic_import": ("a.npy", "--layout", "xyzc", "-o", "w.vdb")}
+        for tool, arguments in made_by.items():
+            run = self.run_tool(tool, *arguments, preexec_fn=lambda: os.closerange(0, 2))
             self.assertEqual(run.returncode, 4, run.stderr)
             self.assertTrue(run.stderr.endswith("standard output: cannot be written: Bad file descriptor\n"), run.stderr)
             self.outputs("vdblic_info", "w.vdb", "--values", "--json", "w.json")  # whole
             for made in set(self.files()) - set(before):
                 (self.folder / made).unlink()
-        usage = self.run_tool("vdblic_synth", "--nonsense", preexec_fn=lambda: os.close(2))
-        self.assertEqual(usage.returncode, 2)
+        for tool in "vdblic_synth", "vdblic_import":
+            usage = self.run_tool(tool, "--nonsense", preexec_fn=lambda: os.close(2))
+            self.assertEqual(usage.returncode, 2)
+            mute = self.run_tool(tool, *made_by[tool], preexec_fn=lambda: os.close(2))
+            self.assertEqual(mute.returncode, 0)
+            self.assertEqual(self.run_tool(tool, *made_by[tool], preexec_fn=lambda: os.closerange(0, 3)).returncode, 4)
+
+    def test_reports_to_a_closed_stream(self):
+        for command in (("vdblic_info", "v.0001.vdb"), ("vdblic_diff", "v.0001.vdb", "v.0001.vdb")):
+            for name in "-", "/dev/stdout":
+                run = self.run_tool(*command, "--json", name, preexec_fn=lambda: os.close(1))
+                self.assertEqual(run.returncode, 4, run.stderr)
+                self.assertIn("standard output: cannot be written: Bad file descriptor", run.stderr)
+
+    def test_inputs_that_cannot_be_read(self):
+        """A regular file of which the disk returns nothing: /proc/self/mem is one, at 0."""
+        self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "t.vdb")
+        for option in "--transfer", "--camera":
+            message = self.run_tool("vdblic_render", "t.vdb", "--texture", "noise", "-o", "o.png", option, "/proc/self/mem")
+            self.assertEqual(message.returncode, 3, message.stderr)
+            self.assertIn("/proc/self/mem: cannot be read: Input/output error", message.stderr)
 
     def inputs(self):
         """Every input of every tool: commands with {} for the file, and the file's ending."""

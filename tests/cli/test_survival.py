@@ -255,10 +255,28 @@ class Survival(ToolTest):
         self.synth("1-2")
         self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "noise.vdb")
         numpy.save(self.folder / "v.npy", numpy.ones((8, 8, 8, 3)))
-        for ending in ".vdb", ".svg":
+        for ending in ".vdb", ".svg", ".png":
             os.symlink("noise.vdb", self.folder / f"link{ending}")
+        os.symlink("v.0002.vdb", self.folder / "other.0001.vdb")  # the input of another frame
+        (self.folder / "t.json").write_text('{"range": [0, 1]}', encoding="utf-8")
+        (self.folder / "c.json").write_text('{"keys": [{"frame": 1, "fov": 30}]}', encoding="utf-8")
+        os.link(self.folder / "noise.vdb", self.folder / "noise.json")
         before = {name: self.contents(name) for name in self.files()}
+        render = ("vdblic_render", "noise.vdb", "--texture", "noise", "--size", 8, 8, "-o", "image.png")
+        streaks = ("vdblic_advect", "v.0001.vdb", "--method", "streaks", "--refine", 1, "-o", "noise.vdb")
         for command in (("vdblic_advect", "v.%04d.vdb", "-o", "v.%04d.vdb"),
+                        ("vdblic_advect", "v.%04d.vdb", "-o", "other.%04d.vdb"),
+                        (*streaks, "--emit", "link.vdb"), (*streaks, "--source", "air=link.vdb:noise"),
+                        (*streaks[:-1], "new.vdb", "--emit", "noise.vdb:noise", "--json", "noise.json"),
+                        ("vdblic_info", "v.%04d.vdb", "--json", "./v.0002.vdb"),
+                        ("vdblic_info", "noise.vdb", "v.%04d.vdb", "--json", "other.0001.vdb"),
+                        ("vdblic_diff", "v.%04d.vdb", "v.%04d.vdb", "-o", "other.%04d.vdb"),
+                        ("vdblic_coherence", "v.%04d.vdb", "v.%04d.vdb", "--json", "other.0001.vdb"),
+                        (*render, "--transfer", "t.json", "--histogram", "t.json"),
+                        (*render, "--transfer", "t.json", "--transfer-out", "./t.json"),
+                        (*render, "--camera", "c.json", "--histogram", "c.json"),
+                        (*render, "--roi", "noise.vdb:noise", "--histogram", "noise.json"),
+                        (*render[:-1], "link.png", "--solid", "v.0001.vdb:velocity"),
                         ("vdblic_advect", "v.####.vdb", "-o", "./v.$F4.vdb"),
                         ("vdblic_advect", "v.0001.vdb", "-o", "link.vdb", "--noise", "noise.vdb"),
                         ("vdblic_advect", "v.0001.vdb", "-o", "noise.vdb", "--mask", "link.vdb"),

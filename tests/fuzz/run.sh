@@ -10,10 +10,10 @@ command -v clang++ >/dev/null || { echo "clang++ is missing; not fuzzed" >&2; ex
 sources() {
     case $1 in
         layout) echo $lib/io/vdb_layout.cpp $lib/io/checksum.cpp ;;
-        text) echo $lib/core/memory.cpp $lib/core/system_memory.cpp $lib/core/paging.cpp $lib/core/parameters.cpp $lib/io/atomic_file.cpp tests/fuzz/no_checkpoint.cpp $lib/io/frame_list.cpp \
+        text) echo $lib/core/memory.cpp $lib/core/system_memory.cpp $lib/core/paging.cpp $lib/core/parameters.cpp $lib/io/atomic_file.cpp $lib/io/input_files.cpp tests/fuzz/no_checkpoint.cpp $lib/io/frame_list.cpp \
             $lib/io/path_list.cpp $lib/io/pattern_advice.cpp $lib/io/frame_pattern.cpp $lib/io/input_file.cpp $lib/io/sequence.cpp $lib/io/grid_reference.cpp $lib/look/transfer_params.cpp \
             $lib/image/color_map.cpp $lib/look/scalar_axis.cpp ;;
-        json) echo $lib/core/parameters.cpp $lib/camera/*.cpp $lib/io/json_file.cpp $lib/io/input_file.cpp $lib/io/atomic_file.cpp tests/fuzz/no_checkpoint.cpp \
+        json) echo $lib/core/parameters.cpp $lib/camera/*.cpp $lib/io/json_file.cpp $lib/io/input_file.cpp $lib/io/atomic_file.cpp $lib/io/input_files.cpp tests/fuzz/no_checkpoint.cpp \
             $lib/look/transfer_file.cpp $lib/look/transfer_params.cpp $lib/look/scalar_axis.cpp $lib/image/color_map.cpp ;;
     esac
 }

@@ -4,6 +4,7 @@
 #include "vdblic/compare/report.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/input_files.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
@@ -154,12 +155,14 @@ std::vector<FrameDifference> matchFrames(const CompareSequencesParams& params)
     return matched;
 }
 
-void checkNoInput(const std::filesystem::path& output, const std::vector<FrameDifference>& frames)
+InputFiles inputsOf(const std::vector<FrameDifference>& frames)
 {
+    InputFiles inputs;
     for (const FrameDifference& frame : frames) {
-        checkNotInput(output, frame.files.pathA);
-        checkNotInput(output, frame.files.pathB);
+        inputs.add(frame.files.pathA);
+        inputs.add(frame.files.pathB);
     }
+    return inputs;
 }
 
 } // namespace
@@ -208,6 +211,7 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
 {
     params.validate();
     const std::vector<FrameDifference> frames = matchFrames(params);
+    const InputFiles inputs = inputsOf(frames);
     std::optional<FramePattern> output;
     if (!params.output.empty()) {
         output.emplace(params.output);
@@ -217,10 +221,10 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
             numbers.push_back(frame.frame);
         checkOutputs(*output, numbers);
         for (const FrameDifference& frame : frames)
-            checkNoInput(output->path(frame.frame), frames);
+            inputs.check(output->path(frame.frame));
     }
     if (!params.json.empty()) {
-        checkNoInput(params.json, frames);
+        inputs.check(params.json);
         if (output) checkNoFrame(params.json, *output);
         checkReport(params.json);
     }

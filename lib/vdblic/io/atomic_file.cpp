@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/io/checkpoint_mark.h"
+#include "vdblic/io/input_files.h"
 
 #include <fmt/format.h>
 
@@ -42,10 +43,12 @@ bool isStream(const std::filesystem::path& path)
     return false;
 }
 
+constexpr const char* kStandardOutput = "/dev/stdout";
+
 /// Where a report goes: `-` is standard output.
 std::filesystem::path reportPath(const std::filesystem::path& report)
 {
-    return report == "-" ? "/dev/stdout" : report;
+    return report == "-" ? kStandardOutput : report;
 }
 
 /// The file that an output replaces or makes: the one at the end of its symbolic links, which need not exist.
@@ -123,6 +126,17 @@ std::filesystem::path temporaryName(const std::filesystem::path& final, int numb
     constexpr std::size_t kLongest = 120; // leaves room for the rest in the 255 bytes of a file name
     const std::string name = final.filename().string().substr(0, kLongest);
     return folderOf(final) / fmt::format(".{}.{}-{}.part", name, hostName(), number);
+}
+
+/// Write to standard output itself: by its name, one that is closed would be opened anew, as what holds its place.
+void writeToStandardOutput(std::string_view text)
+{
+    while (!text.empty()) {
+        const ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());
+        if (count < 0 && errno == EINTR) throw Stopped{}; // while it waited for the reader
+        if (count < 0) fail("standard output", "cannot be written");
+        text.remove_prefix(std::size_t(count));
+    }
 }
 
 /// Remove the files of dead processes from a number on.
@@ -213,9 +227,9 @@ void AtomicFile::commit()
 
 void checkNotInput(const std::filesystem::path& output, const std::filesystem::path& input)
 {
-    std::error_code ignored;
-    if (!std::filesystem::equivalent(output, input, ignored)) return;
-    throw ParameterError(fmt::format("output '{}' would replace an input; name another file", output.string()));
+    InputFiles inputs;
+    inputs.add(input);
+    inputs.check(output);
 }
 
 void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other)
@@ -264,6 +278,10 @@ void writeTextFile(const std::filesystem::path& path, std::string_view text)
 bool writeReport(const std::filesystem::path& named, std::string_view text)
 {
     const std::filesystem::path path = reportPath(named);
+    if (path == kStandardOutput) {
+        writeToStandardOutput(text);
+        return false;
+    }
     const bool isFile = !isStream(path);
     if (isFile) {
         writeTextFile(path, text);

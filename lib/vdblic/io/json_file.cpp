@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <fstream>
+#include <ios>
 #include <string>
 #include <system_error>
 
@@ -46,6 +47,8 @@ nlohmann::json readJson(const std::filesystem::path& path)
             if (depth > kMostDepth) throw InputError(fmt::format("{}: is nested too deeply", path.string()));
             return true;
         });
+    } catch (const std::ios_base::failure&) { // of the disk: a stream's buffer throws it
+        throw InputError(fmt::format("{}: cannot be read: {}", path.string(), std::generic_category().message(errno)));
     } catch (const nlohmann::json::exception& error) {
         throw InputError(fmt::format("{}: is no JSON: {}", path.string(), plainWords(error.what())));
     }

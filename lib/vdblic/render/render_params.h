@@ -41,7 +41,8 @@ struct PictureSettings {
     int samples = 1;             ///< rays per pixel
     CameraParams camera;
     CameraMotion motion;
-    std::string cameraFile; ///< JSON file that resolve() reads `motion.keys` from; empty: none
+    std::string cameraFile;   ///< JSON file that resolve() reads `motion.keys` from; empty: none
+    std::string transferFile; ///< JSON file of a transfer function that resolve() reads on top of the look; empty: none
     RayCastParams rays;
     AnnotationParams annotations;
 
@@ -53,12 +54,11 @@ struct PictureSettings {
 
 /// A picture as a user describes it. resolve() makes a PicturePlan of it (render_plan.h).
 struct PictureParams : PictureSettings {
-    std::string look;         ///< name of a look (lookPreset()); empty: by the textures
-    std::string transferFile; ///< JSON file of a transfer function, on top of the look; empty: none
-    Given lookOptions;        ///< parameters of LookParams and Background, on top of both
-    std::string by;           ///< grid that colour and opacity follow; empty: kSpeedGrid and the look's choice
-    std::string colorBy;      ///< grid that colour follows; empty: by `by`
-    std::string opacityBy;    ///< grid that opacity follows; empty: by `by`
+    std::string look;      ///< name of a look (lookPreset()); empty: by the textures
+    Given lookOptions;     ///< parameters of LookParams and Background, on top of it and of the transfer function
+    std::string by;        ///< grid that colour and opacity follow; empty: kSpeedGrid and the look's choice
+    std::string colorBy;   ///< grid that colour follows; empty: by `by`
+    std::string opacityBy; ///< grid that opacity follows; empty: by `by`
 
     /// @throws ParameterError
     void validate() const;

@@ -74,7 +74,8 @@ RenderPlan resolve(const RenderParams& params)
 PictureParams PicturePlan::params() const
 {
     const PictureSettings& settings = *this;
-    PictureParams params{settings, lookName, {}, {}, {}, colorBy, opacityBy.empty() ? colorBy : opacityBy.front()};
+    PictureParams params{settings, lookName, {}, {}, colorBy, opacityBy.empty() ? colorBy : opacityBy.front()};
+    params.transferFile.clear(); // the look holds it
     LookPreset all{lookName, look, background};
     for (const Parameter& parameter : optionsOf(all)) {
         if (Words words = parameter.get(); !words.empty())

@@ -4,6 +4,7 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/checkpoint_mark.h"
 #include "vdblic/io/grid_reference.h"
+#include "vdblic/io/input_files.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/run/advect_plan.h"
 
@@ -93,10 +94,16 @@ void RunOutputs::check(std::size_t textures)
     checkCheckpoint(mCheckpoint); // RunCheckpoint::find() tells of a file that is there
     if (mPlan.input.pattern != "-") {
         const std::vector<std::int64_t> frames = selectedFrames(mPlan.input);
+        const FramePattern input(mPlan.input.pattern);
+        InputFiles inputs;
+        for (const std::int64_t frame : frames)
+            inputs.add(input.path(frame));
         for (auto frame = frames.begin() + mPlan.leadIn; frame != frames.end(); ++frame) {
             startAt(*frame);
-            for (int substep = 0; substep < mPlan.substeps(); ++substep)
+            for (int substep = 0; substep < mPlan.substeps(); ++substep) {
                 checkReplaceable(texture(*frame, substep));
+                inputs.check(texture(*frame, substep));
+            }
         }
     }
     if (mParams.json.empty()) return;
@@ -107,7 +114,9 @@ void RunOutputs::check(std::size_t textures)
 
 void RunOutputs::checkInputs(const FrameFile& velocity) const
 {
-    std::vector<std::string> references = {mParams.noise, mParams.flow.domain.mask};
+    std::vector<std::string> references = {mParams.noise, mParams.flow.domain.mask, mParams.streaks.emit};
+    for (const StreakSource& source : sourcesOf(mParams.streaks))
+        references.push_back(source.grid);
     for (std::string& reference : references) {
         if (!reference.empty()) reference = parseGridReference(reference).path.string();
     }

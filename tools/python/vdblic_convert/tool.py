@@ -1,6 +1,7 @@
 """A command-line tool: the options that all tools share, messages and exit statuses."""
 
 import argparse
+import contextlib
 import difflib
 import errno
 import math
@@ -117,10 +118,11 @@ def _hold_standard_streams():
 
 def _drop_unprinted():
     """Give up what cannot be printed: the interpreter would try again at its end, and change the status."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    for stream, number in (sys.stdout, 1), (sys.stderr, 2):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), number)
 
 
 class Tool:
@@ -173,6 +175,12 @@ class Tool:
     def run(self, words, job):
         """Parse the command line and run `job(options, console, stop)`. Returns the exit status."""
         _hold_standard_streams()
+        try:
+            return self._run(words, job)
+        finally:
+            _drop_unprinted()
+
+    def _run(self, words, job):
         guard_against_crashes(self.name)
         stop = Stop()
         console = Console(self.name, 1, stop)
@@ -180,7 +188,8 @@ class Tool:
             self._parser.check(words)
             options = self._parser.parse_args(words)
         except ParameterError as error:
-            sys.stderr.write(f"{self.name}: {printable(str(error))}\n{self.name} --help lists the options.\n")
+            with contextlib.suppress(OSError):
+                sys.stderr.write(f"{self.name}: {printable(str(error))}\n{self.name} --help lists the options.\n")
             return STATUS[ParameterError]
         except SystemExit:  # --help, --version
             return self._told(console)
@@ -197,7 +206,6 @@ class Tool:
             die_by(stop.signal)
         except tuple(STATUS) as error:
             console.error(str(error))
-            _drop_unprinted()
             return STATUS[type(error)]
         except MemoryError:
             console.error(
