@@ -191,7 +191,7 @@ class HostileFiles(ToolTest):
         if (BIN / "vdblic_export").exists():
             every += (("vdblic_export", "bad.vdb", "-o", "out.npz"), ("vdblic_export", "bad.vdb", "-o", "out.vti"),
                       ("vdblic_export", "bad.vdb", "-o", "out.vdb", "--levels", "1"),
-                      ("vdblic_import", "v.npy", "-o", "out.vdb", "--like", "bad.vdb"))
+                      ("vdblic_import", "v.npy", "--layout", "xyzc", "-o", "out.vdb", "--like", "bad.vdb"))
         for command in every:
             with self.subTest(command=command):
                 message = self.fails(3, *command)

@@ -3,7 +3,7 @@
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/checksum.h"
-#include "vdblic/run/advect_params.h"
+#include "vdblic/run/advect_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TEST(Checkpoint, HoldsEveryParameterOfARun)
     params.flow.frameSpacing = 0.5;
     params.derived = {"vorticity", "q"};
     params.flow.domain.box = {0, 1, 2, 3, 4, 5};
-    const ParameterTexts texts = parameterTexts(params);
+    const ParameterTexts texts = parameterTexts(resolve(params));
     writeCheckpoint(folder / "c.vdb", kCheckpoint, texts);
     EXPECT_EQ(readCheckpoint(folder / "c.vdb", texts).position.frameSpacing, kCheckpoint.position.frameSpacing);
     const openvdb::MetaMap metadata = readVdb(folder / "c.vdb").metadata;
