@@ -2,12 +2,14 @@
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/frame_pattern.h"
 #include "vdblic/io/input_files.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/sequence_info.h"
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -32,9 +34,10 @@ int main(int argc, char** argv)
         if (!json.empty()) {
             InputFiles inputs;
             for (const std::string& pattern : patterns) {
-                params.flow.input.pattern = pattern;
-                for (const FrameFile& file : selectFrames(params.flow.input))
-                    inputs.add(file.path);
+                const FramePattern files(pattern);
+                inputs.add(pattern);
+                for (const std::int64_t frame : files.framesOnDisk())
+                    inputs.add(files.path(frame));
             }
             inputs.check(json);
             checkReport(json);
