@@ -349,7 +349,7 @@ class Pictures(ViewerTest):
             self.start("lic.%04d.vdb", "-v", *arguments)
             said = self.said()
             self.stop()
-            number, unit = re.search(r"kept up to (\S+) (\S)iB", said).groups()
+            number, unit = re.search(r"kept in memory up to (\S+) (\S)iB", said).groups()
             return float(number) * 1024 ** " KMG".index(unit)
         with open("/proc/meminfo", encoding="utf-8") as text:
             free = 1024 * int(re.search(r"MemAvailable:\s+(\d+)", text.read())[1])
