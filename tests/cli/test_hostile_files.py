@@ -211,6 +211,7 @@ class HostileFiles(ToolTest):
             with self.subTest(tool=tool):
                 run = subprocess.Popen([BIN / tool, "-", "-o", output], cwd=self.folder, stdin=subprocess.PIPE,
                                        stderr=subprocess.PIPE)
+                self.addCleanup(run.kill)
                 status = pathlib.Path(f"/proc/{run.pid}/status")
 
                 def caught():
@@ -221,6 +222,21 @@ class HostileFiles(ToolTest):
                 run.send_signal(signal.SIGSEGV)
                 said = run.communicate(timeout=60)[1]
                 self.assertEqual(run.returncode, -signal.SIGSEGV, said)
+
+    def test_a_crash_in_the_allocator_ends_a_python_tool(self):
+        """The handler, in a library that was loaded late, must not allocate, and so wait for the allocator's lock."""
+        if not list((BIN.parent / "python").glob("vdblic/_core*.so")):
+            self.skipTest("the module is not there")
+        code = ("import sys; sys.path.insert(0, sys.argv[1]); from vdblic import _core\n"
+                "_core.guard_against_crashes('tool'); print('ready', flush=True)\n"
+                "while True: [bytes(2000 + i) for i in range(50)]")  # nearly always in the allocator
+        for _ in range(12):
+            run = subprocess.Popen([sys.executable, "-c", code, BIN.parent / "python"], stdout=subprocess.PIPE)
+            self.addCleanup(run.stdout.close)
+            self.addCleanup(run.kill)
+            run.stdout.readline()
+            run.send_signal(signal.SIGSEGV)
+            self.assertEqual(run.wait(timeout=30), -signal.SIGSEGV)
 
     def test_the_undamaged_files_are_taken(self):
         self.assertEqual(len(self.originals.files), 10, self.originals.files.keys())
