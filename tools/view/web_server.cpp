@@ -1,6 +1,7 @@
 #include "view/web_server.h"
 
 #include "vdblic/core/errors.h"
+#include "view/request_check.h"
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
@@ -24,7 +25,6 @@
 #include <functional>
 #include <list>
 #include <optional>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -35,7 +35,6 @@ namespace asio = boost::asio;
 namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::beast::error_code;
-using Parser = http::request_parser<http::string_body>;
 
 constexpr std::size_t kMostConnections = 48, kMostRequests = 1000;                    // on a connection
 constexpr std::size_t kAnswering = 16;                                                // threads; further requests wait
@@ -64,44 +63,10 @@ std::size_t threadsOfSmallStacks()
     return kAnswering;
 }
 
-std::string textOf(boost::beast::string_view text)
-{
-    return {text.data(), text.size()};
-}
-
-/// The host in a Host header, without the port and the brackets of IPv6.
-std::string hostName(std::string_view header)
-{
-    if (header.starts_with('[')) return std::string(header.substr(1, header.find(']') - 1));
-    return std::string(header.substr(0, header.rfind(':')));
-}
-
-bool isAddress(const std::string& host)
-{
-    error_code isNone;
-    (void)asio::ip::make_address(host, isNone);
-    return !isNone;
-}
-
-/// Whether two texts are equal, in a time that does not tell where they differ.
-bool equalInConstantTime(std::string_view a, std::string_view b)
-{
-    if (a.size() != b.size()) return false;
-    unsigned difference = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        difference |= unsigned(a[i]) ^ unsigned(b[i]);
-    return difference == 0;
-}
-
 bool isGone(int socket)
 {
     pollfd state{socket, POLLRDHUP, 0};
     return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
-}
-
-WebAnswer refusal(int status, const char* reason)
-{
-    return {status, "text/plain; charset=utf-8", fmt::format("{}\n", reason)};
 }
 
 } // namespace
@@ -111,7 +76,7 @@ class WebServer::Server {
   public:
     Server(const std::string& host, int port, std::string token, WebServer::Handler handler,
            std::chrono::milliseconds writing)
-        : mHost(host), mToken(std::move(token)), mHandler(std::move(handler)), mWriting(writing)
+        : mCheck(host, std::move(token)), mHandler(std::move(handler)), mWriting(writing)
     {
         const auto found = tcp::resolver(mContext).resolve(host, std::to_string(port), tcp::resolver::passive);
         const tcp::endpoint endpoint = *found.begin();
@@ -208,7 +173,8 @@ class WebServer::Server {
 
         void readBody()
         {
-            if (std::optional<WebAnswer> refused = mServer.check(*mParser)) return refuse(std::move(*refused));
+            if (std::optional<WebAnswer> refused = mServer.mCheck.refusalOf(*mParser))
+                return refuse(std::move(*refused));
             http::async_read(mStream, mBuffer, *mParser,
                              [self = shared_from_this()](const error_code& error, std::size_t) {
                                  if (error) return self->refuseBroken(error);
@@ -236,7 +202,8 @@ class WebServer::Server {
             mServer.mReading.remove(this);
             mStream.expires_never();
             auto& request = mParser->get();
-            WebRequest asked{textOf(request.method_string()), mServer.pathOf(request), std::move(request.body()),
+            WebRequest asked{std::string(request.method_string()), mServer.mCheck.pathOf(request),
+                             std::move(request.body()),
                              [socket = mStream.socket().native_handle()] { return isGone(socket); }};
             // A connection is freed by the thread that serves, so the one that answers gives it back.
             asio::post(mServer.mThreads, [self = shared_from_this(), asked = std::move(asked),
@@ -291,7 +258,7 @@ class WebServer::Server {
         Server& mServer;
         boost::beast::tcp_stream mStream;
         boost::beast::flat_buffer mBuffer;
-        std::optional<Parser> mParser;
+        std::optional<RequestCheck::Parser> mParser;
         http::response<http::string_body> mAnswer;
         std::size_t mRequests = 0;
         bool mCounts = true;
@@ -324,46 +291,7 @@ class WebServer::Server {
         }
     }
 
-    std::string pathOf(const Parser::value_type& request) const
-    {
-        const std::string target = textOf(request.target());
-        return target.substr(0, target.find('?')).substr(mToken.size() + 2);
-    }
-
-    /// Check the head of a request. @return the answer to one that does not pass
-    std::optional<WebAnswer> check(const Parser& parser) const
-    {
-        const Parser::value_type& request = parser.get();
-        const auto header = [&](http::field name) { return textOf(request[name]); };
-        const std::string origin = header(http::field::origin), site = textOf(request["Sec-Fetch-Site"]);
-        const std::string host = hostName(header(http::field::host)), target = textOf(request.target());
-        if (request.count(http::field::host) != 1 || (host != "localhost" && host != mHost && !isAddress(host))) {
-            return refusal(421, "the Host header names another host");
-        }
-        if ((!origin.empty() && origin != "http://" + header(http::field::host)) ||
-            (!site.empty() && site != "same-origin" && site != "none")) {
-            return refusal(403, "the request comes from another site");
-        }
-        const bool isGet = request.method() == http::verb::get;
-        if (!isGet && request.method() != http::verb::post) return refusal(405, "only GET and POST are answered");
-        if (target.size() > 200 || target.size() < mToken.size() + 2 ||
-            !equalInConstantTime(target.substr(1, mToken.size() + 1), mToken + "/")) {
-            return refusal(403, "the address lacks the token; copy all of what vdblic_view printed");
-        }
-        const bool isInChunks = parser.chunked();
-        if (request.count(http::field::content_length) > 1 ||
-            (isGet ? isInChunks || parser.content_length().value_or(0) != 0
-                   : !isInChunks && !parser.content_length())) {
-            return refusal(400, "a POST has one length or comes in chunks, and a GET has no body");
-        }
-        if (!isGet && (header(http::field::content_type) != "application/json" ||
-                       request.count(http::field::content_encoding) != 0)) {
-            return refusal(415, "the body must be application/json");
-        }
-        return std::nullopt;
-    }
-
-    std::string mHost, mToken;
+    RequestCheck mCheck;
     WebServer::Handler mHandler;
     std::chrono::milliseconds mWriting;
     std::size_t mOpen = 0;

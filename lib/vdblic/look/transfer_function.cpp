@@ -100,10 +100,4 @@ bool TransferFunction::contributesThroughout(float low, float high) const
     return mVisibleBefore[last + 1] - mVisibleBefore[first] == last + 1 - first;
 }
 
-float TransferFunction::mostExtinction(float low, float high) const
-{
-    const auto [first, last] = entriesBetween(low, high);
-    return *std::max_element(mExtinctions.begin() + first, mExtinctions.begin() + last + 1);
-}
-
 } // namespace vdblic

@@ -67,8 +67,6 @@ class TransferFunction {
     [[nodiscard]] bool contributes(float low, float high) const;
     /// Whether all values between two bounds do.
     [[nodiscard]] bool contributesThroughout(float low, float high) const;
-    /// The largest extinction between the same bounds.
-    [[nodiscard]] float mostExtinction(float low, float high) const;
 
   private:
     /// First and last entry that values between two bounds can have.
