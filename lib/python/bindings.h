@@ -19,6 +19,13 @@ void bindGridHeaders(pybind11::module_& module);
 /// Add `write_levels`, which makes coarser copies of a file.
 void bindLevels(pybind11::module_& module);
 
+/// Add `LINES`, the name of the grid of streaks as lines, and `read_lines(path)`: its lines, and the file's metadata.
+///
+/// The lines are a dictionary of arrays: for each line `id`, `counts` (of its points) and `source`; for each point
+/// `points` (world space), `radius` (world units), `opacity`, `age` (frames) and `scalars` by name. `colors_of(name,
+/// positions)` looks positions on a colour map up, in linear light.
+void bindLines(pybind11::module_& module);
+
 /// Add `CameraFile(path)`, the key frames of a camera (docs/formats.md), whose `at(frame)` is a dictionary of
 /// those that the file sets among `eye`, `target`, `up`, `fov` (vertical, degrees) and `height`.
 void bindCameraFile(pybind11::module_& module);

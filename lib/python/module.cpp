@@ -226,6 +226,7 @@ PYBIND11_MODULE(_core, module)
     bindFiles(module);
     bindGridHeaders(module);
     bindLevels(module);
+    bindLines(module);
     module.def("guard_against_crashes", [](const std::string& tool) { guardAgainstCrashes(tool); });
     module.def("read", &readVolume);
     module.def("write", &writeVolume);

@@ -7,6 +7,7 @@
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/scatter_stats.h"
 #include "vdblic/lic/stage_clock.h"
+#include "vdblic/lines/lines.h"
 
 #include <openvdb/openvdb.h>
 
@@ -39,6 +40,7 @@ struct FlowStep {
     const FlowInterval* frame = nullptr;   ///< that the step is a part of; null if it is all of it
     bool isShown = true;                   ///< whether its texture is written, and does not only prepare others
     bool withHits = false;                 ///< whether FlowTextureStep::hits is asked for; of methods that scatter
+    bool withLines = false;                ///< whether FlowTextureStep::lines is asked for; of streaks
 };
 
 /// The texture of one step, with the work and the time spent on it.
@@ -51,6 +53,7 @@ struct FlowTextureStep {
     openvdb::MetaMap metadata{};            ///< choices of the method, for the file's metadata
     LeafValues<float> source{};             ///< of streaks with sources: the numbers of those; else no tree
     LeafValues<std::int32_t> hits{};        ///< if asked for: the values that own voxels received; else no tree
+    std::optional<Lines> lines{};           ///< if asked for: the streaks, without scalars
 };
 
 /// Makes the textures of a flow, step by step.

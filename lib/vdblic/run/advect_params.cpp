@@ -6,6 +6,7 @@
 #include "vdblic/io/sequence.h"
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lines/line_grid.h"
 #include "vdblic/run/velocity_output.h"
 
 #include <fmt/format.h>
@@ -68,11 +69,12 @@ Parameters parametersOf(AdvectParams& params)
                   params.flow.velocity.nonFinite, {.option = "--nonfinite", .words = "WHAT", .group = "Velocity"}),
         parameter("carry", "Other grids of the files to copy into the outputs.", params.flow.velocity.carry,
                   {.words = "NAME,NAME", .group = "Output"}),
-        parameter("derived",
-                  "Further grids beside the texture: vorticity (|curl v|, 1/s), q (Q criterion, 1/s2), velocity: the "
-                  "grid vel, world units per second, for motion blur, and hits: the values that each voxel received in "
-                  "the step, with auflic, auflic-2004 and uflic.",
-                  params.derived, {.option = "--with", .words = "NAME,NAME", .group = "Output"}),
+        parameter(
+            "derived",
+            "Further grids beside the texture: vorticity (|curl v|, 1/s), q (Q criterion, 1/s2), velocity: the "
+            "grid vel, world units per second, for motion blur; hits: the values that each voxel received in the "
+            "step, with auflic, auflic-2004 and uflic; streaks: with that method, the streaks as lines of points.",
+            params.derived, {.option = "--with", .words = "NAME,NAME", .group = "Output"}),
         parameter("texture_name", "Name of the texture grid.", params.textureName,
                   {.words = "NAME", .group = "Output"}),
     };
@@ -130,7 +132,7 @@ void AdvectParams::validate() const
     }
     const std::vector<std::string> scalars = derivedScalars();
     checkDerivedNames(scalars);
-    for (const std::string_view name : {kVelocityName, std::string_view(kHitsGrid)}) {
+    for (const std::string_view name : {kVelocityName, std::string_view(kHitsGrid), std::string_view(kLineGrid)}) {
         if (std::count(derived.begin(), derived.end(), name) > 1)
             throw ParameterError(fmt::format("'{}' is asked for twice", name));
     }
@@ -139,9 +141,15 @@ void AdvectParams::validate() const
                                          "auflic, auflic-2004 or uflic, or leave hits out",
                                          method().name));
     }
+    if (writesLines() && !method().isSparse) {
+        throw ParameterError(
+            fmt::format("`derived` streaks: `method` {} draws no lines; take streaks, or leave it out", method().name));
+    }
     const auto isOutput = [&](const std::string& name) {
         return name == "magnitude" || std::find(scalars.begin(), scalars.end(), name) != scalars.end() ||
-               (writesVelocity() && name == kVelocityGrid) || (writesHits() && name == kHitsGrid);
+               (writesVelocity() && name == kVelocityGrid) || (writesHits() && name == kHitsGrid) ||
+               (writesLines() && (name == kLineGrid || std::find(kLineAttributes.begin(), kLineAttributes.end(),
+                                                                 name) != kLineAttributes.end()));
     };
     if (textureName.empty() || isOutput(textureName)) {
         throw ParameterError(fmt::format("'{}' cannot be the texture's name", textureName));
@@ -164,11 +172,17 @@ bool AdvectParams::writesHits() const
     return std::find(derived.begin(), derived.end(), kHitsGrid) != derived.end();
 }
 
+bool AdvectParams::writesLines() const
+{
+    return std::find(derived.begin(), derived.end(), kLineGrid) != derived.end();
+}
+
 std::vector<std::string> AdvectParams::derivedScalars() const
 {
     std::vector<std::string> scalars = derived;
     std::erase(scalars, kVelocityName);
     std::erase(scalars, kHitsGrid);
+    std::erase(scalars, kLineGrid);
     return scalars;
 }
 

@@ -15,6 +15,7 @@
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/lic/finish.h"
 #include "vdblic/lic/hits.h"
+#include "vdblic/lines/line_grid.h"
 #include "vdblic/run/advect_plan.h"
 #include "vdblic/run/texture_run.h"
 #include "vdblic/run/velocity_output.h"
@@ -24,6 +25,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,6 +69,25 @@ openvdb::Int32Grid::Ptr hitsGrid(const openvdb::Int32Tree::Ptr& tree, const open
     grid->setName(kHitsGrid);
     grid->setTransform(transform.copy());
     return grid;
+}
+
+/// The streaks as points, with the scalars and those that the frame carries along.
+openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& scalars, RunTexture& made)
+{
+    const VelocityFrame& velocity = made.frame.velocity;
+    if (!made.frame.domain.velocity->isWhole())
+        throw ParameterError("`derived` streaks: only a run by one process writes them; use vdblic_advect");
+    const openvdb::math::Transform& transform = velocity.values->transform();
+    Lines lines = *std::exchange(made.step.lines, std::nullopt);
+    const auto add = [&](const openvdb::FloatGrid& scalar) {
+        lines.scalars.push_back({scalar.getName(), valuesAt(scalar, lines.positions, transform)});
+    };
+    for (const openvdb::FloatGrid::Ptr& scalar : scalars)
+        add(*scalar);
+    for (const openvdb::GridBase::Ptr& grid : velocity.carried) {
+        if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) add(*scalar);
+    }
+    return lineGrid(lines, transform);
 }
 
 /// A tree with all of a domain's voxels: the texture's, unless other ranks have parts of it.
@@ -124,6 +145,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64
                    fogVolume(magnitudeOf(*frame.domain.velocity, velocity.values->tree(), toWorldPerSecond),
                              "magnitude", velocity.values->transform()));
     openvdb::GridPtrVec carried = velocity.carried;
+    const openvdb::GridBase::Ptr lines = params.writesLines() ? linesWith(scalars, made) : nullptr;
     if (params.format.scalars == ScalarVoxels::kTexture && !made.step.refinement.isNone()) {
         for (openvdb::FloatGrid::Ptr& scalar : scalars)
             scalar = resampled(*scalar, *textureGrid);
@@ -140,6 +162,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64
                        velocityGrid(*frame.domain.velocity, *velocity.values, toWorldPerSecond * velocity.motion,
                                     onTexture ? textureGrid.get() : nullptr, params.format.precision));
     }
+    if (lines) carried.insert(carried.begin(), lines);
     if (made.step.source.tree())
         scalars.insert(scalars.begin(), fogVolume(made.step.source.tree(), kSourceGrid, transform));
     if (params.format.precision == GridPrecision::kHalf) {

@@ -268,10 +268,10 @@ FlowTextureStep TextureRun::makeStep(const LoadedFrame& start, const LoadedFrame
                              next.velocity.toVoxelsPerStep(interval),
                              interval,
                              mCurrent->velocity.file.frame};
-    FlowTextureStep made =
-        mTexture->advance({from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
-                           end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners,
-                           &whole, isShown, isShown && mPlan.params.writesHits()});
+    FlowTextureStep made = mTexture->advance(
+        {from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
+         end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners, &whole, isShown,
+         isShown && mPlan.params.writesHits(), isShown && mPlan.params.writesLines()});
     ++mSteps;
     return made;
 }

@@ -7,7 +7,7 @@ import re
 import resource
 import zipfile
 
-from vdblic._core import Sequence, check_output, read_metadata, write_file
+from vdblic._core import Sequence, check_output, read_lines, read_metadata, write_file
 
 from . import levels
 from .console import printable
@@ -28,7 +28,7 @@ def main(version, words):
         version,
         (
             "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
-            " .npz, name their files in a layer of USD (.usda), or write coarser copies (.vdb)."
+            " .npz, streaks into lines of VTK (.vtp) or USD (.usda), name their files in a layer of USD (.usda), or write coarser copies (.vdb)."
         ),
     )
     tool.add(
@@ -40,7 +40,7 @@ def main(version, words):
         ),
     )
     tool.add(
-        "-o", "--output", metavar="TEXT", required=True, help="What to write: lic_%%04d.vti, .npz, .vdb, or flow.usda."
+        "-o", "--output", metavar="TEXT", required=True, help="What to write: lic_%%04d.vti, .vtp, .npz, .vdb, or flow.usda."
     )
     tool.sequence()
     tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default.")
@@ -61,8 +61,8 @@ def run(options, console, stop, version):
     if options.levels:
         raise ParameterError("--levels writes .vdb files; give -o lic.%04d.vdb, or a .usda that has them as a proxy")
     names = names_of(options.grids) if options.grids else ()
-    outputs = Outputs(options, [".vti", ".npz", ".usda", ".vdb"], console, stop)
-    times = TimeList(outputs.pattern) if options.output.lower().endswith(".vti") and outputs.pattern.has_field else None
+    outputs = Outputs(options, [".vti", ".vtp", ".npz", ".usda", ".vdb"], console, stop)
+    times = TimeList(outputs.pattern) if options.output.lower().endswith((".vti", ".vtp")) and outputs.pattern.has_field else None
     files = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check)
     if options.input != "-":
         files = list(files)
@@ -86,6 +86,9 @@ def _write(path, source, names, console, told):
     """Convert a file. `told` holds what was said of the files before."""
     from .dense import read_dense  # NumPy and VTK take long to load
 
+    if path.suffix.lower() == ".vtp":
+        write_file(path, _curves(path, source))
+        return
     volume = read_dense(source, names, console)
     if volume.is_sparse and not told:
         told.append(source)
@@ -121,7 +124,7 @@ def _arrays(volume):
 def _image(output, volume):
     """The .vti file of a volume: its voxels are the image's points."""
     import numpy
-    from .vtk_data import GHOSTS, HIDDEN_POINT, add_array, bridge, errors_of, model
+    from .vtk_data import GHOSTS, HIDDEN_POINT, add_array, model
 
     spacing = numpy.linalg.norm(volume.matrix[:3, :3], axis=0)
     image = model.vtkImageData()
@@ -144,17 +147,56 @@ def _image(output, volume):
         points.SetActiveScalars(names.get(volume.metadata.get("texture"), names[scalars]))
     if vectors:
         points.SetActiveVectors(names[vectors])
-    time = number_of(volume.metadata, "time")
+    _add_time(image, volume.metadata)
+    return _file_of(needed("vtkmodules.vtkIOXML").vtkXMLImageDataWriter(), image, output, names)
+
+
+def _curves(output, source):
+    """The .vtp file of a file's streaks: polylines, with their scalars at the points."""
+    import numpy
+    from .vtk_data import add_array, bridge, core, model
+
+    lines, metadata = read_lines(source)
+    ends = numpy.concatenate([[0], numpy.cumsum(lines["counts"])]).astype(numpy.int64)
+    points, cells, data = core.vtkPoints(), model.vtkCellArray(), model.vtkPolyData()
+    points.SetData(bridge.numpy_to_vtk(lines["points"], deep=True))
+    cells.SetData(
+        bridge.numpy_to_vtkIdTypeArray(ends, deep=True),
+        bridge.numpy_to_vtkIdTypeArray(numpy.arange(ends[-1], dtype=numpy.int64), deep=True),
+    )
+    data.SetPoints(points)
+    data.SetLines(cells)
+    names = {}
+    for name in "id", "source":
+        add_array(data.GetCellData(), name, lines[name])
+    for name, values in ({name: lines[name] for name in ("radius", "opacity", "age")} | lines["scalars"]).items():
+        names[name] = f"vdblic-array-{len(names)}"
+        add_array(data.GetPointData(), names[name], values)
+    if "magnitude" in names:
+        data.GetPointData().SetActiveScalars(names["magnitude"])
+    _add_time(data, metadata)
+    return _file_of(needed("vtkmodules.vtkIOXML").vtkXMLPolyDataWriter(), data, output, names)
+
+
+def _add_time(data, metadata):
+    import numpy
+    from .vtk_data import add_array
+
+    time = number_of(metadata, "time")
     if time is not None:
-        stamp = bridge.numpy_to_vtk(numpy.array([time]), deep=True)
-        stamp.SetName("TimeValue")
-        image.GetFieldData().AddArray(stamp)
-    writer = needed("vtkmodules.vtkIOXML").vtkXMLImageDataWriter()
-    writer.SetInputData(image)
+        add_array(data.GetFieldData(), "TimeValue", numpy.array([time]))
+
+
+def _file_of(writer, data, output, names):
+    """The bytes of a file of VTK. They stay in memory, because VTK does not notice every write that fails.
+
+    @param names  of arrays in the file → their placeholders in the data, because VTK writes names as they are
+    """
+    from .vtk_data import errors_of
+
+    writer.SetInputData(data)
     writer.SetCompressorTypeToLZ4()
     writer.EncodeAppendedDataOff()
-
-    # The bytes stay in memory, because VTK does not notice every write that fails.
     descriptor = os.memfd_create("output")
     with os.fdopen(descriptor, "rb") as file, errors_of(output):
         writer.SetFileName(f"/proc/self/fd/{descriptor}")

@@ -51,7 +51,7 @@ def is_whole(path, console):
         kind = path.suffix.lower()
         if kind == ".vdb":
             verify(path)
-        elif kind == ".npz" and not zipfile.is_zipfile(path) or kind == ".vti" and not _ends(path, b"</VTKFile>"):
+        elif kind == ".npz" and not zipfile.is_zipfile(path) or kind in (".vti", ".vtp") and not _ends(path, b"</VTKFile>"):
             raise InputError(f"{path}: ends too early")
         elif not path.stat().st_size:
             raise InputError(f"{path}: is empty")

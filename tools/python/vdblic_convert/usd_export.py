@@ -1,6 +1,6 @@
 """vdblic_export into USD: one layer that names the files of a whole sequence."""
 
-from vdblic._core import CameraFile, FramePattern, Sequence, check_output, read_headers, write_file
+from vdblic._core import LINES, CameraFile, FramePattern, Sequence, check_output, read_headers, write_file
 
 from .errors import InputError, ParameterError
 from .levels import Levels
@@ -50,6 +50,7 @@ def refuse_options(options):
 
 
 def export_layer(options, console, stop, version):
+    from .usd_curves import curves
     from .usd_layer import Frame, gaps_of, layer, settings_of  # NumPy takes long to load
 
     names = names_of(options.grids) if options.grids else ()
@@ -72,9 +73,10 @@ def export_layer(options, console, stop, version):
         coarse.check([frame for frame, _ in found], [source for _, source in found])
     if not (options.skip_existing and is_whole(path, console)):
         frames, left_out = {}, set()
+        has_lines = LINES in names or not names and _has_lines(found[0][1])
         for frame, source in found:
             stop.check()
-            frames[frame] = Frame(str(source), *_grids(source, names, left_out))
+            frames[frame] = Frame(str(source), *_grids(source, names, left_out, has_lines))
         if left_out:
             console.say(f"without {', '.join(sorted(left_out))}: grids of another kind, or without a name")
         for stays, first, last in gaps_of(frames):
@@ -87,7 +89,8 @@ def export_layer(options, console, stop, version):
             made = coarse.write(frame, source, console)[-1]
             proxy[frame] = Frame(str(made), *_grids(made, names, left_out))
             console.progress(frame, i + 1, len(found))
-        text = layer(path, frames, settings, camera, f"Volumes of a flow, by vdblic_export {version}", proxy)
+        streaks = curves("streaks", dict(found), settings, stop) if has_lines else None
+        text = layer(path, frames, settings, camera, f"A flow, by vdblic_export {version}", proxy, streaks)
         write_file(path, text.encode())
     console.finished(path)
 
@@ -99,9 +102,19 @@ def _pattern_of(path, found):
     return str(path.with_name(f"{path.stem}.%04d.vdb"))
 
 
-def _grids(source, names, left_out):
-    """The chosen grids of a file by name, and its metadata. Raises InputError if a named one is missing."""
+def _has_lines(source):
+    return any(grid["name"] == LINES and grid["type"].startswith("ptdata") for grid in read_headers(source)[0])
+
+
+def _grids(source, names, left_out, has_lines=False):
+    """The chosen grids of a file by name, and its metadata; lines are drawn in place of volumes that are not named.
+
+    Raises InputError if a named one is missing.
+    """
     grids, metadata = read_headers(source)
+    names = tuple(name for name in names if name != LINES)
+    if has_lines and not names:
+        return {}, metadata
     usable = {grid["name"]: grid for grid in reversed(grids) if grid["numbers"] and grid["name"]}
     left_out |= {f"'{grid['name']}'" for grid in grids if grid["name"] not in usable and not names}
     order = [grid["name"] for grid in grids if grid["name"] in usable]

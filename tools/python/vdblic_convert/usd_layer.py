@@ -81,26 +81,30 @@ def gaps_of(frames):
     return [(a, a + 1, b - 1) for a, b in zip(numbers, numbers[1:]) if b - a > min(steps)]
 
 
-def layer(path, frames, settings, camera, doc, proxy=None):
+def layer(path, frames, settings, camera, doc, proxy=None, streaks=None):
     """The text of a layer.
 
     @param frames  number → Frame
     @param camera  a CameraFile or None
     @param proxy  the frames of a coarser level, or None
+    @param streaks  the curves and the box around them, or None
     """
     bounds = {number: box for number, frame in frames.items() if (box := bounds_of(frame)) is not None}
-    if not bounds:
+    boxes = list(bounds.values()) + ([streaks.box] if streaks and streaks.box else [])
+    if not boxes:
         raise InputError(f"{next(iter(frames.values())).path}: no voxel in any frame; there is nothing to show")
     numbers = sorted(frames)
     end = max(numbers[-1], numbers[0] + 1)  # one frame lasts a frame: renderers blur motion over an interval
     purpose = 'uniform token purpose = "{}"'.format
     full = [purpose("render"), "rel proxyPrim = </flow/proxy>"] if proxy else []
-    children = _volume("volume", path, frames, bounds, settings, full)
+    children = list(streaks.lines) if streaks else []
+    if bounds:
+        children += [*([""] if children else []), *_volume("volume", path, frames, bounds, settings, full)]
     if proxy:
         coarse = {number: box for number, frame in proxy.items() if (box := bounds_of(frame)) is not None}
         children += ["", *_volume("proxy", path, proxy, coarse, settings, [purpose("proxy")])]
     if camera:
-        children += ["", *_camera(camera, range(numbers[0], end + 1), bounds.values(), settings)]
+        children += ["", *_camera(camera, range(numbers[0], end + 1), boxes, settings)]
     head = [
         'defaultPrim = "flow"',
         f"doc = {text(doc)}",

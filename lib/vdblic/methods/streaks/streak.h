@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -16,6 +17,20 @@ struct StreakNode {
     std::array<float, 3> slope;    ///< velocity there [voxels of the velocity a frame]
     double time;                   ///< frames since the run began
 };
+
+/// A point of the path between two nodes. @param share of the time between them, 0 to 1
+[[nodiscard]] inline std::array<float, 3> positionBetween(const StreakNode& a, const StreakNode& b, float share)
+{
+    const auto duration = float(b.time - a.time);
+    std::array<float, 3> position{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float chord = b.position[axis] - a.position[axis];
+        const float m0 = a.slope[axis] * duration, m1 = b.slope[axis] * duration;
+        position[axis] =
+            a.position[axis] + ((m0 + m1 - 2 * chord) * share + (3 * chord - 2 * m0 - m1)) * share * share + m0 * share;
+    }
+    return position;
+}
 
 /// A particle that lives for many frames, with the last part of its pathline.
 struct Streak {

@@ -9,21 +9,7 @@
 namespace vdblic {
 namespace {
 
-constexpr float kTailWidth = 0.45f; // thickness at the tail's end, relative to the head's
-constexpr float kPieceLength = 4;   // texture voxels
-
-/// The cubic Hermite curve between two nodes.
-std::array<float, 3> positionBetween(const StreakNode& a, const StreakNode& b, float u)
-{
-    const auto duration = float(b.time - a.time);
-    std::array<float, 3> position{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const float chord = b.position[axis] - a.position[axis];
-        const float m0 = a.slope[axis] * duration, m1 = b.slope[axis] * duration;
-        position[axis] = a.position[axis] + ((m0 + m1 - 2 * chord) * u + (3 * chord - 2 * m0 - m1)) * u * u + m0 * u;
-    }
-    return position;
-}
+constexpr float kPieceLength = 4; // texture voxels
 
 /// Cuts streaks into pieces.
 class PieceCutter {

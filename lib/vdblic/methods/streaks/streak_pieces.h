@@ -20,6 +20,8 @@ struct StreakPiece {
 
 /// Darker voxels cannot be seen, and are not drawn.
 inline constexpr float kLeastStreakValue = 0.02f;
+/// Thickness at the tail's end, relative to the head's.
+inline constexpr float kTailWidth = 0.45f;
 
 /// The tails of streaks at a time, cut into pieces so short that they are straight, in the streaks' order. What cannot
 /// be seen is left out. Computed in parallel.

@@ -9,6 +9,7 @@
 #include "vdblic/lic/path_reach.h"
 #include "vdblic/methods/streaks/streak_controller.h"
 #include "vdblic/methods/streaks/streak_drawing.h"
+#include "vdblic/methods/streaks/streak_lines.h"
 #include "vdblic/methods/streaks/streak_paths.h"
 
 #include "vdblic/methods/streaks/streak_state.h"
@@ -98,8 +99,9 @@ FlowTextureStep StreakTexture::advance(const FlowStep& step)
         result.metadata.insertMeta(kSourceKey + std::to_string(i + 1), openvdb::StringMetadata(sources[i].name));
     if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
-        const DrawnStreaks drawn =
-            drawStreaks(mStreaks, mShape, domain, double(mStep) / substeps, !mParams.sources.empty());
+        const double time = double(mStep) / substeps;
+        if (step.withLines) result.lines = linesOf(mStreaks, mShape, domain, time, step.start.velocities->transform());
+        const DrawnStreaks drawn = drawStreaks(mStreaks, mShape, domain, time, !mParams.sources.empty());
         result.domain = drawnDomain(*drawn.texture, step.owners);
         result.texture = LeafValues<float>(*result.domain, drawn.texture);
         if (drawn.source) result.source = LeafValues<float>(*result.domain, drawn.source);

@@ -1,0 +1,227 @@
+#include "vdblic/methods/streaks/streak_lines.h"
+
+#include "vdblic/field/domain_rows.h"
+#include "vdblic/methods/streaks/streak_pieces.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <unordered_set>
+
+namespace vdblic {
+namespace {
+
+/// A place of a pathline.
+struct Sample {
+    openvdb::Vec3f position; // index space of the velocity
+    double time;
+};
+using Samples = std::vector<Sample>;
+
+/// Samples tails of streaks, from their ends to the heads.
+class TailSampler {
+  public:
+    TailSampler(const StreakShape& shape, const Domain& domain, double time)
+        : mDomain(domain), mTime(time), mTail(double(shape.tail))
+    {
+        float radius = std::numeric_limits<float>::max();
+        for (int axis = 0; axis < 3; ++axis)
+            radius = std::min(radius, shape.radius(axis) / float(shape.refinement.factors[std::size_t(axis)]));
+        mTolerance = radius / 4;
+    }
+
+    /// The parts of a tail that lie in the domain and can be seen, the one with the head last.
+    [[nodiscard]] std::vector<Samples> parts(const Streak& streak) const
+    {
+        std::vector<Samples> parts;
+        for (const Samples& part : inDomain(samples(streak)))
+            parts.push_back(thinned(part));
+        return parts;
+    }
+
+  private:
+    [[nodiscard]] Samples samples(const Streak& streak) const
+    {
+        const double oldest = streak.tailEnd(mTime, mTail);
+        const double bright = streak.brightness(mTime);
+        // The value rises linearly from the tail's end to the head.
+        const double first =
+            bright > kLeastStreakValue ? oldest + (mTime - oldest) * kLeastStreakValue / bright : mTime;
+        Samples all;
+        for (std::size_t i = 1; i < streak.path.size(); ++i) {
+            const StreakNode &a = streak.path[i - 1], &b = streak.path[i];
+            const double from = std::max(a.time, first), to = std::min(b.time, mTime);
+            if (!(from < to)) continue;
+            if (all.empty()) all.push_back({placeAt(a, b, from), from});
+            const int count = pieces(a, b, from, to);
+            for (int k = 1; k <= count; ++k) {
+                const double time = k == count ? to : from + (to - from) * k / count;
+                all.push_back({placeAt(a, b, time), time});
+            }
+        }
+        return all;
+    }
+
+    /// Cut at the rim of the domain.
+    [[nodiscard]] std::vector<Samples> inDomain(const Samples& all) const
+    {
+        std::vector<Samples> parts;
+        bool wasInside = false;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const bool isInside = isInDomain(all[i].position);
+            if (isInside && !wasInside) parts.emplace_back();
+            if (i > 0 && isInside != wasInside) parts.back().push_back(rimBetween(all[i - 1], all[i], wasInside));
+            if (isInside) parts.back().push_back(all[i]);
+            wasInside = isInside;
+        }
+        std::erase_if(parts, [](const Samples& part) { return part.size() < 2; });
+        return parts;
+    }
+
+    [[nodiscard]] bool isInDomain(const openvdb::Vec3f& position) const
+    {
+        return covers(mDomain, Float4{position[0], position[1], position[2], 0});
+    }
+
+    /// The last place inside on the straight line between two samples, one of which is outside.
+    [[nodiscard]] Sample rimBetween(const Sample& a, const Sample& b, bool isFirstInside) const
+    {
+        constexpr int kHalvings = 12;
+        Sample inside = isFirstInside ? a : b, outside = isFirstInside ? b : a;
+        for (int i = 0; i < kHalvings; ++i) {
+            const Sample middle{(inside.position + outside.position) * 0.5f, (inside.time + outside.time) / 2};
+            (isInDomain(middle.position) ? inside : outside) = middle;
+        }
+        return inside;
+    }
+
+    [[nodiscard]] static openvdb::Vec3f placeAt(const StreakNode& a, const StreakNode& b, double time)
+    {
+        return openvdb::Vec3f(positionBetween(a, b, float((time - a.time) / (b.time - a.time))).data());
+    }
+
+    /// In how many parts a curve between two nodes is straight: a parabola deviates by h²/8 of its second derivative.
+    [[nodiscard]] int pieces(const StreakNode& a, const StreakNode& b, double from, double to) const
+    {
+        constexpr double kMost = 4096;
+        const double whole = b.time - a.time, part = (to - from) / whole;
+        double atStart = 0, atEnd = 0; // second derivative by the share of the time, squared; linear in between
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double chord = double(b.position[axis]) - double(a.position[axis]);
+            const double m0 = double(a.slope[axis]) * whole, m1 = double(b.slope[axis]) * whole;
+            atStart += std::pow(6 * chord - 4 * m0 - 2 * m1, 2);
+            atEnd += std::pow(-6 * chord + 2 * m0 + 4 * m1, 2);
+        }
+        const double second = std::sqrt(std::max(atStart, atEnd));
+        return int(std::ceil(std::clamp(part * std::sqrt(second / (8 * double(mTolerance) / 2)), 1.0, kMost)));
+    }
+
+    /// The fewest samples found that keep the tolerance: the farthest one between two that are kept is kept, too, until
+    /// none is too far (Douglas and Peucker 1973), at the distance of the same time.
+    [[nodiscard]] Samples thinned(const Samples& all) const
+    {
+        if (all.size() < 3) return all;
+        std::vector<bool> isKept(all.size(), false);
+        isKept.front() = isKept.back() = true;
+        std::vector<std::array<std::size_t, 2>> spans{{0, all.size() - 1}};
+        while (!spans.empty()) {
+            const auto [first, last] = spans.back();
+            spans.pop_back();
+            const Sample &a = all[first], &b = all[last];
+            double farthest = double(mTolerance) / 2;
+            std::size_t at = 0;
+            for (std::size_t i = first + 1; i < last; ++i) {
+                const auto share = float((all[i].time - a.time) / (b.time - a.time));
+                const double distance =
+                    double((all[i].position - (a.position + (b.position - a.position) * share)).length());
+                if (distance <= farthest) continue;
+                farthest = distance;
+                at = i;
+            }
+            if (at == 0) continue;
+            isKept[at] = true;
+            spans.push_back({first, at});
+            spans.push_back({at, last});
+        }
+        Samples kept;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (isKept[i]) kept.push_back(all[i]);
+        }
+        return kept;
+    }
+
+    const Domain& mDomain;
+    double mTime, mTail;
+    float mTolerance = 0; // [voxels of the velocity]
+};
+
+/// Numbers of 32 bits for names of 64. Where one is taken, the next free one is.
+class Numbers {
+  public:
+    [[nodiscard]] std::int32_t of(std::uint64_t name)
+    {
+        auto number = std::uint32_t(name);
+        while (!mTaken.insert(number).second)
+            ++number;
+        return std::int32_t(number);
+    }
+
+  private:
+    std::unordered_set<std::uint32_t> mTaken;
+};
+
+/// The mean radius of a streak's head in world space.
+float worldRadius(const StreakShape& shape, const openvdb::math::Transform& transform)
+{
+    double product = 1;
+    const openvdb::Vec3d voxel = transform.voxelSize();
+    for (int axis = 0; axis < 3; ++axis)
+        product *= double(shape.radius(axis)) / shape.refinement.factors[std::size_t(axis)] * voxel[axis];
+    return float(std::cbrt(product));
+}
+
+} // namespace
+
+Lines linesOf(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain, double time,
+              const openvdb::math::Transform& transform)
+{
+    const TailSampler sampler(shape, domain, time);
+    std::vector<std::vector<Samples>> tails(streaks.size());
+    tbb::parallel_for(std::size_t(0), streaks.size(), [&](std::size_t i) { tails[i] = sampler.parts(streaks[i]); });
+    const float radius = worldRadius(shape, transform);
+    Lines lines;
+    Numbers numbers;
+    const auto add = [&](const Streak& streak, const Samples& part) {
+        const auto begin = std::uint32_t(lines.pointCount());
+        const double oldest = streak.tailEnd(time, double(shape.tail));
+        const auto bright = float(streak.brightness(time));
+        for (const Sample& sample : part) {
+            const float share = std::clamp(float((sample.time - oldest) / (time - oldest)), 0.0f, 1.0f);
+            lines.positions.push_back(sample.position);
+            lines.opacities.push_back(bright * share);
+            lines.radii.push_back(radius * (kTailWidth + (1 - kTailWidth) * share));
+            lines.ages.push_back(float(time - sample.time));
+        }
+        lines.lines.push_back({numbers.of(streak.name), begin, std::uint32_t(lines.pointCount()), streak.source});
+    };
+    std::vector<std::size_t> order(streaks.size()); // by name: a resumed run has streaks in another order
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return streaks[a].name < streaks[b].name; });
+    for (const std::size_t i : order) { // those of heads first: their numbers are the same in all frames
+        if (!tails[i].empty()) add(streaks[i], tails[i].back());
+    }
+    for (const std::size_t i : order) {
+        for (std::size_t part = 1; part < tails[i].size(); ++part)
+            add(streaks[i], tails[i][part - 1]);
+    }
+    return lines;
+}
+
+} // namespace vdblic

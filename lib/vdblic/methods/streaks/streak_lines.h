@@ -1,0 +1,24 @@
+#pragma once
+
+#include "vdblic/lines/lines.h"
+#include "vdblic/methods/streaks/streak.h"
+#include "vdblic/methods/streaks/streak_shape.h"
+
+#include <openvdb/openvdb.h>
+
+#include <vector>
+
+namespace vdblic {
+
+/// The tails of streaks at a time as polylines. Each is so fine that the point which the polyline has at a time is
+/// never farther from the pathline's than a quarter of the streak's radius. What cannot be seen, or lies outside of the
+/// domain, is left out; a tail that it cuts makes several lines.
+///
+/// @param domain    voxels of the velocity
+/// @param time      of the heads [frames since the run began]
+/// @param transform of the velocity, for the radii
+/// Computed in parallel; the result does not depend on the number of threads.
+[[nodiscard]] Lines linesOf(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain,
+                            double time, const openvdb::math::Transform& transform);
+
+} // namespace vdblic
