@@ -81,9 +81,23 @@ struct StoredPoints {
     Lines values; // without lines
 };
 
+/// Check what OpenVDB takes for granted of a leaf. @throws InputError
+void check(const PointLeaf& leaf)
+{
+    const openvdb::points::AttributeSet& attributes = leaf.attributeSet();
+    const auto& places = attributes.descriptor().map();
+    const bool isThere =
+        std::all_of(places.begin(), places.end(), [&](const auto& place) { return place.second < attributes.size(); });
+    if (!isThere) throw InputError("its lines lack an attribute that they name");
+    try {
+        leaf.validateOffsets();
+    } catch (const openvdb::ValueError& error) {
+        throw InputError(fmt::format("its lines are damaged ({})", error.what()));
+    }
+}
+
 void read(const PointLeaf& leaf, StoredPoints& points)
 {
-    leaf.validateOffsets();
     const auto position = attributeOf<Vec3f>(leaf, kPosition);
     const auto id = attributeOf<std::int32_t>(leaf, kId);
     const auto order = attributeOf<std::int32_t>(leaf, kOrder);
@@ -170,6 +184,8 @@ Lines linesOf(const openvdb::GridBase& base)
     const auto* const grid = dynamic_cast<const PointDataGrid*>(&base);
     if (!grid) throw InputError(fmt::format("'{}' holds no points", base.getName()));
     StoredPoints points;
+    for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf)
+        check(*leaf);
     if (const auto first = grid->constTree().cbeginLeaf()) points.values.scalars = scalarsOf(*first);
     for (auto leaf = grid->constTree().cbeginLeaf(); leaf; ++leaf)
         read(*leaf, points);

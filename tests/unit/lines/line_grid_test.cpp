@@ -105,6 +105,9 @@ TEST(LineGrid, IsRefusedIfDamaged)
     expectRefused(*withValue<float>("age", kNone), "age");
     expectRefused(*withValue<std::int32_t>("order", 7), "order");
     expectRefused(*withValue<std::int32_t>("source", 300), "source");
+    const openvdb::GridBase::Ptr disordered = lineGrid(someLines(), *kTransform);
+    openvdb::gridPtrCast<openvdb::points::PointDataGrid>(disordered)->tree().beginLeaf()->setOffsetOnly(100, 0);
+    expectRefused(*disordered, "damaged");
     for (const char* attribute : {"id", "order", "pscale", "Alpha", "age"}) {
         const openvdb::GridBase::Ptr grid = lineGrid(someLines(), *kTransform);
         openvdb::points::dropAttribute(openvdb::gridPtrCast<openvdb::points::PointDataGrid>(grid)->tree(), attribute);
