@@ -9,6 +9,7 @@
 #include "vdblic/compare/report.h"
 #include "vdblic/core/crash_guard.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/hazard.h"
 #include "vdblic/core/startable_threads.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
@@ -33,7 +34,9 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -212,6 +215,28 @@ void useStartableThreads()
     (void)kThreads;
 }
 
+/// `with Parsing(file, library, is_timed)`: while a library of Python parses the file, a crash, and if it is timed an
+/// endless loop, is told as the file's (core/crash_guard.h).
+class Parsing {
+  public:
+    Parsing(const std::filesystem::path& file, std::string library, bool isTimed)
+        : mFile(file.string()), mLibrary(std::move(library)), mIsTimed(isTimed)
+    {
+    }
+    void enter()
+    {
+        std::error_code error;
+        const std::uintmax_t size = std::filesystem::file_size(mFile, error);
+        mHazard.emplace(mFile, mIsTimed && !error ? size : Hazard::kAnySize, mLibrary.c_str());
+    }
+    void leave() { mHazard.reset(); }
+
+  private:
+    std::string mFile, mLibrary;
+    bool mIsTimed;
+    std::optional<Hazard> mHazard;
+};
+
 } // namespace
 } // namespace vdblic::python
 
@@ -228,6 +253,10 @@ PYBIND11_MODULE(_core, module)
     bindLevels(module);
     bindLines(module);
     module.def("guard_against_crashes", [](const std::string& tool) { guardAgainstCrashes(tool); });
+    py::class_<Parsing>(module, "Parsing")
+        .def(py::init<const std::filesystem::path&, std::string, bool>())
+        .def("__enter__", &Parsing::enter)
+        .def("__exit__", [](Parsing& self, const py::args&) { self.leave(); });
     module.def("read", &readVolume);
     module.def("write", &writeVolume);
     module.def("synth", &synth);

@@ -40,6 +40,7 @@ struct Parsing {
     volatile sig_atomic_t active = 0;
     bool timed = false;
     timer_t timer{};
+    const char* library = nullptr;
     std::array<char, 4200> file{};
 };
 thread_local Parsing tParsing;
@@ -121,11 +122,11 @@ void speakFirst()
 
 /// The message and exit status of a crash.
 struct Cause {
-    std::array<const char*, 4> text{}; ///< put together
+    std::array<const char*, 5> text{}; ///< put together
     int status = gStatuses.badInput;
 };
 
-constexpr const char* kDamaged = ": cannot be read as a .vdb file: it is damaged";
+constexpr const char* kDamaged = ": cannot be read: it is damaged";
 
 /// @return nothing for a crash that is neither of a file that is being parsed nor for lack of memory
 std::optional<Cause> causeOf(int signal, const siginfo_t& info)
@@ -139,8 +140,8 @@ std::optional<Cause> causeOf(int signal, const siginfo_t& info)
     const char* const raise = hasMemoryOption() ? ", or raise --max-memory" : "";
     if (tParsing.active) {
         if (memory) return Cause{{tParsing.file.data(), kDamaged, ", or takes more memory than may be used", raise}};
-        return Cause{{tParsing.file.data(), kDamaged,
-                      signal == SIGXCPU ? "; reading it does not come to an end" : "; OpenVDB crashed on it"}};
+        if (signal == SIGXCPU) return Cause{{tParsing.file.data(), kDamaged, "; reading it does not come to an end"}};
+        return Cause{{tParsing.file.data(), kDamaged, "; ", tParsing.library, " crashed on it"}};
     }
     if (signal == SIGABRT && tThreadsRanOut) {
         return Cause{
@@ -200,9 +201,10 @@ void startTimer(std::uint64_t seconds) noexcept
     if (tParsing.timed) ::timer_settime(tParsing.timer, 0, &limit, nullptr);
 }
 
-void enter(const char* file, std::uint64_t size) noexcept
+void enter(const char* file, std::uint64_t size, const char* library) noexcept
 {
     takeHandlerStack();
+    tParsing.library = library;
     std::snprintf(tParsing.file.data(), tParsing.file.size(), "%s", file);
     tParsing.active = 1;
     startTimer(kSeconds + size / kBytesPerSecond);

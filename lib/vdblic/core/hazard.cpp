@@ -13,9 +13,9 @@ void setHazardHooks(const HazardHooks& hooks)
     gHooks = hooks;
 }
 
-Hazard::Hazard(const std::string& file, std::uint64_t size)
+Hazard::Hazard(const std::string& file, std::uint64_t size, const char* library)
 {
-    if (tDepth++ == 0 && gHooks.enter) gHooks.enter(file.c_str(), size);
+    if (tDepth++ == 0 && gHooks.enter) gHooks.enter(file.c_str(), size, library);
 }
 
 Hazard::~Hazard()

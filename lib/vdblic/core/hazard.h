@@ -10,7 +10,7 @@ namespace vdblic {
 ///
 /// The parsing thread calls enter() before and leave() after.
 struct HazardHooks {
-    void (*enter)(const char* file, std::uint64_t size) noexcept = nullptr;
+    void (*enter)(const char* file, std::uint64_t size, const char* library) noexcept = nullptr;
     void (*leave)() noexcept = nullptr;
 };
 
@@ -22,8 +22,11 @@ void setHazardHooks(const HazardHooks& hooks);
 /// the same thread it does nothing.
 class Hazard {
   public:
+    static constexpr std::uint64_t kAnySize = std::uint64_t(1) << 60; ///< parsing may take any time
+
     /// @param file the file's path  @param size of the file in bytes
-    Hazard(const std::string& file, std::uint64_t size);
+    /// @param library that parses it; must outlive this
+    Hazard(const std::string& file, std::uint64_t size, const char* library = "OpenVDB");
     ~Hazard();
     Hazard(const Hazard&) = delete;
     Hazard& operator=(const Hazard&) = delete;

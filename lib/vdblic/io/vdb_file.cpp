@@ -12,6 +12,7 @@
 #include "vdblic/io/guarded_buffer.h"
 #include "vdblic/io/input_file.h"
 #include "vdblic/io/vdb_assembly.h"
+#include "vdblic/io/vdb_header.h"
 #include "vdblic/io/vdb_layout.h"
 #include "vdblic/io/vdb_parser.h"
 
@@ -145,7 +146,9 @@ class GuardedFile {
         try {
             mStream.seekg(0);
             mBuffer.guard(mStream, mLayout);
-            return parseVdb(mStream, mPath, mSize, isKept);
+            VdbFile file = parseVdb(mStream, mPath, mSize, isKept);
+            checkMetadata(file.grids);
+            return file;
         } catch (const std::ios::failure& failure) {
             fail(mStream.eof()                            ? "it ends too early"
                  : failure.code() != std::io_errc::stream ? failure.code().message()

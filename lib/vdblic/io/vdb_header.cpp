@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <exception>
 #include <fstream>
+#include <string>
 
 namespace vdblic {
 namespace {
@@ -44,6 +45,29 @@ class HeaderArchive : public VdbArchive {
 
 } // namespace
 
+void checkMetadata(const openvdb::GridPtrVec& grids)
+{
+    using openvdb::GridBase;
+    const auto check = [](const GridBase& grid, const char* key, const std::string& type) {
+        const openvdb::Metadata::ConstPtr value = grid[key];
+        if (value && value->typeName() != type) {
+            throw InputError(fmt::format("grid '{}': its metadata '{}' is of type {} in place of {}; it is damaged",
+                                         grid.getName(), key, value->typeName(), type));
+        }
+    };
+    for (const GridBase::Ptr& grid : grids) {
+        for (const char* key : {GridBase::META_GRID_CLASS, GridBase::META_GRID_CREATOR, GridBase::META_VECTOR_TYPE,
+                                GridBase::META_FILE_COMPRESSION})
+            check(*grid, key, openvdb::StringMetadata::staticTypeName());
+        for (const char* key : {GridBase::META_IS_LOCAL_SPACE, GridBase::META_SAVE_HALF_FLOAT})
+            check(*grid, key, openvdb::BoolMetadata::staticTypeName());
+        for (const char* key : {GridBase::META_FILE_BBOX_MIN, GridBase::META_FILE_BBOX_MAX})
+            check(*grid, key, openvdb::Vec3IMetadata::staticTypeName());
+        for (const char* key : {GridBase::META_FILE_MEM_BYTES, GridBase::META_FILE_VOXEL_COUNT})
+            check(*grid, key, openvdb::Int64Metadata::staticTypeName());
+    }
+}
+
 VdbHeader readVdbHeader(const std::filesystem::path& path)
 {
     openvdb::initialize();
@@ -56,7 +80,9 @@ VdbHeader readVdbHeader(const std::filesystem::path& path)
         stream.seekg(0);
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         const Hazard parsing(path.string(), size);
-        return HeaderArchive().read(stream);
+        VdbHeader header = HeaderArchive().read(stream);
+        checkMetadata(header.grids);
+        return header;
     } catch (const InputError& reason) {
         throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), reason.what()));
     } catch (const std::exception&) {

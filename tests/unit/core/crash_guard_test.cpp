@@ -82,7 +82,7 @@ std::string saidAt(int wanted, const Work& work, bool isHeld = false)
 }
 
 constexpr const char* kDamaged =
-    "tool: error: v.vdb: cannot be read as a .vdb file: it is damaged; OpenVDB crashed on it\n";
+    "tool: error: v.vdb: cannot be read: it is damaged; OpenVDB crashed on it\n";
 
 TEST(CrashGuard, SpeaksOnceWhenThreadsCrashTogether)
 {

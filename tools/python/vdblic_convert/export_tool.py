@@ -144,7 +144,7 @@ def _image(output, volume):
     scalars = next((name for name, values in volume.arrays.items() if values.ndim == 3), None)
     vectors = next((name for name, values in volume.arrays.items() if values.ndim == 4), None)
     if scalars:
-        points.SetActiveScalars(names.get(volume.metadata.get("texture"), names[scalars]))
+        points.SetActiveScalars(names.get(str(volume.metadata.get("texture")), names[scalars]))
     if vectors:
         points.SetActiveVectors(names[vectors])
     _add_time(image, volume.metadata)

@@ -4,6 +4,8 @@ import os
 import re
 import warnings
 
+from vdblic._core import Parsing
+
 from .errors import InputError, ParameterError
 from .outputs import Outputs
 from .tool import Tool, number, positive, whole
@@ -165,9 +167,10 @@ class Conversion:
         arrays = source.arrays(step.index)
         chosen(arrays, self._names, (), where)  # every step has them
         check_carried(arrays, self._options.carry, where)
-        velocity, carried, mask, met, target = flow_at(
-            source, step.index, self._names, self._options.carry, lambda flow: self._covering(flow, step), where
-        )
+        with Parsing(source.path, "the library that reads it", False):
+            velocity, carried, mask, met, target = flow_at(
+                source, step.index, self._names, self._options.carry, lambda flow: self._covering(flow, step), where
+            )
         self._check_cells(met)
         self._tell_notes(source)
         if not mask.any():

@@ -6,6 +6,8 @@ Each module reads one family of files; it and the packages that it needs are loa
 import importlib
 import pathlib
 
+from vdblic._core import Parsing
+
 from ..errors import InputError, ParameterError
 
 READERS = {
@@ -85,7 +87,10 @@ def open_source(path, options, grids=()):
             f"{path}: files of this kind cannot be read; known are {known} and the folders of OpenFOAM cases"
         )
     open_file = importlib.import_module(f".{reader}", __name__).open_source
-    return open_file(path, options, grids) if grids else open_file(path, options)
+    if reader == "dataset":  # tells by itself what its libraries parse
+        return open_file(path, options, grids)
+    with Parsing(path, "the library that reads it", False):
+        return open_file(path, options)
 
 
 class Source:

@@ -4,6 +4,8 @@ import argparse
 import logging
 import re
 
+from vdblic._core import Parsing
+
 from ..errors import InputError, needed
 from .gridded import Data
 from .whole_files import check_whole
@@ -95,7 +97,8 @@ def _variables(path):
 def _netcdf(xarray, path):
     """The variables of all groups; those of a group have its name before theirs where another one has theirs."""
     found, attributes, groups = {}, {}, [""]
-    with needed("netCDF4").Dataset(path) as data:
+    library = needed("netCDF4")
+    with Parsing(path, "NetCDF's library", True), library.Dataset(path) as data:
         stack = list(data.groups.values())
         while stack:
             group = stack.pop(0)
