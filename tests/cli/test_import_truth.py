@@ -130,6 +130,51 @@ class Curved(TruthTest):
         self.assertLess(numpy.percentile(close, 95), 1)  # a wrong angle is a speed of 3
 
 
+class CGrids(TruthTest):
+    """SGRID: what lies on edges has no coordinates; it is half way between those of the cells' middles or corners."""
+
+    def test_every_padding(self):
+        for padding in "none", "low", "high", "both":
+            for given in "face", "node":
+                for curved in True, False:
+                    with self.subTest(padding, given=given, curved=curved):
+                        file, edges = earth_flows.c_grid(padding, given, curved)
+                        path, = self.imported(file)
+                        at, found, _ = truth.random_voxels(path)
+                        place = earth_flows.on_earth(at, [(part.min() + part.max()) / 2 for part in edges])
+                        numpy.testing.assert_allclose(found[:, 0], earth_flows.east(*place), atol=1e-5)
+                        numpy.testing.assert_allclose(found[:, 1], earth_flows.north(*place), atol=1e-5)
+
+    def test_a_turned_grid(self):
+        """Components are along it: one of 0.5 along its rows points to its angle."""
+        file, _ = earth_flows.c_grid("both", "face", angle=0.6)
+        for name, speed in ("u", 0.5), ("v", 0.0):
+            file[name][1] = speed + 0 * file[name][1]
+        path, = self.imported(file)
+        _, found, _ = truth.random_voxels(path)
+        turn = numpy.arctan2(0.2 * numpy.sin(0.6), 0.25 * numpy.cos(0.6) * numpy.cos(numpy.radians(40)))
+        numpy.testing.assert_allclose(found[:, :2], 0.5 * numpy.array([[numpy.cos(turn), numpy.sin(turn)]] * len(found)), atol=0.01)
+
+    def test_contradictions(self):
+        for key, value, words in (
+                ("face_dimensions", "xc: xn (padding: none) yc: yn (padding: both)",
+                 "the grid contradicts itself about the padding of 'xc'"),
+                ("edge2_dimensions", "xc: xn (padding: middle) yn", "'middle' is no padding, which is none, low, high or both"),
+                ("edge1_dimensions", "xn yc: yn (padding: low)", "7 nodes along 'yn' and the padding 'low' make 7 places along "
+                 "'yc', which has 8; correct it: --attribute 'grid:edge1_dimensions=xn yc: yn (padding: low)'")):
+            with self.subTest(words):
+                file, _ = earth_flows.c_grid("both", "face")
+                file["grid"][2][key] = value
+                earth_flows.write(self.folder / "f.nc", file)
+                self.assertIn(words, self.refuses(3, "f.nc", "-o", "v.vdb"))
+        file, _ = earth_flows.c_grid("both", "face")
+        file["grid"][2] = {key: str(value).replace("both", "low") for key, value in file["grid"][2].items()}
+        file["grid"][2]["edge1_dimensions"] = "xn yc"
+        earth_flows.write(self.folder / "f.nc", file)
+        self.assertIn("9 nodes along 'xn' and the padding 'low' make 9 places along 'xc', which has 10",
+                      self.refuses(3, "f.nc", "-o", "v.vdb"))
+
+
 def kept(path, new, sizes, change=None):
     """A copy of a NetCDF file without the ends of dimensions; `change` alters variables: name, values, attributes."""
     with netCDF4.Dataset(path) as whole, netCDF4.Dataset(new, "w") as cut:

@@ -10,7 +10,8 @@ from .earth import standard_atmosphere, upward_velocity
 from .gridded import Gridded
 from .grids import grid_of
 from .heights import heights_of_axis, vertical
-from .place import TURNED, axis_of, horizontal
+from .place import LONGITUDE, TURNED, axis_of, horizontal
+from .sgrid import CGrid
 
 MEDIUM = r"(wind|(sea_water_)?velocity)"
 COMPONENTS = (
@@ -34,7 +35,10 @@ class CfFile(Gridded):
             own = [n for n, v in data.variables.items() if v.dims == (dimension,) and axis_of(data, n)]
             if len(own) == 1:
                 data.variables[dimension] = data.variables[own[0]]
-        self._axes = {dimension: axis_of(data, dimension) for dimension in data.sizes if dimension != self.time}
+        self.c_grid = CGrid(data, axis_of)
+        self._put_axes()
+        axes = {dimension: axis_of(data, dimension) for dimension in data.sizes if dimension != self.time}
+        self._axes = axes | self.c_grid.axes
         self._spaces = {
             name: self._space(name)
             for name, variable in data.variables.items()
@@ -50,6 +54,18 @@ class CfFile(Gridded):
                 f"{self.path}: no variable has two horizontal axes, with or without a vertical axis, that are known; "
                 f"it holds {data.contents()}; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
             )
+
+    def _put_axes(self):
+        """The axes of a C grid that follow from its others."""
+        data, told = self.data, ("units", "standard_name", "positive", "axis")
+        for name in [d for d in self.c_grid.axes if d in data.sizes and d not in data.variables]:
+            for (other,) in self.c_grid.others((name,)):
+                if other in data.variables and data.variables[other].dims == (other,) and data.sizes[other] > 1:
+                    values, unit = self.place(other, 0), data.text(other, "units")
+                    values = numpy.unwrap(values, period=360) if re.fullmatch(LONGITUDE, unit, re.I) else values
+                    values = self.c_grid.moved(values, (other,), (name,), data.sizes)
+                    data.add(name, (name,), values, **{key: text for key in told if (text := data.text(other, key))})
+                    break
 
     def components(self, step):
         found = []

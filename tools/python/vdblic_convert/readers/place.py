@@ -117,6 +117,10 @@ def horizontal(source, field, dimensions):
         if not any(name.startswith("grid_") for name in standard):
             return _on_earth(source, *(source.place(name, 0) for name in names), names)
     lonlat = _longitude_latitude(source, field, dimensions[1:])
+    for other in source.c_grid.others(dimensions[1:]):
+        if lonlat is None and (found := _longitude_latitude(source, field, other)) and min(found[0].shape) > 1:
+            found = [numpy.unwrap(numpy.unwrap(found[0], period=360), period=360, axis=0), found[1]]
+            lonlat = [source.c_grid.moved(values, other, dimensions[1:], data.sizes) for values in found]
     lengths = have and all(unit and measures(unit, "m") for unit in units)
     mapping = data.text(field, "grid_mapping").partition(":")[0]
     if lengths:
