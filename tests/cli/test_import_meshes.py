@@ -12,7 +12,7 @@ import numpy
 import pyopenvdb as vdb
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkCellLocator, vtkRectilinearGrid
-from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkProbeFilter
+from vtkmodules.vtkFiltersCore import vtkAppendFilter
 from vtkmodules.vtkIOParallel import vtkPOpenFOAMReader
 from vtkmodules.vtkParallelCore import vtkDummyController
 
@@ -210,7 +210,7 @@ class Voxels(ImportTest):
         done = self.run_tool("vdblic_import", "m.vtu", "-o", "m.vdb")
         self.assertEqual((done.returncode, "warning" in done.stderr), (0, False), done.stderr)
         values, active, positions = velocity_of(self.folder / "m.vdb")
-        probed, valid = self.probed(mesh, positions)
+        probed, valid = flows.probed(mesh, positions, "U")
         numpy.testing.assert_array_equal(active.ravel(), valid)
         numpy.testing.assert_allclose(values.reshape(-1, 3)[valid], probed[valid], atol=1e-5)
         cells = numpy.stack([numpy.searchsorted(edge, positions[..., i]) for i, edge in enumerate(edges)], axis=-1)
@@ -223,18 +223,6 @@ class Voxels(ImportTest):
         self.assertRegex(done.stderr, r"warning: only \d+ % of the cells have a voxel in them, because they differ in size")
         done = self.run_tool("vdblic_import", "m.vtr", "-o", "m.vdb", "--size", 15, 3, 3)
         self.assertNotIn("warning", done.stderr)
-
-    def probed(self, mesh, positions):
-        cloud = flows.vtkUnstructuredGrid()
-        points = flows.vtkPoints()
-        points.SetData(flows.numpy_to_vtk(positions.reshape(-1, 3), deep=True))
-        cloud.SetPoints(points)
-        probe = vtkProbeFilter()
-        probe.SetInputData(cloud)
-        probe.SetSourceData(mesh)
-        probe.Update()
-        data = probe.GetOutput().GetPointData()
-        return vtk_to_numpy(data.GetArray("U")), vtk_to_numpy(data.GetArray("vtkValidPointMask")) != 0
 
     def test_velocity_of_exodus(self):
         image = flows.image()

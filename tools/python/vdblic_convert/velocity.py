@@ -19,6 +19,7 @@ TRIPLES = (
     ("velocityX", "velocityY", "velocityZ"),
     ("x_velocity", "y_velocity", "z_velocity"),
     ("X_VELOCITY", "Y_VELOCITY", "Z_VELOCITY"),
+    ("velx", "vely", "velz"),
     ("velocity.x", "velocity.y", "velocity.z"),
 )
 

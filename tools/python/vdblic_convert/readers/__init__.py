@@ -13,7 +13,7 @@ READERS = {
         *(".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vthb", ".vth", ".vtk"),
         *(".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".pvd", ".series"),
     ),
-    "cases": (".foam", ".case", ".encas", ".cgns", ".vtkhdf", ".e", ".ex2", ".exo", ".cas", ".tec"),
+    "cases": (".foam", ".case", ".encas", ".cgns", ".vtkhdf", ".e", ".ex2", ".exo", ".cas", ".tec", ".q"),
     "dataset": (".nc", ".nc4", ".cdf", ".nc3", ".zarr", ".grib", ".grib1", ".grib2", ".grb", ".grb2"),
     "arrays": (".npy", ".npz", ".h5", ".hdf5", ".mat"),
 }
@@ -21,11 +21,10 @@ REFUSED = {  # by the end of the name
     "Fluent's form in HDF5": (".cas.h5", ".dat.h5"),
     "Xdmf": (".xmf", ".xdmf"),
     "Tecplot's binary form": (".plt", ".szplt"),
-    "Plot3D": (".xyz", ".q", ".p3d"),
+    "Plot3D's grid without the solution (.q) before it": (".xyz", ".p3d"),
     "Nek5000": (".nek5000",),
     "Enzo": (".hierarchy",),
     "a list of EnSight's servers": (".sos",),
-    "AMReX": ("/Header",),
 }
 
 
@@ -36,6 +35,8 @@ def open_sources(paths, options):
         from . import dataset
 
         grids = [path for path in map(pathlib.Path, paths) if path.is_file() and dataset.is_grid(path)]
+    elif str(paths[0]).lower().endswith(".q"):
+        grids = [path for path in map(pathlib.Path, paths) if path.suffix.lower() in (".xyz", ".x", ".p3d")]
     flows = [path for path in paths if pathlib.Path(path) not in grids] or paths
     sources = [open_source(path, options, grids if flows is not paths else ()) for path in flows]
     known = [source.data for source in sources if hasattr(source, "data")]
@@ -57,15 +58,15 @@ def open_source(path, options, grids=()):
         raise InputError(f"{path}: no such file")
     if not path.is_dir() and not path.is_file():
         raise InputError(f"{path}: is no regular file; an input must be one")
-    name = str(path / "Header" if (path / "Header").is_file() else path)
     for kind, ends in REFUSED.items():
-        if name.lower().endswith(tuple(map(str.lower, ends))):
+        if path.name.lower().endswith(ends):
             raise InputError(f"{path}: {kind} is not read; ParaView's File > Save Data writes it as .vtm or .vtu")
     zarr = path.is_dir() and any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json"))
-    if path.is_dir() and not zarr and not (path / "system" / "controlDict").is_file():
+    cases = path / "system" / "controlDict", path / "Header"
+    if path.is_dir() and not zarr and not any(part.is_file() for part in cases):
         raise InputError(
-            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file or "
-            "a pattern such as name.%04d.vti"
+            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor a plot file of AMReX "
+            "nor Zarr; name a file or a pattern such as name.%04d.vti"
         )
     if path.is_file() and path.suffix != ".foam":
         with open(path, "rb") as file:

@@ -1,4 +1,4 @@
-"""Cases of files that VTK reads, with time steps: OpenFOAM, EnSight, CGNS, Exodus, VTKHDF, Fluent and Tecplot."""
+"""Cases of files that VTK reads, with time steps: OpenFOAM, EnSight, CGNS, Exodus, VTKHDF, Fluent, Tecplot and others."""
 
 import re
 
@@ -13,9 +13,14 @@ OTHERS = dict.fromkeys((".e", ".ex2", ".exo"), ("vtkIOExodus", "vtkExodusIIReade
     ".cas": ("vtkIOGeometry", "vtkFLUENTReader"),
     ".tec": ("vtkIOGeometry", "vtkTecplotReader"),
 }
+MOST_LEVELS = 30  # of AMReX: all of them
 
 
-def open_source(path, options):  # pylint: disable=unused-argument
+def open_source(path, options, grids=()):  # pylint: disable=unused-argument
+    if (path / "Header").is_file() or path.suffix.lower() == ".q":
+        from . import solver_files
+
+        return solver_files.AmrexFile(path) if path.is_dir() else solver_files.Plot3dFile(path, grids)
     if path.is_dir() or path.suffix.lower() == ".foam":
         return OpenFoamCase(path)
     if path.suffix.lower() == ".cgns":
@@ -35,7 +40,8 @@ class Case(VtkSource):
 
     def __init__(self, path, reader, name=None):
         self._reader = reader
-        set_name = reader.SetCaseFileName if reader.IsA("vtkGenericEnSightReader") else reader.SetFileName
+        kinds = {"vtkGenericEnSightReader": "CaseFileName", "vtkMultiBlockPLOT3DReader": "QFileName"}
+        set_name = getattr(reader, "Set" + kinds.get(reader.GetClassName(), "FileName"))
         with errors_of(path):
             set_name(name or str(path))
             if reader.IsA("vtkExodusIIReader"):
@@ -46,6 +52,9 @@ class Case(VtkSource):
             if reader.IsA("vtkCGNSReader"):
                 reader.EnableAllPointArrays()
                 reader.EnableAllCellArrays()
+            if reader.IsA("vtkAMReXGridReader"):
+                reader.SetMaxLevel(MOST_LEVELS)
+                reader.GetCellDataArraySelection().EnableAllArrays()
         key = needed("vtkmodules.vtkCommonExecutionModel").vtkStreamingDemandDrivenPipeline.TIME_STEPS()
         information = reader.GetOutputInformation(0)
         times = [information.Get(key, i) for i in range(information.Length(key))] if information.Has(key) else [None]
