@@ -112,6 +112,14 @@ class Regions(ImportTest):
         self.assert_flow(self.folder / "w.2.vdb", lambda at: flows.flow(at, 0.5), (8, 6, 4))
 
 
+    def test_two_files_of_one_name(self):
+        """VTK goes by what a file says of itself, and would take the last one."""
+        flows.write_foam(self.folder / "case", [0.0])
+        shutil.copy(self.folder / "case/0/U", self.folder / "case/0/Uuniform")
+        self.assertIn("case/0/Uuniform: it says that it is U, as U does; move one of them away",
+                      self.refuses(3, "case", "-o", "v.vdb"))
+
+
 class Collated(ImportTest):
     def test_the_layout(self):
         flows.write_foam(self.folder / "case", [0.0])
@@ -226,14 +234,14 @@ class Voxels(ImportTest):
 
     def test_velocity_of_exodus(self):
         image = flows.image()
-        for name in "DISPL", "VEL", "ACCL":
+        for name in "DISPL", "VEL", "ACCL", "C":
             flows.add(image.GetPointData(), name, flows.flow(flows.grid_positions(*flows.axes()),
                                                              1 if name == "VEL" else 0))
         image.GetPointData().RemoveArray("U")
         flows.write_vtk(image, self.folder / "v.vti")
         path, = self.imports("v.vti", "-o", "v.vdb")
         self.assert_flow(path, lambda at: flows.flow(at, 1))
-        for name in "VEL", "ACCL":
+        for name in "VEL", "ACCL", "DISPL":
             image.GetPointData().RemoveArray(name)
         flows.write_vtk(image, self.folder / "v.vti")
         self.assertIn("no array is known as a velocity", self.refuses(3, "v.vti", "-o", "v.vdb"))

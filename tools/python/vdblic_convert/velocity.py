@@ -5,7 +5,7 @@ import re
 from .errors import InputError, ParameterError
 
 VECTORS = ("velocity", "Velocity", "VELOCITY", "vel", "vel_", "VEL", "v", "U", "u", "V", "UMean")
-OTHERS = re.compile("disp|moment|normal|magnet|vortic|force|accel|grad|coord|position|^B$", re.IGNORECASE)
+OTHERS = re.compile("disp|moment|normal|magnet|vortic|force|accel|grad|coord|position|^[BC]$", re.IGNORECASE)
 TRIPLES = (
     ("u", "v", "w"),
     ("U", "V", "W"),

@@ -7,19 +7,12 @@ import numpy
 from ..errors import InputError
 from ..units import measures
 from .earth import standard_atmosphere, upward_velocity
-from .gridded import Gridded
+from .gridded import EASTWARD, Gridded
 from .grids import grid_of
 from .heights import heights_of_axis, vertical
 from .place import LONGITUDE, TURNED, axis_of, horizontal
 from .sgrid import CGrid
 
-MEDIUM = r"(wind|(sea_water_)?velocity)"
-COMPONENTS = (
-    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_(surface_)?x_velocity|x_sea_water_velocity)",
-    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity|y_sea_water_velocity)",
-    rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
-)
-EASTWARD = r"(?!.*grid_).*(east|north)ward_.*"
 ALONG = r"(|.*_)(grid_(?:east|north)ward|x|y)_.+"
 USUAL = (  # names of components without a standard name; the last ones are those of models
     ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "air_u", "u10"),
@@ -29,6 +22,8 @@ USUAL = (  # names of components without a standard name; the last ones are thos
 
 
 class CfFile(Gridded):
+    usual = USUAL
+
     def __init__(self, data, options):
         super().__init__(data, options)
         for dimension in data.sizes.keys() - data.variables.keys() - {self.time}:  # coordinates of another name
@@ -46,14 +41,11 @@ class CfFile(Gridded):
         }
         self._fields = {name: space for name, space in self._spaces.items() if space}
         found = self.components(0)
-        if not self._fields or not (found[0] or found[1] or found[2]):
+        if not any(found):
             for name in self._spaces:
                 self._check_axes(name)
-        if not self._fields:
-            raise InputError(
-                f"{self.path}: no variable has two horizontal axes, with or without a vertical axis, that are known; "
-                f"it holds {data.contents()}; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
-            )
+        mend = "; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
+        self.check_fields("has two horizontal axes, with or without a vertical axis, that are known", mend)
 
     def _put_axes(self):
         """The axes of a C grid that follow from its others."""
@@ -67,34 +59,11 @@ class CfFile(Gridded):
                     data.add(name, (name,), values, **{key: text for key in told if (text := data.text(other, key))})
                     break
 
-    def components(self, step):
-        found = []
-        for i, (standard, usual) in enumerate(zip(COMPONENTS, USUAL)):
-            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
-            named = [n for n in named if self._fields[n][0]] or named  # those with a vertical axis first
-            if len(named) > 1 and i < 2:
-                raise InputError(
-                    f"{self.path}: {', '.join(named)} are all {self.data.text(named[0], 'standard_name')}; choose with "
-                    "--array U,V,W"
-                )
-            other = rf"(?!{COMPONENTS[1 - i]})" if i < 2 else ""
-            unnamed = [n for n in usual if n in self._fields and re.match(other, self.data.text(n, "standard_name"))]
-            found.append((named + unnamed + [None])[0])
-        if found[0] and found[1] and found[2] and not self._fields[found[2]][0] and self._fields[found[0]][0]:
-            found[2] = None  # a vertical velocity of one level is none of the others
-        return found
+    def levels_of(self, name):
+        return self._fields[name][0]
 
-    def arrays(self, step):
-        return {name: 1 for name in self._fields}
-
-    def parts(self, step, names, velocity=()):
-        """One for each grid: components may lie on different faces of the cells."""
-        self._notes.clear()
-        self.used = {*velocity, *names}
-        grids = {}
-        for name in names:
-            grids.setdefault((self._fields[name], self.data.text(name, "coordinates")), []).append(name)
-        return [(self._read(step, own, velocity), own) for own in grids.values()]
+    def grid_of(self, name):
+        return self._fields[name], self.data.text(name, "coordinates")
 
     def field(self, name, step, dimensions):
         """A variable on (z, y, x)."""

@@ -9,6 +9,13 @@ from ..units import converted, measures
 from . import Source
 from .times import is_date, seconds_of, seconds_of_texts
 
+MEDIUM = r"(wind|(sea_water_)?velocity)"
+COMPONENTS = (
+    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_(surface_)?x_velocity|x_sea_water_velocity)",
+    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity|y_sea_water_velocity)",
+    rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
+)
+EASTWARD = r"(?!.*grid_).*(east|north)ward_.*"
 TIME = r"(ocean_|model_|valid_|forecast_)?time(_counter|_instant)?\d*|t|mt|date|step|year|month|day|hour"
 PACKED = "valid_min", "valid_max", "valid_range"
 
@@ -55,9 +62,14 @@ class Data:
 
 
 class Gridded(Source):
-    """A file of xarray's variables. `explained` tells how each variable was understood."""
+    """A file of xarray's variables, which a convention places: `_fields` maps the names of its fields to their grids,
+    and `_read(step, names, velocity)` makes the data set of some on one grid."""
 
     unit = "m"
+    usual = (), (), ()  # the names of components that have no standard name; of models they count more than those
+    of_model = False
+    used = ()  # the names of variables that are known as something else
+    _fields = {}
 
     def __init__(self, data, options):
         self.data, self.path = data, data.path
@@ -76,6 +88,49 @@ class Gridded(Source):
 
     def notes(self):
         return self._notes
+
+    def check_fields(self, place, mend=""):
+        if not self._fields:
+            raise InputError(f"{self.path}: no variable {place}; it holds {self.data.contents()}{mend}")
+
+    def arrays(self, step):
+        return dict.fromkeys(self._fields, 1)
+
+    def components(self, step):
+        found, kinds = [], {name: self.data.text(name, "standard_name") for name in self._fields}
+        for i, (standard, usual) in enumerate(zip(COMPONENTS, self.usual)):
+            named = [name for name, kind in kinds.items() if re.fullmatch(standard, kind)]
+            named = [name for name in named if self.levels_of(name)] or named
+            if len(named) > 1 and i < 2 and not self.of_model:
+                raise InputError(
+                    f"{self.path}: {', '.join(named)} are all {kinds[named[0]]}; choose with --array U,V,W"
+                )
+            unlike = rf"(?!{COMPONENTS[1 - i]})" if i < 2 else ""
+            unnamed = [name for name in usual if name in kinds and re.match(unlike, kinds[name])]
+            found.append(next(iter(unnamed + named if self.of_model else named + unnamed), None))
+        if all(found) and self.levels_of(found[0]) and not self.levels_of(found[2]):
+            found[2] = None  # a vertical velocity of one level is none of the others
+        return found
+
+    def levels_of(self, name):  # pylint: disable=unused-argument
+        """The vertical dimension of a field, if it has one."""
+        return True
+
+    def grid_of(self, name):
+        return self._fields[name]
+
+    def parts(self, step, names, velocity=()):
+        """One for each grid: components may lie on different faces of the cells."""
+        self._notes.clear()
+        self.used, grids = {*velocity, *names}, {}
+        for name in names:
+            grids.setdefault(self.grid_of(name), []).append(name)
+        return [(self._read(step, own, velocity), own) for own in grids.values()]
+
+    def along(self, name, values, angle):
+        """A component along the grid as its share of a velocity, by its angle against x [radians]."""
+        self.explained[name] = self.explained.get(name, f"'{name}' is carried") + ", along the grid"
+        return numpy.stack([values * numpy.cos(angle), values * numpy.sin(angle), 0 * values], axis=-1)
 
     def long(self, name):
         """The dimensions of a variable that have several values and are not the time."""
@@ -170,8 +225,6 @@ class Gridded(Source):
                     f"'{name}:standard_name={standard_names[0]}', or =other"
                 )
         return None
-
-    used = ()  # the names of variables that are known as something else
 
     def _time_axis(self):
         """The dimension that is the time, if there is one."""

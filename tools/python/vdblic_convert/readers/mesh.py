@@ -7,7 +7,6 @@ import numpy
 from ..errors import InputError
 from ..units import measures
 from ..vtk_data import WEDGE, add_array, bridge, core, model
-from .cf import COMPONENTS
 from .earth import local_plane
 from .gridded import Gridded
 from .heights import HEIGHTS, TERMS, by_formula, heights_of_axis
@@ -48,6 +47,8 @@ class MeshFile(Gridded):
     MPAS's velocity in its hexagons is at the nodes of the dual mesh, whose triangles join three hexagons.
     """
 
+    usual = USUAL
+
     def __init__(self, data, options):
         for name in [name for name, variable in data.variables.items() if variable.dims[-1:] == ("two",)]:
             both = data.variables.pop(name)  # SCHISM's vectors
@@ -62,25 +63,10 @@ class MeshFile(Gridded):
         if "cellsOnVertex" in data.variables:
             self._face = None
         self._fields = {name: space for name in data.variables if (space := self._space(name))}
-        if not self._fields:
-            raise InputError(f"{self.path}: no variable is on the mesh's nodes or faces; it holds {data.contents()}")
+        self.check_fields("is on the mesh's nodes or faces")
 
-    def components(self, step):
-        found = []
-        for standard, usual in zip(COMPONENTS, USUAL):
-            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
-            found.append((named + [n for n in usual if n in self._fields] + [None])[0])
-        return found
-
-    def arrays(self, step):
-        return {name: 1 for name in self._fields}
-
-    def parts(self, step, names, velocity=()):
-        self._notes.clear()
-        grids = {}
-        for name in names:
-            grids.setdefault(self._fields[name], []).append(name)
-        return [(self._read(step, own, velocity, *space), own) for space, own in grids.items()]
+    def levels_of(self, name):
+        return self._fields[name][1]
 
     def _topology(self):
         """The names of the nodes' coordinates and of the nodes around a face, and the number of the first node."""
@@ -152,8 +138,8 @@ class MeshFile(Gridded):
             return ()
         return (place[0], next((d for d in long if d != place[0]), None))
 
-    def _read(self, step, names, velocity, place, levels):
-        x, y, keep = self._horizontal()
+    def _read(self, step, names, velocity):
+        (place, levels), (x, y, keep) = self._fields[names[0]], self._horizontal()
         fields = {name: self._field(name, step, place, velocity) for name in names}
         z = self._heights(step, place, levels, next(iter(fields.values())).shape[0], x, y)
         count, layers = z.shape[1], len(z) - 1

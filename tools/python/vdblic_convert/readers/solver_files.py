@@ -4,9 +4,9 @@ import re
 
 import numpy
 
-from ..errors import InputError, needed
+from ..errors import InputError
 from ..vtk_data import GHOSTS, HIDDEN_POINT, add_array, array, blocks_of, bridge
-from .cases import Case
+from .cases import Case, reader_of
 
 GRIDS = ".xyz", ".x", ".p3d"  # endings of Plot3D's grids; those of solutions are .q
 
@@ -20,7 +20,7 @@ class AmrexFile(Case):
         except (ValueError, IndexError, OSError, TypeError, AttributeError) as error:
             why = f": {error}" if isinstance(error, (ValueError, OSError)) else ""
             raise InputError(f"{path}: cannot be read as a plot file of AMReX{why}; copy it again") from None
-        super().__init__(path, needed("vtkmodules.vtkIOAMR").vtkAMReXGridReader())
+        super().__init__(path, reader_of("vtkIOAMR.vtkAMReXGridReader"))
 
 
 def _check_plot_file(path):
@@ -65,7 +65,7 @@ class Plot3dFile(Case):
                 start = file.read(64)
             if start and start.isascii() and b"\0" not in start:
                 raise InputError(f"{part}: the text of Plot3D does not say how its numbers are ordered; save it as binary")
-        reader = needed("vtkmodules.vtkIOParallel").vtkMultiBlockPLOT3DReader()
+        reader = reader_of("vtkIOParallel.vtkMultiBlockPLOT3DReader")
         reader.AutoDetectFormatOn()
         reader.SetXYZFileName(str(grid))
         reader.SetScalarFunctionNumber(-1)
