@@ -23,25 +23,12 @@ _TAKEN = {".npz": ("active", "matrix", "time", "dt", "frame"), ".vti": ("active"
 
 
 def main(version, words):
-    tool = Tool(
-        "vdblic_export",
-        version,
-        (
-            "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
-            " .npz, name their files in a layer of USD (.usda), or write coarser copies (.vdb)."
-        ),
-    )
-    tool.add(
-        "input",
-        metavar="INPUT",
-        help=(
-            "Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), or - for paths on standard"
-            " input."
-        ),
-    )
-    tool.add(
-        "-o", "--output", metavar="TEXT", required=True, help="What to write: lic_%%04d.vti, .npz, .vdb, or flow.usda."
-    )
+    tool = Tool("vdblic_export", version,
+                "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's .npz, "
+                "name their files in a layer of USD (.usda), or write coarser copies (.vdb).")  # fmt: skip
+    tool.add("input", metavar="INPUT", help="Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), or - "
+             "for paths on standard input.")  # fmt: skip
+    tool.add("-o", "--output", metavar="TEXT", required=True, help="What to write: lic_%%04d.vti, .npz, .vdb, or flow.usda.")
     tool.sequence()
     tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default.")
     levels.add_options(tool)
@@ -51,18 +38,17 @@ def main(version, words):
 
 def run(options, console, stop, version):
     """Convert every selected frame, or name them all in a layer."""
-    if options.output.lower().endswith(".usda"):
-        export_layer(options, console, stop, version)
-        return
+    kind = os.path.splitext(options.output)[1].lower()
+    if kind == ".usda":
+        return export_layer(options, console, stop, version)
     refuse_options(options)
-    if options.output.lower().endswith(".vdb"):
-        levels.export_levels(options, console, stop)
-        return
+    if kind == ".vdb":
+        return levels.export_levels(options, console, stop)
     if options.levels:
         raise ParameterError("--levels writes .vdb files; give -o lic.%04d.vdb, or a .usda that has them as a proxy")
     names = names_of(options.grids) if options.grids else ()
     outputs = Outputs(options, [".vti", ".npz", ".usda", ".vdb"], console, stop)
-    times = TimeList(outputs.pattern) if options.output.lower().endswith(".vti") and outputs.pattern.has_field else None
+    times = TimeList(outputs.pattern) if kind == ".vti" and outputs.pattern.has_field else None
     files = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check)
     if options.input != "-":
         files = list(files)
@@ -80,6 +66,7 @@ def run(options, console, stop, version):
             console.finished(times.write())
     if path is None:
         raise InputError("standard input names no files")
+    return None
 
 
 def _write(path, source, names, console, told):
@@ -138,12 +125,11 @@ def _image(output, volume):
         values = values.reshape(*volume.active.shape, -1)
         names[name] = name if name in masks else f"vdblic-array-{len(names)}"
         add_array(points, names[name], values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))
-    scalars = next((name for name, values in volume.arrays.items() if values.ndim == 3), None)
-    vectors = next((name for name, values in volume.arrays.items() if values.ndim == 4), None)
+    scalars, vectors = ([name for name, values in volume.arrays.items() if values.ndim == n] for n in (3, 4))
     if scalars:
-        points.SetActiveScalars(names.get(volume.metadata.get("texture"), names[scalars]))
+        points.SetActiveScalars(names.get(volume.metadata.get("texture"), names[scalars[0]]))
     if vectors:
-        points.SetActiveVectors(names[vectors])
+        points.SetActiveVectors(names[vectors[0]])
     time = number_of(volume.metadata, "time")
     if time is not None:
         stamp = bridge.numpy_to_vtk(numpy.array([time]), deep=True)

@@ -14,32 +14,14 @@ _OPTIONS = {"camera": "--camera", "stretch": "--stretch", "fps": "--fps", "up": 
 def add_options(tool):
     """The options that only layers have."""
     tool.add("--camera", metavar="FILE", help="Of a .usda: camera of a file of key frames, as vdblic_render takes it.")
-    tool.add(
-        "--stretch",
-        metavar=("X", "Y", "Z"),
-        nargs=3,
-        type=positive,
-        help="Of a .usda: factors on the world's axes; the camera is in the stretched space.",
-    )
-    tool.add(
-        "--fps",
-        metavar="FLOAT",
-        type=positive,
-        help="Of a .usda: time codes in a second; by default 1 / dt of the files, where that is 10 to 120, else 24.",
-    )
-    tool.add(
-        "--up",
-        metavar="AXIS",
-        choices=("y", "z"),
-        help="Of a .usda: y or z; by default y where the velocity is Houdini's, else z.",
-    )
-    tool.add(
-        "--meters-per-unit",
-        dest="meters",
-        metavar="FLOAT",
-        type=positive,
-        help="Of a .usda: metres in a unit of the world; by default by the files' length_unit, else 1.",
-    )
+    tool.add("--stretch", metavar=("X", "Y", "Z"), nargs=3, type=positive,
+             help="Of a .usda: factors on the world's axes; the camera is in the stretched space.")  # fmt: skip
+    tool.add("--fps", metavar="FLOAT", type=positive,
+             help="Of a .usda: time codes in a second; by default 1 / dt of the files, where that is 10 to 120, else 24.")  # fmt: skip
+    tool.add("--up", metavar="AXIS", choices=("y", "z"),
+             help="Of a .usda: y or z; by default y where the velocity is Houdini's, else z.")  # fmt: skip
+    tool.add("--meters-per-unit", dest="meters", metavar="FLOAT", type=positive,
+             help="Of a .usda: metres in a unit of the world; by default by the files' length_unit, else 1.")  # fmt: skip
 
 
 def refuse_options(options):
@@ -62,16 +44,15 @@ def export_layer(options, console, stop, version):
     found = list(Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check))
     if not found:
         raise InputError("standard input names no files")
-    check_not_inputs([path], [source for _, source in found])
-    coarse = (
-        Levels(_pattern_of(path, found), options.levels, options.grids, options.skip_existing)
-        if options.levels
-        else None
-    )
-    if coarse:
-        coarse.check([frame for frame, _ in found], [source for _, source in found])
+    numbers, sources = zip(*found)
+    check_not_inputs([path], sources)
+    coarse = None
+    if options.levels:  # beside the layer, without the level in their pattern
+        name = path.with_suffix(".vdb") if len(found) == 1 else path.with_name(f"{path.stem}.%04d.vdb")
+        coarse = Levels(str(name), options.levels, options.grids, options.skip_existing)
+        coarse.check(numbers, sources)
     if not (options.skip_existing and is_whole(path, console)):
-        frames, left_out = {}, set()
+        frames, proxy, left_out = {}, {}, set()
         for frame, source in found:
             stop.check()
             frames[frame] = Frame(str(source), *_grids(source, names, left_out))
@@ -79,9 +60,8 @@ def export_layer(options, console, stop, version):
             console.say(f"without {', '.join(sorted(left_out))}: grids of another kind, or without a name")
         for stays, first, last in gaps_of(frames):
             console.say(f"frames {first} to {last} are missing: frame {stays} stays until then")
-        first = frames[min(frames)]
-        settings = settings_of(first, options.fps, options.meters, options.up and options.up.upper(), options.stretch)
-        proxy = {}
+        first, up = frames[min(frames)], options.up and options.up.upper()
+        settings = settings_of(first, options.fps, options.meters, up, options.stretch)
         for i, (frame, source) in enumerate(found if coarse else ()):
             stop.check()
             made = coarse.write(frame, source, console)[-1]
@@ -90,13 +70,6 @@ def export_layer(options, console, stop, version):
         text = layer(path, frames, settings, camera, f"Volumes of a flow, by vdblic_export {version}", proxy)
         write_file(path, text.encode())
     console.finished(path)
-
-
-def _pattern_of(path, found):
-    """The pattern of the coarser files beside a layer, without the level."""
-    if len(found) == 1:
-        return str(path.with_suffix(".vdb"))
-    return str(path.with_name(f"{path.stem}.%04d.vdb"))
 
 
 def _grids(source, names, left_out):
