@@ -140,7 +140,7 @@ class Plot3d(ImportHere):
                 self.assertIn("a.q: ", self.refuses(3, "a.q", "-o", "v.vdb"))
             (self.folder / name).write_bytes(whole)
         self.write(text=True)
-        self.assertIn("a.q: the text of Plot3D does not say how", self.refuses(3, "a.q", "-o", "v.vdb"))
+        self.assertIn("a.q: the text of Plot3D does not tell the order of its numbers", self.refuses(3, "a.q", "-o", "v.vdb"))
 
 
 if __name__ == "__main__":

@@ -24,11 +24,12 @@ _TAKEN = {".npz": ("active", "matrix", "time", "dt", "frame"), ".vti": ("active"
 
 def main(version, words):
     tool = Tool("vdblic_export", version,
-                "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's .npz, "
-                "name their files in a layer of USD (.usda), or write coarser copies (.vdb).")  # fmt: skip
-    tool.add("input", metavar="INPUT", help="Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), or - "
-             "for paths on standard input.")  # fmt: skip
-    tool.add("-o", "--output", metavar="TEXT", required=True, help="What to write: lic_%%04d.vti, .npz, .vdb, or flow.usda.")
+                "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
+                " .npz, name their files in a layer of USD (.usda), or write coarser copies (.vdb).")  # fmt: skip
+    tool.add("input", metavar="INPUT", help="Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), "
+             "or - for paths on standard input.")  # fmt: skip
+    tool.add("-o", "--output", metavar="TEXT", required=True,
+             help="What to write: lic_%%04d.vti, .npz, .vdb, or flow.usda.")  # fmt: skip
     tool.sequence()
     tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default.")
     levels.add_options(tool)

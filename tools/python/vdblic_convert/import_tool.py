@@ -12,25 +12,27 @@ from .velocity import check_carried, chosen, contents, names_of
 
 def main(version, words):
     tool = Tool("vdblic_import", version,
-                "Convert the flows of other programs into velocity volumes: files of VTK (.vti .vtr .vts .vtu .vtm .vtk .pvd), "
-                "cases of OpenFOAM, EnSight and CGNS, NetCDF (CF, WRF, ROMS, FVCOM, MPAS, UGRID), Zarr, GRIB, arrays "
-                "(.npz .npy .h5 .mat).")  # fmt: skip
+                "Convert the flows of other programs into velocity volumes: files of VTK (.vti .vtr .vts .vtu .vtm .vtk "
+                ".pvd), cases of OpenFOAM, EnSight and CGNS, NetCDF (CF, WRF, ROMS, FVCOM, MPAS, UGRID), Zarr, GRIB, "
+                "arrays (.npz .npy .h5 .mat).")  # fmt: skip
     add, box = tool.add, ("X0", "Y0", "Z0", "X1", "Y1", "Z1")
     add("input", nargs="+", metavar="INPUT",
-        help="Flow. One file, a case's folder, a pattern (name.%%04d.vti, also ####, @@@@, $F4, <F4>), or - for paths on "
-        "standard input. Several are one flow, with the same times.")  # fmt: skip
+        help="Flow. One file, a case's folder, a pattern (name.%%04d.vti, also ####, @@@@, $F4, <F4>), or - for paths "
+        "on standard input. Several are one flow, with the same times.")  # fmt: skip
     add("-o", "--output", metavar="TEXT", required=True, help="Velocity files, such as v.%%04d.vdb.")
     tool.sequence("the steps of files that hold several, and paths on standard input,",
                   " The steps of a file with several count from 1.")  # fmt: skip
-    add("--times", metavar=("T0", "T1"), nargs=2, type=number, help="Use the steps from time T0 to time T1 only [seconds].")
-    add("--array", metavar="TEXT", help="Array that is the velocity, or two or three that are its components: U or u,v,w.")
+    add("--times", metavar=("T0", "T1"), nargs=2, type=number,
+        help="Use the steps from time T0 to time T1 only [seconds].")  # fmt: skip
+    add("--array", metavar="TEXT",
+        help="Array that is the velocity, or two or three that are its components: U or u,v,w.")  # fmt: skip
     add("--carry", metavar="TEXT", help="Further arrays to convert: NAME,NAME.")
     add("--attribute", metavar="TEXT", nargs="+",
         help="What a file of NetCDF, Zarr or GRIB does not say, as if it did: NAME:ATTRIBUTE=VALUE ..., such as "
         "depth:positive=down u:units=cm/s v:standard_name=northward_wind.")  # fmt: skip
     add("--layout", metavar="TEXT",
-        help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such as cxyz "
-        "or tczyx. Files in the form of vdblic_export need none.")  # fmt: skip
+        help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such as "
+        "cxyz or tczyx. Files in the form of vdblic_export need none.")  # fmt: skip
     add("--explain", action="store_true",
         help="Tell how each coordinate and component of the first step is understood, with two values and units.")  # fmt: skip
     add("--like", metavar="TEXT", help="Resample to the voxels of a .vdb grid: FILE or FILE:GRID.")
@@ -38,7 +40,8 @@ def main(version, words):
         help="Resample to so many voxels along x, y and z.")  # fmt: skip
     add("--voxel-size", metavar="FLOAT", nargs="+", type=positive,
         help="Resample to voxels of this size, or of three sizes along x, y and z [world].")  # fmt: skip
-    add("--bounds", metavar=box, nargs=6, type=number, help="Box that the voxels fill [world]; all of the flow by default.")
+    add("--bounds", metavar=box, nargs=6, type=number,
+        help="Box that the voxels fill [world]; all of the flow by default.")  # fmt: skip
     add("--dt", metavar="FLOAT", type=positive,
         help="Seconds from one frame number to the next, in place of the files' times.")  # fmt: skip
     return tool.run(words, run)
@@ -186,8 +189,8 @@ class Conversion:
                 raise ParameterError(f"{where}: {error}, or a box with --bounds") from None
             if self._first("grown"):
                 self._console.say(
-                    f"{where} reaches beyond the box of the first step; such frames get more of the same voxels; --bounds "
-                    "gives all frames one box"
+                    f"{where} reaches beyond the box of the first step; such frames get more of the same voxels; "
+                    "--bounds gives all frames one box"
                 )
         return target
 
@@ -213,8 +216,8 @@ class Conversion:
         start = _date(source.times[0], source.calendar) if source.calendar else start
         return (
             f"{' x '.join(f'{length / scale:.4g}' for length in size)} {unit}; the mean flow is "
-            f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean speed "
-            f"of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
+            f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean "
+            f"speed of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
         )
 
     def _tell_notes(self, source):

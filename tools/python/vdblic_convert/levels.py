@@ -11,13 +11,9 @@ MOST_LEVELS = 8
 
 
 def add_options(tool):
-    tool.add(
-        "--levels",
-        metavar=f"INT:INT in [1 - {MOST_LEVELS}]",
-        type=whole(1, MOST_LEVELS),
-        help="Write coarser copies, level 1 with voxels of twice the size and so on: lic.level1.%%04d.vdb of -o "
-        "lic.%%04d.vdb; with a .usda the coarsest one is its proxy.",
-    )
+    tool.add("--levels", metavar=f"INT:INT in [1 - {MOST_LEVELS}]", type=whole(1, MOST_LEVELS),
+             help="Write coarser copies, level 1 with voxels of twice the size and so on: lic.level1.%%04d.vdb of -o "
+             "lic.%%04d.vdb; with a .usda the coarsest one is its proxy.")  # fmt: skip
 
 
 class Levels:

@@ -3,15 +3,8 @@
 import os
 import zipfile
 
-from vdblic._core import (
-    FramePattern,
-    check_extension,
-    check_not_input,
-    check_output_pattern,
-    check_outputs,
-    is_finished,
-    verify,
-)
+from vdblic._core import FramePattern, check_extension, check_not_input, check_output_pattern, check_outputs
+from vdblic._core import is_finished, verify
 
 from .errors import InputError
 

@@ -128,15 +128,18 @@ class Tool:
         self._parser._positionals.title = "Positionals"
         self.add("--version", action="version", version=version, help="Display program version information and exit")
         level = self._parser.add_mutually_exclusive_group().add_argument
-        for names, const, told in (("-q", "--quiet"), 0, "errors and warnings only"), (("-v", "--verbose"), 2, "details"):
-            level(*names, dest="level", action="store_const", const=const, default=1, help=f"Print {told}.")
+        told = {("-q", "--quiet"): (0, "Print errors and warnings only."), ("-v", "--verbose"): (2, "Print details.")}
+        for names, (const, text) in told.items():
+            level(*names, dest="level", action="store_const", const=const, default=1, help=text)
 
     def sequence(self, numbering="paths on standard input", frames=""):
         """The options that select frames and name outputs."""
         self.add("--frames", metavar="TEXT", default="",
                  help=f"Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.{frames}")  # fmt: skip
-        self.add("--clamp-frames", action="store_true", help="Leave out frames of --frames that lie beyond the files on disk.")
-        self.add("--renumber", metavar=f"INT:INT in [{-MOST_NUMBER} - {MOST_NUMBER}]", type=whole(-MOST_NUMBER, MOST_NUMBER),
+        self.add("--clamp-frames", action="store_true",
+                 help="Leave out frames of --frames that lie beyond the files on disk.")  # fmt: skip
+        ends = -MOST_NUMBER, MOST_NUMBER
+        self.add("--renumber", metavar=f"INT:INT in [{ends[0]} - {ends[1]}]", type=whole(*ends),
                  help=f"Number {numbering} from this number on as they come, whatever their names.")  # fmt: skip
         self.add("--skip-existing", action="store_true",
                  help="Leave outputs that are there as they are, and print their paths.")  # fmt: skip

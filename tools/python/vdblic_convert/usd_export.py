@@ -17,7 +17,8 @@ def add_options(tool):
     tool.add("--stretch", metavar=("X", "Y", "Z"), nargs=3, type=positive,
              help="Of a .usda: factors on the world's axes; the camera is in the stretched space.")  # fmt: skip
     tool.add("--fps", metavar="FLOAT", type=positive,
-             help="Of a .usda: time codes in a second; by default 1 / dt of the files, where that is 10 to 120, else 24.")  # fmt: skip
+             help="Of a .usda: time codes in a second; by default 1 / dt of the files, where that is 10 to 120, else "
+             "24.")  # fmt: skip
     tool.add("--up", metavar="AXIS", choices=("y", "z"),
              help="Of a .usda: y or z; by default y where the velocity is Houdini's, else z.")  # fmt: skip
     tool.add("--meters-per-unit", dest="meters", metavar="FLOAT", type=positive,

@@ -1,4 +1,4 @@
-"""Cases of files that VTK reads, with time steps: OpenFOAM, EnSight, CGNS, Exodus, VTKHDF, Fluent, Tecplot and others."""
+"""Cases of files that VTK reads, with time steps: OpenFOAM, EnSight, CGNS, Exodus, VTKHDF, Fluent, Tecplot."""
 
 import gzip
 import re
@@ -10,8 +10,9 @@ from .vtk_files import VtkSource
 from .whole_files import check_whole
 
 READERS = dict.fromkeys((".e", ".ex2", ".exo"), "vtkIOExodus.vtkExodusIIReader") | {
-    ".cgns": "vtkIOCGNSReader.vtkCGNSReader", ".vtkhdf": "vtkIOHDF.vtkHDFReader", ".cas": "vtkIOGeometry.vtkFLUENTReader",
-    ".tec": "vtkIOGeometry.vtkTecplotReader", ".case": "vtkIOEnSight.vtkGenericEnSightReader",
+    ".cgns": "vtkIOCGNSReader.vtkCGNSReader", ".vtkhdf": "vtkIOHDF.vtkHDFReader",
+    ".cas": "vtkIOGeometry.vtkFLUENTReader", ".tec": "vtkIOGeometry.vtkTecplotReader",
+    ".case": "vtkIOEnSight.vtkGenericEnSightReader",
     ".encas": "vtkIOEnSight.vtkGenericEnSightReader"}  # fmt: skip
 MOST_LEVELS = 30  # of AMReX: all of them
 

@@ -28,22 +28,15 @@ class CfFile(Gridded):
         super().__init__(data, options)
         for dimension in data.sizes.keys() - data.variables.keys() - {self.time}:  # coordinates of another name
             own = [n for n, v in data.variables.items() if v.dims == (dimension,) and axis_of(data, n)]
-            if len(own) == 1:
-                data.variables[dimension] = data.variables[own[0]]
+            data.variables |= {dimension: data.variables[own[0]]} if len(own) == 1 else {}
         self.c_grid = CGrid(data, axis_of)
         self._put_axes()
         axes = {dimension: axis_of(data, dimension) for dimension in data.sizes if dimension != self.time}
         self._axes = axes | self.c_grid.axes
-        self._spaces = {
-            name: self._space(name)
-            for name, variable in data.variables.items()
-            if name not in data.sizes and variable.dtype.kind in "fiu"
-        }
-        self._fields = {name: space for name, space in self._spaces.items() if space}
-        found = self.components(0)
-        if not any(found):
-            for name in self._spaces:
-                self._check_axes(name)
+        numbers = [n for n, v in data.variables.items() if n not in data.sizes and v.dtype.kind in "fiu"]
+        self._fields = {name: space for name in numbers if (space := self._space(name))}
+        for name in numbers if not any(self.components(0)) else ():
+            self._check_axes(name)
         mend = "; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
         self.check_fields("has two horizontal axes, with or without a vertical axis, that are known", mend)
 
@@ -84,20 +77,14 @@ class CfFile(Gridded):
         fields = {
             name: self._in_si(name, values, step, dimensions, pressure, velocity) for name, values in fields.items()
         }
-        surface = pressure is not None and self.helper(
-            ("surface_air_pressure",),
-            ("Pa",),
-            tuple(d for d in self.data.variables[names[0]].dims if d != dimensions[0]),
-        )
+        columns = tuple(d for d in self.data.variables[names[0]].dims if d != dimensions[0])
+        surface = pressure is not None and self.helper(("surface_air_pressure",), ("Pa",), columns)
         if surface:
-            ground = self.in_unit(
-                surface, self.field(surface, step, dimensions[1:]), "Pa", role="the ground's pressure"
-            )
+            ground = self.field(surface, step, dimensions[1:])
+            ground = self.in_unit(surface, ground, "Pa", role="the ground's pressure")
             ground = self.placed(surface, ground, there.any(axis=0))
-            under = (
-                numpy.broadcast_to(pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure, there.shape) > ground
-            )
-            fields = {name: numpy.where(under, numpy.nan, field) for name, field in fields.items()}
+            pressure = pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure
+            fields = {name: numpy.where(pressure > ground, numpy.nan, field) for name, field in fields.items()}
         fields = {
             name: self._turned(name, numpy.where(place.torn, numpy.nan, values[:, :, place.columns]), place, velocity)
             for name, values in fields.items()
@@ -175,14 +162,8 @@ class CfFile(Gridded):
 
     def _level(self, name):
         """The height of a field that has one level."""
-        level = next(
-            (
-                d
-                for d in self.data.variables[name].dims
-                if d not in (self.time, *self._fields[name]) and self._axes[d] == "Z"
-            ),
-            None,
-        )
+        other = [d for d in self.data.variables[name].dims if d not in (self.time, *self._fields[name])]
+        level = next((d for d in other if self._axes[d] == "Z"), None)
         if level not in self.data.variables:
             return numpy.zeros(1)
         unit = self.data.text(level, "units")
@@ -192,14 +173,12 @@ class CfFile(Gridded):
         return heights_of_axis(self, level)
 
     def _in_si(self, name, values, step, dimensions, pressure, velocity):
-        standard, role = self.data.text(name, "standard_name"), (
-            f"component {'xyz'[velocity.index(name)]}" if name in velocity else ""
-        )
         if name not in velocity:
             return values
-        unit = self.data.text(name, "units")
-        if not (unit and measures(unit, "Pa/s") and velocity.index(name) == 2):
-            down = -1 if standard.startswith("downward_") else 1
+        slot, unit = velocity.index(name), self.data.text(name, "units")
+        role = f"component {'xyz'[slot]}"
+        if not (unit and measures(unit, "Pa/s") and slot == 2):
+            down = -1 if self.data.text(name, "standard_name").startswith("downward_") else 1
             return self.in_unit(name, values, "m/s", role=role) * down
         if pressure is None:
             raise InputError(
@@ -208,11 +187,9 @@ class CfFile(Gridded):
             )
         pressure = pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure
         warm = self.helper(("air_temperature",), ("K",), self.data.variables[name].dims)
+        temperature = standard_atmosphere(pressure)[1]
         if warm:
             temperature = self.in_unit(warm, self.field(warm, step, dimensions), "K", role="the temperature")
-        else:
-            temperature = standard_atmosphere(pressure)[1]
-        self._notes.append(
-            f"'{name}' becomes m/s by the {'temperature of ' + repr(warm) if warm else 'standard atmosphere'}"
-        )
+        warmth = f"temperature of {warm!r}" if warm else "standard atmosphere"
+        self._notes.append(f"'{name}' becomes m/s by the {warmth}")
         return upward_velocity(self.in_unit(name, values, "Pa/s", role=role), pressure, temperature)

@@ -6,9 +6,8 @@ import numpy
 
 from ..errors import InputError
 from ..vtk_data import GHOSTS, HIDDEN_POINT, add_array, array, blocks_of, bridge
+from . import GRIDS
 from .cases import Case, reader_of
-
-GRIDS = ".xyz", ".x", ".p3d"  # endings of Plot3D's grids; those of solutions are .q
 
 
 class AmrexFile(Case):
@@ -18,6 +17,8 @@ class AmrexFile(Case):
         try:
             _check_plot_file(path)
         except (ValueError, IndexError, OSError, TypeError, AttributeError) as error:
+            if isinstance(error, InputError):
+                raise
             why = f": {error}" if isinstance(error, (ValueError, OSError)) else ""
             raise InputError(f"{path}: cannot be read as a plot file of AMReX{why}; copy it again") from None
         super().__init__(path, reader_of("vtkIOAMR.vtkAMReXGridReader"))
@@ -59,12 +60,13 @@ class Plot3dFile(Case):
         beside = (path.with_suffix(ending) for ending in GRIDS)
         grid = next(filter(type(path).is_file, (*grids, *beside)), None)
         if grid is None:
-            raise InputError(f"{path}: its grid is not beside it in {path.stem}.xyz; name it: vdblic_import {path} GRID.xyz")
+            mend = f"name it: vdblic_import {path} GRID.xyz"
+            raise InputError(f"{path}: its grid is not beside it in {path.stem}.xyz; {mend}")
         for part in path, grid:
             with open(part, "rb") as file:
                 start = file.read(64)
             if start and start.isascii() and b"\0" not in start:
-                raise InputError(f"{part}: the text of Plot3D does not say how its numbers are ordered; save it as binary")
+                raise InputError(f"{part}: the text of Plot3D does not tell the order of its numbers; save it in binary")
         reader = reader_of("vtkIOParallel.vtkMultiBlockPLOT3DReader")
         reader.AutoDetectFormatOn()
         reader.SetXYZFileName(str(grid))

@@ -17,8 +17,8 @@ class WrfFile(Gridded):
 
     def __init__(self, data, options):
         super().__init__(data, options)
-        on_cells = lambda v: tuple(d.removesuffix("_stag") for d in v.dims if d != "Time") == SPACE and v.dtype.kind in "fiu"
-        self._fields = {name: SPACE for name, variable in data.variables.items() if on_cells(variable)}
+        on_cells = lambda v: tuple(d.removesuffix("_stag") for d in v.dims if d != "Time") == SPACE
+        self._fields = {n: SPACE for n, v in data.variables.items() if on_cells(v) and v.dtype.kind in "fiu"}
         spacing = [float(data.attributes.get(name, 0)) for name in ("DX", "DY")]
         if not min(spacing) > 0:
             raise InputError(f"{self.path}: WRF's global attributes DX and DY, the spacing of the grid, are missing")
