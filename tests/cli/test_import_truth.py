@@ -301,6 +301,72 @@ class Meshes(TruthTest):
                 numpy.testing.assert_allclose(found[:, 1], earth_flows.north(*place), atol=1e-4)
 
 
+class Fesom(TruthTest):
+    """Random velocities at FESOM's nodes on levels, or in its triangles in layers, against interpolation by hand."""
+
+    def setUp(self):
+        super().setUp()
+        file, _, _ = earth_flows.fvcom(size=5)
+        self.lon, self.lat, self.triangles = file["lon"][1], file["lat"][1], file["nv"][1].T - 1
+        self.depths = numpy.array([2.0, 6, 12, 20])
+
+    def write(self, place, levels):
+        """The file; returns the velocities as (levels, places, 2)."""
+        count = len(self.lon) if place == "nod2" else len(self.triangles)
+        values = self.random.normal(size=(len(self.depths), count, 2))
+        file = {"lon": [("nod2",), self.lon, {"units": "degrees_east"}], "lat": [("nod2",), self.lat, {"units": "degrees_north"}],
+                "elements": [("n3", "elem"), (self.triangles.T + 1).astype("i4"), {}],
+                levels: [(levels,), self.depths, {"units": "m", "positive": "down"}]}
+        for i, name in enumerate("uv"):
+            file[name] = [(levels, place), values[..., i], {"units": "m/s"}]
+        earth_flows.write(self.folder / "f.nc", file)
+        return values
+
+    def shares(self, at):
+        """The triangles in which positions are, and the shares of their corners."""
+        x, y = truth.plane(self.lon, self.lat)
+        corners = numpy.stack([x, y, numpy.ones_like(x)], axis=1)[self.triangles]
+        known = numpy.stack([at[:, 0], at[:, 1], numpy.ones(len(at))], axis=1)
+        shares = numpy.einsum("pk,tkc->ptc", known, numpy.linalg.inv(corners))
+        inside = shares.min(axis=2).argmax(axis=1)
+        return inside, shares[numpy.arange(len(at)), inside]
+
+    def test_at_nodes(self):
+        values = self.write("nod2", "nz")
+        path, = self.imports("f.nc", "-o", "v.vdb", "--size", 20, 20, 16)
+        at, found, _ = truth.random_voxels(path)
+        inside, shares = self.shares(at)
+        below = numpy.clip(numpy.searchsorted(self.depths, -at[:, 2]) - 1, 0, 2)
+        down = (-at[:, 2] - self.depths[below]) / numpy.diff(self.depths)[below]
+        corners = self.triangles[inside]
+        columns = values[below[:, None], corners] * (1 - down)[:, None, None] + values[below[:, None] + 1, corners] * down[:, None, None]
+        numpy.testing.assert_allclose(found[:, :2], (columns * shares[..., None]).sum(axis=1), atol=1e-4)
+
+    def test_in_triangles(self):
+        """The mean of the cells around each corner, interpolated, and in the middle of a cell its own value."""
+        values = self.write("elem", "nz1")
+        path, = self.imports("f.nc", "-o", "v.vdb", "--size", 20, 20, 16)
+        at, found, _ = truth.random_voxels(path)
+        middles = (self.depths[1:] + self.depths[:-1]) / 2
+        edges = numpy.r_[2 * self.depths[0] - middles[0], middles, 2 * self.depths[-1] - middles[-1]]
+        sums, counts = (numpy.zeros((len(edges), len(self.lon), n)) for n in (2, 1))
+        for layer in range(len(self.depths)):
+            for edge in layer, layer + 1:
+                for corner in range(3):
+                    numpy.add.at(sums[edge], self.triangles[:, corner], values[layer])
+                    numpy.add.at(counts[edge], self.triangles[:, corner], 1)
+        means = sums / counts
+        inside, shares = self.shares(at)
+        layer = numpy.clip(numpy.searchsorted(edges, -at[:, 2]) - 1, 0, len(self.depths) - 1)
+        down = ((-at[:, 2] - edges[layer]) / numpy.diff(edges)[layer])[:, None, None]
+        above, below = means[layer[:, None], self.triangles[inside]], means[layer[:, None] + 1, self.triangles[inside]]
+        lacking = values[layer, inside] - (above.mean(axis=1) + below.mean(axis=1)) / 2
+        expected = ((above * (1 - down) + below * down) * shares[..., None]).sum(axis=1) + lacking
+        away = (shares.min(axis=1) > 0.01) & (numpy.abs(down[:, 0, 0] - 0.5) < 0.49)  # from the borders of cells
+        self.assertGreater(away.sum(), 600)
+        numpy.testing.assert_allclose(found[away, :2], expected[away], atol=1e-4)
+
+
 class Carried(TruthTest):
     def test_a_vector_is_turned_as_the_velocity(self):
         """Stress along a grid that is turned by 0.7, beside the velocity; one component alone is refused."""
