@@ -7,13 +7,13 @@ import re
 import resource
 import zipfile
 
-from vdblic._core import Sequence, check_output, read_metadata, write_file
+from vdblic._core import check_output, read_metadata, write_file
 
 from . import levels
 from .console import printable
 from .errors import InputError, OutputError, ParameterError, needed
 from .metadata import number_of
-from .outputs import Outputs, check_not_inputs
+from .outputs import Outputs, check_not_inputs, frames_of
 from .tool import Tool
 from .usd_export import add_options, export_layer, refuse_options
 from .velocity import names_of
@@ -41,33 +41,32 @@ def run(options, console, stop, version):
     """Convert every selected frame, or name them all in a layer."""
     kind = os.path.splitext(options.output)[1].lower()
     if kind == ".usda":
-        return export_layer(options, console, stop, version)
+        export_layer(options, console, stop, version)
+        return
     refuse_options(options)
     if kind == ".vdb":
-        return levels.export_levels(options, console, stop)
+        levels.export_levels(options, console, stop)
+        return
     if options.levels:
         raise ParameterError("--levels writes .vdb files; give -o lic.%04d.vdb, or a .usda that has them as a proxy")
     names = names_of(options.grids) if options.grids else ()
     outputs = Outputs(options, [".vti", ".npz", ".usda", ".vdb"], console, stop)
     times = TimeList(outputs.pattern) if kind == ".vti" and outputs.pattern.has_field else None
-    files = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check)
-    if options.input != "-":
-        files = list(files)
-        outputs.check([frame for frame, _ in files], [path for _, path in files], len(files))
+
+    def check(frames, sources):
+        outputs.check(frames, sources)
         if times:
-            times.check([path for _, path in files])
-    path, told = None, []
+            times.check(sources)
+
+    told = []
     try:
-        for frame, source in files:
+        for frame, source in frames_of(options, stop, check):
             path = outputs.write(frame, source, lambda path, source=source: _write(path, source, names, console, told))
             if times:
                 times.add(frame, source, path)
     finally:
         if times and times.entries:  # of what is finished, also when the run is stopped
             console.finished(times.write())
-    if path is None:
-        raise InputError("standard input names no files")
-    return None
 
 
 def _write(path, source, names, console, told):

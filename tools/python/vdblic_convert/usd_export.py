@@ -1,10 +1,10 @@
 """vdblic_export into USD: one layer that names the files of a whole sequence."""
 
-from vdblic._core import CameraFile, FramePattern, Sequence, check_output, read_headers, write_file
+from vdblic._core import CameraFile, FramePattern, check_output, read_headers, write_file
 
 from .errors import InputError, ParameterError
 from .levels import Levels
-from .outputs import check_not_inputs, is_whole
+from .outputs import check_not_inputs, frames_of, is_whole
 from .tool import positive
 from .velocity import names_of
 
@@ -42,9 +42,7 @@ def export_layer(options, console, stop, version):
     path = output.path(0)
     check_output(path)
     camera = CameraFile(options.camera) if options.camera else None
-    found = list(Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check))
-    if not found:
-        raise InputError("standard input names no files")
+    found = list(frames_of(options, stop, lambda frames, paths: None))
     numbers, sources = zip(*found)
     check_not_inputs([path], sources)
     coarse = None

@@ -184,8 +184,7 @@ def _longitude_latitude(source, field, dimensions):
     candidates = sorted(variables, key=lambda name: name not in declared)
     candidates = [name for name in candidates if variables[name].dims[-2:] == dimensions and variables[name].ndim < 4]
     found = []
-    for kind, standard, start in (LONGITUDE, "longitude", "lon"), (LATITUDE, "latitude", "lat"):
-
+    for kind, standard, start in (LONGITUDE, "longitude", "lon"), (LATITUDE, "latitude", "lat"): 
         def is_it(name, kind=kind, standard=standard, start=start):
             said, unit = text(name, "standard_name"), text(name, "units")
             return said == standard or not said and (
