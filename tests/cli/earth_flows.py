@@ -149,3 +149,35 @@ def mpas(rows=7, columns=8, levels=3):
         values = flow(lon[:, None], lat[:, None], height)
         file[name] = [("Time", "nCells", "nVertLevels"), values[None], {"units": "m s^{-1}"}]
     return file
+
+
+def c_grid(padding, given, curved=True, angle=0.0):
+    """Cells by SGRID: u on the faces towards x, v on those towards y; only `given`, "face" or "node", has coordinates."""
+    before, after = {"none": (0, 0), "low": (1, 0), "high": (0, 1), "both": (1, 1)}[padding]
+    counts, places = {"x": 9, "y": 7}, {}
+    for axis, count in counts.items():
+        places[axis + "n"] = numpy.arange(count) - count / 2
+        places[axis + "c"] = numpy.arange(count - 1 + before + after) + 0.5 - before - count / 2
+
+    def put(x, y):
+        x, y = places[x][None, :], places[y][:, None]
+        return (10 + 0.25 * (x * numpy.cos(angle) - y * numpy.sin(angle)),
+                40 + 0.2 * (x * numpy.sin(angle) + y * numpy.cos(angle)))
+
+    file, end = sea(), given[0].replace("f", "c")
+    del file["lon"], file["lat"]
+    padded = [f"{axis}c: {axis}n (padding: {padding})" for axis in "xy"]
+    file["grid"] = [(), numpy.array(0, "i4"), {
+        "cf_role": "grid_topology", "topology_dimension": 2, "node_dimensions": "xn yn", "face_dimensions": " ".join(padded),
+        "edge1_dimensions": f"xn {padded[1]}", "edge2_dimensions": f"{padded[0]} yn"}]
+    here = put(f"x{end}", f"y{end}")
+    for slot, (name, unit) in enumerate((("lon", "degrees_east"), ("lat", "degrees_north"))):
+        if curved:
+            file[name] = [(f"y{end}", f"x{end}"), here[slot], {"units": unit}]
+        else:
+            axis = "xy"[slot] + end
+            file[axis] = [(axis,), here[slot].mean(axis=slot), {"units": unit}]
+    for name, dims, flow in ("u", ("yc", "xn"), east), ("v", ("yn", "xc"), north):
+        at = put(dims[1], dims[0])
+        file[name] = [("depth", *dims), flow(*at, -DEPTHS[:, None, None]), {"units": "m/s"}]
+    return file, put("xn", "yc")

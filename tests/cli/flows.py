@@ -5,10 +5,11 @@ The flow is linear in space, so that interpolation on any cells is exact, and gr
 
 
 import numpy
-from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import (vtkImageData, vtkMultiBlockDataSet, vtkRectilinearGrid, vtkStructuredGrid,
                                            vtkUnstructuredGrid)
+from vtkmodules.vtkFiltersCore import vtkProbeFilter
 from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
 from vtkmodules.vtkIOLegacy import vtkGenericDataObjectWriter
 from vtkmodules.vtkIOXML import vtkXMLDataObjectWriter
@@ -100,6 +101,18 @@ def blocks(time=0.0):
     whole.SetBlock(0, structured(time, slice(0, 5)))
     whole.SetBlock(1, structured(time, slice(4, None)))
     return whole
+
+
+def probed(data, positions, name):
+    """An array of VTK's data at positions, by its own probe, and where it has values."""
+    points, cloud, probe = vtkPoints(), vtkUnstructuredGrid(), vtkProbeFilter()
+    points.SetData(numpy_to_vtk(positions.reshape(-1, 3), deep=True))
+    cloud.SetPoints(points)
+    probe.SetInputData(cloud)
+    probe.SetSourceData(data)
+    probe.Update()
+    data = probe.GetOutput().GetPointData()
+    return vtk_to_numpy(data.GetArray(name)), vtk_to_numpy(data.GetArray("vtkValidPointMask")) != 0
 
 
 def write_vtk(data, path):

@@ -12,7 +12,7 @@ import numpy
 import pyopenvdb as vdb
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkCellLocator, vtkRectilinearGrid
-from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkProbeFilter
+from vtkmodules.vtkFiltersCore import vtkAppendFilter
 from vtkmodules.vtkIOParallel import vtkPOpenFOAMReader
 from vtkmodules.vtkParallelCore import vtkDummyController
 
@@ -110,6 +110,14 @@ class Regions(ImportTest):
         self.assertIn("mean flow is (1.55, 0.8, 0.85), 27 degrees from x towards y, with a mean speed of 2.23 m/s; from 0 s "
                       "on; z is up", done.stderr)
         self.assert_flow(self.folder / "w.2.vdb", lambda at: flows.flow(at, 0.5), (8, 6, 4))
+
+
+    def test_two_files_of_one_name(self):
+        """VTK goes by what a file says of itself, and would take the last one."""
+        flows.write_foam(self.folder / "case", [0.0])
+        shutil.copy(self.folder / "case/0/U", self.folder / "case/0/Uuniform")
+        self.assertIn("case/0/Uuniform: it says that it is U, as U does; move one of them away",
+                      self.refuses(3, "case", "-o", "v.vdb"))
 
 
 class Collated(ImportTest):
@@ -210,7 +218,7 @@ class Voxels(ImportTest):
         done = self.run_tool("vdblic_import", "m.vtu", "-o", "m.vdb")
         self.assertEqual((done.returncode, "warning" in done.stderr), (0, False), done.stderr)
         values, active, positions = velocity_of(self.folder / "m.vdb")
-        probed, valid = self.probed(mesh, positions)
+        probed, valid = flows.probed(mesh, positions, "U")
         numpy.testing.assert_array_equal(active.ravel(), valid)
         numpy.testing.assert_allclose(values.reshape(-1, 3)[valid], probed[valid], atol=1e-5)
         cells = numpy.stack([numpy.searchsorted(edge, positions[..., i]) for i, edge in enumerate(edges)], axis=-1)
@@ -224,28 +232,16 @@ class Voxels(ImportTest):
         done = self.run_tool("vdblic_import", "m.vtr", "-o", "m.vdb", "--size", 15, 3, 3)
         self.assertNotIn("warning", done.stderr)
 
-    def probed(self, mesh, positions):
-        cloud = flows.vtkUnstructuredGrid()
-        points = flows.vtkPoints()
-        points.SetData(flows.numpy_to_vtk(positions.reshape(-1, 3), deep=True))
-        cloud.SetPoints(points)
-        probe = vtkProbeFilter()
-        probe.SetInputData(cloud)
-        probe.SetSourceData(mesh)
-        probe.Update()
-        data = probe.GetOutput().GetPointData()
-        return vtk_to_numpy(data.GetArray("U")), vtk_to_numpy(data.GetArray("vtkValidPointMask")) != 0
-
     def test_velocity_of_exodus(self):
         image = flows.image()
-        for name in "DISPL", "VEL", "ACCL":
+        for name in "DISPL", "VEL", "ACCL", "C":
             flows.add(image.GetPointData(), name, flows.flow(flows.grid_positions(*flows.axes()),
                                                              1 if name == "VEL" else 0))
         image.GetPointData().RemoveArray("U")
         flows.write_vtk(image, self.folder / "v.vti")
         path, = self.imports("v.vti", "-o", "v.vdb")
         self.assert_flow(path, lambda at: flows.flow(at, 1))
-        for name in "VEL", "ACCL":
+        for name in "VEL", "ACCL", "DISPL":
             image.GetPointData().RemoveArray(name)
         flows.write_vtk(image, self.folder / "v.vti")
         self.assertIn("no array is known as a velocity", self.refuses(3, "v.vti", "-o", "v.vdb"))

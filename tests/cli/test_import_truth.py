@@ -130,6 +130,51 @@ class Curved(TruthTest):
         self.assertLess(numpy.percentile(close, 95), 1)  # a wrong angle is a speed of 3
 
 
+class CGrids(TruthTest):
+    """SGRID: what lies on edges has no coordinates; it is half way between those of the cells' middles or corners."""
+
+    def test_every_padding(self):
+        for padding in "none", "low", "high", "both":
+            for given in "face", "node":
+                for curved in True, False:
+                    with self.subTest(padding, given=given, curved=curved):
+                        file, edges = earth_flows.c_grid(padding, given, curved)
+                        path, = self.imported(file)
+                        at, found, _ = truth.random_voxels(path)
+                        place = earth_flows.on_earth(at, [(part.min() + part.max()) / 2 for part in edges])
+                        numpy.testing.assert_allclose(found[:, 0], earth_flows.east(*place), atol=1e-5)
+                        numpy.testing.assert_allclose(found[:, 1], earth_flows.north(*place), atol=1e-5)
+
+    def test_a_turned_grid(self):
+        """Components are along it: one of 0.5 along its rows points to its angle."""
+        file, _ = earth_flows.c_grid("both", "face", angle=0.6)
+        for name, speed in ("u", 0.5), ("v", 0.0):
+            file[name][1] = speed + 0 * file[name][1]
+        path, = self.imported(file)
+        _, found, _ = truth.random_voxels(path)
+        turn = numpy.arctan2(0.2 * numpy.sin(0.6), 0.25 * numpy.cos(0.6) * numpy.cos(numpy.radians(40)))
+        numpy.testing.assert_allclose(found[:, :2], 0.5 * numpy.array([[numpy.cos(turn), numpy.sin(turn)]] * len(found)), atol=0.01)
+
+    def test_contradictions(self):
+        for key, value, words in (
+                ("face_dimensions", "xc: xn (padding: none) yc: yn (padding: both)",
+                 "the grid contradicts itself about the padding of 'xc'"),
+                ("edge2_dimensions", "xc: xn (padding: middle) yn", "'middle' is no padding, which is none, low, high or both"),
+                ("edge1_dimensions", "xn yc: yn (padding: low)", "7 nodes along 'yn' and the padding 'low' make 7 places along "
+                 "'yc', which has 8; correct it: --attribute 'grid:edge1_dimensions=xn yc: yn (padding: low)'")):
+            with self.subTest(words):
+                file, _ = earth_flows.c_grid("both", "face")
+                file["grid"][2][key] = value
+                earth_flows.write(self.folder / "f.nc", file)
+                self.assertIn(words, self.refuses(3, "f.nc", "-o", "v.vdb"))
+        file, _ = earth_flows.c_grid("both", "face")
+        file["grid"][2] = {key: str(value).replace("both", "low") for key, value in file["grid"][2].items()}
+        file["grid"][2]["edge1_dimensions"] = "xn yc"
+        earth_flows.write(self.folder / "f.nc", file)
+        self.assertIn("9 nodes along 'xn' and the padding 'low' make 9 places along 'xc', which has 10",
+                      self.refuses(3, "f.nc", "-o", "v.vdb"))
+
+
 def kept(path, new, sizes, change=None):
     """A copy of a NetCDF file without the ends of dimensions; `change` alters variables: name, values, attributes."""
     with netCDF4.Dataset(path) as whole, netCDF4.Dataset(new, "w") as cut:
@@ -254,6 +299,72 @@ class Meshes(TruthTest):
                 place = earth_flows.on_earth(at, (-122.4, 37.7))
                 numpy.testing.assert_allclose(found[:, 0], earth_flows.east(*place), atol=1e-4)
                 numpy.testing.assert_allclose(found[:, 1], earth_flows.north(*place), atol=1e-4)
+
+
+class Fesom(TruthTest):
+    """Random velocities at FESOM's nodes on levels, or in its triangles in layers, against interpolation by hand."""
+
+    def setUp(self):
+        super().setUp()
+        file, _, _ = earth_flows.fvcom(size=5)
+        self.lon, self.lat, self.triangles = file["lon"][1], file["lat"][1], file["nv"][1].T - 1
+        self.depths = numpy.array([2.0, 6, 12, 20])
+
+    def write(self, place, levels):
+        """The file; returns the velocities as (levels, places, 2)."""
+        count = len(self.lon) if place == "nod2" else len(self.triangles)
+        values = self.random.normal(size=(len(self.depths), count, 2))
+        file = {"lon": [("nod2",), self.lon, {"units": "degrees_east"}], "lat": [("nod2",), self.lat, {"units": "degrees_north"}],
+                "elements": [("n3", "elem"), (self.triangles.T + 1).astype("i4"), {}],
+                levels: [(levels,), self.depths, {"units": "m", "positive": "down"}]}
+        for i, name in enumerate("uv"):
+            file[name] = [(levels, place), values[..., i], {"units": "m/s"}]
+        earth_flows.write(self.folder / "f.nc", file)
+        return values
+
+    def shares(self, at):
+        """The triangles in which positions are, and the shares of their corners."""
+        x, y = truth.plane(self.lon, self.lat)
+        corners = numpy.stack([x, y, numpy.ones_like(x)], axis=1)[self.triangles]
+        known = numpy.stack([at[:, 0], at[:, 1], numpy.ones(len(at))], axis=1)
+        shares = numpy.einsum("pk,tkc->ptc", known, numpy.linalg.inv(corners))
+        inside = shares.min(axis=2).argmax(axis=1)
+        return inside, shares[numpy.arange(len(at)), inside]
+
+    def test_at_nodes(self):
+        values = self.write("nod2", "nz")
+        path, = self.imports("f.nc", "-o", "v.vdb", "--size", 20, 20, 16)
+        at, found, _ = truth.random_voxels(path)
+        inside, shares = self.shares(at)
+        below = numpy.clip(numpy.searchsorted(self.depths, -at[:, 2]) - 1, 0, 2)
+        down = (-at[:, 2] - self.depths[below]) / numpy.diff(self.depths)[below]
+        corners = self.triangles[inside]
+        columns = values[below[:, None], corners] * (1 - down)[:, None, None] + values[below[:, None] + 1, corners] * down[:, None, None]
+        numpy.testing.assert_allclose(found[:, :2], (columns * shares[..., None]).sum(axis=1), atol=1e-4)
+
+    def test_in_triangles(self):
+        """The mean of the cells around each corner, interpolated, and in the middle of a cell its own value."""
+        values = self.write("elem", "nz1")
+        path, = self.imports("f.nc", "-o", "v.vdb", "--size", 20, 20, 16)
+        at, found, _ = truth.random_voxels(path)
+        middles = (self.depths[1:] + self.depths[:-1]) / 2
+        edges = numpy.r_[2 * self.depths[0] - middles[0], middles, 2 * self.depths[-1] - middles[-1]]
+        sums, counts = (numpy.zeros((len(edges), len(self.lon), n)) for n in (2, 1))
+        for layer in range(len(self.depths)):
+            for edge in layer, layer + 1:
+                for corner in range(3):
+                    numpy.add.at(sums[edge], self.triangles[:, corner], values[layer])
+                    numpy.add.at(counts[edge], self.triangles[:, corner], 1)
+        means = sums / counts
+        inside, shares = self.shares(at)
+        layer = numpy.clip(numpy.searchsorted(edges, -at[:, 2]) - 1, 0, len(self.depths) - 1)
+        down = ((-at[:, 2] - edges[layer]) / numpy.diff(edges)[layer])[:, None, None]
+        above, below = means[layer[:, None], self.triangles[inside]], means[layer[:, None] + 1, self.triangles[inside]]
+        lacking = values[layer, inside] - (above.mean(axis=1) + below.mean(axis=1)) / 2
+        expected = ((above * (1 - down) + below * down) * shares[..., None]).sum(axis=1) + lacking
+        away = (shares.min(axis=1) > 0.01) & (numpy.abs(down[:, 0, 0] - 0.5) < 0.49)  # from the borders of cells
+        self.assertGreater(away.sum(), 600)
+        numpy.testing.assert_allclose(found[away, :2], expected[away], atol=1e-4)
 
 
 class Carried(TruthTest):

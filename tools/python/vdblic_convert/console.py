@@ -14,14 +14,10 @@ class ClosedPipe(Exception):
 
 
 def printable(text):
-    """A text that may have come from a file, as one line: what controls a terminal and what is no character is escaped."""
-    return "".join(c if c.isprintable() else _escape(c) for c in text)
-
-
-def _escape(character):
-    if "\udc80" <= character <= "\udcff":  # a byte that is no UTF-8 (PEP 383)
-        return f"\\x{ord(character) - 0xdc00:02x}"
-    return character.encode("unicode_escape").decode()
+    """A text that may have come from a file, as one line: what controls a terminal or is no UTF-8 is escaped."""
+    no_text = lambda c: "\udc80" <= c <= "\udcff"  # PEP 383
+    escaped = lambda c: f"\\x{ord(c) - 0xdc00:02x}" if no_text(c) else c.encode("unicode_escape").decode()
+    return "".join(c if c.isprintable() else escaped(c) for c in text)
 
 
 class Console:

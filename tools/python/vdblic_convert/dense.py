@@ -51,7 +51,7 @@ def _centred(grid):
     inside = (slice(-1),) * 3
     centred = values[inside].copy()
     for axis in range(3):
-        above = tuple(slice(1, None) if i == axis else slice(-1) for i in range(3))
+        above = (*inside[:axis], slice(1, None), *inside[axis + 1 :])
         there = active[above]  # the nearer face stands for both where the other is missing
         centred[..., axis] += numpy.where(there, (values[above][..., axis] - centred[..., axis]) / 2, 0)
     return centred, active[inside]

@@ -7,13 +7,13 @@ import re
 import resource
 import zipfile
 
-from vdblic._core import Sequence, check_output, read_lines, read_metadata, write_file
+from vdblic._core import check_output, read_lines, read_metadata, write_file
 
 from . import levels
 from .console import printable
 from .errors import InputError, OutputError, ParameterError, needed
 from .metadata import number_of
-from .outputs import Outputs, check_not_inputs
+from .outputs import Outputs, check_not_inputs, frames_of
 from .tool import Tool
 from .usd_export import add_options, export_layer, refuse_options
 from .velocity import names_of
@@ -23,25 +23,14 @@ _TAKEN = {".npz": ("active", "matrix", "time", "dt", "frame"), ".vti": ("active"
 
 
 def main(version, words):
-    tool = Tool(
-        "vdblic_export",
-        version,
-        (
-            "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
-            " .npz, streaks into lines of VTK (.vtp) or USD (.usda), name their files in a layer of USD (.usda), or write coarser copies (.vdb)."
-        ),
-    )
-    tool.add(
-        "input",
-        metavar="INPUT",
-        help=(
-            "Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), or - for paths on standard"
-            " input."
-        ),
-    )
-    tool.add(
-        "-o", "--output", metavar="TEXT", required=True, help="What to write: lic_%%04d.vti, .vtp, .npz, .vdb, or flow.usda."
-    )
+    tool = Tool("vdblic_export", version,
+                "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
+                " .npz, streaks into lines of VTK (.vtp) or USD (.usda), name their files in a layer of USD (.usda), or "
+                "write coarser copies (.vdb).")  # fmt: skip
+    tool.add("input", metavar="INPUT", help="Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), "
+             "or - for paths on standard input.")  # fmt: skip
+    tool.add("-o", "--output", metavar="TEXT", required=True,
+             help="What to write: lic_%%04d.vti, .vtp, .npz, .vdb, or flow.usda.")  # fmt: skip
     tool.sequence()
     tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default.")
     levels.add_options(tool)
@@ -51,35 +40,34 @@ def main(version, words):
 
 def run(options, console, stop, version):
     """Convert every selected frame, or name them all in a layer."""
-    if options.output.lower().endswith(".usda"):
+    kind = os.path.splitext(options.output)[1].lower()
+    if kind == ".usda":
         export_layer(options, console, stop, version)
         return
     refuse_options(options)
-    if options.output.lower().endswith(".vdb"):
+    if kind == ".vdb":
         levels.export_levels(options, console, stop)
         return
     if options.levels:
         raise ParameterError("--levels writes .vdb files; give -o lic.%04d.vdb, or a .usda that has them as a proxy")
     names = names_of(options.grids) if options.grids else ()
     outputs = Outputs(options, [".vti", ".vtp", ".npz", ".usda", ".vdb"], console, stop)
-    times = TimeList(outputs.pattern) if options.output.lower().endswith((".vti", ".vtp")) and outputs.pattern.has_field else None
-    files = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check)
-    if options.input != "-":
-        files = list(files)
-        outputs.check([frame for frame, _ in files], [path for _, path in files], len(files))
+    times = TimeList(outputs.pattern) if kind in (".vti", ".vtp") and outputs.pattern.has_field else None
+
+    def check(frames, sources):
+        outputs.check(frames, sources)
         if times:
-            times.check([path for _, path in files])
-    path, told = None, []
+            times.check(sources)
+
+    told = []
     try:
-        for frame, source in files:
+        for frame, source in frames_of(options, stop, check):
             path = outputs.write(frame, source, lambda path, source=source: _write(path, source, names, console, told))
             if times:
                 times.add(frame, source, path)
     finally:
         if times and times.entries:  # of what is finished, also when the run is stopped
             console.finished(times.write())
-    if path is None:
-        raise InputError("standard input names no files")
 
 
 def _write(path, source, names, console, told):
@@ -141,12 +129,11 @@ def _image(output, volume):
         values = values.reshape(*volume.active.shape, -1)
         names[name] = name if name in masks else f"vdblic-array-{len(names)}"
         add_array(points, names[name], values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))
-    scalars = next((name for name, values in volume.arrays.items() if values.ndim == 3), None)
-    vectors = next((name for name, values in volume.arrays.items() if values.ndim == 4), None)
+    scalars, vectors = ([name for name, values in volume.arrays.items() if values.ndim == n] for n in (3, 4))
     if scalars:
-        points.SetActiveScalars(names.get(str(volume.metadata.get("texture")), names[scalars]))
+        points.SetActiveScalars(names.get(str(volume.metadata.get("texture")), names[scalars[0]]))
     if vectors:
-        points.SetActiveVectors(names[vectors])
+        points.SetActiveVectors(names[vectors[0]])
     _add_time(image, volume.metadata)
     return _file_of(needed("vtkmodules.vtkIOXML").vtkXMLImageDataWriter(), image, output, names)
 
@@ -160,10 +147,8 @@ def _curves(output, source):
     ends = numpy.concatenate([[0], numpy.cumsum(lines["counts"])]).astype(numpy.int64)
     points, cells, data = core.vtkPoints(), model.vtkCellArray(), model.vtkPolyData()
     points.SetData(bridge.numpy_to_vtk(lines["points"], deep=True))
-    cells.SetData(
-        bridge.numpy_to_vtkIdTypeArray(ends, deep=True),
-        bridge.numpy_to_vtkIdTypeArray(numpy.arange(ends[-1], dtype=numpy.int64), deep=True),
-    )
+    ids = (bridge.numpy_to_vtkIdTypeArray(values, deep=True) for values in (ends, numpy.arange(ends[-1])))
+    cells.SetData(*ids)
     data.SetPoints(points)
     data.SetLines(cells)
     names = {}

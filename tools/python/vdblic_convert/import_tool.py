@@ -13,88 +13,39 @@ from .velocity import check_carried, chosen, contents, names_of
 
 
 def main(version, words):
-    tool = Tool(
-        "vdblic_import",
-        version,
-        (
-            "Convert the flows of other programs into velocity volumes: files of VTK (.vti .vtr .vts "
-            ".vtu .vtm .vtk .pvd), cases of OpenFOAM, EnSight and CGNS, NetCDF (CF, WRF, ROMS, FVCOM, MPAS, UGRID), "
-            "Zarr, GRIB, arrays (.npz .npy .h5 .mat)."
-        ),
-    )
-    tool.add(
-        "input",
-        nargs="+",
-        metavar="INPUT",
-        help=(
-            "Flow. One file, a case's folder, a pattern (name.%%04d.vti, also ####, @@@@, $F4, <F4>), "
-            "or - for paths on standard input. Several are one flow, with the same times."
-        ),
-    )
-    tool.add("-o", "--output", metavar="TEXT", required=True, help="Velocity files, such as v.%%04d.vdb.")
-    tool.sequence(
-        numbering="the steps of files that hold several, and paths on standard input,",
-        frames=" The steps of a file with several count from 1.",
-    )
-    tool.add(
-        "--times",
-        metavar=("T0", "T1"),
-        nargs=2,
-        type=number,
-        help="Use the steps from time T0 to time T1 only [seconds].",
-    )
-    tool.add(
-        "--array",
-        metavar="TEXT",
-        help="Array that is the velocity, or two or three that are its components: U or u,v,w.",
-    )
-    tool.add("--carry", metavar="TEXT", help="Further arrays to convert: NAME,NAME.")
-    tool.add(
-        "--attribute",
-        metavar="TEXT",
-        nargs="+",
+    tool = Tool("vdblic_import", version,
+                "Convert the flows of other programs into velocity volumes: files of VTK (.vti .vtr .vts .vtu .vtm .vtk "
+                ".pvd), cases of OpenFOAM, EnSight and CGNS, NetCDF (CF, WRF, ROMS, FVCOM, MPAS, UGRID), Zarr, GRIB, "
+                "arrays (.npz .npy .h5 .mat).")  # fmt: skip
+    add, box = tool.add, ("X0", "Y0", "Z0", "X1", "Y1", "Z1")
+    add("input", nargs="+", metavar="INPUT",
+        help="Flow. One file, a case's folder, a pattern (name.%%04d.vti, also ####, @@@@, $F4, <F4>), or - for paths "
+        "on standard input. Several are one flow, with the same times.")  # fmt: skip
+    add("-o", "--output", metavar="TEXT", required=True, help="Velocity files, such as v.%%04d.vdb.")
+    tool.sequence("the steps of files that hold several, and paths on standard input,",
+                  " The steps of a file with several count from 1.")  # fmt: skip
+    add("--times", metavar=("T0", "T1"), nargs=2, type=number,
+        help="Use the steps from time T0 to time T1 only [seconds].")  # fmt: skip
+    add("--array", metavar="TEXT",
+        help="Array that is the velocity, or two or three that are its components: U or u,v,w.")  # fmt: skip
+    add("--carry", metavar="TEXT", help="Further arrays to convert: NAME,NAME.")
+    add("--attribute", metavar="TEXT", nargs="+",
         help="What a file of NetCDF, Zarr or GRIB does not say, as if it did: NAME:ATTRIBUTE=VALUE ..., such as "
-        "depth:positive=down u:units=cm/s v:standard_name=northward_wind.",
-    )
-    tool.add(
-        "--layout",
-        metavar="TEXT",
+        "depth:positive=down u:units=cm/s v:standard_name=northward_wind.")  # fmt: skip
+    add("--layout", metavar="TEXT",
         help="Order of the axes of arrays (.npy .npz .h5 .mat): letters of t (time), c (component), x, y and z, such as "
-        "cxyz or tczyx. Files in the form of vdblic_export need none.",
-    )
-    tool.add(
-        "--explain",
-        action="store_true",
-        help="Tell how each coordinate and component of the first step is understood, with two values and units.",
-    )
-    tool.add("--like", metavar="TEXT", help="Resample to the voxels of a .vdb grid: FILE or FILE:GRID.")
-    tool.add(
-        "--size",
-        metavar=("X", "Y", "Z"),
-        nargs=3,
-        type=whole(1, 131072),
-        help="Resample to so many voxels along x, y and z.",
-    )
-    tool.add(
-        "--voxel-size",
-        metavar="FLOAT",
-        nargs="+",
-        type=positive,
-        help="Resample to voxels of this size, or of three sizes along x, y and z [world].",
-    )
-    tool.add(
-        "--bounds",
-        metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
-        nargs=6,
-        type=number,
-        help="Box that the voxels fill [world]; all of the flow by default.",
-    )
-    tool.add(
-        "--dt",
-        metavar="FLOAT",
-        type=positive,
-        help="Seconds from one frame number to the next, in place of the files' times.",
-    )
+        "cxyz or tczyx. Files in the form of vdblic_export need none.")  # fmt: skip
+    add("--explain", action="store_true",
+        help="Tell how each coordinate and component of the first step is understood, with two values and units.")  # fmt: skip
+    add("--like", metavar="TEXT", help="Resample to the voxels of a .vdb grid: FILE or FILE:GRID.")
+    add("--size", metavar=("X", "Y", "Z"), nargs=3, type=whole(1, 131072),
+        help="Resample to so many voxels along x, y and z.")  # fmt: skip
+    add("--voxel-size", metavar="FLOAT", nargs="+", type=positive,
+        help="Resample to voxels of this size, or of three sizes along x, y and z [world].")  # fmt: skip
+    add("--bounds", metavar=box, nargs=6, type=number,
+        help="Box that the voxels fill [world]; all of the flow by default.")  # fmt: skip
+    add("--dt", metavar="FLOAT", type=positive,
+        help="Seconds from one frame number to the next, in place of the files' times.")  # fmt: skip
     return tool.run(words, run)
 
 
@@ -123,18 +74,22 @@ def _check(options):
     options.array = names_of(options.array) if options.array else ()
     options.carry = names_of(options.carry) if options.carry else ()
     options.attribute = _answers(options.attribute or ())
-    if options.layout and not re.fullmatch(r"(?=.*x)(?!.*(.).*\1)[tcxyz]{2,5}", options.layout):
-        raise ParameterError("--layout is letters of t, c, x, y and z, each once, such as cxyz")
-    if options.voxel_size and len(options.voxel_size) not in (1, 3):
-        raise ParameterError("--voxel-size takes one number or three")
-    if options.like and (options.size or options.voxel_size or options.bounds):
-        raise ParameterError("--like gives size, voxels and bounds; leave out --size, --voxel-size and --bounds")
-    if options.size and options.voxel_size:
-        raise ParameterError("--size and --voxel-size exclude each other")
-    if options.bounds and not all(low < high for low, high in zip(options.bounds[:3], options.bounds[3:])):
-        raise ParameterError("--bounds is an empty box; it takes X0 Y0 Z0 X1 Y1 Z1, the second corner above the first")
-    if options.times and options.times[0] > options.times[1]:
-        raise ParameterError(f"--times {options.times[0]:g} {options.times[1]:g} runs backwards")
+    low, high = (options.bounds or ())[:3], (options.bounds or ())[3:]
+    times = options.times or (0, 0)
+    order = r"(?=.*x)(?!.*(.).*\1)[tcxyz]{2,5}"
+    for wrong, message in (
+        (options.layout and not re.fullmatch(order, options.layout),
+         "--layout is letters of t, c, x, y and z, each once, such as cxyz"),
+        (options.voxel_size and len(options.voxel_size) not in (1, 3), "--voxel-size takes one number or three"),
+        (options.like and (options.size or options.voxel_size or options.bounds),
+         "--like gives size, voxels and bounds; leave out --size, --voxel-size and --bounds"),
+        (options.size and options.voxel_size, "--size and --voxel-size exclude each other"),
+        (not all(a < b for a, b in zip(low, high)),
+         "--bounds is an empty box; it takes X0 Y0 Z0 X1 Y1 Z1, the second corner above the first"),
+        (times[0] > times[1], f"--times {times[0]:g} {times[1]:g} runs backwards"),
+    ):  # fmt: skip
+        if wrong:
+            raise ParameterError(message)
 
 
 def _answers(words):
@@ -148,13 +103,18 @@ def _answers(words):
     return answers
 
 
+def _date(seconds, calendar):
+    from .readers.times import date_of  # which needs cftime
+
+    return date_of(seconds, calendar)
+
+
 class Conversion:
     """Resamples steps to one grid, which the first step of the whole series chooses."""
 
     def __init__(self, options, console):
         self._options, self._console = options, console
-        self._names, self._target = (), None
-        self._told, self._coarse, self._grown, self._explained, self._summed = set(), False, False, [], False
+        self._names, self._target, self._told, self._done = (), None, set(), set()
 
     def write(self, step, series, path):
         """Write a step's .vdb file."""
@@ -175,9 +135,10 @@ class Conversion:
         self._tell_notes(source)
         if not mask.any():
             self._console.warn(f"{source.path}: frame {step.frame} has no values within the voxels")
-        if self._options.explain and not self._explained:
-            self._explained = [self._console.say(text) for text in source.explained.values()]
-        self._tell_once(velocity, mask, step)
+        for text in source.explained.values() if self._options.explain and self._first("explained") else ():
+            self._console.say(text)
+        if mask.any() and self._first("summed"):
+            self._tell(self._summary(velocity[mask].astype(float), step))
         grids = []
         for name, values in [("velocity", velocity), *carried.items()]:
             vector = values.shape[3] == 3
@@ -224,50 +185,42 @@ class Conversion:
             return self._target
         target = flow.covered(self._target)
         if target.size != self._target.size:
+            where = f"{step.source.path}: frame {step.frame}"
             try:
                 target.check()
             except ParameterError as error:
-                raise ParameterError(f"{step.source.path}: frame {step.frame}: {error}, or a box with --bounds") from None
-            if not self._grown:
+                raise ParameterError(f"{where}: {error}, or a box with --bounds") from None
+            if self._first("grown"):
                 self._console.say(
-                    f"{step.source.path}: frame {step.frame} reaches beyond the box of the first step; such frames get "
-                    "more of the same voxels; --bounds gives all frames one box"
+                    f"{where} reaches beyond the box of the first step; such frames get more of the same voxels; "
+                    "--bounds gives all frames one box"
                 )
-            self._grown = True
         return target
 
     def _check_cells(self, met):
         """Warn once if the voxels that nobody chose pass over most of the cells."""
         options = self._options
         are_chosen = options.like or options.size or options.voxel_size or options.bounds
-        if met < 0.5 and not are_chosen and not self._coarse:
-            self._coarse = True
+        if met < 0.5 and not are_chosen and self._first("coarse"):
             self._console.warn(
                 f"only {100 * met:.0f} % of the cells have a voxel in them, because they differ in size or are turned "
                 "against the axes; --size or --voxel-size makes voxels finer"
             )
 
-    def _tell_once(self, velocity, mask, step):
+    def _summary(self, flow, step):
         """A line by which a person can check the import: size, mean flow, first date, and which way is up."""
-        source = step.source
         import numpy
-        from .readers.times import date_of
 
-        if self._summed or not mask.any():
-            return
-        self._summed = True
-        size = self._target.spacing * self._target.size
+        source, size = step.source, self._target.spacing * self._target.size
         unit, scale = ("km", 1000) if source.unit == "m" and size.max() >= 10000 else (source.unit or "units", 1)
-        mean = velocity[mask].astype(float).mean(axis=0)
-        speed = numpy.linalg.norm(velocity[mask].astype(float), axis=1).mean()
+        mean, speed = flow.mean(axis=0), numpy.linalg.norm(flow, axis=1).mean()
         bearing = numpy.degrees(numpy.arctan2(mean[1], mean[0]))
         start = "no time" if step.time is None else f"from {step.time:g} s on"
-        start = date_of(source.times[0], source.calendar) if source.calendar else start
-        self._tell(
+        start = _date(source.times[0], source.calendar) if source.calendar else start
+        return (
             f"{' x '.join(f'{length / scale:.4g}' for length in size)} {unit}; the mean flow is "
             f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean "
-            f"speed "
-            f"of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
+            f"speed of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
         )
 
     def _tell_notes(self, source):
@@ -280,23 +233,18 @@ class Conversion:
             self._told.add(message)
             self._console.say(message)
 
-    def _metadata(self, step, series):
-        found = {
-            "source": " ".join(map(str, step.source.paths)),
-            "frame": step.frame,
-            "velocity_array": ",".join(self._names),
-            "velocity_unit": "world/s",
-        }
-        if step.source.unit:
-            found["length_unit"] = step.source.unit
-        if step.time is not None:
-            found["time"] = float(step.time)
-        else:
-            self._tell("the files have no times; --dt gives their spacing, else vdblic_advect takes 1/24 s")
-        if step.dt is not None:
-            found["dt"] = float(step.dt)
-        if series.start is not None and not self._options.dt:
-            from .readers.times import date_of
+    def _first(self, what):
+        """Whether this is the first time that something happens."""
+        known, self._done = what in self._done, self._done | {what}
+        return not known
 
-            found["start"] = date_of(series.start, series.calendar)
-        return found
+    def _metadata(self, step, series):
+        if step.time is None:
+            self._tell("the files have no times; --dt gives their spacing, else vdblic_advect takes 1/24 s")
+        start = _date(series.start, series.calendar) if series.start is not None and not self._options.dt else None
+        found = {
+            "source": " ".join(map(str, step.source.paths)), "frame": step.frame, "velocity_unit": "world/s",
+            "velocity_array": ",".join(self._names), "length_unit": step.source.unit, "start": start,
+            "time": None if step.time is None else float(step.time), "dt": None if step.dt is None else float(step.dt),
+        }  # fmt: skip
+        return {name: value for name, value in found.items() if value is not None}

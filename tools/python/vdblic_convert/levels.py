@@ -1,9 +1,9 @@
 """Coarser copies of volumes, for viewports: each level has half the voxels of the one before along each axis."""
 
-from vdblic._core import FramePattern, Sequence, check_not_input, check_output_pattern, write_levels
+from vdblic._core import FramePattern, check_not_input, check_output_pattern, write_levels
 
-from .errors import InputError, ParameterError
-from .outputs import check_not_inputs, is_whole
+from .errors import ParameterError
+from .outputs import check_not_inputs, frames_of, is_whole
 from .tool import whole
 from .velocity import names_of
 
@@ -11,13 +11,9 @@ MOST_LEVELS = 8
 
 
 def add_options(tool):
-    tool.add(
-        "--levels",
-        metavar=f"INT:INT in [1 - {MOST_LEVELS}]",
-        type=whole(1, MOST_LEVELS),
-        help="Write coarser copies, level 1 with voxels of twice the size and so on: lic.level1.%%04d.vdb of -o "
-        "lic.%%04d.vdb; with a .usda the coarsest one is its proxy.",
-    )
+    tool.add("--levels", metavar=f"INT:INT in [1 - {MOST_LEVELS}]", type=whole(1, MOST_LEVELS),
+             help="Write coarser copies, level 1 with voxels of twice the size and so on: lic.level1.%%04d.vdb of -o "
+             "lic.%%04d.vdb; with a .usda the coarsest one is its proxy.")  # fmt: skip
 
 
 class Levels:
@@ -25,9 +21,10 @@ class Levels:
 
     def __init__(self, text, count, grids, skip):
         self.patterns = [FramePattern(text).of_level(level + 1) for level in range(count)]
-        self._names, self._skip, self._done = names_of(grids) if grids else (), skip, 0
+        self._names, self._skip, self.done, self.count = names_of(grids) if grids else (), skip, 0, 0
 
     def check(self, frames, inputs):
+        self.count = len(frames)
         for pattern in self.patterns:
             check_output_pattern(pattern, len(frames))
             check_not_inputs(map(pattern.path, frames), inputs)
@@ -35,9 +32,9 @@ class Levels:
     def write(self, frame, source, console):
         """Write the levels of a file; returns their paths."""
         paths = [pattern.path(frame) for pattern in self.patterns]
-        self._done += 1
+        self.done += 1
         for pattern, path in zip(self.patterns, paths):
-            check_output_pattern(pattern, self._done)
+            check_output_pattern(pattern, self.done)
             check_not_input(path, source)
         if not (self._skip and all(is_whole(path, console) for path in paths)):
             write_levels(str(source), list(map(str, paths)), list(self._names))
@@ -51,15 +48,6 @@ def export_levels(options, console, stop):
     if not options.levels:
         raise ParameterError(f"{options.output}: a .vdb would be a copy; --levels writes coarser ones")
     levels = Levels(options.output, options.levels, options.grids, options.skip_existing)
-    files = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check)
-    if options.input != "-":
-        files = list(files)
-        levels.check([frame for frame, _ in files], [path for _, path in files])
-    done = 0
-    for frame, source in files:
-        stop.check()
+    for frame, source in frames_of(options, stop, levels.check):
         levels.write(frame, source, console)
-        done += 1
-        console.progress(frame, done, len(files) if options.input != "-" else 0)
-    if not done:
-        raise InputError("standard input names no files")
+        console.progress(frame, levels.done, levels.count)

@@ -3,17 +3,23 @@
 import os
 import zipfile
 
-from vdblic._core import (
-    FramePattern,
-    check_extension,
-    check_not_input,
-    check_output_pattern,
-    check_outputs,
-    is_finished,
-    verify,
-)
+from vdblic._core import FramePattern, Sequence, check_extension, check_not_input, check_output_pattern
+from vdblic._core import check_outputs, is_finished, verify
 
 from .errors import InputError
+
+
+def frames_of(options, stop, check):
+    """The volumes of a sequence with their frames; `check(frames, paths)` is called first, where they are known."""
+    files, found = Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check), False
+    if options.input != "-":
+        files = list(files)
+        check(*zip(*files))
+    for found in files:
+        stop.check()
+        yield found
+    if not found:
+        raise InputError("standard input names no files")
 
 
 class Outputs:
@@ -23,9 +29,9 @@ class Outputs:
         self._skip, self._console, self._stop = options.skip_existing, console, stop
         self._done = self._count = 0
 
-    def check(self, frames, inputs, count):
-        """Check the outputs of all frames; `count` of them will be written, 0 if that is unknown."""
-        self._count = count
+    def check(self, frames, inputs, count=None):
+        """Check the outputs of all frames; `count` of them will be written, all unless given, 0 if that is unknown."""
+        self._count = len(frames) if count is None else count
         check_outputs(self.pattern, frames)
         check_not_inputs(map(self.pattern.path, frames), inputs)
 

@@ -20,7 +20,7 @@ class Flow:
     def __init__(self, dataset, names, path):
         self._dataset, self._names, self._path = dataset, names, path
         self._images = [(block, _voxels_of(block, names)) for block in vtk.having(dataset, names)]
-        self._own = _joined([voxels for _, voxels in self._images])
+        self._own = _joined([voxels for _, voxels in self._images])  # of images side by side
 
     @functools.cached_property
     def _cells(self):
@@ -128,27 +128,21 @@ def flow_at(source, step, names, carry, choose, path):
         mask, met = mask & valid, min(met, share)
     velocity = numpy.zeros((*mask.shape, 3), numpy.float32)
     for slot, name in enumerate(names):
-        if volumes[name].shape[3] == 3:
-            velocity += volumes[name]
-        else:
-            velocity[..., slot : slot + 1] += volumes[name]
+        whole = volumes[name].shape[3] == 3
+        velocity[... if whole else (..., slice(slot, slot + 1))] += volumes[name]
     turned = {name for name in carry if volumes[name].shape[3] > source.arrays(step)[name]}
     for slot, name in enumerate(names):  # components of the velocity that are carried, too
         if name in turned:
             volumes[name] = velocity[..., slot : slot + 1]
-    pairs = {}
-    for name in turned.difference(names):
-        kind, slot = source.vector_of(name)
-        pairs.setdefault(kind, {})[slot] = name
-    for pair in pairs.values():
-        if len(pair) < 2:
-            (slot, name), = pair.items()
+    parts = {source.vector_of(name): name for name in turned.difference(names)}  # by the kind of vector, and x or y
+    shares = {name: volumes[name] for name in parts.values()}
+    for (kind, slot), name in parts.items():
+        if (kind, 1 - slot) not in parts:
             raise InputError(
                 f"{path}: '{name}' is the component {'xy'[slot]} of a vector along a grid that is turned; carry the "
                 f"other one, too: --carry {name},NAME"
             )
-        vector = volumes[pair[0]] + volumes[pair[1]]
-        volumes |= {name: vector[..., slot : slot + 1] for slot, name in pair.items()}
+        volumes[name] = (shares[name] + shares[parts[kind, 1 - slot]])[..., slot : slot + 1]
     return velocity, {name: volumes[name] for name in carry}, mask, met, target
 
 
@@ -156,38 +150,30 @@ def _voxels_of(dataset, names):
     """The voxels of an image whose arrays all belong to its points, or all to its cells; else None."""
     if not dataset.IsA("vtkImageData"):
         return None
-    association = [dataset.GetPointData().GetArray(name) is not None for name in names]
-    if not all(association) and any(association) or (vtk.cell_flags(dataset) & vtk.REFINED_CELL).any():
+    association = {vtk.array(dataset, name)[1] for name in names}
+    if len(association) > 1 or (vtk.cell_flags(dataset) & vtk.REFINED_CELL).any():
         return None
-    matrix, index = dataset.GetIndexToPhysicalMatrix(), numpy.eye(4)
+    matrix, index, of_cells = dataset.GetIndexToPhysicalMatrix(), numpy.eye(4), not association.pop()
     matrix = numpy.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
-    index[:3, 3] = numpy.array(dataset.GetExtent()[::2])
-    size = numpy.array(dataset.GetDimensions())
-    if not all(association):
-        index[:3, 3] += 0.5
-        size = numpy.maximum(size - 1, 1)
+    index[:3, 3] = numpy.array(dataset.GetExtent()[::2]) + 0.5 * of_cells
+    size = numpy.maximum(numpy.array(dataset.GetDimensions()) - of_cells, 1)
     return Target(tuple(map(int, size)), matrix @ index)
 
 
 def _joined(lattices):
     """One grid of the voxels of several, where these are the same voxels or their neighbours; else None."""
-    if not lattices or None in lattices:
-        return None
-    first = Target(lattices[0].size, lattices[0].matrix)
-    for other in lattices[1:]:
-        if first.place_of(other) is None:
-            return None
-        first = first.covering(other.corners())
+    first = lattices[0] if lattices and None not in lattices else None
+    for other in lattices[1:] if first else ():
+        first = first.covering(other.corners()) if first and first.place_of(other) is not None else None
     return first
 
 
 def _visible(dataset, names):
     """Which points, or cells, of an image are not hidden by VTK's ghost flags."""
-    of_points = vtk.array(dataset, names[0])[1]
+    values, of_points = vtk.array(dataset, names[0])
     data, hidden = (dataset.GetPointData(), vtk.HIDDEN_POINT) if of_points else (dataset.GetCellData(), vtk.HIDDEN_CELL)
-    if data.GetArray(vtk.GHOSTS) is None:
-        return numpy.ones(dataset.GetNumberOfPoints() if of_points else dataset.GetNumberOfCells(), bool)
-    return vtk.bridge.vtk_to_numpy(data.GetArray(vtk.GHOSTS)) & hidden == 0
+    flags = data.GetArray(vtk.GHOSTS)
+    return numpy.ones(len(values), bool) if flags is None else vtk.bridge.vtk_to_numpy(flags) & hidden == 0
 
 
 def _probed(dataset, names, target):
@@ -195,21 +181,16 @@ def _probed(dataset, names, target):
     vtk.hide_cells_of_hidden_points(dataset)
     vtk.add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
     probe = vtk.filters.vtkProbeFilter()
-    probe.SetInputData(_vtk_grid(target))
     probe.SetSourceData(dataset)
-    probe.Update()
-    data = probe.GetOutput().GetPointData()
-    mask = vtk.bridge.vtk_to_numpy(data.GetArray(probe.GetValidPointMaskArrayName())) != 0
-    values = []
+    probed = vtk.output_of(probe, _vtk_grid(target))
+    value_of = lambda name: vtk.array(probed, name)[0]
+    mask, values = value_of(probe.GetValidPointMaskArrayName()) != 0, []
     for name in names:
-        values.append(vtk.bridge.vtk_to_numpy(data.GetArray(name)))
-        if residue := data.GetArray(vtk.RESIDUE + name):
-            values[-1] = values[-1] + vtk.bridge.vtk_to_numpy(residue)
-    seen = dataset.GetNumberOfCells()
-    if ghosts := dataset.GetCellData().GetArray(vtk.GHOSTS):
-        seen = numpy.count_nonzero(vtk.bridge.vtk_to_numpy(ghosts) & vtk.HIDDEN_CELL == 0)
-    met = len(numpy.unique(vtk.bridge.vtk_to_numpy(data.GetArray(CELL))[mask])) / max(seen, 1)
-    return values, mask, met
+        corrected = probed.GetPointData().HasArray(vtk.RESIDUE + name)
+        values.append(value_of(name) + value_of(vtk.RESIDUE + name) if corrected else value_of(name))
+    flags = numpy.broadcast_to(vtk.cell_flags(dataset), dataset.GetNumberOfCells())
+    seen = numpy.count_nonzero(flags & vtk.HIDDEN_CELL == 0)
+    return values, mask, len(numpy.unique(value_of(CELL)[mask])) / max(seen, 1)
 
 
 def _vtk_grid(target):

@@ -39,6 +39,7 @@ class Series:
         self.start = None  # the time of the first step of all, if the input has dates: the others count from it
         self.calendar = None  # of that date
         self.count, self.frames, self._files = 0, [], []
+        self._first_number = 1 if options.renumber is None else options.renumber
         self.streamed = "-" in options.input
         if self.streamed and len(options.input) > 1:
             raise ParameterError("paths on standard input are one flow; leave out the other inputs")
@@ -49,19 +50,21 @@ class Series:
 
     def _find(self):
         """The files and the frames of the inputs."""
-        text = self._options.input[0]
-        found = [_files_of(text) for text in self._options.input]
-        for i, (other, files) in enumerate(zip(self._options.input[1:], found[1:]), 1):
+        text, *others = self._options.input
+        found = [_files_of(text)]
+        for other in others:
+            files = _files_of(other)
             if len(files) == 1 < len(found[0]):  # as that of a grid
-                found[i] = files = dict.fromkeys(found[0], *files.values())
+                files = dict.fromkeys(found[0], *files.values())
             if len(files) != len(found[0]) or len(files) > 1 and files.keys() != found[0].keys():
                 raise InputError(f"{other}: its files are not numbered as those of {text}; inputs of one flow are")
-        self._files = [(frame, tuple(paths)) for frame, *paths in zip(found[0], *(files.values() for files in found))]
+            found.append(files)
+        self._files = [(frame, paths) for frame, *paths in zip(found[0], *(files.values() for files in found))]
         self._open_first(self._files[0][1])
         self._numbered = len(self._first.times) > 1
         if self._numbered:
             steps = sum(len(self._open(paths).times) for _, paths in self._files)
-            self.frames = self._select(range(self._first_number(), self._first_number() + steps))
+            self.frames = self._select(range(self._first_number, self._first_number + steps))
         elif self._options.renumber is not None:
             raise ParameterError(
                 "--renumber is for paths on standard input and for files of several steps; a pattern has the numbers"
@@ -81,7 +84,7 @@ class Series:
         if self.streamed:
             yield from self._streamed()
             return
-        selected, number, before = set(self.frames), self._first_number(), None
+        selected, number, before = set(self.frames), self._first_number, None
         for frame, paths in self._files:
             if not self._numbered and frame not in selected:
                 continue
@@ -106,8 +109,8 @@ class Series:
         number, before, taken = self._options.renumber, None, {}
         for path in InputPaths(self._stop.check):
             if not taken:
-                self._open_first((path,))
-            source = self._open((path,))
+                self._open_first([path])
+            source = self._open([path])
             if len(source.times) > 1 and number is None:
                 raise InputError(
                     f"{path}: it holds {len(source.times)} steps; --renumber START numbers the steps as they come"
@@ -136,12 +139,10 @@ class Series:
                 f"{source.path}: step {index + 1} is at {time:g} s, not after {before:g} s, the step before it; order"
                 " the files by time, or give the spacing with --dt"
             )
-        if index + 1 < len(times):
-            dt = times[index + 1] - times[index]
-        elif index > 0:
-            dt = times[index] - times[index - 1]
-        else:
-            dt = None if before is None else time - before
+        dt = None if before is None else time - before
+        if len(times) > 1:
+            later = min(index + 1, len(times) - 1)
+            dt = times[later] - times[later - 1]
         return Step(frame, source, index, time, dt)
 
     def _open_first(self, paths):
@@ -150,14 +151,11 @@ class Series:
         self.calendar = self._first.calendar
 
     def _open(self, paths):
-        if self._last is None or self._last.paths != list(paths):
+        if self._last is None or self._last.paths != paths:
             if self._last is not None:
                 self._last.free()  # its memory, before the next file is read
             self._last = open_sources(paths, self._options)
         return self._last
-
-    def _first_number(self):
-        return 1 if self._options.renumber is None else self._options.renumber
 
     def _select(self, numbers):
         if self._chosen is None:

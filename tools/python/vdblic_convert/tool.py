@@ -30,10 +30,8 @@ class _Help(argparse.HelpFormatter):
 
     def _format_action_invocation(self, action):
         names = ",".join(action.option_strings) or action.metavar
-        value = (
-            "" if action.nargs == 0 else f" {self._format_args(action, 'TEXT')}" if action.option_strings else " TEXT"
-        )
-        value = re.sub(r" \[.* \.\.\.\]", " ...", value) if action.nargs == "+" else value
+        value = f" {self._format_args(action, 'TEXT')}" if action.option_strings else " TEXT"
+        value = re.sub(r" \[.* \.\.\.\]", " ...", value) if action.nargs == "+" else value * (action.nargs != 0)
         return names + value + (" REQUIRED" if action.required else "")
 
     def _format_text(self, text):
@@ -42,13 +40,7 @@ class _Help(argparse.HelpFormatter):
 
 class _Parser(argparse.ArgumentParser):
     def __init__(self, name, description):
-        super().__init__(
-            name,
-            description=description,
-            epilog=_STATUS,
-            formatter_class=_Help,
-            allow_abbrev=False,
-        )
+        super().__init__(name, description=description, epilog=_STATUS, formatter_class=_Help, allow_abbrev=False)
         self._negative_number_matcher = re.compile(r"-[.\d]|-inf$|-nan$")  # values, not options
 
     def format_help(self):
@@ -135,42 +127,22 @@ class Tool:
         self._parser._optionals.title = "Options"
         self._parser._positionals.title = "Positionals"
         self.add("--version", action="version", version=version, help="Display program version information and exit")
-        level = self._parser.add_mutually_exclusive_group()
-        level.add_argument(
-            "-q",
-            "--quiet",
-            dest="level",
-            action="store_const",
-            const=0,
-            default=1,
-            help="Print errors and warnings only.",
-        )
-        level.add_argument("-v", "--verbose", dest="level", action="store_const", const=2, help="Print details.")
+        level = self._parser.add_mutually_exclusive_group().add_argument
+        told = {("-q", "--quiet"): (0, "Print errors and warnings only."), ("-v", "--verbose"): (2, "Print details.")}
+        for names, (const, text) in told.items():
+            level(*names, dest="level", action="store_const", const=const, default=1, help=text)
 
     def sequence(self, numbering="paths on standard input", frames=""):
         """The options that select frames and name outputs."""
-        self.add(
-            "--frames",
-            metavar="TEXT",
-            default="",
-            help=f"Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.{frames}",
-        )
-        self.add(
-            "--clamp-frames",
-            action="store_true",
-            help="Leave out frames of --frames that lie beyond the files on disk.",
-        )
-        self.add(
-            "--renumber",
-            metavar=f"INT:INT in [{-MOST_NUMBER} - {MOST_NUMBER}]",
-            type=whole(-MOST_NUMBER, MOST_NUMBER),
-            help=f"Number {numbering} from this number on as they come, whatever their names.",
-        )
-        self.add(
-            "--skip-existing",
-            action="store_true",
-            help="Leave outputs that are there as they are, and print their paths.",
-        )
+        self.add("--frames", metavar="TEXT", default="",
+                 help=f"Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.{frames}")  # fmt: skip
+        self.add("--clamp-frames", action="store_true",
+                 help="Leave out frames of --frames that lie beyond the files on disk.")  # fmt: skip
+        ends = -MOST_NUMBER, MOST_NUMBER
+        self.add("--renumber", metavar=f"INT:INT in [{ends[0]} - {ends[1]}]", type=whole(*ends),
+                 help=f"Number {numbering} from this number on as they come, whatever their names.")  # fmt: skip
+        self.add("--skip-existing", action="store_true",
+                 help="Leave outputs that are there as they are, and print their paths.")  # fmt: skip
 
     def run(self, words, job):
         """Parse the command line and run `job(options, console, stop)`. Returns the exit status."""

@@ -7,7 +7,7 @@ import numpy
 from vdblic._core import colors_of, read_lines
 
 from .errors import ParameterError
-from .usd_text import attribute, identifier, prim, samples, tuple_of
+from .usd_layer import identifier, prim, stretched
 
 _MAP = "viridis"
 _MOST = 2 << 30  # bytes of text
@@ -15,10 +15,10 @@ _MOST = 2 << 30  # bytes of text
 
 @dataclasses.dataclass
 class Curves:
-    """The lines of a prim, and the box around it in world space, None without a streak."""
+    """The lines of a prim, and the boxes around it in world space, at most one a frame."""
 
-    lines: list
-    box: list | None
+    prim: list
+    boxes: list
 
 
 def curves(name, files, settings, stop):
@@ -33,46 +33,48 @@ def curves(name, files, settings, stop):
                 f"the points of frames {min(files)} to {number} would make a layer of more than {_MOST >> 30} GB of text;"
                 " choose fewer frames with --frames, or make fewer streaks with vdblic_advect --spacing"
             )
-    shown = {number: moment for number, moment in moments.items() if len(moment["counts"])}
-    box = None
-    if shown:
-        box = [numpy.min([m["points"].min(axis=0) - m["radius"].max() for m in shown.values()], axis=0)]
-        box.append(numpy.max([m["points"].max(axis=0) + m["radius"].max() for m in shown.values()], axis=0))
-    range_ = _range_of(shown.values())
-    lines = ['uniform token type = "linear"', 'uniform token wrap = "nonperiodic"']
-    lines += samples("float3[] extent", {number: _extent(moment) for number, moment in moments.items()})
+    boxes = {number: _box(moment) for number, moment in moments.items()}
+    span, taken = _span(moments.values()), {"displayColor", "displayOpacity", "id", "source", "age"}
     of = lambda make: {number: make(moment) for number, moment in moments.items()}
-    lines += samples("int[] curveVertexCounts", of(lambda m: _numbers(m["counts"], "%d")))
-    lines += samples("point3f[] points", of(lambda m: _tuples(m["points"])))
-    lines += samples("vector3f[] velocities", of(lambda m: _tuples(_velocities(m, settings.rate))))
-    lines += _primvar("float[] widths", "vertex", of(lambda m: _numbers(2 * m["radius"])))
-    lines += _primvar("color3f[] primvars:displayColor", "vertex", of(lambda m: _tuples(_colors(m, range_))))
-    lines += _primvar("float[] primvars:displayOpacity", "vertex", of(lambda m: _numbers(m["opacity"])))
-    lines += _primvar("int[] primvars:id", "uniform", of(lambda m: _numbers(m["id"], "%d")))
-    if any(m["source"].any() for m in shown.values()):
-        lines += _primvar("int[] primvars:source", "uniform", of(lambda m: _numbers(m["source"], "%d")))
-    lines += _primvar("float[] primvars:age", "vertex", of(lambda m: _numbers(m["age"])))
-    taken = {"displayColor", "displayOpacity", "id", "source", "age"}
+    vertex = {
+        "float[] widths": of(lambda m: _numbers(2 * m["radius"])),
+        "color3f[] primvars:displayColor": of(lambda m: _tuples(_colors(m, span))),
+        "float[] primvars:displayOpacity": of(lambda m: _numbers(m["opacity"])),
+        "float[] primvars:age": of(lambda m: _numbers(m["age"])),
+    }
     for scalar in dict.fromkeys(name for m in moments.values() for name in m["scalars"]):
-        none = numpy.zeros(0, numpy.float32)
-        values = of(lambda m: _numbers(numpy.nan_to_num(m["scalars"].get(scalar, none))))
-        lines += _primvar(f"float[] primvars:{identifier(scalar, taken)}", "vertex", values)
-    if settings.stretch != (1, 1, 1):
-        lines += attribute("double3 xformOp:scale", tuple_of(settings.stretch))
-        lines += attribute("uniform token[] xformOpOrder", '["xformOp:scale"]')
-    return Curves(prim("BasisCurves", name, lines), box)
+        values = of(lambda m, scalar=scalar: _numbers(numpy.nan_to_num(_scalar(m, scalar))))
+        vertex[f"float[] primvars:{identifier(scalar, taken)}"] = values
+    uniform = {"int[] primvars:id": of(lambda m: _numbers(m["id"], "%d"))}
+    if any(m["source"].any() for m in moments.values()):
+        uniform["int[] primvars:source"] = of(lambda m: _numbers(m["source"], "%d"))
+    attributes = {
+        "uniform token type": '"linear"',
+        "uniform token wrap": '"nonperiodic"',
+        "float3[] extent": {number: _tuples(box) if box is not None else "[]" for number, box in boxes.items()},
+        "int[] curveVertexCounts": of(lambda m: _numbers(m["counts"], "%d")),
+        "point3f[] points": of(lambda m: _tuples(m["points"])),
+        "vector3f[] velocities": of(lambda m: _tuples(_velocities(m, settings.rate))),
+    }
+    interpolated = [
+        f'{declaration} (interpolation = "{interpolation}")'
+        for interpolation, declarations in (("vertex", vertex), ("uniform", uniform))
+        for declaration in declarations
+    ]
+    lines = prim("BasisCurves", name, attributes | vertex | uniform | stretched(settings), [interpolated])
+    return Curves(lines, [box for box in boxes.values() if box is not None])
 
 
-def _primvar(declaration, interpolation, values):
-    return [f'{declaration} (interpolation = "{interpolation}")', *samples(declaration, values)]
+def _scalar(moment, name):
+    """A scalar of a moment; 0 where its file lacks it."""
+    return moment["scalars"].get(name, numpy.zeros(len(moment["points"]), numpy.float32))
 
 
-def _extent(moment):
+def _box(moment):
     if not len(moment["points"]):
-        return "[]"
+        return None
     rim = moment["radius"].max()
-    low, high = moment["points"].min(axis=0) - rim, moment["points"].max(axis=0) + rim
-    return f"[{tuple_of(low)}, {tuple_of(high)}]"
+    return numpy.array([moment["points"].min(axis=0) - rim, moment["points"].max(axis=0) + rim])
 
 
 def _velocities(moment, rate):
@@ -88,17 +90,16 @@ def _velocities(moment, rate):
     return forward * rate
 
 
-def _range_of(moments):
+def _span(moments):
     """The speeds that the colour map spans: all but the slowest and the fastest hundredth."""
-    speeds = [m["scalars"]["magnitude"] for m in moments if "magnitude" in m["scalars"]]
-    speeds = numpy.concatenate(speeds) if speeds else numpy.zeros(0)
+    speeds = numpy.concatenate([_scalar(moment, "magnitude") for moment in moments])
     speeds = speeds[numpy.isfinite(speeds)]
     return tuple(numpy.quantile(speeds, (0.01, 0.99))) if len(speeds) else (0.0, 1.0)
 
 
-def _colors(moment, range_):
-    low, high = range_
-    speeds = numpy.nan_to_num(moment["scalars"].get("magnitude", numpy.zeros(len(moment["points"]), numpy.float32)))
+def _colors(moment, span):
+    low, high = span
+    speeds = numpy.nan_to_num(_scalar(moment, "magnitude"))
     share = (speeds - low) / (high - low) if high > low else numpy.full(len(speeds), 0.5)
     return colors_of(_MAP, share.astype(numpy.float32))
 

@@ -1,10 +1,10 @@
 """vdblic_export into USD: one layer that names the files of a whole sequence."""
 
-from vdblic._core import LINES, CameraFile, FramePattern, Sequence, check_output, read_headers, write_file
+from vdblic._core import LINES, CameraFile, FramePattern, check_output, read_headers, write_file
 
 from .errors import InputError, ParameterError
 from .levels import Levels
-from .outputs import check_not_inputs, is_whole
+from .outputs import check_not_inputs, frames_of, is_whole
 from .tool import positive
 from .velocity import names_of
 
@@ -14,32 +14,15 @@ _OPTIONS = {"camera": "--camera", "stretch": "--stretch", "fps": "--fps", "up": 
 def add_options(tool):
     """The options that only layers have."""
     tool.add("--camera", metavar="FILE", help="Of a .usda: camera of a file of key frames, as vdblic_render takes it.")
-    tool.add(
-        "--stretch",
-        metavar=("X", "Y", "Z"),
-        nargs=3,
-        type=positive,
-        help="Of a .usda: factors on the world's axes; the camera is in the stretched space.",
-    )
-    tool.add(
-        "--fps",
-        metavar="FLOAT",
-        type=positive,
-        help="Of a .usda: time codes in a second; by default 1 / dt of the files, where that is 10 to 120, else 24.",
-    )
-    tool.add(
-        "--up",
-        metavar="AXIS",
-        choices=("y", "z"),
-        help="Of a .usda: y or z; by default y where the velocity is Houdini's, else z.",
-    )
-    tool.add(
-        "--meters-per-unit",
-        dest="meters",
-        metavar="FLOAT",
-        type=positive,
-        help="Of a .usda: metres in a unit of the world; by default by the files' length_unit, else 1.",
-    )
+    tool.add("--stretch", metavar=("X", "Y", "Z"), nargs=3, type=positive,
+             help="Of a .usda: factors on the world's axes; the camera is in the stretched space.")  # fmt: skip
+    tool.add("--fps", metavar="FLOAT", type=positive,
+             help="Of a .usda: time codes in a second; by default 1 / dt of the files, where that is 10 to 120, else "
+             "24.")  # fmt: skip
+    tool.add("--up", metavar="AXIS", choices=("y", "z"),
+             help="Of a .usda: y or z; by default y where the velocity is Houdini's, else z.")  # fmt: skip
+    tool.add("--meters-per-unit", dest="meters", metavar="FLOAT", type=positive,
+             help="Of a .usda: metres in a unit of the world; by default by the files' length_unit, else 1.")  # fmt: skip
 
 
 def refuse_options(options):
@@ -60,20 +43,17 @@ def export_layer(options, console, stop, version):
     path = output.path(0)
     check_output(path)
     camera = CameraFile(options.camera) if options.camera else None
-    found = list(Sequence(options.input, options.frames, options.clamp_frames, options.renumber, stop.check))
-    if not found:
-        raise InputError("standard input names no files")
-    check_not_inputs([path], [source for _, source in found])
-    coarse = (
-        Levels(_pattern_of(path, found), options.levels, options.grids, options.skip_existing)
-        if options.levels
-        else None
-    )
-    if coarse:
-        coarse.check([frame for frame, _ in found], [source for _, source in found])
+    found = list(frames_of(options, stop, lambda frames, paths: None))
+    numbers, sources = zip(*found)
+    check_not_inputs([path], sources)
+    coarse = None
+    if options.levels:  # beside the layer, without the level in their pattern
+        name = path.with_suffix(".vdb") if len(found) == 1 else path.with_name(f"{path.stem}.%04d.vdb")
+        coarse = Levels(str(name), options.levels, options.grids, options.skip_existing)
+        coarse.check(numbers, sources)
     if not (options.skip_existing and is_whole(path, console)):
-        frames, left_out = {}, set()
-        has_lines = LINES in names or not names and _has_lines(found[0][1])
+        frames, proxy, left_out = {}, {}, set()
+        has_lines = LINES in names or not names and _has_lines(sources[0])
         for frame, source in found:
             stop.check()
             frames[frame] = Frame(str(source), *_grids(source, names, left_out, has_lines))
@@ -81,9 +61,8 @@ def export_layer(options, console, stop, version):
             console.say(f"without {', '.join(sorted(left_out))}: grids of another kind, or without a name")
         for stays, first, last in gaps_of(frames):
             console.say(f"frames {first} to {last} are missing: frame {stays} stays until then")
-        first = frames[min(frames)]
-        settings = settings_of(first, options.fps, options.meters, options.up and options.up.upper(), options.stretch)
-        proxy = {}
+        first, up = frames[min(frames)], options.up and options.up.upper()
+        settings = settings_of(first, options.fps, options.meters, up, options.stretch)
         for i, (frame, source) in enumerate(found if coarse else ()):
             stop.check()
             made = coarse.write(frame, source, console)[-1]
@@ -95,19 +74,12 @@ def export_layer(options, console, stop, version):
     console.finished(path)
 
 
-def _pattern_of(path, found):
-    """The pattern of the coarser files beside a layer, without the level."""
-    if len(found) == 1:
-        return str(path.with_suffix(".vdb"))
-    return str(path.with_name(f"{path.stem}.%04d.vdb"))
-
-
 def _has_lines(source):
     return any(grid["name"] == LINES and grid["type"].startswith("ptdata") for grid in read_headers(source)[0])
 
 
 def _grids(source, names, left_out, has_lines=False):
-    """The chosen grids of a file by name, and its metadata; lines are drawn in place of volumes that are not named.
+    """The chosen grids of a file by name, and its metadata; without names none beside lines.
 
     Raises InputError if a named one is missing.
     """

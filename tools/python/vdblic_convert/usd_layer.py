@@ -1,24 +1,26 @@
-"""A sequence of volumes as a layer of USD: a Volume whose fields name the files, and a camera.
+"""A sequence of volumes as a layer of USD in its text form: a Volume whose fields name the files, and a camera.
 
 Fields and volume follow OpenUSD's schemas UsdVol (Volume, OpenVDBAsset), the camera UsdGeomCamera. World space is that
-of the files: OpenVDB's, a voxel half an index to each side of its centre.
+of the files: OpenVDB's, a voxel half an index to each side of its centre. No USD library is needed.
 """
 
 import dataclasses
 import itertools
 import math
+import os
+import re
 
 import numpy
 
 from .errors import InputError, ParameterError
 from .metadata import number_of
-from .usd_text import asset, attribute, identifier, matrix, prim, samples, text, tuple_of
 
 METERS = {"m": 1, "km": 1000, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
 USUAL_RATE = 24
 _CLASSES = {"fog volume": "fogVolume", "level set": "levelSet", "staggered": "staggered"}
 _TYPES = {"vec3s": "float3", "vec3d": "double3"}
 _APERTURE = 36, 20.25  # of a film camera at 16:9 [tenths of a unit]
+_UNSAFE = "[\x00-\x1f\x7f-\x9f\u2028\u2029\udc80-\udcff]"
 
 
 @dataclasses.dataclass
@@ -28,6 +30,16 @@ class Frame:
     path: str
     grids: dict
     metadata: dict
+
+    def bounds(self):
+        """The box around all active voxels in world space, or None."""
+        corners = []
+        for grid in self.grids.values():
+            if grid["box"] is not None:
+                low, high = (numpy.array(corner, float) + side for corner, side in zip(grid["box"], (-0.5, 0.5)))
+                index = numpy.array(list(itertools.product(*zip(low, high))))
+                corners.append(index @ grid["transform"][:3, :3].T + grid["transform"][:3, 3])
+        return (numpy.min(corners, axis=(0, 1)), numpy.max(corners, axis=(0, 1))) if corners else None
 
 
 @dataclasses.dataclass
@@ -46,39 +58,15 @@ def settings_of(frame, fps, meters, up, stretch):
     # Of six digits: dt may be a float.
     rate = float(f"{1 / dt:.6g}") if dt and 1 / 120 <= dt <= 1 / 10 else USUAL_RATE
     houdini = any(str(frame.metadata.get(key, "")).startswith("Houdini") for key in ("source_creator", "creator"))
-    return Settings(
-        fps or rate,
-        meters or METERS.get(str(frame.metadata.get("length_unit", "m")).strip(), 1),
-        up or ("Y" if houdini else "Z"),
-        tuple(stretch or (1, 1, 1)),
-    )
-
-
-def corners_of(grid):
-    """The corners of the box around a grid's active voxels in world space, or None if there are none."""
-    if grid["box"] is None:
-        return None
-    low, high = (numpy.array(corner, float) + side for corner, side in zip(grid["box"], (-0.5, 0.5)))
-    index = numpy.array(list(itertools.product(*zip(low, high))))
-    return index @ grid["transform"][:3, :3].T + grid["transform"][:3, 3]
-
-
-def bounds_of(frame):
-    """The box around all active voxels of a frame in world space, or None."""
-    corners = [found for grid in frame.grids.values() if (found := corners_of(grid)) is not None]
-    if not corners:
-        return None
-    corners = numpy.concatenate(corners)
-    return corners.min(axis=0), corners.max(axis=0)
+    meters = meters or METERS.get(str(frame.metadata.get("length_unit", "m")).strip(), 1)
+    return Settings(fps or rate, meters, up or ("Y" if houdini else "Z"), tuple(stretch or (1, 1, 1)))
 
 
 def gaps_of(frames):
     """The missing frame numbers, as (the frame that stays, first, last), where frames are not evenly spaced."""
-    numbers = sorted(frames)
-    steps = [b - a for a, b in zip(numbers, numbers[1:])]
-    if len(set(steps)) < 2:
-        return []
-    return [(a, a + 1, b - 1) for a, b in zip(numbers, numbers[1:]) if b - a > min(steps)]
+    pairs = list(itertools.pairwise(sorted(frames)))
+    least = min((b - a for a, b in pairs), default=0)
+    return [(a, a + 1, b - 1) for a, b in pairs if b - a > least]
 
 
 def layer(path, frames, settings, camera, doc, proxy=None, streaks=None):
@@ -87,112 +75,87 @@ def layer(path, frames, settings, camera, doc, proxy=None, streaks=None):
     @param frames  number → Frame
     @param camera  a CameraFile or None
     @param proxy  the frames of a coarser level, or None
-    @param streaks  the curves and the box around them, or None
+    @param streaks  their Curves, or None
     """
-    bounds = {number: box for number, frame in frames.items() if (box := bounds_of(frame)) is not None}
-    boxes = list(bounds.values()) + ([streaks.box] if streaks and streaks.box else [])
+    volumes = [box for frame in frames.values() if (box := frame.bounds()) is not None]
+    boxes = volumes + (streaks.boxes if streaks else [])
     if not boxes:
         raise InputError(f"{next(iter(frames.values())).path}: no voxel in any frame; there is nothing to show")
     numbers = sorted(frames)
     end = max(numbers[-1], numbers[0] + 1)  # one frame lasts a frame: renderers blur motion over an interval
-    purpose = 'uniform token purpose = "{}"'.format
-    full = [purpose("render"), "rel proxyPrim = </flow/proxy>"] if proxy else []
-    children = list(streaks.lines) if streaks else []
-    if bounds:
-        children += [*([""] if children else []), *_volume("volume", path, frames, bounds, settings, full)]
+    role = {"uniform token purpose": _text("render"), "rel proxyPrim": "</flow/proxy>"} if proxy else {}
+    children = [streaks.prim] if streaks else []
+    if volumes:
+        children.append(_volume("volume", path, frames, settings, role))
     if proxy:
-        coarse = {number: box for number, frame in proxy.items() if (box := bounds_of(frame)) is not None}
-        children += ["", *_volume("proxy", path, proxy, coarse, settings, [purpose("proxy")])]
+        children.append(_volume("proxy", path, proxy, settings, {"uniform token purpose": _text("proxy")}))
     if camera:
-        children += ["", *_camera(camera, range(numbers[0], end + 1), boxes, settings)]
-    head = [
-        'defaultPrim = "flow"',
-        f"doc = {text(doc)}",
-        f"endTimeCode = {end}",
-        f"framesPerSecond = {tuple_of([settings.rate])[1:-1]}",
-        f"metersPerUnit = {tuple_of([settings.meters])[1:-1]}",
-        f"startTimeCode = {numbers[0]}",
-        f"timeCodesPerSecond = {tuple_of([settings.rate])[1:-1]}",
-        f'upAxis = "{settings.up}"',
-    ]
-    lines = ["#usda 1.0", "(", *(f"    {line}" for line in head), ")", ""]
-    lines += prim("Xform", "flow", children, ['kind = "component"'])
-    return "\n".join(lines) + "\n"
+        children.append(_camera(camera, range(numbers[0], end + 1), boxes, settings))
+    head = {
+        "defaultPrim": _text("flow"), "doc": _text(doc), "endTimeCode": end, "framesPerSecond": settings.rate,
+        "metersPerUnit": settings.meters, "startTimeCode": numbers[0], "timeCodesPerSecond": settings.rate,
+        "upAxis": _text(settings.up)}  # fmt: skip
+    lines = ["#usda 1.0", "(", *_indented(f"{name} = {_value(value)}" for name, value in head.items()), ")", ""]
+    return "\n".join(lines + prim("Xform", "flow", {}, children, ['kind = "component"'])) + "\n"
 
 
-def _volume(volume, path, frames, bounds, settings, role):
-    """A Volume, with one field for each grid that any frame has. @param role  lines that tell what it is for"""
-    names = list(dict.fromkeys(name for number in sorted(frames) for name in frames[number].grids))
+def _volume(volume, path, frames, settings, attributes):
+    """A Volume, with one field for each grid that any frame has. @param attributes  that tell what it is for"""
     taken = set()
+    names = dict.fromkeys(name for number in sorted(frames) for name in frames[number].grids)
     fields = {name: identifier(name, taken) for name in names}
-    lines = role + samples("float3[] extent", _extents(frames, bounds))
-    lines += [f"rel field:{field} = </flow/{volume}/{field}>" for field in fields.values()]
-    if settings.stretch != (1, 1, 1):
-        lines += attribute("double3 xformOp:scale", tuple_of(settings.stretch))
-        lines += attribute("uniform token[] xformOpOrder", '["xformOp:scale"]')
-    for name, field in fields.items():
-        lines += ["", *_field(path, name, field, frames)]
-    return prim("Volume", volume, lines)
+    # Extents are interpolated and files are not, so that of a gap stays until its end.
+    extents = {number: box for number, frame in frames.items() if (box := frame.bounds()) is not None}
+    extents |= {last: extents[stays] for stays, _, last in gaps_of(frames) if stays in extents}
+    attributes = attributes | {"float3[] extent": {n: f"[{_value(a)}, {_value(b)}]" for n, (a, b) in extents.items()}}
+    attributes |= {f"rel field:{field}": f"</flow/{volume}/{field}>" for field in fields.values()}
+    return prim("Volume", volume, attributes | stretched(settings), [_field(path, *field, frames) for field in fields.items()])
 
 
-def _extents(frames, bounds):
-    """Extents at time codes. Extents are interpolated and files are not, so that of a gap stays until its end."""
-    extent = lambda box: f"[{tuple_of(box[0])}, {tuple_of(box[1])}]"
-    values = {number: extent(box) for number, box in bounds.items()}
-    for stays, _, last in gaps_of(frames):
-        if stays in values:
-            values[last] = values[stays]
-    return values
+def stretched(settings):
+    """The attributes that scale a prim as the world's axes are stretched."""
+    if settings.stretch == (1, 1, 1):
+        return {}
+    return {"double3 xformOp:scale": settings.stretch, "uniform token[] xformOpOrder": '["xformOp:scale"]'}
 
 
 def _field(path, name, field, frames):
     """A field: the files at time codes, blocked where a file lacks the grid."""
-    holders = [frame for _, frame in sorted(frames.items()) if name in frame.grids]
-    grid = holders[0].grids[name]
+    grid = next(frame.grids[name] for _, frame in sorted(frames.items()) if name in frame.grids)
     kind = _TYPES.get(grid["type"], grid["type"])
-    files = {number: asset(frame.path, path) if name in frame.grids else "None" for number, frame in frames.items()}
-    lines = attribute("token fieldClass", f'"{_CLASSES.get(grid["class"], "unknown")}"')
-    lines += attribute("token fieldDataType", f'"{kind}"')
-    lines += attribute("token fieldName", text(name))
-    lines += samples("asset filePath", files)
-    if kind.endswith("3"):
-        lines += attribute("token vectorDataRoleHint", '"Vector"')
-    return prim("OpenVDBAsset", field, lines)
+    files = {number: _asset(frame.path, path) if name in frame.grids else "None" for number, frame in frames.items()}
+    attributes = {
+        "token fieldClass": _text(_CLASSES.get(grid["class"], "unknown")),
+        "token fieldDataType": _text(kind), "token fieldName": _text(name), "asset filePath": files}  # fmt: skip
+    vector = {"token vectorDataRoleHint": '"Vector"'} if kind.endswith("3") else {}
+    return prim("OpenVDBAsset", field, attributes | vector)
 
 
-def _camera(camera, numbers, bounds, settings):
+def _camera(camera, numbers, boxes, settings):
     """The camera of a file of key frames, in the stretched space, as vdblic_render has it."""
-    boxes = [numpy.array(box) * settings.stretch for box in bounds]
-    corners = numpy.concatenate([list(itertools.product(*zip(*box))) for box in boxes])
+    corners = [list(itertools.product(*zip(*(numpy.array(box) * settings.stretch)))) for box in boxes]
+    corners = numpy.concatenate(corners)
     places, lengths, heights, distances = {}, {}, {}, []
     for number in numbers:
         keys = camera.at(number)
         for name in "eye", "target":
             if name not in keys:
                 raise ParameterError(f'--camera: no key has "{name}"; the camera of a layer needs eye and target')
-        rows, forward = _view(number, keys)
+        places[number], forward = _view(number, keys)
         distances += list((corners - keys["eye"]) @ forward)
-        places[number] = matrix(rows)
         heights[number] = keys.get("height")
         lengths[number] = _APERTURE[1] / 2 / math.tan(math.radians(keys.get("fov", 35)) / 2)
     flat = None not in heights.values()
     wide, tall = _APERTURE
     far = max(max(distances), 1e-6) * 2
-    near = max(min(distances) / 2, far * 1e-4)
-    lines = attribute("float2 clippingRange", tuple_of((near, far)))
-    if flat:
-        lines += samples(
-            "float horizontalAperture", {n: tuple_of([h * 10 * wide / tall])[1:-1] for n, h in heights.items()}
-        )
-        lines += samples("float verticalAperture", {n: tuple_of([h * 10])[1:-1] for n, h in heights.items()})
-    else:
-        lines += samples("float focalLength", {n: tuple_of([length])[1:-1] for n, length in lengths.items()})
-        lines += attribute("float horizontalAperture", tuple_of([wide])[1:-1])
-        lines += attribute("float verticalAperture", tuple_of([tall])[1:-1])
-    lines += attribute("token projection", '"orthographic"' if flat else '"perspective"')
-    lines += samples("matrix4d xformOp:transform", places)
-    lines += attribute("uniform token[] xformOpOrder", '["xformOp:transform"]')
-    return prim("Camera", "camera", lines)
+    attributes = {"float2 clippingRange": (max(min(distances) / 2, far * 1e-4), far)}
+    attributes |= {} if flat else {"float focalLength": lengths}
+    attributes |= {
+        "float horizontalAperture": {n: h * 10 * wide / tall for n, h in heights.items()} if flat else wide,
+        "float verticalAperture": {n: h * 10 for n, h in heights.items()} if flat else tall,
+        "token projection": _text("orthographic" if flat else "perspective"),
+        "matrix4d xformOp:transform": places, "uniform token[] xformOpOrder": '["xformOp:transform"]'}  # fmt: skip
+    return prim("Camera", "camera", attributes)
 
 
 def _view(frame, keys):
@@ -208,5 +171,64 @@ def _view(frame, keys):
     if not numpy.linalg.norm(right) > 1e-9 * numpy.linalg.norm(up):
         raise ParameterError(f'--camera: frame {frame}: the view is along up; change "up"')
     right /= numpy.linalg.norm(right)
-    axes = right, numpy.cross(right, forward), -forward
-    return [[*axis, 0] for axis in axes] + [[*eye, 1]], forward
+    return ((*right, 0), (*numpy.cross(right, forward), 0), (*-forward, 0), (*eye, 1)), forward
+
+
+def prim(kind, name, attributes, children=(), metadata=()):
+    """The lines of a prim. An attribute has a value, or one at each time code; a constant is written once."""
+    lines = []
+    for declaration, value in attributes.items():
+        texts = {time: _value(one) for time, one in value.items()} if isinstance(value, dict) else {0: _value(value)}
+        if len(set(texts.values())) == 1:
+            lines.append(f"{declaration} = {next(iter(texts.values()))}")
+        else:
+            samples = (f"{_value(time)}: {one}," for time, one in sorted(texts.items()))
+            lines += [f"{declaration}.timeSamples = {{", *_indented(samples), "}"]
+    for child in children:
+        lines += ["", *child] if lines else child
+    head = f"def {kind} {_text(name)}"
+    opening = [f"{head} (", *_indented(metadata), ")"] if metadata else [head]
+    return [*opening, "{", *_indented(lines), "}"]
+
+
+def _indented(lines):
+    return [f"    {line}" if line else "" for line in lines]
+
+
+def _value(value):
+    """A number, whole ones without a point; a tuple of values; a text as it is."""
+    if isinstance(value, str):
+        return value
+    if numpy.ndim(value):
+        return f"({', '.join(map(_value, value))})"
+    value = float(value)
+    return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+
+
+def _text(value):
+    """A text; control characters, and bytes of a file that are no UTF-8, as their hexadecimal escapes."""
+    escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    codes = lambda match: "".join(f"\\x{byte:02x}" for byte in match[0].encode("utf-8", "surrogateescape"))
+    return f'"{re.sub(_UNSAFE, codes, escaped)}"'
+
+
+def _asset(path, layer_path):
+    """A file as it is found from the folder of a layer, so that both can be moved together. Raises InputError."""
+    relative = os.path.relpath(os.path.abspath(path), os.path.dirname(os.path.abspath(layer_path)))
+    if not relative.isprintable():
+        raise InputError(
+            f"{path!r}: a name of control characters, or of bytes that are no UTF-8, cannot be written into a layer;"
+            " rename the file"
+        )
+    anchored = relative if relative.startswith("../") else f"./{relative}"
+    mark = "@@@" if "@" in anchored else "@"
+    return f"{mark}{anchored.replace('@@@', chr(92) + '@@@')}{mark}"
+
+
+def identifier(name, taken):
+    """A name for a prim, unlike those `taken`, to which it is added."""
+    plain = re.sub(r"^(?=\d)|^$", "_", re.sub(r"[^A-Za-z0-9_]", "_", name))
+    names = itertools.chain([plain], (f"{plain}_{count}" for count in itertools.count(2)))
+    result = next(one for one in names if one not in taken)
+    taken.add(result)
+    return result

@@ -5,22 +5,11 @@ import re
 from .errors import InputError, ParameterError
 
 VECTORS = ("velocity", "Velocity", "VELOCITY", "vel", "vel_", "VEL", "v", "U", "u", "V", "UMean")
-OTHERS = re.compile("disp|moment|normal|magnet|vortic|force|accel|grad|coord|position|^B$", re.IGNORECASE)
-TRIPLES = (
-    ("u", "v", "w"),
-    ("U", "V", "W"),
-    ("vx", "vy", "vz"),
-    ("VX", "VY", "VZ"),
-    ("Vx", "Vy", "Vz"),
-    ("vx1", "vx2", "vx3"),
-    ("v1", "v2", "v3"),
-    ("Ux", "Uy", "Uz"),
-    ("velocity_x", "velocity_y", "velocity_z"),
-    ("velocityX", "velocityY", "velocityZ"),
-    ("x_velocity", "y_velocity", "z_velocity"),
-    ("X_VELOCITY", "Y_VELOCITY", "Z_VELOCITY"),
-    ("velocity.x", "velocity.y", "velocity.z"),
-)
+OTHERS = re.compile("disp|moment|normal|magnet|vortic|force|accel|grad|coord|position|^[BC]$", re.IGNORECASE)
+TRIPLES = [tuple(names.split()) for names in (
+    "u v w", "U V W", "vx vy vz", "VX VY VZ", "Vx Vy Vz", "vx1 vx2 vx3", "v1 v2 v3", "Ux Uy Uz", "velx vely velz",
+    "velocity_x velocity_y velocity_z", "velocityX velocityY velocityZ", "x_velocity y_velocity z_velocity",
+    "X_VELOCITY Y_VELOCITY Z_VELOCITY", "velocity.x velocity.y velocity.z")]  # fmt: skip
 
 
 def names_of(option):

@@ -21,6 +21,8 @@ RESIDUE = "residue of "
 KEPT = "cells that are kept"
 WEDGE = 13  # VTK's number of the cell type
 
+VTK_ERROR = r"(ERROR|Warning): In [^,]*, line \d+ (?:vtk\w+ \([^)]*\): )?(.*?)(?=ERROR: |Warning: |Generic Warning: |$)"
+
 
 @contextlib.contextmanager
 def errors_of(path):
@@ -36,12 +38,16 @@ def errors_of(path):
     text = window.GetOutput()
     text = text.decode(errors="replace") if isinstance(text, bytes) else text  # as VTK returns what is not UTF-8
     text = re.sub(r"\s+", " ", "".join(char if char.isprintable() else " " for char in text))
-    for kind, message in re.findall(
-        r"(ERROR|Warning): In [^,]*, line \d+ (?:vtk\w+ \([^)]*\): )?(.*?)(?=ERROR: |Warning: |Generic Warning: |$)",
-        text,
-    ):
+    for kind, message in re.findall(VTK_ERROR, text):
         if kind == "ERROR" or message.startswith("Error"):  # some readers only warn of files that end too early
             raise InputError(f"{path}: cannot be read: {message[:200].strip()}")
+
+
+def output_of(algorithm, dataset):
+    """What a filter of VTK's makes of a data set."""
+    algorithm.SetInputData(dataset)
+    algorithm.Update()
+    return algorithm.GetOutput()
 
 
 def arrays_of(dataset):
@@ -125,18 +131,16 @@ def merged(blocks, names):
     for block in blocks:  # with the same arrays: others are lost
         alike = block.NewInstance()
         alike.CopyStructure(block)
+        points, cells = (block.GetPointData(), alike.GetPointData()), (block.GetCellData(), alike.GetCellData())
         for name in names:
             values, of_points = array(block, name)
-            add_array(alike.GetPointData() if of_points else alike.GetCellData(), name, values.astype(float))
-        for data, own in (block.GetPointData(), alike.GetPointData()), (block.GetCellData(), alike.GetCellData()):
+            add_array((points if of_points else cells)[1], name, values.astype(float))
+        for (data, own), count in (points, alike.GetNumberOfPoints()), (cells, alike.GetNumberOfCells()):
             flags = data.GetArray(GHOSTS)
-            count = alike.GetNumberOfPoints() if data is block.GetPointData() else alike.GetNumberOfCells()
             add_array(own, GHOSTS, numpy.zeros(count, numpy.uint8) if flags is None else bridge.vtk_to_numpy(flags))
         cells = filters.vtkAppendFilter()  # for merging ends the process where blocks are of several kinds
         cells.SetOutputPointsPrecision(1)
-        cells.SetInputData(alike)
-        cells.Update()
-        merge.MergeDataSet(cells.GetOutput())
+        merge.MergeDataSet(output_of(cells, alike))
     merge.Finish()
     return grid
 
@@ -148,11 +152,9 @@ def _without(block, flag):
         return block
     marked, chosen = shallow_copy(block), filters.vtkThreshold()
     add_array(marked.GetCellData(), KEPT, kept.astype(numpy.uint8))
-    chosen.SetInputData(marked)
     chosen.SetInputArrayToProcess(0, 0, 0, model.vtkDataObject.CELL, KEPT)
     chosen.SetLowerThreshold(1)
-    chosen.Update()
-    return chosen.GetOutput()
+    return output_of(chosen, marked)
 
 
 def cell_flags(block):
@@ -186,28 +188,23 @@ def at_points(dataset, names):
     if not of_cells:
         return dataset
     mean, back = filters.vtkCellDataToPointData(), filters.vtkPointDataToCellData()
-    mean.SetInputData(dataset)
     mean.ProcessAllArraysOff()
-    back.SetInputConnection(mean.GetOutputPort())
     back.ProcessAllArraysOff()
     for name in of_cells:
         mean.AddCellDataArray(name)
         back.AddPointDataArray(name)
-    back.Update()
-    result = mean.GetOutput()
+    result = output_of(mean, dataset)
+    found = output_of(back, result).GetCellData()
     for name in of_cells:
-        lack = array(dataset, name)[0] - bridge.vtk_to_numpy(back.GetOutput().GetCellData().GetArray(name))
+        lack = array(dataset, name)[0] - bridge.vtk_to_numpy(found.GetArray(name))
         add_array(result.GetCellData(), RESIDUE + name, lack)
     return result
 
 
 def cell_sizes(grid):
     """The volumes, or areas in a plane, of an unstructured grid's cells, and their lengths along the axes (cells, 3)."""
-    sizes = needed("vtkmodules.vtkFiltersVerdict").vtkCellSizeFilter()
-    sizes.SetInputData(grid)
-    sizes.Update()
-    kind = "Volume" if flat_axis(grid) is None else "Area"
-    volumes = abs(bridge.vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray(kind)))
+    sizes = output_of(needed("vtkmodules.vtkFiltersVerdict").vtkCellSizeFilter(), grid)
+    volumes = abs(array(sizes, "Volume" if flat_axis(grid) is None else "Area")[0])
     points = bridge.vtk_to_numpy(grid.GetPoints().GetData())
     corners = points[bridge.vtk_to_numpy(grid.GetCells().GetConnectivityArray())]
     first = bridge.vtk_to_numpy(grid.GetCells().GetOffsetsArray())[:-1]
@@ -226,12 +223,10 @@ def hide_cells_of_hidden_points(dataset):
     flags = dataset.GetPointData().GetArray(GHOSTS)
     if flags is None:
         return
-    marked, count = dataset.NewInstance(), filters.vtkPointDataToCellData()
+    marked = dataset.NewInstance()
     marked.CopyStructure(dataset)
-    add_array(marked.GetPointData(), GHOSTS + " hidden", (bridge.vtk_to_numpy(flags) & HIDDEN_POINT).astype(float))
-    count.SetInputData(marked)
-    count.Update()
-    hidden = bridge.vtk_to_numpy(count.GetOutput().GetCellData().GetArray(GHOSTS + " hidden")) > 0
+    add_array(marked.GetPointData(), "hidden", (bridge.vtk_to_numpy(flags) & HIDDEN_POINT).astype(float))
+    hidden = array(output_of(filters.vtkPointDataToCellData(), marked), "hidden")[0] > 0
     flags = cell_flags(dataset) | numpy.where(hidden, HIDDEN_CELL, 0)
     add_array(dataset.GetCellData(), GHOSTS, flags.astype(numpy.uint8))
 
@@ -239,18 +234,16 @@ def hide_cells_of_hidden_points(dataset):
 def _cells_of(block, dimension):
     """A block without its cells of other dimensions; None if it has no others."""
     if block.IsA("vtkUnstructuredGrid"):
-        types, cell, chosen = model.vtkCellTypes(), model.vtkGenericCell(), extraction.vtkExtractCellsByType()
+        types, cell, others = model.vtkCellTypes(), model.vtkGenericCell(), False
+        chosen = extraction.vtkExtractCellsByType()
         block.GetCellTypes(types)
-        others = False
         for number in map(types.GetCellType, range(types.GetNumberOfTypes())):
             cell.SetCellType(number)
             if cell.GetCellDimension() == dimension:
                 chosen.AddCellType(number)
-            others = others or cell.GetCellDimension() != dimension
-        if others:
-            chosen.SetInputData(block)
-            chosen.Update()
-            block = chosen.GetOutput()
+            else:
+                others = True
+        block = output_of(chosen, block) if others else block
     elif dimension != (2 if block.IsA("vtkPolyData") else numpy.count_nonzero(numpy.array(dimensions_of(block)) > 1)):
         return None
     return block if block.GetNumberOfCells() else None

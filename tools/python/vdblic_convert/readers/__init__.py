@@ -15,7 +15,7 @@ READERS = {
         *(".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vthb", ".vth", ".vtk"),
         *(".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".pvd", ".series"),
     ),
-    "cases": (".foam", ".case", ".encas", ".cgns", ".vtkhdf", ".e", ".ex2", ".exo", ".cas", ".tec"),
+    "cases": (".foam", ".case", ".encas", ".cgns", ".vtkhdf", ".e", ".ex2", ".exo", ".cas", ".tec", ".q"),
     "dataset": (".nc", ".nc4", ".cdf", ".nc3", ".zarr", ".grib", ".grib1", ".grib2", ".grb", ".grb2"),
     "arrays": (".npy", ".npz", ".h5", ".hdf5", ".mat"),
 }
@@ -23,23 +23,29 @@ REFUSED = {  # by the end of the name
     "Fluent's form in HDF5": (".cas.h5", ".dat.h5"),
     "Xdmf": (".xmf", ".xdmf"),
     "Tecplot's binary form": (".plt", ".szplt"),
-    "Plot3D": (".xyz", ".q", ".p3d"),
+    "Plot3D's grid without the solution (.q) before it": (".xyz", ".p3d"),
     "Nek5000": (".nek5000",),
     "Enzo": (".hierarchy",),
     "a list of EnSight's servers": (".sos",),
-    "AMReX": ("/Header",),
 }
+
+
+USUAL_CALENDARS = {"standard", "gregorian", "proleptic_gregorian"}
+GRIDS = ".xyz", ".x", ".p3d"  # of Plot3D
 
 
 def open_sources(paths, options):
     """The source of files that are one flow; one without a flow of its own tells the grid of the others."""
-    grids = []
-    if len(paths) > 1 and all(pathlib.Path(path).suffix.lower() in READERS["dataset"][:4] for path in paths):
+    found, grids = [pathlib.Path(path) for path in paths], []
+    if len(found) > 1 and all(path.suffix.lower() in READERS["dataset"][:4] for path in found):
         from . import dataset
 
-        grids = [path for path in map(pathlib.Path, paths) if path.is_file() and dataset.is_grid(path)]
-    flows = [path for path in paths if pathlib.Path(path) not in grids] or paths
-    sources = [open_source(path, options, grids if flows is not paths else ()) for path in flows]
+        grids = [path for path in found if path.is_file() and dataset.is_grid(path)]
+    elif found[0].suffix.lower() == ".q":
+        grids = [path for path in found if path.suffix.lower() in GRIDS]
+    flows = [path for path in found if path not in grids]
+    flows, grids = (flows, grids) if flows else (found, [])
+    sources = [open_source(path, options, grids) for path in flows]
     known = [source.data for source in sources if hasattr(source, "data")]
     for name in set(options.attribute).difference(*(data.answered for data in known)):
         held = "; ".join(f"{data.path} has {data.contents()}" for data in known) or f"{flows[0]} has no attributes"
@@ -50,42 +56,41 @@ def open_sources(paths, options):
 
 
 def open_source(path, options, grids=()):
-    """The reader of a file, of an OpenFOAM case's folder or of one of Zarr. Raises InputError.
+    """The reader of a file, of a case's folder or of one of Zarr. Raises InputError.
 
     `options` are the tool's: `attribute`, `layout` and `dt` tell what a file does not. `grids` are files of its grid.
     """
-    path = pathlib.Path(path)
+    refused = lambda why: InputError(f"{path}: {why}")
+    path, folder = pathlib.Path(path), pathlib.Path(path).is_dir()
     if not path.exists():
-        raise InputError(f"{path}: no such file")
-    if not path.is_dir() and not path.is_file():
-        raise InputError(f"{path}: is no regular file; an input must be one")
-    name = str(path / "Header" if (path / "Header").is_file() else path)
+        raise refused("no such file")
+    if not folder and not path.is_file():
+        raise refused("is no regular file; an input must be one")
     for kind, ends in REFUSED.items():
-        if name.lower().endswith(tuple(map(str.lower, ends))):
-            raise InputError(f"{path}: {kind} is not read; ParaView's File > Save Data writes it as .vtm or .vtu")
-    zarr = path.is_dir() and any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json"))
-    if path.is_dir() and not zarr and not (path / "system" / "controlDict").is_file():
-        raise InputError(
-            f"{path}: it is a folder, but not an OpenFOAM case, which has system/controlDict, nor Zarr; name a file or "
-            "a pattern such as name.%04d.vti"
-        )
-    if path.is_file() and path.suffix != ".foam":
+        if path.name.lower().endswith(ends):
+            raise refused(f"{kind} is not read; ParaView's File > Save Data writes it as .vtm or .vtu")
+    holds = lambda *names: any((path / name).is_file() for name in names)
+    if folder and holds(".zgroup", ".zmetadata", "zarr.json") or path.name.startswith("wrfout"):  # named by date
+        reader = "dataset"
+    elif folder:
+        reader = "cases"
+        if not holds("system/controlDict", "Header"):
+            raise refused(
+                "it is a folder, but not an OpenFOAM case, which has system/controlDict, nor a plot file of AMReX nor "
+                "Zarr; name a file or a pattern such as name.%04d.vti"
+            )
+    else:
+        reader = next((r for r, endings in READERS.items() if path.suffix.lower() in endings), None)
+    if not folder and path.suffix != ".foam":
         with open(path, "rb") as file:
             start = file.read(30)
         if not start:
-            raise InputError(f"{path}: the file is empty")
+            raise refused("the file is empty")
         if start.startswith(b"version https://git-lfs"):
-            raise InputError(f"{path}: it is a pointer of Git LFS to the file, which 'git lfs pull' fetches")
-    reader = next((r for r, endings in READERS.items() if path.suffix.lower() in endings), None)
-    if path.is_dir():
-        reader = "dataset" if zarr else "cases"
-    elif path.name.startswith("wrfout"):  # named by date
-        reader = "dataset"
+            raise refused("it is a pointer of Git LFS to the file, which 'git lfs pull' fetches")
     if not reader:
         known = " ".join(ending for endings in READERS.values() for ending in endings)
-        raise InputError(
-            f"{path}: files of this kind cannot be read; known are {known} and the folders of OpenFOAM cases"
-        )
+        raise refused(f"files of this kind cannot be read; known are {known} and the folders of OpenFOAM cases")
     open_file = importlib.import_module(f".{reader}", __name__).open_source
     if reader == "dataset":  # tells by itself what its libraries parse
         return open_file(path, options, grids)
@@ -146,34 +151,24 @@ class Source:
         return []
 
 
-def _text(time):
-    return "no time" if time is None else f"{time:.15g} s"
-
-
 class Joined(Source):
     """Files that hold arrays of one flow, at the same times."""
 
     def __init__(self, sources):
-        first = sources[0]
+        first, text = sources[0], lambda time: "no time" if time is None else f"{time:.15g} s"
         for other in sources[1:]:
+            why = None
             if len(other.times) != len(first.times):
-                raise InputError(
-                    f"{other.path}: it holds {len(other.times)} steps, {first.path} {len(first.times)}; files of one "
-                    "flow have the same"
-                )
+                counts = f"{len(other.times)} steps, {first.path} {len(first.times)}"
+                why = f"it holds {counts}; files of one flow have the same"
+            elif {first.calendar, other.calendar} - USUAL_CALENDARS and first.calendar != other.calendar:
+                why = f"its calendar is {other.calendar or 'none'}, in {first.path} {first.calendar or 'none'}"
             for step, (a, b) in enumerate(zip(first.times, other.times)):
-                if a != b and (None in (a, b) or abs(a - b) > 1e-9 * max(abs(a), abs(b))):
-                    raise InputError(
-                        f"{other.path}: step {step + 1} is at {_text(b)}, in {first.path} at {_text(a)}; files of one "
-                        "flow have the same times"
-                    )
-            if {first.calendar, other.calendar} - {"standard", "gregorian", "proleptic_gregorian"} and (
-                first.calendar != other.calendar
-            ):
-                raise InputError(
-                    f"{other.path}: its calendar is {other.calendar or 'none'}, in {first.path} "
-                    f"{first.calendar or 'none'}"
-                )
+                if a != b and not why and (None in (a, b) or abs(a - b) > 1e-9 * max(abs(a), abs(b))):
+                    times = f"{text(b)}, in {first.path} at {text(a)}"
+                    why = f"step {step + 1} is at {times}; files of one flow have the same times"
+            if why:
+                raise InputError(f"{other.path}: {why}")
         super().__init__(first.path, first.times)
         self.paths = [path for source in sources for path in source.paths]
         self.calendar, self.unit, self._sources = first.calendar, first.unit, sources

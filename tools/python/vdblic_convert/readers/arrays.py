@@ -22,88 +22,81 @@ from .whole_files import check_whole
 FORM = ("origin", "voxel_size", "matrix", "active")  # which only files in the form of vdblic_export have
 PLACE = ("time", "frame", "dt", *FORM)
 NUMPY = ".npy", ".npz"
+DAMAGES = OSError, ValueError, TypeError, OverflowError, MemoryError, EOFError, KeyError
+DAMAGES += zipfile.BadZipFile, tokenize.TokenError
 
 
 def open_source(path, options):
+    numpys = path.suffix.lower() in NUMPY
     try:
-        if path.suffix.lower() in NUMPY:
-            loaded = numpy.load(path, mmap_mode="r", allow_pickle=False)
-            arrays = {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
-        else:
-            arrays = _of_hdf5(path)
-    except InputError:
-        raise
-    except (
-        OSError,
-        ValueError,
-        TypeError,
-        OverflowError,
-        MemoryError,
-        EOFError,
-        zipfile.BadZipFile,
-        KeyError,
-        tokenize.TokenError,
-    ) as error:
-        form = "NumPy's arrays" if path.suffix.lower() in NUMPY else "HDF5"
-        raise InputError(f"{path}: cannot be read as {form}: {error}") from None
+        arrays = _of_numpy(path) if numpys else _of_hdf5(path)
+    except DAMAGES as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: cannot be read as {'NumPy' if numpys else 'HDF5'}'s arrays: {error}") from None
     try:
         return ArrayFile(path, arrays, options.layout)
-    except InputError:
-        raise
     except (ValueError, TypeError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(f"{path}: its arrays are not understood: {error}") from None
+
+
+def _of_numpy(path):
+    loaded = numpy.load(path, mmap_mode="r", allow_pickle=False)
+    return {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
 
 
 def _of_hdf5(path):
     """The datasets of a file by name; they are read when they are asked for."""
     with open(path, "rb") as file:
-        if file.read(10).startswith(b"MATLAB 5.0"):
-            file.seek(512)
-            if file.read(4) != b"\x89HDF":
-                raise InputError(f"{path}: it is of MATLAB before version 7.3; write it anew: save -v7.3")
+        old, _, form = file.read(10) == b"MATLAB 5.0", file.seek(512), file.read(4)
+    if old and form != b"\x89HDF":
+        raise InputError(f"{path}: it is of MATLAB before version 7.3; write it anew: save -v7.3")
     check_whole(path)
     h5py, arrays = needed("h5py"), {}
 
     def keep(name, item):
         if isinstance(item, h5py.Dataset) and not name.startswith("#"):
-            arrays[name] = item
+            arrays[name] = item[()] if name in PLACE or item.ndim < 2 else item
 
     h5py.File(path, "r").visititems(keep)
-    return {name: item[()] if name in PLACE or item.ndim < 2 else item for name, item in arrays.items()}
+    return arrays
 
 
 class ArrayFile(Source):
     def __init__(self, path, arrays, layout):
         self._place = {name: arrays.pop(name) for name in PLACE if name in arrays}
         self._told = bool(layout)
-        axes = all(axis in arrays and numpy.ndim(arrays[axis]) == 1 for axis in "xyz")
-        own = path.suffix.lower() in NUMPY and (axes or any(name in self._place for name in FORM))
-        self._order = {name: _order(path, name, array, layout, own) for name, array in arrays.items()}
-        self._order = {name: order for name, order in self._order.items() if order}
+        axes = [arrays.get(axis) for axis in "xyz"]
+        has_axes = all(axis is not None and numpy.ndim(axis) == 1 for axis in axes)
+        own = path.suffix.lower() in NUMPY and (has_axes or any(name in self._place for name in FORM))
+        orders = {name: _order(path, name, array, layout, own) for name, array in arrays.items()}
+        self._order = {name: order for name, order in orders.items() if order}
         self._arrays = {name: arrays[name] for name in self._order}
         if not self._arrays:
-            shapes = ", ".join(f"{name} {array.shape}" for name, array in list(arrays.items())[:10])
+            held = ", ".join(f"{name} {array.shape}" for name, array in list(arrays.items())[:10]) or "nothing else"
             raise InputError(
-                f"{path}: no array is a field of the axes {layout or 'x y z'}, --layout tells others; it holds "
-                f"{shapes or 'nothing else'}"
+                f"{path}: no array is a field of the axes {layout or 'x y z'}, --layout tells others; it holds {held}"
             )
-        shapes = {tuple(self._sizes(name).get(axis, 1) for axis in "xyz") for name in self._arrays}
-        steps = {self._sizes(name)["t"] for name in self._arrays if "t" in self._order[name]} or {1}
+        sizes = [dict(zip(order, self._arrays[name].shape)) for name, order in self._order.items()]
+        shapes = {tuple(size.get(axis, 1) for axis in "xyz") for size in sizes}
+        steps = {size["t"] for size in sizes if "t" in size} or {1}
         if len(shapes) > 1 or len(steps) > 1:
             told = ", ".join(sorted(str(array.shape) for array in self._arrays.values()))
             raise InputError(f"{path}: the fields have different shapes: {told}")
         (self._shape,), (steps,) = shapes, steps
         if not (steps > 0 and all(size > 0 for size in self._shape)):
             raise InputError(f"{path}: the fields have no values: their shape is {self._shape}, with {steps} steps")
-        self._axes = [arrays.get(axis) for axis in "xyz"]
-        alike = [numpy.shape(axis) == (size,) for axis, size in zip(self._axes, self._shape)]
-        if not all(alike) or "voxel_size" in self._place or "matrix" in self._place:
-            self._axes = None
-        self._mask(path)
+        alike = all(numpy.shape(axis) == (size,) for axis, size in zip(axes, self._shape))
+        self._axes = axes if alike and not {"voxel_size", "matrix"} & self._place.keys() else None
+        self._active = numpy.asarray(self._place.get("active", numpy.ones(self._shape, bool)), bool)
+        if self._active.shape != self._shape:
+            raise InputError(f"{path}: 'active' has the shape {self._active.shape}, the fields {self._shape}")
         times = numpy.ravel(self._place.get("time", []))
         if times.dtype.kind == "M":
             times, self.calendar = times.astype("datetime64[us]").astype(float) / 1e6, "proleptic_gregorian"
-        if times.dtype.kind == "m":
+        elif times.dtype.kind == "m":
             times = times / numpy.timedelta64(1, "s")
         if len(times) not in (0, steps):
             raise InputError(f"{path}: there are {steps} steps but {len(times)} times")
@@ -112,9 +105,8 @@ class ArrayFile(Source):
     def notes(self):
         name, order = next(iter(self._order.items()))
         axes = ", ".join({"t": "time", "c": "components"}.get(axis, axis) for axis in order)
-        return [
-            f"the axes of '{name}' {self._arrays[name].shape} are {axes}" + "; --layout tells others" * (not self._told)
-        ]
+        told = "" if self._told else "; --layout tells others"
+        return [f"the axes of '{name}' {self._arrays[name].shape} are {axes}{told}"]
 
     def arrays(self, step):
         return {name: 3 if "c" in order else 1 for name, order in self._order.items()}
@@ -122,35 +114,26 @@ class ArrayFile(Source):
     def read(self, step, names):
         fields = {name: self._field(name, step) for name in names}
         if self._axes:
-            fields = {name: (v[..., 0] if v.shape[3] == 1 else v).swapaxes(0, 2) for name, v in fields.items()}
             return grid_of(*(numpy.array(axis, float) for axis in self._axes), fields)
         image = model.vtkImageData()
         image.SetDimensions(*self._shape)
         self._put(image)
         for name, values in fields.items():
-            add_array(image.GetPointData(), name, values.transpose(2, 1, 0, 3).reshape(-1, values.shape[3]))
+            add_array(image.GetPointData(), name, values.reshape(-1, *values.shape[3:]))
         return image
 
-    def _sizes(self, name):
-        return dict(zip(self._order[name], self._arrays[name].shape))
-
     def _field(self, name, step):
-        """A field of a step as (x, y, z, components), NaN where it is not active."""
+        """A field of a step as (z, y, x[, 3]), NaN where it is not active."""
         order = self._order[name]
         values = self._arrays[name][tuple(step if axis == "t" else slice(None) for axis in order)]
         values = numpy.asarray(values, float if values.dtype.itemsize > 4 else numpy.float32)
         order = order.replace("t", "")
-        values = values.transpose([order.index(axis) for axis in "xyzc" if axis in order])
-        values = values if "z" in order else numpy.expand_dims(values, 2)
-        values = values if "c" in order else values[..., None]
-        if values.shape[3] == 2:
+        values = values.transpose([order.index(axis) for axis in "zyxc" if axis in order])
+        values = values if "z" in order else values[None]
+        if "c" in order and values.shape[3] == 2:
             values = numpy.concatenate([values, numpy.zeros_like(values[..., :1])], axis=3)
-        return numpy.where(self._active[..., None], values, numpy.nan)
-
-    def _mask(self, path):
-        self._active = numpy.asarray(self._place.get("active", numpy.ones(self._shape, bool)), bool)
-        if self._active.shape != self._shape:
-            raise InputError(f"{path}: 'active' has the shape {self._active.shape}, the fields {self._shape}")
+        active = self._active.transpose(2, 1, 0)
+        return numpy.where(active[..., None] if "c" in order else active, values, numpy.nan)
 
     def _put(self, image):
         """Give an image its place in world space."""
@@ -173,27 +156,25 @@ class ArrayFile(Source):
 
 def _order(path, name, array, layout, told):
     """The axes of a field as letters of t, c, x, y, z; empty for other arrays. Raises InputError if unclear."""
-    shape = numpy.shape(array)
+    shape, is_usual = numpy.shape(array), name.rpartition("/")[2] in VECTORS
     if array.dtype.kind not in "fiu":
-        if array.dtype.kind == "c" and name.rpartition("/")[2] in VECTORS:
+        if array.dtype.kind == "c" and is_usual:
             raise InputError(f"{path}: no array is a field: '{name}' has complex numbers, a velocity has real ones")
         return ""
     if layout:
-        for left_out in "", "c", "t", "tc":
-            order = "".join(axis for axis in layout if axis not in left_out)
-            if len(order) == len(shape) and ("c" not in order or shape[order.index("c")] in (2, 3)):
-                return order
-        return ""
+        orders = ["".join(axis for axis in layout if axis not in left_out) for left_out in ("", "c", "t", "tc")]
+        fits = lambda order: len(order) == len(shape) and ("c" not in order or shape[order.index("c")] in (2, 3))
+        return next(filter(fits, orders), "")
     if len(shape) < 3:
         return ""
-    vector = shape[-1] == 3 and len(shape) > 3
-    is_velocity = name.rpartition("/")[2] in VECTORS and len(name) > 1
+    vector, is_velocity = shape[-1] == 3 and len(shape) > 3, is_usual and len(name) > 1
     if told and (vector or not is_velocity):
         return {3: "xyz", 4: "xyzc" if vector else "txyz", 5: "txyzc"}.get(len(shape), "")
-    place = "first" if is_velocity and shape[-1] not in (2, 3) else "last" if is_velocity or vector else "none"
-    likely = {"first": ("cxy", "cxyz", "tcxyz"), "last": ("xyc", "xyzc", "txyzc"), "none": ("xyz", "txyz", "xyz")}[place]
+    orders = ("xyz", "txyz", "xyz")
+    if is_velocity or vector:
+        orders = ("xyc", "xyzc", "txyzc") if vector or shape[-1] in (2, 3) else ("cxy", "cxyz", "tcxyz")
     reverse = "" if path.suffix.lower() in NUMPY else ", MATLAB's order reversed in MATLAB's files"
     raise InputError(
         f"{path}: nothing tells the order of the axes of '{name}' {shape}; say it: --layout "
-        f"{likely[min(len(shape), 5) - 3]}, or other letters of t (time), c (component), x, y and z{reverse}"
+        f"{orders[min(len(shape), 5) - 3]}, or other letters of t (time), c (component), x, y and z{reverse}"
     )

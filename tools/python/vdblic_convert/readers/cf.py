@@ -7,18 +7,12 @@ import numpy
 from ..errors import InputError
 from ..units import measures
 from .earth import standard_atmosphere, upward_velocity
-from .gridded import Gridded
+from .gridded import EASTWARD, Gridded
 from .grids import grid_of
 from .heights import heights_of_axis, vertical
-from .place import TURNED, axis_of, horizontal
+from .place import LONGITUDE, TURNED, axis_of, horizontal
+from .sgrid import CGrid
 
-MEDIUM = r"(wind|(sea_water_)?velocity)"
-COMPONENTS = (
-    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_(surface_)?x_velocity|x_sea_water_velocity)",
-    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity|y_sea_water_velocity)",
-    rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
-)
-EASTWARD = r"(?!.*grid_).*(east|north)ward_.*"
 ALONG = r"(|.*_)(grid_(?:east|north)ward|x|y)_.+"
 USUAL = (  # names of components without a standard name; the last ones are those of models
     ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "air_u", "u10"),
@@ -28,57 +22,41 @@ USUAL = (  # names of components without a standard name; the last ones are thos
 
 
 class CfFile(Gridded):
+    usual = USUAL
+
     def __init__(self, data, options):
         super().__init__(data, options)
         for dimension in data.sizes.keys() - data.variables.keys() - {self.time}:  # coordinates of another name
             own = [n for n, v in data.variables.items() if v.dims == (dimension,) and axis_of(data, n)]
-            if len(own) == 1:
-                data.variables[dimension] = data.variables[own[0]]
-        self._axes = {dimension: axis_of(data, dimension) for dimension in data.sizes if dimension != self.time}
-        self._spaces = {
-            name: self._space(name)
-            for name, variable in data.variables.items()
-            if name not in data.sizes and variable.dtype.kind in "fiu"
-        }
-        self._fields = {name: space for name, space in self._spaces.items() if space}
-        found = self.components(0)
-        if not self._fields or not (found[0] or found[1] or found[2]):
-            for name in self._spaces:
-                self._check_axes(name)
-        if not self._fields:
-            raise InputError(
-                f"{self.path}: no variable has two horizontal axes, with or without a vertical axis, that are known; "
-                f"it holds {data.contents()}; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
-            )
+            data.variables |= {dimension: data.variables[own[0]]} if len(own) == 1 else {}
+        self.c_grid = CGrid(data, axis_of)
+        self._put_axes()
+        axes = {dimension: axis_of(data, dimension) for dimension in data.sizes if dimension != self.time}
+        self._axes = axes | self.c_grid.axes
+        numbers = [n for n, v in data.variables.items() if n not in data.sizes and v.dtype.kind in "fiu"]
+        self._fields = {name: space for name in numbers if (space := self._space(name))}
+        for name in numbers if not any(self.components(0)) else ():
+            self._check_axes(name)
+        mend = "; say which axes are which: --attribute 'NAME:axis=X', Y or Z"
+        self.check_fields("has two horizontal axes, with or without a vertical axis, that are known", mend)
 
-    def components(self, step):
-        found = []
-        for i, (standard, usual) in enumerate(zip(COMPONENTS, USUAL)):
-            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
-            named = [n for n in named if self._fields[n][0]] or named  # those with a vertical axis first
-            if len(named) > 1 and i < 2:
-                raise InputError(
-                    f"{self.path}: {', '.join(named)} are all {self.data.text(named[0], 'standard_name')}; choose with "
-                    "--array U,V,W"
-                )
-            other = rf"(?!{COMPONENTS[1 - i]})" if i < 2 else ""
-            unnamed = [n for n in usual if n in self._fields and re.match(other, self.data.text(n, "standard_name"))]
-            found.append((named + unnamed + [None])[0])
-        if found[0] and found[1] and found[2] and not self._fields[found[2]][0] and self._fields[found[0]][0]:
-            found[2] = None  # a vertical velocity of one level is none of the others
-        return found
+    def _put_axes(self):
+        """The axes of a C grid that follow from its others."""
+        data, told = self.data, ("units", "standard_name", "positive", "axis")
+        for name in [d for d in self.c_grid.axes if d in data.sizes and d not in data.variables]:
+            for (other,) in self.c_grid.others((name,)):
+                if other in data.variables and data.variables[other].dims == (other,) and data.sizes[other] > 1:
+                    values, unit = self.place(other, 0), data.text(other, "units")
+                    values = numpy.unwrap(values, period=360) if re.fullmatch(LONGITUDE, unit, re.I) else values
+                    values = self.c_grid.moved(values, (other,), (name,), data.sizes)
+                    data.add(name, (name,), values, **{key: text for key in told if (text := data.text(other, key))})
+                    break
 
-    def arrays(self, step):
-        return {name: 1 for name in self._fields}
+    def levels_of(self, name):
+        return self._fields[name][0]
 
-    def parts(self, step, names, velocity=()):
-        """One for each grid: components may lie on different faces of the cells."""
-        self._notes.clear()
-        self.used = {*velocity, *names}
-        grids = {}
-        for name in names:
-            grids.setdefault((self._fields[name], self.data.text(name, "coordinates")), []).append(name)
-        return [(self._read(step, own, velocity), own) for own in grids.values()]
+    def grid_of(self, name):
+        return self._fields[name], self.data.text(name, "coordinates")
 
     def field(self, name, step, dimensions):
         """A variable on (z, y, x)."""
@@ -99,20 +77,14 @@ class CfFile(Gridded):
         fields = {
             name: self._in_si(name, values, step, dimensions, pressure, velocity) for name, values in fields.items()
         }
-        surface = pressure is not None and self.helper(
-            ("surface_air_pressure",),
-            ("Pa",),
-            tuple(d for d in self.data.variables[names[0]].dims if d != dimensions[0]),
-        )
+        columns = tuple(d for d in self.data.variables[names[0]].dims if d != dimensions[0])
+        surface = pressure is not None and self.helper(("surface_air_pressure",), ("Pa",), columns)
         if surface:
-            ground = self.in_unit(
-                surface, self.field(surface, step, dimensions[1:]), "Pa", role="the ground's pressure"
-            )
+            ground = self.field(surface, step, dimensions[1:])
+            ground = self.in_unit(surface, ground, "Pa", role="the ground's pressure")
             ground = self.placed(surface, ground, there.any(axis=0))
-            under = (
-                numpy.broadcast_to(pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure, there.shape) > ground
-            )
-            fields = {name: numpy.where(under, numpy.nan, field) for name, field in fields.items()}
+            pressure = pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure
+            fields = {name: numpy.where(pressure > ground, numpy.nan, field) for name, field in fields.items()}
         fields = {
             name: self._turned(name, numpy.where(place.torn, numpy.nan, values[:, :, place.columns]), place, velocity)
             for name, values in fields.items()
@@ -190,14 +162,8 @@ class CfFile(Gridded):
 
     def _level(self, name):
         """The height of a field that has one level."""
-        level = next(
-            (
-                d
-                for d in self.data.variables[name].dims
-                if d not in (self.time, *self._fields[name]) and self._axes[d] == "Z"
-            ),
-            None,
-        )
+        other = [d for d in self.data.variables[name].dims if d not in (self.time, *self._fields[name])]
+        level = next((d for d in other if self._axes[d] == "Z"), None)
         if level not in self.data.variables:
             return numpy.zeros(1)
         unit = self.data.text(level, "units")
@@ -207,14 +173,12 @@ class CfFile(Gridded):
         return heights_of_axis(self, level)
 
     def _in_si(self, name, values, step, dimensions, pressure, velocity):
-        standard, role = self.data.text(name, "standard_name"), (
-            f"component {'xyz'[velocity.index(name)]}" if name in velocity else ""
-        )
         if name not in velocity:
             return values
-        unit = self.data.text(name, "units")
-        if not (unit and measures(unit, "Pa/s") and velocity.index(name) == 2):
-            down = -1 if standard.startswith("downward_") else 1
+        slot, unit = velocity.index(name), self.data.text(name, "units")
+        role = f"component {'xyz'[slot]}"
+        if not (unit and measures(unit, "Pa/s") and slot == 2):
+            down = -1 if self.data.text(name, "standard_name").startswith("downward_") else 1
             return self.in_unit(name, values, "m/s", role=role) * down
         if pressure is None:
             raise InputError(
@@ -223,11 +187,9 @@ class CfFile(Gridded):
             )
         pressure = pressure.reshape(-1, 1, 1) if pressure.ndim < 3 else pressure
         warm = self.helper(("air_temperature",), ("K",), self.data.variables[name].dims)
+        temperature = standard_atmosphere(pressure)[1]
         if warm:
             temperature = self.in_unit(warm, self.field(warm, step, dimensions), "K", role="the temperature")
-        else:
-            temperature = standard_atmosphere(pressure)[1]
-        self._notes.append(
-            f"'{name}' becomes m/s by the {'temperature of ' + repr(warm) if warm else 'standard atmosphere'}"
-        )
+        warmth = f"temperature of {warm!r}" if warm else "standard atmosphere"
+        self._notes.append(f"'{name}' becomes m/s by the {warmth}")
         return upward_velocity(self.in_unit(name, values, "Pa/s", role=role), pressure, temperature)

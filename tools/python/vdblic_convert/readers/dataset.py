@@ -62,12 +62,13 @@ def _source(data, options):
 def is_grid(path):
     """Whether a file tells a grid, as meshes and ROMS have it, and no flow on it."""
     from . import cf, mesh, ocean
+    from .gridded import COMPONENTS
 
     data = Data(path, *_variables(path), {})
     flows = [names for usual in (cf.USUAL, mesh.USUAL) for names in usual[:2]]
     has_flow = any(
         any(name in names for names in flows)
-        or any(re.fullmatch(c, data.text(name, "standard_name")) for c in cf.COMPONENTS)
+        or any(re.fullmatch(c, data.text(name, "standard_name")) for c in COMPONENTS)
         for name in data.variables
     )
     return not has_flow and (mesh.has_topology(data) or ocean.is_ocean(data))

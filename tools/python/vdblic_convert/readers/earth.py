@@ -37,17 +37,14 @@ def local_plane(longitude, latitude, middle=None, unordered=False):
 def standard_atmosphere(pressure):
     """Height [m] and temperature [K] of pressures [Pa] in the standard atmosphere."""
     pressure = numpy.asarray(pressure, float)
-    height, temperature = numpy.zeros_like(pressure), numpy.zeros_like(pressure)
     for base, warmth, bottom, lapse in LAYERS:
         ratio = pressure / base
-        if lapse:
-            here = warmth * ratio ** (-lapse * GAS_CONSTANT / GRAVITY)
-            above = bottom + (here - warmth) / lapse
-        else:
-            here = numpy.full_like(pressure, warmth)
-            above = bottom - GAS_CONSTANT * warmth / GRAVITY * numpy.log(ratio)
-        inside = (pressure <= base) | (bottom == 0)
-        height, temperature = numpy.where(inside, above, height), numpy.where(inside, here, temperature)
+        here = warmth * ratio ** (-lapse * GAS_CONSTANT / GRAVITY)
+        straight = -GAS_CONSTANT * warmth / GRAVITY * numpy.log(ratio)
+        above = bottom + ((here - warmth) / lapse if lapse else straight)
+        inside = pressure <= base
+        height = numpy.where(inside, above, height) if bottom else above
+        temperature = numpy.where(inside, here, temperature) if bottom else here
     return height, temperature
 
 

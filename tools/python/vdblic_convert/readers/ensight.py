@@ -15,26 +15,20 @@ class Case:
     """The files of a case, by its case file."""
 
     def __init__(self, path):
-        self._folder = path.parent
-        self._sets = {}  # time set → times, numbers in file names
-        self._files = []  # components, what they are for, file name, time set
-        self._gold, self._in_one_file = False, False
         entries = _entries(path)
-        for section, key, value in entries:
-            if section == "FORMAT" and key == "type":
-                self._gold = "gold" in value
-            elif section == "FILE":
-                self._in_one_file = True
-            elif section == "TIME" and key == "time set":
-                self._sets[value.split()[0]] = _time_set(entries, value)
+        self._folder, self._files = path.parent, []  # components, what they are for, file name, time set
+        self._gold = any(key == "type" and "gold" in value for section, key, value in entries if section == "FORMAT")
+        self._in_one_file = any(section == "FILE" for section, *_ in entries)
+        self._sets = dict(_time_sets([entry[1:] for entry in entries if entry[0] == "TIME"]))
         for section, key, value in entries:
             kind, _, place = key.partition(" per ")
-            words = value.split()
+            words = [word for word in value.split() if word != "change_coords_only"]
+            numbers = [word for word in words[:-1] if word.isdigit()]  # the first is the time set
+            name_and_set = words[-1] if words else "", numbers[0] if numbers else None
             if section == "GEOMETRY" and key == "model":
-                self._files.append((None, "geometry", *_name_and_set([w for w in words if w != "change_coords_only"])))
+                self._files.append((None, "geometry", *name_and_set))
             elif section == "VARIABLE" and kind in COMPONENTS and place in ("node", "element"):
-                name, time_set = _name_and_set(words)
-                self._files.append((COMPONENTS[kind], place, name, time_set))
+                self._files.append((COMPONENTS[kind], place, *name_and_set))
 
     def check(self, time):
         """Raise InputError if a file of a time, None for all times, ends too early."""
@@ -79,24 +73,15 @@ def _entries(path):
     return entries
 
 
-def _time_set(entries, name):
-    """Times of a time set, and the numbers of their files."""
-    begin = next(i for i, entry in enumerate(entries) if entry[1:] == ["time set", name])
-    found = {}
-    for _, key, value in entries[begin + 1 :]:
-        if key == "time set":
-            break
-        found[key] = value.split()
-    times = [float(word) for word in found.get("time values", [])]
-    start, step = (int(found.get(f"filename {key}", ["1"])[0]) for key in ("start number", "increment"))
-    numbers = [int(word) for word in found.get("filename numbers", [])]
-    return times, numbers or [start + i * step for i in range(len(times))]
-
-
-def _name_and_set(words):
-    """The file's name, and its time set: the first of the numbers before names."""
-    numbers = [word for word in words[:-1] if word.isdigit()]
-    return words[-1] if words else "", numbers[0] if numbers else None
+def _time_sets(entries):
+    """The name of each time set, its times, and the numbers of their files."""
+    begins = [i for i, (key, _) in enumerate(entries) if key == "time set"]
+    for begin, end in zip(begins, [*begins[1:], len(entries)]):
+        found = {key: value.split() for key, value in entries[begin:end]}
+        times = [float(word) for word in found.get("time values", [])]
+        start, step = (int(found.get(f"filename {key}", ["1"])[0]) for key in ("start number", "increment"))
+        numbers = [int(word) for word in found.get("filename numbers", [])]
+        yield found["time set"][0], (times, numbers or [start + i * step for i in range(len(times))])
 
 
 def _sections(path, text, gold, begin, described):

@@ -9,6 +9,13 @@ from ..units import converted, measures
 from . import Source
 from .times import is_date, seconds_of, seconds_of_texts
 
+MEDIUM = r"(wind|(sea_water_)?velocity)"
+COMPONENTS = (
+    rf"(surface_)?(geostrophic_)?(grid_)?eastward_{MEDIUM}|(surface_)?(x_wind|sea_water_(surface_)?x_velocity|x_sea_water_velocity)",
+    rf"(surface_)?(geostrophic_)?(grid_)?northward_{MEDIUM}|(surface_)?(y_wind|sea_water_(surface_)?y_velocity|y_sea_water_velocity)",
+    rf"(up|down)ward_(air|sea_water)_{MEDIUM}|lagrangian_tendency_of_air_pressure",
+)
+EASTWARD = r"(?!.*grid_).*(east|north)ward_.*"
 TIME = r"(ocean_|model_|valid_|forecast_)?time(_counter|_instant)?\d*|t|mt|date|step|year|month|day|hour"
 PACKED = "valid_min", "valid_max", "valid_range"
 
@@ -55,9 +62,14 @@ class Data:
 
 
 class Gridded(Source):
-    """A file of xarray's variables. `explained` tells how each variable was understood."""
+    """A file of xarray's variables, which a convention places: `_fields` maps the names of its fields to their grids,
+    and `_read(step, names, velocity)` makes the data set of some on one grid."""
 
     unit = "m"
+    usual = (), (), ()  # the names of components that have no standard name; of models they count more than those
+    of_model = False
+    used = ()  # the names of variables that are known as something else
+    _fields = {}
 
     def __init__(self, data, options):
         self.data, self.path = data, data.path
@@ -76,6 +88,49 @@ class Gridded(Source):
 
     def notes(self):
         return self._notes
+
+    def check_fields(self, place, mend=""):
+        if not self._fields:
+            raise InputError(f"{self.path}: no variable {place}; it holds {self.data.contents()}{mend}")
+
+    def arrays(self, step):
+        return dict.fromkeys(self._fields, 1)
+
+    def components(self, step):
+        found, kinds = [], {name: self.data.text(name, "standard_name") for name in self._fields}
+        for i, (standard, usual) in enumerate(zip(COMPONENTS, self.usual)):
+            named = [name for name, kind in kinds.items() if re.fullmatch(standard, kind)]
+            named = [name for name in named if self.levels_of(name)] or named
+            if len(named) > 1 and i < 2 and not self.of_model:
+                raise InputError(
+                    f"{self.path}: {', '.join(named)} are all {kinds[named[0]]}; choose with --array U,V,W"
+                )
+            unlike = rf"(?!{COMPONENTS[1 - i]})" if i < 2 else ""
+            unnamed = [name for name in usual if name in kinds and re.match(unlike, kinds[name])]
+            found.append(next(iter(unnamed + named if self.of_model else named + unnamed), None))
+        if all(found) and self.levels_of(found[0]) and not self.levels_of(found[2]):
+            found[2] = None  # a vertical velocity of one level is none of the others
+        return found
+
+    def levels_of(self, name):  # pylint: disable=unused-argument
+        """The vertical dimension of a field, if it has one."""
+        return True
+
+    def grid_of(self, name):
+        return self._fields[name]
+
+    def parts(self, step, names, velocity=()):
+        """One for each grid: components may lie on different faces of the cells."""
+        self._notes.clear()
+        self.used, grids = {*velocity, *names}, {}
+        for name in names:
+            grids.setdefault(self.grid_of(name), []).append(name)
+        return [(self._read(step, own, velocity), own) for own in grids.values()]
+
+    def along(self, name, values, angle):
+        """A component along the grid as its share of a velocity, by its angle against x [radians]."""
+        self.explained[name] = self.explained.get(name, f"'{name}' is carried") + ", along the grid"
+        return numpy.stack([values * numpy.cos(angle), values * numpy.sin(angle), 0 * values], axis=-1)
 
     def long(self, name):
         """The dimensions of a variable that have several values and are not the time."""
@@ -129,17 +184,15 @@ class Gridded(Source):
 
     def in_unit(self, name, values, wanted, usual="", role=""):
         """Values of a variable in another unit. Raises InputError unless its own is known; `usual` stands for none."""
-        unit = self.data.text(name, "units") or usual
+        unit, told = self.data.text(name, "units") or usual, wanted.replace("**", "")
         if not unit:
-            raise InputError(
-                f"{self.path}: '{name}' has no units; say which: --attribute '{name}:units={wanted.replace('**', '')}'"
-            )
+            raise InputError(f"{self.path}: '{name}' has no units; say which: --attribute '{name}:units={told}'")
         try:
             result = converted(values, unit, wanted)
         except ValueError:
             raise InputError(
-                f"{self.path}: '{name}' is in '{unit}', which cannot be converted to {wanted.replace('**', '')}; if "
-                f"that is wrong, say what it is in: --attribute '{name}:units={wanted.replace('**', '')}'"
+                f"{self.path}: '{name}' is in '{unit}', which cannot be converted to {told}; if that is wrong, say what "
+                f"it is in: --attribute '{name}:units={told}'"
             ) from None
         self.explain(name, role, unit, values)
         return result
@@ -151,11 +204,11 @@ class Gridded(Source):
 
     def named(self, *standard_names, dimensions=None):
         """The first variable with one of these standard names, and on these dimensions if given; else None."""
-        for standard_name in standard_names:
-            for name, variable in self.data.variables.items():
-                if self.data.text(name, "standard_name") == standard_name and dimensions in (None, variable.dims):
-                    return name
-        return None
+        found = (
+            name for standard_name in standard_names for name, variable in self.data.variables.items()
+            if self.data.text(name, "standard_name") == standard_name and dimensions in (None, variable.dims)
+        )  # fmt: skip
+        return next(found, None)
 
     def helper(self, standard_names, units, dimensions):
         """The variable of a standard name on some dimensions, or None. Raises InputError for one that may be it."""
@@ -171,8 +224,6 @@ class Gridded(Source):
                 )
         return None
 
-    used = ()  # the names of variables that are known as something else
-
     def _time_axis(self):
         """The dimension that is the time, if there is one."""
         dims = [d for d in self.data.sizes if self._is_time(d)]
@@ -185,20 +236,14 @@ class Gridded(Source):
         return (long or dims or [None])[0]
 
     def _is_time(self, dimension):
-        text = self.data.text
+        text, is_called = self.data.text, re.fullmatch(TIME, dimension, re.I) is not None
         if dimension not in self.data.variables:
             on_it = [name for name, variable in self.data.variables.items() if variable.dims == (dimension,)]
-            return re.fullmatch(TIME, dimension, re.I) is not None or any(self._tells_time(name) for name in on_it)
+            return is_called or any(self._tells_time(name) for name in on_it)
         kind = text(dimension, "axis").upper() or text(dimension, "cartesian_axis").upper()
         standard = text(dimension, "standard_name")
-        return (
-            is_date(text(dimension, "units"))
-            or kind == "T"
-            or standard in ("time", "forecast_period", "forecast_reference_time")
-            or not kind
-            and not standard
-            and re.fullmatch(TIME, dimension, re.I) is not None
-        )
+        told = standard in ("time", "forecast_period", "forecast_reference_time") or kind == "T"
+        return told or is_date(text(dimension, "units")) or is_called and not kind and not standard
 
     def _tells_time(self, name):
         standard = self.data.text(name, "standard_name")
@@ -206,15 +251,12 @@ class Gridded(Source):
 
     def _times(self):
         """The times in seconds; None where the file has none."""
-        count = self.data.sizes.get(self.time, 1)
-        name = self._time_variable()
-        if name is None:
-            if self.time and count > 1 and self.time not in self.data.variables:
-                return [None] * count
-            name = self.time if self.time in self.data.variables else None
+        data, text, count = self.data, self.data.text, self.data.sizes.get(self.time, 1)
+        calendar_of = lambda name: text(name, "calendar").lower() or "standard"
+        name = self._time_variable() or (self.time if self.time in data.variables else None)
         if name is None:
             return [None] * count
-        values, units = self.data.variables[name].values, self.data.text(name, "units")
+        values, units = data.variables[name].values, text(name, "units")
         if values.dtype.kind in "SU":
             times, self.calendar = seconds_of_texts(values), "standard"
             self.explain(name, "the time, as text", "s from 1970 on", times)
@@ -222,18 +264,15 @@ class Gridded(Source):
         if not units:
             raise ValueError(f"the time axis '{name}' has no units")
         try:
-            times = seconds_of(values, units, self.data.text(name, "calendar").lower() or "standard")
+            times = seconds_of(values, units, calendar_of(name))
         except ValueError as error:
             reason = f" ({error})" if str(error) != units else ""
             raise ValueError(f"the time axis '{name}' is in '{units}'{reason}") from None
-        self.calendar = is_date(units) and (self.data.text(name, "calendar").lower() or "standard")
-        reference = self.named("forecast_reference_time")
-        if self.data.text(name, "standard_name") == "forecast_period" and reference:
-            start = self.data.variables[reference]
-            if start.size == 1:
-                calendar = self.data.text(reference, "calendar").lower() or "standard"
-                times = times + seconds_of(start.values, self.data.text(reference, "units"), calendar)
-                self.calendar = calendar
+        self.calendar = is_date(units) and calendar_of(name)
+        start = self.named("forecast_reference_time")
+        if text(name, "standard_name") == "forecast_period" and start and data.variables[start].size == 1:
+            self.calendar = calendar_of(start)
+            times = times + seconds_of(data.variables[start].values, text(start, "units"), self.calendar)
         self.explain(name, "the time", f"{units}{', calendar ' + self.calendar if self.calendar else ''}", values)
         return times.tolist()
 
@@ -256,6 +295,4 @@ class Gridded(Source):
                 return 2
             return 3 if is_date(units) and (self.time or "time" in name.lower()) else None
 
-        ranked = [(rank(name), name) for name in self.data.variables]
-        ranked = [(value, name) for value, name in ranked if value is not None]
-        return min(ranked, key=lambda pair: pair[0])[1] if ranked else None
+        return min((name for name in self.data.variables if rank(name) is not None), key=rank, default=None)

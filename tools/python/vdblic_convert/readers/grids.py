@@ -20,10 +20,8 @@ def grid_of(x, y, z, fields):
             axes = [numpy.flip(axis, along) if axis.ndim > 1 and axis.ndim >= -along else axis for axis in axes]
             axes[i] = axes[i][::-1]
     shape = next(iter(fields.values())).shape[:3]
-    if all(values.ndim == 1 for values in axes):
-        grid = _image(axes) if all(map(_even, axes)) else _rectilinear(axes)
-    else:
-        grid = _structured(axes, shape)
+    flat = all(values.ndim == 1 for values in axes)
+    grid = (_image if all(map(_even, axes)) else _rectilinear)(axes) if flat else _structured(axes, shape)
     for name, field in fields.items():
         add_array(grid.GetPointData(), name, field.astype(numpy.float32).reshape(-1, *field.shape[3:]))
     valid = numpy.all([numpy.isfinite(field).reshape(*shape, -1).all(axis=3) for field in fields.values()], axis=0)
@@ -51,18 +49,16 @@ def _image(axes):
 def _rectilinear(axes):
     grid = model.vtkRectilinearGrid()
     grid.SetDimensions(*map(len, axes))
-    for axis, set_coordinates in zip(axes, (grid.SetXCoordinates, grid.SetYCoordinates, grid.SetZCoordinates)):
-        set_coordinates(bridge.numpy_to_vtk(numpy.ascontiguousarray(axis, float), deep=True))
+    for letter, axis in zip("XYZ", axes):
+        getattr(grid, f"Set{letter}Coordinates")(bridge.numpy_to_vtk(numpy.ascontiguousarray(axis, float), deep=True))
     return grid
 
 
 def _structured(axes, shape):
-    x, y, z = axes
-    x = numpy.broadcast_to(x if x.ndim == 2 else x[None, :], shape)
-    y = numpy.broadcast_to(y if y.ndim == 2 else y[:, None], shape)
-    z = numpy.broadcast_to(z if z.ndim == 3 else z[:, None, None], shape)
+    full = [a if a.ndim > 1 else a.reshape([-1 if i == 2 - k else 1 for i in range(3)]) for k, a in enumerate(axes)]
+    places = numpy.stack([numpy.broadcast_to(axis, shape).ravel() for axis in full], axis=1)
     points, grid = core.vtkPoints(), model.vtkStructuredGrid()
-    points.SetData(bridge.numpy_to_vtk(numpy.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), deep=True))
+    points.SetData(bridge.numpy_to_vtk(places, deep=True))
     grid.SetDimensions(*shape[::-1])
     grid.SetPoints(points)
     return grid

@@ -1,5 +1,6 @@
 """Heights in metres: axes that are heights, depths or pressures, and CF's dimensionless coordinates (appendix D)."""
 
+import inspect
 import re
 
 import numpy
@@ -10,85 +11,66 @@ from .earth import GRAVITY, standard_atmosphere
 
 HEIGHTS = "geopotential_height", "altitude", "height_above_reference_ellipsoid", "height_above_mean_sea_level"
 MOST_PRESSURE = 120_000  # Pa: more is not of air
-# The terms that each coordinate needs.
-TERMS = {
-    "ocean_sigma_coordinate": ("sigma", "eta", "depth"),
-    "ocean_s_coordinate": ("s", "eta", "depth", "a", "b", "depth_c"),
-    "ocean_s_coordinate_g1": ("s", "C", "eta", "depth", "depth_c"),
-    "ocean_s_coordinate_g2": ("s", "C", "eta", "depth", "depth_c"),
-    "atmosphere_sigma_coordinate": ("sigma", "ps", "ptop"),
-    "atmosphere_hybrid_sigma_pressure_coordinate": ("b", "ps"),
-    "atmosphere_hybrid_height_coordinate": ("a", "b", "orog"),
-    "atmosphere_ln_pressure_coordinate": ("p0", "lev"),
+UNITS = dict.fromkeys(("eta", "depth", "depth_c", "orog", "z"), "m") | dict.fromkeys(("ps", "ptop", "p0", "ap"), "Pa")
+
+
+def _s(s, eta, depth, a, b, depth_c):
+    stretching = (1 - b) * numpy.sinh(a * s) / numpy.sinh(a) + b * (
+        numpy.tanh(a * (s + 0.5)) / (2 * numpy.tanh(a / 2)) - 0.5
+    )
+    return eta * (1 + s) + depth_c * s + (depth - depth_c) * stretching
+
+
+def _s_g1(s, C, eta, depth, depth_c):  # pylint: disable=invalid-name
+    level = depth_c * s + (depth - depth_c) * C
+    return level + eta * (1 + level / depth)
+
+
+TERMS = {  # the formula of each coordinate; its arguments are CF's terms
+    "ocean_sigma_coordinate": lambda sigma, eta, depth: eta + sigma * (depth + eta),
+    "ocean_s_coordinate": _s,
+    "ocean_s_coordinate_g1": _s_g1,
+    "ocean_s_coordinate_g2": lambda s, C, eta, depth, depth_c: (
+        eta + (eta + depth) * (depth_c * s + depth * C) / (depth_c + depth)
+    ),
+    "atmosphere_sigma_coordinate": lambda sigma, ps, ptop: ptop + sigma * (ps - ptop),
+    "atmosphere_hybrid_sigma_pressure_coordinate": lambda a, p0, b, ps: a * p0 + b * ps,
+    "atmosphere_hybrid_height_coordinate": lambda z, b, orog: z + b * orog,
+    "atmosphere_ln_pressure_coordinate": lambda p0, lev: p0 * numpy.exp(-lev),
 }
-UNITS = dict.fromkeys(("eta", "depth", "depth_c", "orog"), "m") | dict.fromkeys(("ps", "ptop", "p0", "ap"), "Pa")
-
-
-def formula(source, axis):
-    """The standard name of a dimensionless coordinate, and its terms: term → variable. Raises InputError."""
-    text = source.data.text
-    kind = text(axis, "standard_name")
-    terms = dict(re.findall(r"(\w+): *(\w+)", text(axis, "formula_terms")))
-    needed = list(TERMS[kind])
-    if kind == "atmosphere_hybrid_sigma_pressure_coordinate":
-        needed += ["ap"] if "ap" in terms else ["a", "p0"]
-    if kind == "atmosphere_hybrid_height_coordinate":
-        terms = {("a" if term == "z" else term): name for term, name in terms.items()}
-    for term in needed:
-        if term not in terms:
-            raise InputError(
-                f"{source.path}: the formula_terms of '{axis}' name no {term}, which {kind} needs; say all of them: "
-                f"--attribute '{axis}:formula_terms={text(axis, 'formula_terms') or 's: ' + axis} {term}: NAME'"
-            )
-        if terms[term] not in source.data.variables:
-            raise InputError(
-                f"{source.path}: the formula_terms of '{axis}' name {terms[term]} ({term}), which the file lacks"
-            )
-    return kind, terms
 
 
 def by_formula(source, axis, step, needed=True, usual=None, columns=2, sigma=None):
-    """Heights, or pressures in Pa, of a dimensionless coordinate; and whether they are pressures.
+    """Heights, or pressures in Pa, of a dimensionless coordinate; and whether they are pressures. Raises InputError.
 
     `usual` are the units of terms that tell none, `columns` are the horizontal dimensions, `sigma` is the variable of
     the levels where its formula names another one.
     """
-    kind, terms = formula(source, axis)
-    terms = terms | ({"sigma": sigma} if sigma else {})
-    levels = source.data.variables[axis].dims[:1]
-
-    def term(name):
-        values = source.variable(terms[name], step)
-        wanted = UNITS.get(name) or ("m" if kind.endswith("height_coordinate") and name == "a" else None)
-        along = source.data.variables[terms[name]].dims == levels
-        values = source.placed(terms[name], values, True if along or values.ndim == 0 else needed)
-        if wanted:
-            values = source.in_unit(terms[name], values, wanted, (usual or {}).get(name, ""), f"the {name} of {axis}")
-        return values.reshape(-1, *[1] * columns) if along else values
-
-    if kind.startswith("ocean"):
-        surface, depth = term("eta"), numpy.maximum(term("depth"), 1e-3)
-        if kind == "ocean_sigma_coordinate":
-            return surface + term("sigma") * (depth + surface), False
-        s, critical = term("s"), term("depth_c")
-        if kind == "ocean_s_coordinate":
-            a, b = term("a"), term("b")
-            stretching = (1 - b) * numpy.sinh(a * s) / numpy.sinh(a) + b * (
-                numpy.tanh(a * (s + 0.5)) / (2 * numpy.tanh(a / 2)) - 0.5
+    text, data = source.data.text, source.data
+    kind, told = text(axis, "standard_name"), text(axis, "formula_terms")
+    terms, compute = dict(re.findall(r"(\w+): *(\w+)", told)), TERMS[kind]
+    if "hybrid_height" in kind and "a" in terms:
+        terms["z"] = terms["a"]
+    if "ap" in terms and "hybrid_sigma" in kind:
+        compute = lambda ap, b, ps: ap + b * ps
+    levels, values = data.variables[axis].dims[:1], {}
+    for term in inspect.signature(compute).parameters:
+        if term not in terms:
+            shown = "a" if term == "z" else term
+            raise InputError(
+                f"{source.path}: the formula_terms of '{axis}' name no {shown}, which {kind} needs; say all of them: "
+                f"--attribute '{axis}:formula_terms={told or 's: ' + axis} {shown}: NAME'"
             )
-            return surface * (1 + s) + critical * s + (depth - critical) * stretching, False
-        if kind == "ocean_s_coordinate_g2":
-            return surface + (surface + depth) * (critical * s + depth * term("C")) / (critical + depth), False
-        level = critical * s + (depth - critical) * term("C")
-        return level + surface * (1 + level / depth), False
-    if kind == "atmosphere_hybrid_height_coordinate":
-        return term("a") + term("b") * term("orog"), False
-    if kind == "atmosphere_ln_pressure_coordinate":
-        return term("p0") * numpy.exp(-term("lev")), True
-    if kind == "atmosphere_sigma_coordinate":
-        return term("ptop") + term("sigma") * (term("ps") - term("ptop")), True
-    offset = term("ap") if "ap" in terms else term("a") * term("p0")
-    return offset + term("b") * term("ps"), True
+        name = sigma if sigma and term == "sigma" else terms[term]
+        if name not in data.variables:
+            raise InputError(f"{source.path}: the formula_terms of '{axis}' name {name} ({term}), which the file lacks")
+        found, along = source.variable(name, step), data.variables[name].dims == levels
+        found = source.placed(name, found, True if along or found.ndim == 0 else needed)
+        if term in UNITS:
+            found = source.in_unit(name, found, UNITS[term], (usual or {}).get(term, ""), f"the {term} of {axis}")
+        found = numpy.maximum(found, 1e-3) if term == "depth" else found
+        values[term] = found.reshape(-1, *[1] * columns) if along else found
+    return compute(**values), kind.startswith("atmosphere") and "height" not in kind
 
 
 def vertical(source, field, dimensions, step, there):
@@ -132,10 +114,9 @@ def vertical(source, field, dimensions, step, there):
 def z_by_variable(source, dimensions, full, step, there):
     """Heights by a geopotential or by heights on the field's own dimensions, or on those between them; else None."""
     on_pressure = measures(source.data.text(dimensions[0], "units") or "1", "Pa")
-    find = (
-        (lambda *a: source.helper(*a, full)) if on_pressure else lambda names, _: source.named(*names, dimensions=full)
-    )
-    name = source.named(*HEIGHTS, dimensions=full) or find(("geopotential",), ("m**2/s**2", "m"))
+    name = source.named(*HEIGHTS, "geopotential", dimensions=full)
+    if name is None and on_pressure:
+        name = source.helper(("geopotential",), ("m**2/s**2", "m"), full)
     if name is None:
         return _half_levels(source, dimensions, step)
     values = source.placed(name, source.field(name, step, dimensions), there)
@@ -147,14 +128,9 @@ def z_by_variable(source, dimensions, full, step, there):
 def _half_levels(source, dimensions, step):
     """Means of the heights between levels (HHL), of which there is one more than levels."""
     sizes = source.data.sizes
-    for name, variable in source.data.variables.items():
-        space = [d for d in variable.dims if sizes[d] > 1 and d != source.time]
-        if (
-            source.data.text(name, "standard_name") in HEIGHTS
-            and len(space) == 3
-            and tuple(space[1:]) == dimensions[1:]
-            and sizes[space[0]] == sizes[dimensions[0]] + 1
-        ):
+    for name in source.data.variables:
+        space, is_height = source.long(name), source.data.text(name, "standard_name") in HEIGHTS
+        if is_height and (*space[1:],) == dimensions[1:] and sizes[space[0]] == sizes[dimensions[0]] + 1:
             values = source.in_unit(name, source.place(name, step), "m", role="the height between levels")
             return (values[1:] + values[:-1]) / 2
     return None

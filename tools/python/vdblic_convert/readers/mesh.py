@@ -7,7 +7,6 @@ import numpy
 from ..errors import InputError
 from ..units import measures
 from ..vtk_data import WEDGE, add_array, bridge, core, model
-from .cf import COMPONENTS
 from .earth import local_plane
 from .gridded import Gridded
 from .heights import HEIGHTS, TERMS, by_formula, heights_of_axis
@@ -48,6 +47,8 @@ class MeshFile(Gridded):
     MPAS's velocity in its hexagons is at the nodes of the dual mesh, whose triangles join three hexagons.
     """
 
+    usual = USUAL
+
     def __init__(self, data, options):
         for name in [name for name, variable in data.variables.items() if variable.dims[-1:] == ("two",)]:
             both = data.variables.pop(name)  # SCHISM's vectors
@@ -62,25 +63,10 @@ class MeshFile(Gridded):
         if "cellsOnVertex" in data.variables:
             self._face = None
         self._fields = {name: space for name in data.variables if (space := self._space(name))}
-        if not self._fields:
-            raise InputError(f"{self.path}: no variable is on the mesh's nodes or faces; it holds {data.contents()}")
+        self.check_fields("is on the mesh's nodes or faces")
 
-    def components(self, step):
-        found = []
-        for standard, usual in zip(COMPONENTS, USUAL):
-            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
-            found.append((named + [n for n in usual if n in self._fields] + [None])[0])
-        return found
-
-    def arrays(self, step):
-        return {name: 1 for name in self._fields}
-
-    def parts(self, step, names, velocity=()):
-        self._notes.clear()
-        grids = {}
-        for name in names:
-            grids.setdefault(self._fields[name], []).append(name)
-        return [(self._read(step, own, velocity, *space), own) for space, own in grids.items()]
+    def levels_of(self, name):
+        return self._fields[name][1]
 
     def _topology(self):
         """The names of the nodes' coordinates and of the nodes around a face, and the number of the first node."""
@@ -152,48 +138,41 @@ class MeshFile(Gridded):
             return ()
         return (place[0], next((d for d in long if d != place[0]), None))
 
-    def _read(self, step, names, velocity, place, levels):
-        x, y, keep = self._horizontal()
-        fields = {name: self._field(name, step, place, velocity) for name in names}
-        z = self._heights(step, place, levels, next(iter(fields.values())).shape[0], x, y)
-        count, layers = z.shape[1], len(z) - 1
-        triangles, faces = self._triangles[keep], self._of_face[keep]
-        lower = numpy.concatenate([triangles + layer * count for layer in range(layers)])
+    def _read(self, step, names, velocity):
+        (place, levels), (x, y, keep) = self._fields[names[0]], self._horizontal()
+        z = self._heights(step, place, levels, x, y)
+        count, (triangles, faces) = z.shape[1], (self._triangles[keep], self._of_face[keep])
+        lower = numpy.concatenate([triangles + layer * count for layer in range(len(z) - 1)])
         points, cells, grid = core.vtkPoints(), model.vtkCellArray(), model.vtkUnstructuredGrid()
-        points.SetData(bridge.numpy_to_vtk(
-            numpy.stack([numpy.tile(x, len(z)), numpy.tile(y, len(z)), z.ravel()], axis=1), deep=True))  # fmt: skip
+        places = numpy.stack([numpy.tile(x, len(z)), numpy.tile(y, len(z)), z.ravel()], axis=1)
+        points.SetData(bridge.numpy_to_vtk(places, deep=True))
         corners = numpy.concatenate([lower, lower + count], axis=1)
         cells.SetData(6, bridge.numpy_to_vtkIdTypeArray(corners.ravel().astype(numpy.int64), deep=True))
         grid.SetPoints(points)
         grid.SetCells(WEDGE, cells)
-        for name, values in fields.items():
+        for name in names:
+            values = self._field(name, step, place, velocity).astype(numpy.float32)
             if place == self._node:
-                if len(values) == 1:
-                    values = numpy.repeat(values, 2, axis=0)
-                add_array(grid.GetPointData(), name, values.ravel().astype(numpy.float32))
+                add_array(grid.GetPointData(), name, numpy.repeat(values, 1 + (levels is None), axis=0).ravel())
             else:
-                add_array(grid.GetCellData(), name, values[:, faces].ravel().astype(numpy.float32))
+                add_array(grid.GetCellData(), name, values[:, faces].ravel())
         return grid
 
     def _field(self, name, step, place, velocity):
         """A variable as (levels, nodes or faces)."""
-        values = self.variable(name, step)
-        long = self.long(name)
-        values = values.T if long[0] == place and len(long) > 1 else values
-        values = values.reshape(-1, self.data.sizes[place])
-        if name in velocity:
-            values = self.in_unit(name, values, "m/s", role=f"component {'xyz'[velocity.index(name)]}")
-        return values
+        values, long = self.variable(name, step), self.long(name)
+        values = (values.T if long[0] == place else values).reshape(-1, self.data.sizes[place])
+        role = f"component {'xyz'[velocity.index(name)]}" if name in velocity else ""
+        return self.in_unit(name, values, "m/s", role=role) if role else values
 
     def _horizontal(self):
         """x and y of the nodes, and which triangles do not lie across the end of the plane."""
-        units = [self.data.text(name, "units") for name in self._nodes]
         usual = "radian" if self._nodes == ("lonCell", "latCell") else ""
-        x, y = (self.place(name, 0) for name in self._nodes)
-        if all(unit and measures(unit, "m") for unit in units):
-            x, y = (self.in_unit(name, v, "m", role="a coordinate of nodes") for name, v in zip(self._nodes, (x, y)))
+        flat = all((unit := self.data.text(name, "units")) and measures(unit, "m") for name in self._nodes)
+        unit = "m" if flat else "degree"
+        x, y = (self.in_unit(name, self.place(name, 0), unit, usual, "a coordinate of nodes") for name in self._nodes)
+        if flat:
             return x, y, slice(None)
-        x, y = (self.in_unit(name, v, "degree", usual, "nodes") for name, v in zip(self._nodes, (x, y)))
         around = numpy.sort(x % 360)
         gaps = numpy.diff(around, append=around[0] + 360)
         first = around[(numpy.argmax(gaps) + 1) % len(around)]
@@ -204,20 +183,19 @@ class MeshFile(Gridded):
         x, y, _, self.middle = local_plane(x, y, self.middle, unordered=True)
         return x, y, keep
 
-    def _heights(self, step, place, levels, count, x, y):
+    def _heights(self, step, place, levels, x, y):
         """Heights (levels, nodes): those of values at nodes, or those of the faces between the layers."""
-        between = place != self._node
-        nodes = self.data.sizes[self._node]
+        data, nodes = self.data, self.data.sizes[self._node]
         if levels is None:
-            width = numpy.median(
-                numpy.hypot(numpy.diff(x[self._triangles[:, :2]]), numpy.diff(y[self._triangles[:, :2]]))
-            )
+            sides = self._triangles[:, :2]
+            width = numpy.median(numpy.hypot(numpy.diff(x[sides]), numpy.diff(y[sides])))
             return numpy.repeat(numpy.array([[-0.5], [0.5]]) * width, nodes, axis=1)
+        if place != self._node:
+            for name, variable in data.variables.items():  # a coordinate of one level more
+                if self._is_formula(name) and data.sizes[levels] + 1 in variable.shape:
+                    return self._formula(name, step, nodes)
         z = self._heights_of(step, levels, nodes)
-        if between:
-            edges = self._between(step, levels, nodes)
-            z = _edges(z) if edges is None else edges
-        return z
+        return z if place == self._node else _edges(z)
 
     def _heights_of(self, step, levels, nodes):
         """The heights of a vertical dimension at the nodes."""
@@ -226,7 +204,7 @@ class MeshFile(Gridded):
             faces = self.in_unit("zgrid", self.place("zgrid", step), "m", "m", "the heights between layers").T
             return faces if len(faces) == data.sizes[levels] else (faces[1:] + faces[:-1]) / 2
         for name, variable in data.variables.items():
-            if levels in variable.dims and data.text(name, "standard_name") in TERMS and variable.ndim <= 2:
+            if levels in variable.dims and self._is_formula(name):
                 return self._formula(name, step, nodes)
             told = data.text(name, "standard_name"), data.text(name, "positive").lower()
             known = name in ZCOR or told[0] in (*HEIGHTS, "depth") or told[1] in ("up", "down")
@@ -241,13 +219,8 @@ class MeshFile(Gridded):
             "heights"
         )
 
-    def _between(self, step, levels, nodes):
-        """The heights between the layers, where a coordinate of one level more tells them."""
-        for name, variable in self.data.variables.items():
-            more = [d for d in variable.dims if self.data.sizes[d] == self.data.sizes[levels] + 1]
-            if more and self.data.text(name, "standard_name") in TERMS and variable.ndim <= 2:
-                return self._formula(name, step, nodes)
-        return None
+    def _is_formula(self, name):
+        return self.data.text(name, "standard_name") in TERMS and self.data.variables[name].ndim <= 2
 
     def _formula(self, axis, step, nodes):
         kind = self.data.text(axis, "standard_name")

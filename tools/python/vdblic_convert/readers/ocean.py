@@ -5,9 +5,8 @@ import re
 import numpy
 
 from ..errors import InputError
-from .cf import COMPONENTS, EASTWARD
 from .earth import local_plane
-from .gridded import Gridded
+from .gridded import EASTWARD, Gridded
 from .grids import grid_of
 from .heights import TERMS, by_formula
 from .place import angles, ordered
@@ -36,6 +35,8 @@ def _has_place(data, names):
 class OceanFile(Gridded):
     """Values are brought to the centres of cells (ROMS's rho points). Land has no values."""
 
+    usual, of_model = (("u",), ("v",), ("w",)), True
+
     def __init__(self, data, options):
         super().__init__(data, options)
         levels = [n for n, v in data.variables.items() if v.ndim == 1 and (is_level(data, n) or n == "s_rho")]
@@ -43,22 +44,10 @@ class OceanFile(Gridded):
         if self._levels and not is_level(data, self._levels):
             self._levels_of_roms()
         self._shape = self._columns()
-        self._fields = [name for name, variable in data.variables.items() if self._is_field(name, variable)]
-        if not self._fields:
-            raise InputError(f"{self.path}: no variable is on the cells or their faces; it holds {data.contents()}")
+        self._fields = {name: True for name, variable in data.variables.items() if self._is_field(name, variable)}
+        self.check_fields("is on the cells or their faces")
 
-    def components(self, step):
-        found = []
-        for usual, standard in zip("uvw", COMPONENTS):
-            named = [n for n in self._fields if re.fullmatch(standard, self.data.text(n, "standard_name"))]
-            found.append(usual if usual in self._fields else (named + [None])[0])
-        return found
-
-    def arrays(self, step):
-        return {name: 1 for name in self._fields}
-
-    def parts(self, step, names, velocity=()):
-        self._notes.clear()
+    def _read(self, step, names, velocity):
         water = self._water(step)
         x, y, columns, turn = self._horizontal(step, water)
         fields = {name: self._centred(name, step, water)[..., columns] for name in names}
@@ -67,16 +56,9 @@ class OceanFile(Gridded):
             if name in velocity:
                 fields[name] = self.in_unit(name, fields[name], "m/s", "m/s", f"component {'xyz'[slot]}")
             if slot < 2 and not re.fullmatch(EASTWARD, self.data.text(name, "standard_name")):
-                self.explained.setdefault(name, f"'{name}' is carried")
-                angle = turn + slot * numpy.pi / 2
-                fields[name] = numpy.stack(
-                    [fields[name] * numpy.cos(angle), fields[name] * numpy.sin(angle), 0 * fields[name]], axis=-1
-                )
-                self.explained[name] += ", along the grid"
-        z = numpy.zeros(1)
-        if self._levels:
-            z = by_formula(self, self._levels, step, water, METRES)[0][..., columns]
-        return [(grid_of(x, y, z, fields), names)]
+                fields[name] = self.along(name, fields[name], turn + slot * numpy.pi / 2)
+        z = by_formula(self, self._levels, step, water, METRES)[0][..., columns] if self._levels else numpy.zeros(1)
+        return grid_of(x, y, z, fields)
 
     def vector_of(self, name):
         dims = self.data.variables[name].dims

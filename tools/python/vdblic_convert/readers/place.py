@@ -112,58 +112,45 @@ def horizontal(source, field, dimensions):
     data, names = source.data, (dimensions[2], dimensions[1])
     have = all(name in data.variables and data.variables[name].ndim == 1 for name in names)
     units = [data.text(name, "units") for name in names] if have else []
-    if have and all(re.fullmatch(kind, unit, re.I) for kind, unit in zip((LONGITUDE, LATITUDE), units)):
-        standard = [data.text(name, "standard_name") for name in names]
-        if not any(name.startswith("grid_") for name in standard):
-            return _on_earth(source, *(source.place(name, 0) for name in names), names)
+    coordinates = lambda unit, role: [source.in_unit(name, source.place(name, 0), unit, role=role) for name in names]
+    on_earth = have and all(re.fullmatch(kind, unit, re.I) for kind, unit in zip((LONGITUDE, LATITUDE), units))
+    if on_earth and not any(data.text(name, "standard_name").startswith("grid_") for name in names):
+        return _on_earth(source, *(source.place(name, 0) for name in names), names)
     lonlat = _longitude_latitude(source, field, dimensions[1:])
-    lengths = have and all(unit and measures(unit, "m") for unit in units)
+    for other in source.c_grid.others(dimensions[1:]):
+        if lonlat is None and (found := _longitude_latitude(source, field, other)) and min(found[0].shape) > 1:
+            found = [numpy.unwrap(numpy.unwrap(found[0], period=360), period=360, axis=0), found[1]]
+            lonlat = [source.c_grid.moved(values, other, dimensions[1:], data.sizes) for values in found]
     mapping = data.text(field, "grid_mapping").partition(":")[0]
-    if lengths:
-        x, y = (source.in_unit(name, source.place(name, 0), "m", role="an axis") for name in names)
+    mapping = mapping if mapping in data.variables else ""
+    if have and all(unit and measures(unit, "m") for unit in units):
+        x, y = coordinates("m", "an axis")
         place = Place(x, y, along=(0.0, numpy.pi / 2))
-        if lonlat is None and mapping in data.variables:
+        if lonlat is None and mapping:
             lonlat = _unprojected(data, mapping, x, y)
         if lonlat is not None:
             turn = angles(numpy.unwrap(lonlat[0], period=360), lonlat[1])[0] + (numpy.pi if x[0] > x[-1] else 0)
             place.eastward = -turn, numpy.pi / 2 - turn
         return place
-    if (
-        lonlat is None
-        and mapping in data.variables
-        and all(unit and measures(unit, "degree") for unit in units or [""])
-    ):
-        turned = [source.in_unit(name, source.place(name, 0), "degree", role="a turned axis") for name in names]
-        lonlat = _unprojected(data, mapping, *turned, degrees=True)
+    if lonlat is None and mapping and units and all(unit and measures(unit, "degree") for unit in units):
+        lonlat = _unprojected(data, mapping, *coordinates("degree", "a turned axis"), degrees=True)
     if lonlat is not None:
         return _on_earth(source, *lonlat, names)
-    for name in names if have else ():
-        if not data.text(name, "units"):
-            _check_degrees(source, name)
-    if have and all(axis_of(data, name) in "XY" and _is_lonlat(data, name) for name in names):
-        return _on_earth(source, *(source.in_unit(name, source.place(name, 0), "degree", "degrees",
-                                                  f"an axis, {name}") for name in names), names)  # fmt: skip
-    if have:
-        told = " and ".join(f"'{name}' ({unit or 'no units'})" for name, unit in zip(names, units))
-        raise InputError(
-            f"{source.path}: the axes {told} are neither lengths nor longitude and latitude; say what they are: "
-            f"--attribute '{names[0]}:units=m' or '{names[0]}:units=degrees_east', and so '{names[1]}'"
-        )
-    raise InputError(f"{source.path}: the axes {dimensions[1]} and {dimensions[2]} have no coordinates")
-
-
-def _is_lonlat(data, name):
-    return re.match("lon|lat", data.text(name, "standard_name") or name, re.I) is not None
-
-
-def _check_degrees(source, name):
-    """Raise InputError for an axis without units that may be in another one than degrees or is no angle at all."""
-    angle = _is_lonlat(source.data, name)
-    if not angle or abs(source.place(name, 0)).max() < 7:
-        kind = "degrees_east" if axis_of(source.data, name) == "X" else "degrees_north"
-        raise InputError(
-            f"{source.path}: '{name}' has no units; say which: --attribute '{name}:units={kind if angle else 'm'}'"
-        )
+    if not have:
+        raise InputError(f"{source.path}: the axes {dimensions[1]} and {dimensions[2]} have no coordinates")
+    is_angle = [re.match("lon|lat", data.text(name, "standard_name") or name, re.I) is not None for name in names]
+    for name, unit, angle in zip(names, units, is_angle):  # radians, or no angle at all
+        if not unit and (not angle or abs(source.place(name, 0)).max() < 7):
+            kind = ("degrees_east" if axis_of(data, name) == "X" else "degrees_north") if angle else "m"
+            raise InputError(f"{source.path}: '{name}' has no units; say which: --attribute '{name}:units={kind}'")
+    if all(is_angle) and all(axis_of(data, name) in "XY" for name in names):
+        degrees = [source.in_unit(n, source.place(n, 0), "degree", "degrees", f"an axis, {n}") for n in names]
+        return _on_earth(source, *degrees, names)
+    told = " and ".join(f"'{name}' ({unit or 'no units'})" for name, unit in zip(names, units))
+    raise InputError(
+        f"{source.path}: the axes {told} are neither lengths nor longitude and latitude; say what they are: "
+        f"--attribute '{names[0]}:units=m' or '{names[0]}:units=degrees_east', and so '{names[1]}'"
+    )
 
 
 def _on_earth(source, longitude, latitude, names):
@@ -192,27 +179,23 @@ def _on_earth(source, longitude, latitude, names):
 
 def _longitude_latitude(source, field, dimensions):
     """Longitude and latitude (y, x) of a field: the variables that it names, else those on its dimensions."""
-    data = source.data
-    declared = re.sub(r"\w+:", " ", data.text(field, "coordinates")).split() + [field]
-    candidates = sorted(data.variables, key=lambda name: name not in declared)
+    text, variables = source.data.text, source.data.variables
+    declared = re.sub(r"\w+:", " ", text(field, "coordinates")).split() + [field]
+    candidates = sorted(variables, key=lambda name: name not in declared)
+    candidates = [name for name in candidates if variables[name].dims[-2:] == dimensions and variables[name].ndim < 4]
     found = []
-    for kind, standard, start in (LONGITUDE, "longitude", "lon"), (LATITUDE, "latitude", "lat"):
-
+    for kind, standard, start in (LONGITUDE, "longitude", "lon"), (LATITUDE, "latitude", "lat"): 
         def is_it(name, kind=kind, standard=standard, start=start):
-            if data.variables[name].dims[-2:] != dimensions or data.variables[name].ndim > 3:
-                return False
-            said = data.text(name, "standard_name"), data.text(name, "units")
-            return (
-                said[0] == standard
-                or not said[0]
-                and (re.fullmatch(kind, said[1], re.I) or not said[1] and re.search(start, name, re.I))
+            said, unit = text(name, "standard_name"), text(name, "units")
+            return said == standard or not said and (
+                re.fullmatch(kind, unit, re.I) or not unit and re.search(start, name, re.I)
             )
 
         name = next(filter(is_it, candidates), None)
         if name is None:
             return None
         values = source.place(name, 0)
-        if not data.text(name, "units") and abs(values).max() < 7:
+        if not text(name, "units") and abs(values).max() < 7:
             raise InputError(f"{source.path}: '{name}' has no units; say which: --attribute '{name}:units=degrees'")
         found.append(source.in_unit(name, values, "degree", "degrees", standard))
     return [values.reshape(-1, *values.shape[-2:])[0] for values in found]

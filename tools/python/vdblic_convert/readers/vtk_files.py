@@ -8,13 +8,8 @@ from ..errors import InputError, needed
 from ..vtk_data import arrays_of, blocks_of, bridge, check_cells, errors_of, merged, model
 from . import Source
 
-PARTS = {
-    ".pvti": "ImageData",
-    ".pvtr": "RectilinearGrid",
-    ".pvts": "StructuredGrid",
-    ".pvtu": "UnstructuredGrid",
-    ".pvtp": "PolyData",
-}
+PARTS = {".pvti": "ImageData", ".pvtr": "RectilinearGrid", ".pvts": "StructuredGrid", ".pvtu": "UnstructuredGrid",
+         ".pvtp": "PolyData"}  # fmt: skip
 TIME_ARRAYS = ("TimeValue", "TIME", "time")
 
 
@@ -66,9 +61,8 @@ def read_file(path, notes):
     for block in blocks_of(data):
         if block.IsA("vtkImageData"):  # a plane may have no spacing across it
             spacing = block.GetSpacing()
-            thin = [n == 1 and size == 0 for n, size in zip(block.GetDimensions(), spacing)]
             usual = min((size for size in spacing if size > 0), default=1.0)
-            block.SetSpacing([usual if flat else size for flat, size in zip(thin, spacing)])
+            block.SetSpacing([size or (usual if n == 1 else 0) for n, size in zip(block.GetDimensions(), spacing)])
     if path.suffix.lower() == ".pvtu" and data.GetCellData().GetNumberOfArrays():  # the pieces' points are apart
         whole, data = data, merged([data], list(arrays_of(data)))
         data.GetFieldData().ShallowCopy(whole.GetFieldData())
@@ -144,10 +138,9 @@ class PvdFile(VtkSource):
     """A list of files with their times; the files of one time are parts of one data set, or the last of one part."""
 
     def __init__(self, path):
-        entries = _listed(path)
+        entries, steps, notes = _listed(path), {}, []
         if not entries:
             raise InputError(f"{path}: the list names no files")
-        steps, notes = {}, []
         for time, part, file in entries:
             if not file.is_file():
                 raise InputError(f"{path}: the list names {file}, which does not exist")
@@ -156,9 +149,10 @@ class PvdFile(VtkSource):
             if key in files:
                 notes.append(f"{path}: {time:g} s is listed twice; {file.name} is taken")
             files[key] = file
-        order = list(steps) if entries[0][0] is None else sorted(steps)
+        timeless = entries[0][0] is None
+        order = list(steps) if timeless else sorted(steps)
         self._parts = [list(steps[step].values()) for step in order]
-        super().__init__(path, [None] * len(order) if entries[0][0] is None else order, notes)
+        super().__init__(path, [None] * len(order) if timeless else order, notes)
 
     def load(self, step):
         parts = [read_file(part, self._notes) for part in self._parts[step]]

@@ -1,5 +1,6 @@
 """Whether files are as long as their headers say. Libraries read zeros for what a truncated file lacks, or loop."""
 
+import math
 import os
 import struct
 
@@ -50,61 +51,35 @@ def _end_of_adf(file):
 
 
 def _end_of_netcdf(file):
-    file.seek(3)
-    return _Header(file).end()
+    """The byte after the last value, by the lists of the header in the order of the format (NetCDF Users Guide, B)."""
+    version = _number(file, "B", 3)
+    count = lambda: _number(file, ">Q" if version == 5 else ">I")
+    skip = lambda size: file.seek(size + -size % 4, os.SEEK_CUR)
+
+    def entries(read):
+        """The entries of a list, each after its name."""
+        _number(file, ">I")  # what kind of list it is
+        return [(skip(count()), read())[1] for _ in range(count())]
+
+    def attributes():
+        entries(lambda: skip(WIDTHS[_number(file, ">I")] * count()))
+
+    def variable():
+        """The place of its first value, the bytes of all of them or of a record's, and whether there are records."""
+        lengths = [dimensions[count()] for _ in range(count())]
+        attributes()
+        width, _ = WIDTHS[_number(file, ">I")], count()  # the size is cut off where it does not fit
+        begin, of_records = _number(file, ">I" if version == 1 else ">Q"), lengths[:1] == [0]
+        return begin, width * math.prod(lengths[of_records:]), of_records
+
+    records, dimensions = count(), entries(count)
+    attributes()
+    variables = entries(variable)
+    sizes = [size for _, size, of_records in variables if of_records]
+    step = sum(size + -size % 4 for size in sizes) if len(sizes) > 1 else sum(sizes)
+    records = 0 if records in STREAMING else records
+    ends = [begin + size + (records - 1) * step * moves for begin, size, moves in variables if records or not moves]
+    return max([0, *ends])
 
 
 FORMS = {"NetCDF": (0, b"CDF", _end_of_netcdf), "HDF5": (0, HDF5, _end_of_hdf5), "ADF": (4, ADF, _end_of_adf)}
-
-
-class _Header:
-    """A header of NetCDF: its lists, in the order of the format (NetCDF Users Guide, appendix B)."""
-
-    def __init__(self, file):
-        self._file = file
-        self._version = _number(file, "B")
-        self._records = self._count()
-        self._dimensions = self._list(self._count)
-        self._attributes()
-        self._variables = self._list(self._variable)
-
-    def end(self):
-        """The byte after the last value."""
-        if self._records in STREAMING:
-            self._records = 0
-        fixed = [begin + size for begin, size, of_records in self._variables if not of_records]
-        records = [(begin, size) for begin, size, of_records in self._variables if of_records]
-        step = sum(size + -size % 4 for _, size in records) if len(records) > 1 else sum(size for _, size in records)
-        last = [begin + (self._records - 1) * step + size for begin, size in records if self._records]
-        return max([0, *fixed, *last])
-
-    def _variable(self):
-        """The place of its first value, the bytes of all of them or of a record's, and whether there are records."""
-        lengths = [self._dimensions[self._count()] for _ in range(self._count())]
-        self._attributes()
-        size = WIDTHS[_number(self._file, ">I")]
-        self._count()  # the size, which is cut off where it does not fit
-        begin = _number(self._file, ">I" if self._version == 1 else ">Q")
-        of_records = lengths[:1] == [0]
-        for length in lengths[of_records:]:
-            size *= length
-        return begin, size, of_records
-
-    def _attributes(self):
-        self._list(lambda: self._skip(WIDTHS[_number(self._file, ">I")] * self._count()))
-
-    def _list(self, read):
-        """The entries of a list, each after its name."""
-        _number(self._file, ">I")  # what kind of list it is
-
-        def entry():
-            self._skip(self._count())
-            return read()
-
-        return [entry() for _ in range(self._count())]
-
-    def _count(self):
-        return _number(self._file, ">Q" if self._version == 5 else ">I")
-
-    def _skip(self, count):
-        self._file.seek(count + -count % 4, os.SEEK_CUR)
