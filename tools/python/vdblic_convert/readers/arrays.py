@@ -7,12 +7,10 @@ of vdblic_export: [x, y, z] or [time, x, y, z], with the components of a vector 
 not finite are left out.
 """
 
-import tokenize
-import zipfile
-
 import numpy
 
-from ..errors import InputError, needed
+from ..errors import InputError, ParameterError, needed
+from ..stop import Stopped
 from ..velocity import VECTORS
 from ..vtk_data import add_array, model
 from . import Source
@@ -29,23 +27,14 @@ def open_source(path, options):
         if path.suffix.lower() in NUMPY:
             loaded = numpy.load(path, mmap_mode="r", allow_pickle=False)
             arrays = {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
+            arrays = {name: array for name, array in arrays.items() if isinstance(array, numpy.ndarray)}
         else:
             arrays = _of_hdf5(path)
-    except InputError:
+    except (InputError, ParameterError, Stopped):
         raise
-    except (
-        OSError,
-        ValueError,
-        TypeError,
-        OverflowError,
-        MemoryError,
-        EOFError,
-        zipfile.BadZipFile,
-        KeyError,
-        tokenize.TokenError,
-    ) as error:
+    except Exception as error:  # pylint: disable=broad-except # of parsers, compilers and decompressors
         form = "NumPy's arrays" if path.suffix.lower() in NUMPY else "HDF5"
-        raise InputError(f"{path}: cannot be read as {form}: {error}") from None
+        raise InputError(f"{path}: cannot be read as {form}: {error!s:.300}") from None
     try:
         return ArrayFile(path, arrays, options.layout)
     except InputError:
@@ -99,6 +88,12 @@ class ArrayFile(Source):
         alike = [numpy.shape(axis) == (size,) for axis, size in zip(self._axes, self._shape)]
         if not all(alike) or "voxel_size" in self._place or "matrix" in self._place:
             self._axes = None
+        else:
+            self._axes = [numpy.array(axis, float) for axis in self._axes]
+            for name, axis in zip("xyz", self._axes):
+                steps_along = numpy.diff(axis)
+                if not (numpy.isfinite(axis).all() and ((steps_along > 0).all() or (steps_along < 0).all())):
+                    raise InputError(f"{path}: the axis '{name}' neither rises nor falls from each value to the next")
         self._mask(path)
         times = numpy.ravel(self._place.get("time", []))
         if times.dtype.kind == "M":
@@ -123,7 +118,7 @@ class ArrayFile(Source):
         fields = {name: self._field(name, step) for name in names}
         if self._axes:
             fields = {name: (v[..., 0] if v.shape[3] == 1 else v).swapaxes(0, 2) for name, v in fields.items()}
-            return grid_of(*(numpy.array(axis, float) for axis in self._axes), fields)
+            return grid_of(*self._axes, fields)
         image = model.vtkImageData()
         image.SetDimensions(*self._shape)
         self._put(image)
@@ -159,14 +154,20 @@ class ArrayFile(Source):
             spacing = numpy.broadcast_to(numpy.array(self._place.get("voxel_size", 1), float), 3)
             origin = numpy.broadcast_to(numpy.array(self._place.get("origin", 0), float), 3)
             if matrix is not None:
+                if matrix.shape != (4, 4):
+                    raise ValueError(matrix.shape)
                 spacing, origin = numpy.linalg.norm(matrix[:3, :3], axis=0), matrix[:3, 3]
-                image.SetDirectionMatrix(*(matrix[:3, :3] / spacing).ravel())
-        except (ValueError, IndexError):
+        except (ValueError, TypeError):
             raise InputError(
                 f"{self.path}: 'origin' and 'voxel_size' have one or three numbers, 'matrix' 4 x 4"
             ) from None
         if not ((spacing > 0).all() and numpy.isfinite([*spacing, *origin]).all()):
             raise InputError(f"{self.path}: voxels of {spacing} at {origin} have no size or no place")
+        if matrix is not None:
+            turn = matrix[:3, :3] / spacing
+            if abs(numpy.linalg.det(turn)) < 1e-12:
+                raise InputError(f"{self.path}: 'matrix' flattens space")
+            image.SetDirectionMatrix(*turn.ravel())
         image.SetSpacing(*spacing)
         image.SetOrigin(*origin)
 
