@@ -2,7 +2,9 @@
 
 import pickle
 import shutil
+import struct
 import unittest
+import zipfile
 
 import netCDF4
 import numpy
@@ -177,6 +179,38 @@ class Truncated(ImportTest):
             numpy.savez(self.folder / "a.npz", **({"velocity": numpy.ones((8, 8, 8, 3)), "voxel_size": 1} | {name: numpy.ones(shape)}))
             with self.subTest(name, shape=shape):
                 self.assertIn("a.npz: ", self.refuses(3, "a.npz", "-o", "v.vdb"))
+
+    def test_the_place_in_arrays_of_numpy(self):
+        """Of types and shapes that are no place, and matrices that are none."""
+        values, whole = numpy.ones((8, 8, 8, 3)), numpy.zeros(8, [("a", "f4"), ("b", "i4")])
+        axes = dict.fromkeys("xyz", numpy.arange(8.0))
+        for place in ({"voxel_size": whole}, {"origin": whole, "voxel_size": 1}, {"matrix": whole},
+                      {"matrix": numpy.ones((4, 4, 4))}, {"matrix": numpy.ones((4, 4))}, axes | {"x": numpy.array(list("abcdefgh"))},
+                      axes | {"y": numpy.zeros(8, "V1")}, axes | {"z": numpy.array([0, 1, 2, 3, numpy.nan, 5, 6, 7])},
+                      axes | {"x": numpy.array([0, 1, 2, 2, 2, 5, 6, 7.0])}):
+            numpy.savez(self.folder / "a.npz", velocity=values, **place)
+            with self.subTest(place):
+                self.assertIn("a.npz: ", self.refuses(3, "a.npz", "-o", "v.vdb"))
+
+    def test_headers_and_archives_that_numpy_stumbles_over(self):
+        def of(header):
+            return b"\x93NUMPY\x02\0" + struct.pack("<I", len(header)) + header
+
+        numpy.savez_compressed(self.folder / "a.npz", velocity=numpy.ones((8, 8, 8, 3)))
+        good = self.contents("a.npz")
+        begin, entry = good.index(b"velocity.npy") + 32, good.index(b"PK\x01\x02")
+        garbage = good[:begin] + b"\xff" * 40 + good[begin + 40:]
+        unknown, locked = (good[:entry + at] + bytes((number, 0)) + good[entry + at + 2:] for at, number in ((10, 97), (8, 1)))
+        with zipfile.ZipFile(self.folder / "z.zip", "w") as archive:
+            archive.writestr("velocity.npy", b"no array")
+        for name, data in (("a.npy", of(b"1+" * 3000 + b"1\n")), ("a.npy", of(b"-" * 5000 + b"1\n")),
+                           ("a.npy", of(b"{'descr': '<f4', 'fortran_order': False, 'shape': (" + b"9" * 4000 + b",)}\n")),
+                           ("a.npz", garbage), ("a.npz", unknown), ("a.npz", locked), ("a.npz", self.contents("z.zip"))):
+            (self.folder / name).write_bytes(data)
+            with self.subTest(data[:60]):
+                message = self.refuses(3, name, "-o", "v.vdb", "--layout", "xyzc")
+                self.assertIn(f"{name}: ", message)
+                self.assertLess(len(message), 1000)
 
     def test_other_forms(self):
         flows.write_vtk(flows.image(), self.folder / "a.vti")

@@ -165,8 +165,8 @@ class Limits(ToolTest):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 32, 32, 32, "--frames", "1-3")
         self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "n.vdb")
 
-    def jobs(self, begin):
-        for command in self.JOBS:
+    def jobs(self, begin, *others):
+        for command in (*self.JOBS, *others):
             if command[0].removeprefix("vdblic_") in TOOLS:
                 yield [str(word).replace("{}", begin) for word in command]
 
@@ -217,6 +217,20 @@ class Limits(ToolTest):
                         continue
                     self.assertIn(run.returncode, (0, 3), run.stderr)
                     self.assertEqual(run.returncode == 3, "error:" in run.stderr)
+
+    def test_small_stacks(self):
+        """Threads get as much as the user allows them (ulimit -s); here it is a 32nd of the usual."""
+        small = lambda: resource.setrlimit(resource.RLIMIT_STACK, (256 << 10,) * 2)
+        others = [("vdblic_advect", "v.0001.vdb", "-o", f"{{}}{method}.vdb", "--preroll", 1, "--method", method)
+                  for method in ("auflic-2004", "uflic", "lic", "streaks", "ibfv", "lea", "ufac")]
+        others.append(("vdblic_film", "v.%04d.vdb", "-o", "{}film.png", "--size", 32, 24, "--preview"))
+        for whole, command in zip(self.jobs("whole.", *others), self.jobs("small.", *others)):
+            with self.subTest(command=command):
+                expected = [path.read_bytes() for path in self.outputs(*whole)]
+                found = [path.read_bytes() for path in self.outputs(*command, preexec_fn=small)]
+                self.assertEqual(len(found), len(expected))
+                if not command[-1].endswith(".json"):
+                    self.assertTrue(found == expected, "other bytes")
 
 
 if __name__ == "__main__":

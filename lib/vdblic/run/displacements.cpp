@@ -30,7 +30,7 @@ void Displacements::add(const VelocityFrame& frame, double interval)
     const openvdb::tree::LeafManager<const openvdb::Vec3STree> leaves(tree);
     constexpr std::size_t kGrain = 256; // leaves: far more work than adding up counts
     mCounts = added(mCounts, tbb::parallel_reduce(
-                                 leaves.leafRange(kGrain), Counts{},
+                                 leaves.leafRange(kGrain), Counts(kSteps),
                                  [&](const auto& range, Counts counts) {
                                      for (auto leaf = range.begin(); leaf; ++leaf) {
                                          paging::breathe(paging::kLeafBytes);

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace vdblic {
 
@@ -25,9 +25,9 @@ class Displacements {
     // Squares are counted by the sign-free upper bits of a float: 32 steps between two powers of two.
     static constexpr int kDroppedBits = 18;
     static constexpr std::size_t kSteps = 0x7f800000u >> kDroppedBits; // below infinity
-    using Counts = std::array<std::uint64_t, kSteps>;
+    using Counts = std::vector<std::uint64_t>; // not an array: there is one for each task, and stacks may be small
 
-    Counts mCounts{};
+    Counts mCounts = Counts(kSteps);
 };
 
 } // namespace vdblic

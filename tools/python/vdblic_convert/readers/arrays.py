@@ -7,12 +7,10 @@ of vdblic_export: [x, y, z] or [time, x, y, z], with the components of a vector 
 not finite are left out.
 """
 
-import tokenize
-import zipfile
-
 import numpy
 
-from ..errors import InputError, needed
+from ..errors import InputError, ParameterError, needed
+from ..stop import Stopped
 from ..velocity import VECTORS
 from ..vtk_data import add_array, model
 from . import Source
@@ -22,18 +20,17 @@ from .whole_files import check_whole
 FORM = ("origin", "voxel_size", "matrix", "active")  # which only files in the form of vdblic_export have
 PLACE = ("time", "frame", "dt", *FORM)
 NUMPY = ".npy", ".npz"
-DAMAGES = OSError, ValueError, TypeError, OverflowError, MemoryError, EOFError, KeyError
-DAMAGES += zipfile.BadZipFile, tokenize.TokenError
 
 
 def open_source(path, options):
     numpys = path.suffix.lower() in NUMPY
     try:
         arrays = _of_numpy(path) if numpys else _of_hdf5(path)
-    except DAMAGES as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: cannot be read as {'NumPy' if numpys else 'HDF5'}'s arrays: {error}") from None
+    except (InputError, ParameterError, Stopped):
+        raise
+    except Exception as error:  # pylint: disable=broad-except # of parsers, compilers and decompressors
+        form = "NumPy's arrays" if numpys else "HDF5"
+        raise InputError(f"{path}: cannot be read as {form}: {error!s:.300}") from None
     try:
         return ArrayFile(path, arrays, options.layout)
     except (ValueError, TypeError) as error:
@@ -44,7 +41,8 @@ def open_source(path, options):
 
 def _of_numpy(path):
     loaded = numpy.load(path, mmap_mode="r", allow_pickle=False)
-    return {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
+    arrays = {name: loaded[name] for name in loaded.files} if hasattr(loaded, "files") else {"velocity": loaded}
+    return {name: array for name, array in arrays.items() if isinstance(array, numpy.ndarray)}
 
 
 def _of_hdf5(path):
@@ -89,7 +87,13 @@ class ArrayFile(Source):
         if not (steps > 0 and all(size > 0 for size in self._shape)):
             raise InputError(f"{path}: the fields have no values: their shape is {self._shape}, with {steps} steps")
         alike = all(numpy.shape(axis) == (size,) for axis, size in zip(axes, self._shape))
-        self._axes = axes if alike and not {"voxel_size", "matrix"} & self._place.keys() else None
+        self._axes = None
+        if alike and not {"voxel_size", "matrix"} & self._place.keys():
+            self._axes = [numpy.array(axis, float) for axis in axes]
+            for name, axis in zip("xyz", self._axes):
+                steps_along = numpy.diff(axis)
+                if not (numpy.isfinite(axis).all() and ((steps_along > 0).all() or (steps_along < 0).all())):
+                    raise InputError(f"{path}: the axis '{name}' neither rises nor falls from each value to the next")
         self._active = numpy.asarray(self._place.get("active", numpy.ones(self._shape, bool)), bool)
         if self._active.shape != self._shape:
             raise InputError(f"{path}: 'active' has the shape {self._active.shape}, the fields {self._shape}")
@@ -114,7 +118,7 @@ class ArrayFile(Source):
     def read(self, step, names):
         fields = {name: self._field(name, step) for name in names}
         if self._axes:
-            return grid_of(*(numpy.array(axis, float) for axis in self._axes), fields)
+            return grid_of(*self._axes, fields)
         image = model.vtkImageData()
         image.SetDimensions(*self._shape)
         self._put(image)
@@ -142,14 +146,20 @@ class ArrayFile(Source):
             spacing = numpy.broadcast_to(numpy.array(self._place.get("voxel_size", 1), float), 3)
             origin = numpy.broadcast_to(numpy.array(self._place.get("origin", 0), float), 3)
             if matrix is not None:
+                if matrix.shape != (4, 4):
+                    raise ValueError(matrix.shape)
                 spacing, origin = numpy.linalg.norm(matrix[:3, :3], axis=0), matrix[:3, 3]
-                image.SetDirectionMatrix(*(matrix[:3, :3] / spacing).ravel())
-        except (ValueError, IndexError):
+        except (ValueError, TypeError):
             raise InputError(
                 f"{self.path}: 'origin' and 'voxel_size' have one or three numbers, 'matrix' 4 x 4"
             ) from None
         if not ((spacing > 0).all() and numpy.isfinite([*spacing, *origin]).all()):
             raise InputError(f"{self.path}: voxels of {spacing} at {origin} have no size or no place")
+        if matrix is not None:
+            turn = matrix[:3, :3] / spacing
+            if abs(numpy.linalg.det(turn)) < 1e-12:
+                raise InputError(f"{self.path}: 'matrix' flattens space")
+            image.SetDirectionMatrix(*turn.ravel())
         image.SetSpacing(*spacing)
         image.SetOrigin(*origin)
 
