@@ -165,6 +165,16 @@ class ForeignTexts(ToolTest):
         vdblic.write(self.folder / "w.vdb", vdblic.Grid(values, origin=(999999997, -1000000000, 0)))
         self.assertEqual(vdblic.read(self.folder / "w.vdb").grids[0].values.sum(), 64)
 
+    @unittest.skipUnless(HAS_MODULE, "the module is not built, or a sanitized one")
+    def test_metadata_of_one_name_in_two_types(self):
+        grid = vdb.FloatGrid()
+        grid.fill((0, 0, 0), (7, 7, 7), 0.5)
+        grid.name, grid["note"], grid["time"] = "density", "of the grid", "noon"
+        vdb.write(str(self.folder / "f.vdb"), grids=[grid], metadata={"note": 5, "time": 0.5})
+        self.says("vdblic_export", "f.vdb", "-o", "f.npz")
+        with numpy.load(self.folder / "f.npz") as arrays:
+            self.assertEqual(arrays["time"], 0.5)
+
 
 def shown_like(text, name):
     """Whether an attribute of XML shows a name: as it is, or with what no XML has escaped."""
