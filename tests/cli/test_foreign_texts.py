@@ -162,6 +162,12 @@ class ForeignTexts(ToolTest):
             with self.subTest(words), self.assertRaisesRegex(ValueError, words):
                 vdblic.write(self.folder / "w.vdb", vdblic.Grid(values, **grid), metadata)
             self.assertFalse((self.folder / "w.vdb").exists())
+        for path in "w\0.vdb", "\ud800.vdb":
+            for call in (lambda: vdblic.write(path, vdblic.Grid(values)), lambda: vdblic.read(path),
+                         lambda: vdblic.diff(path, "w.vdb"), lambda: vdblic.coherence("w.vdb", path),
+                         lambda: next(vdblic.advect(path)), lambda: vdblic.Renderer(transfer=path)):
+                with self.subTest(repr(path)), self.assertRaises(ValueError):
+                    call()
         vdblic.write(self.folder / "w.vdb", vdblic.Grid(values, origin=(999999997, -1000000000, 0)))
         self.assertEqual(vdblic.read(self.folder / "w.vdb").grids[0].values.sum(), 64)
 
