@@ -181,6 +181,19 @@ class ForeignTexts(ToolTest):
         with numpy.load(self.folder / "f.npz") as arrays:
             self.assertEqual(arrays["time"], 0.5)
 
+    @unittest.skipUnless(HAS_MODULE, "the module is not built, or a sanitized one")
+    def test_metadata_that_openvdb_calls_its_own(self):
+        sys.path.insert(0, str(MODULE))
+        import vdblic
+
+        own = "vector_type", "file_bbox_min", "file_compression", "file_delayed_load", "file_mem_bytes", "name"
+        values = numpy.ones((4, 4, 4, 3), numpy.float32)
+        for value in 5, "text", (1, 2, 3):
+            grid = vdblic.Grid(values, name="velocity", metadata=dict.fromkeys(own, value))
+            with self.subTest(value):
+                vdblic.write(self.folder / "own.vdb", grid)
+                numpy.testing.assert_equal(vdblic.read(self.folder / "own.vdb")["velocity"].values, values)
+
 
 def shown_like(text, name):
     """Whether an attribute of XML shows a name: as it is, or with what no XML has escaped."""
