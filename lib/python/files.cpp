@@ -133,9 +133,15 @@ std::vector<std::pair<std::int64_t, std::filesystem::path>> filesOf(const Sequen
 py::dict metadataOf(const VdbFile& file)
 {
     openvdb::MetaMap found;
+    const auto replace = [&](const openvdb::MetaMap& by) {
+        for (auto entry = by.beginMeta(); entry != by.endMeta(); ++entry) {
+            found.removeMeta(entry->first); // OpenVDB throws where the types differ
+            found.insertMeta(entry->first, *entry->second);
+        }
+    };
     for (std::size_t i = file.grids.size(); i > 0; --i)
-        found.insertMeta(*file.grids[i - 1]);
-    found.insertMeta(file.metadata);
+        replace(*file.grids[i - 1]);
+    replace(file.metadata);
     return toDictionary(found);
 }
 

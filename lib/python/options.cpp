@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include "text.h"
 #include "vdblic/core/errors.h"
 
 #include <fmt/ranges.h>
@@ -41,7 +42,9 @@ std::string wordOf(const Parameter& parameter, const py::handle& given)
     const bool hasWord =
         py::isinstance<py::str>(value) || PyNumber_Check(value.ptr()) != 0 || py::hasattr(value, "__fspath__");
     if (isList(value) || !hasWord) throw refusal(parameter, given);
-    return py::str(value).cast<std::string>();
+    std::string word = fromText(py::str(value));
+    if (word.find('\0') != std::string::npos) throw refusal(parameter, given); // a path would end there
+    return word;
 }
 
 void addWords(const Parameter& parameter, const py::handle& value, Words& words)
@@ -84,7 +87,7 @@ void setFrom(const py::dict& keywords, const Parameters& parameters)
 {
     std::map<std::string, Words> given;
     for (const auto& [name, value] : keywords) {
-        const auto key = name.cast<std::string>();
+        const std::string key = fromText(py::str(name));
         const Parameter* const parameter = find(parameters, key);
         if (!parameter) throw ParameterError(fmt::format("there is no parameter `{}`", key));
         if (!value.is_none()) given[key] = wordsOf(*parameter, value);

@@ -162,8 +162,37 @@ class ForeignTexts(ToolTest):
             with self.subTest(words), self.assertRaisesRegex(ValueError, words):
                 vdblic.write(self.folder / "w.vdb", vdblic.Grid(values, **grid), metadata)
             self.assertFalse((self.folder / "w.vdb").exists())
+        for path in "w\0.vdb", "\ud800.vdb":
+            for call in (lambda: vdblic.write(path, vdblic.Grid(values)), lambda: vdblic.read(path),
+                         lambda: vdblic.diff(path, "w.vdb"), lambda: vdblic.coherence("w.vdb", path),
+                         lambda: next(vdblic.advect(path)), lambda: vdblic.Renderer(transfer=path)):
+                with self.subTest(repr(path)), self.assertRaises(ValueError):
+                    call()
         vdblic.write(self.folder / "w.vdb", vdblic.Grid(values, origin=(999999997, -1000000000, 0)))
         self.assertEqual(vdblic.read(self.folder / "w.vdb").grids[0].values.sum(), 64)
+
+    @unittest.skipUnless(HAS_MODULE, "the module is not built, or a sanitized one")
+    def test_metadata_of_one_name_in_two_types(self):
+        grid = vdb.FloatGrid()
+        grid.fill((0, 0, 0), (7, 7, 7), 0.5)
+        grid.name, grid["note"], grid["time"] = "density", "of the grid", "noon"
+        vdb.write(str(self.folder / "f.vdb"), grids=[grid], metadata={"note": 5, "time": 0.5})
+        self.says("vdblic_export", "f.vdb", "-o", "f.npz")
+        with numpy.load(self.folder / "f.npz") as arrays:
+            self.assertEqual(arrays["time"], 0.5)
+
+    @unittest.skipUnless(HAS_MODULE, "the module is not built, or a sanitized one")
+    def test_metadata_that_openvdb_calls_its_own(self):
+        sys.path.insert(0, str(MODULE))
+        import vdblic
+
+        own = "vector_type", "file_bbox_min", "file_compression", "file_delayed_load", "file_mem_bytes", "name"
+        values = numpy.ones((4, 4, 4, 3), numpy.float32)
+        for value in 5, "text", (1, 2, 3):
+            grid = vdblic.Grid(values, name="velocity", metadata=dict.fromkeys(own, value))
+            with self.subTest(value):
+                vdblic.write(self.folder / "own.vdb", grid)
+                numpy.testing.assert_equal(vdblic.read(self.folder / "own.vdb")["velocity"].values, values)
 
 
 def shown_like(text, name):

@@ -8,7 +8,7 @@ from typing import Any
 
 from . import _core
 from .parameters import checked, described
-from .volumes import Volume, as_dictionaries
+from .volumes import Volume, as_dictionaries, path_of
 
 Source = str | os.PathLike | Volume
 
@@ -33,12 +33,12 @@ def coherence(velocity: str | os.PathLike, texture: str | os.PathLike, /, **opti
 {parameters}
     """
     options = checked("coherence", options, COHERENCE_OPTIONS)
-    return json.loads(_core.coherence(os.fspath(velocity), os.fspath(texture), options))
+    return json.loads(_core.coherence(path_of(velocity), path_of(texture), options))
 
 
 def _source(source):
     """A path, or the grids and the metadata of a volume."""
-    return (as_dictionaries(source.grids), source.metadata) if isinstance(source, Volume) else os.fspath(source)
+    return (as_dictionaries(source.grids), source.metadata) if isinstance(source, Volume) else path_of(source)
 
 
 DIFF_OPTIONS = described(diff, _core.parameters("diff"), without=("a", "b", "output", "skip_existing", "json"))

@@ -112,7 +112,7 @@ def read(path: str | os.PathLike) -> Volume:
 
     Arrays cover the box of the grid's active voxels. Raises ValueError for a file that is missing or damaged.
     """
-    grids, metadata = _core.read(os.fspath(path))
+    grids, metadata = _core.read(path_of(path))
     return Volume((Grid(**grid) for grid in grids), metadata)
 
 
@@ -131,7 +131,7 @@ def write(
     """
     volume = grids if isinstance(grids, Volume) else Volume([grids] if isinstance(grids, Grid) else grids)
     _core.write(
-        os.fspath(path), as_dictionaries(volume.grids), volume.metadata | dict(metadata or {}), compression, half
+        path_of(path), as_dictionaries(volume.grids), volume.metadata | dict(metadata or {}), compression, half
     )
 
 
@@ -170,6 +170,14 @@ def as_volume(data: Any, *, voxel_size: float | Sequence[float] = 1.0) -> Volume
         raise ValueError(f"{what} is no field; a field is numbers (x, y, z) or (x, y, z, 3)")
     name = "density" if values.ndim == 3 else "velocity"
     return Volume([Grid(values, transform=numpy.diag([*lengths, 1.0]), name=name)])
+
+
+def path_of(path: str | os.PathLike) -> bytes:
+    """A path as the library's side takes it. Raises ValueError for a text that can be none."""
+    name = os.fsencode(path)
+    if b"\0" in name:
+        raise ValueError(f"{path!r:.100} is no path: it holds a null character")
+    return name
 
 
 def lengths_of(voxel_size: float | Sequence[float]) -> Array:

@@ -12,6 +12,7 @@ void insertLeafList(openvdb::MetaMap& grid, const StoredLeaves& leaves)
         list.setMask(i, leaves.kinds[i]);
     for (std::size_t i = 0; i < leaves.sizes.size(); ++i)
         list.setCompressedSize(i, leaves.sizes[i]);
+    grid.removeMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD); // may be of another type
     grid.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, list);
 }
 

@@ -163,6 +163,7 @@ void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::G
         const std::size_t values = leaves.kinds.size() * LeafFormat::kVoxels * sizeof(float);
         head->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES, openvdb::Int64Metadata(std::int64_t(nodes + values)));
     }
+    head->removeMeta(openvdb::GridBase::META_FILE_COMPRESSION); // may be of another type
     head->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION,
                      openvdb::StringMetadata(vdb_io::compressionToString(flags)));
     head->writeMeta(stream);
