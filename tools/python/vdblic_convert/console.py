@@ -14,7 +14,7 @@ class ClosedPipe(Exception):
 
 
 def printable(text):
-    """A text that may have come from a file, as one line: what controls a terminal and what is no character is escaped."""
+    """A text, maybe from a file, as one line: control characters and bytes that are no character are escaped."""
     return "".join(c if c.isprintable() else _escape(c) for c in text)
 
 

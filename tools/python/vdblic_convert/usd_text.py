@@ -47,7 +47,7 @@ def asset(path, layer):
 
 
 def identifier(name, taken):
-    """A name for a prim, unlike those `taken`, to which it is added."""
+    """A new name for a prim, added to the names `taken`."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
     plain = plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
     result, count = plain, 1

@@ -145,7 +145,7 @@ def z_by_variable(source, dimensions, full, step, there):
 
 
 def _half_levels(source, dimensions, step):
-    """Means of the heights between levels (HHL), of which there is one more than levels."""
+    """Means of the heights between levels (HHL), which are one more than the levels."""
     sizes = source.data.sizes
     for name, variable in source.data.variables.items():
         space = [d for d in variable.dims if sizes[d] > 1 and d != source.time]

@@ -205,7 +205,7 @@ class MeshFile(Gridded):
         return x, y, keep
 
     def _heights(self, step, place, levels, count, x, y):
-        """Heights (levels, nodes): those of values at nodes, or those of the faces between the layers."""
+        """Heights (levels, nodes) of values at nodes, or of the faces between the layers."""
         between = place != self._node
         nodes = self.data.sizes[self._node]
         if levels is None:
@@ -258,6 +258,6 @@ class MeshFile(Gridded):
 
 
 def _edges(z):
-    """Heights half way between those of layers, and as far beyond the outer ones."""
+    """Heights half way between the layers', and as far beyond the outer ones."""
     middle = (z[1:] + z[:-1]) / 2
     return numpy.concatenate([z[:1] - (middle[:1] - z[:1]), middle, z[-1:] + (z[-1:] - middle[-1:])])
