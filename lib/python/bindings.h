@@ -19,8 +19,4 @@ void bindGridHeaders(pybind11::module_& module);
 /// Add `write_levels`, which makes coarser copies of a file.
 void bindLevels(pybind11::module_& module);
 
-/// Add `CameraFile(path)`, the key frames of a camera (docs/formats.md), whose `at(frame)` is a dictionary of
-/// those that the file sets among `eye`, `target`, `up`, `fov` (vertical, degrees) and `height`.
-void bindCameraFile(pybind11::module_& module);
-
 } // namespace vdblic::python
