@@ -12,7 +12,19 @@ int main(int argc, char** argv)
     const cli::Ranks ranks = cli::startRanks(argc, argv);
     cli::Tool tool(ranks.toolName("vdblic_advect"), "Compute flow textures from a velocity sequence.");
     tool.share(ranks);
-    tool.options(parametersOf(params));
+    tool.options(parametersOf(params),
+                 {{"Input", {"frames", "clamp_frames", "renumber", "steady_frames"}},
+                  {"Output", {"output", "carry", "derived", "texture_name", "scalars", "precision", "compression"}},
+                  {"Texture", {"method", "life_span", "substeps", "alpha", "refine", "noise", "seed"}},
+                  {"Streaks", {"spacing", "tail", "emit", "emit_box", "source"}},
+                  {"Velocity",
+                   {"velocity", "velocity_unit", "velocity_scale", "frame_spacing", "fps", "motion", "voxels_per_frame",
+                    "non_finite"}},
+                  {"Domain", {"mask", "box", "world_box"}},
+                  {"Run", {"json", "resume", "restart", "keep_checkpoint"}},
+                  {cli::kExpertGroup,
+                   {"release_window", "sample_spacing", "tolerance", "sharpen", "noise_share", "interpolation",
+                    "preroll", "lead_in", "finish", "checkpoint_every"}}});
     tool.reads([&] { return std::vector<SequenceParams>{params.flow.input}; });
     constexpr double kInFiles = 6; // frames of velocity and the state
     tool.usesScratch(kInFiles, [&] { return params.output; });

@@ -1,3 +1,4 @@
+#include "cli/picture_groups.h"
 #include "cli/ranks.h"
 #include "cli/shared_frames.h"
 #include "cli/tool.h"
@@ -15,7 +16,10 @@ int main(int argc, char** argv)
     const vdblic::cli::Ranks ranks = vdblic::cli::startRanks(argc, argv);
     vdblic::cli::Tool tool(ranks.toolName("vdblic_render"), "Ray cast flow textures into images.");
     tool.share(ranks);
-    tool.options(parametersOf(params));
+    tool.options(parametersOf(params),
+                 vdblic::cli::pictureGroups({{"Output",
+                                              {"output", "skip_existing", "keep_going", "aov", "precision", "histogram",
+                                               "transfer_out", "film", "fps"}}}));
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles, [&] { return params.outputs.images; });
     tool.reads([&] { return std::vector<vdblic::SequenceParams>{params.input}; });

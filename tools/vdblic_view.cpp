@@ -1,3 +1,4 @@
+#include "cli/picture_groups.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
@@ -58,10 +59,12 @@ int main(int argc, char** argv)
                    "token.")
         ->capture_default_str();
     app.add_flag("--open", open, "Open the page in a browser (xdg-open).");
-    tool.options(vdblic::joined(
-        {parametersOf(input, "TEXTURE",
-                      "Texture volumes: one file or a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>)."),
-         parametersOf(params)}));
+    tool.options(
+        vdblic::joined(
+            {parametersOf(input, "TEXTURE",
+                          "Texture volumes: one file or a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>)."),
+             parametersOf(params)}),
+        groups);
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles);
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {

@@ -26,8 +26,4 @@ void bindLevels(pybind11::module_& module);
 /// positions)` looks positions on a colour map up, in linear light.
 void bindLines(pybind11::module_& module);
 
-/// Add `CameraFile(path)`, the key frames of a camera (docs/formats.md), whose `at(frame)` is a dictionary of
-/// those that the file sets among `eye`, `target`, `up`, `fov` (vertical, degrees) and `height`.
-void bindCameraFile(pybind11::module_& module);
-
 } // namespace vdblic::python

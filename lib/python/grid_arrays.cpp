@@ -135,7 +135,7 @@ template<typename T>
 T memberOf(const py::dict& dictionary, const char* key, const char* kind)
 {
     try {
-        if constexpr (std::is_base_of_v<py::object, T>) { // of which a cast would make one of anything
+        if constexpr (std::is_base_of_v<py::object, T>) { // a cast would convert anything to it
             if (!py::isinstance<T>(dictionary[key])) throw py::cast_error();
         }
         return dictionary[key].cast<T>();
@@ -266,7 +266,7 @@ openvdb::Metadata::Ptr vectorMetadata(const py::array& numbers)
     }
 }
 
-/// A value as metadata: whole numbers of Python have 64 bits, those of NumPy their own type, vectors that of their
+/// A value as metadata: whole numbers of Python have 64 bits, numbers of NumPy their own type, vectors that of their
 /// items, but whole numbers 32 bits. Null if there is none.
 openvdb::Metadata::Ptr asMetadata(const py::handle& value)
 {

@@ -3,6 +3,7 @@
 #include "options.h"
 #include "renderer.h"
 #include "textures.h"
+#include "vdblic/camera/camera_path.h"
 #include "vdblic/coherence/coherence_report.h"
 #include "vdblic/coherence/coherence_sequence.h"
 #include "vdblic/compare/compare.h"
@@ -10,7 +11,6 @@
 #include "vdblic/core/crash_guard.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/hazard.h"
-#include "vdblic/core/startable_threads.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
 #include "vdblic/field/box_domain.h"
@@ -132,6 +132,22 @@ py::array_t<std::uint8_t> displayed(const Pixels& pixels, const std::vector<doub
     return result;
 }
 
+/// The properties of the camera that a file of key frames sets.
+py::dict cameraAt(const CameraKeys& keys, double frame)
+{
+    const CameraParams params = keys.applied({}, frame);
+    py::dict result;
+    const auto set = [&](const char* name, const std::optional<glm::dvec3>& point) {
+        if (point) result[name] = py::make_tuple(point->x, point->y, point->z);
+    };
+    set("eye", params.eye);
+    set("target", params.target);
+    set("up", params.up);
+    if (!keys.fieldOfView.empty()) result["fov"] = params.fieldOfView;
+    if (params.viewHeight) result["height"] = *params.viewHeight;
+    return result;
+}
+
 py::object synth(const std::string& flow, const BoxSize& size, double time, double voxelSize)
 {
     openvdb::Vec3SGrid::Ptr grid;
@@ -247,7 +263,9 @@ PYBIND11_MODULE(_core, module)
     openvdb::initialize();
     useStartableThreads();
     module.attr("__version__") = kVersion;
-    bindCameraFile(module);
+    pybind11::class_<CameraKeys>(module, "CameraFile", "The key frames of a camera (docs/formats.md).")
+        .def(pybind11::init([](const std::filesystem::path& path) { return readCameraKeys(path); }))
+        .def("at", &cameraAt);
     bindFiles(module);
     bindGridHeaders(module);
     bindLevels(module);

@@ -105,7 +105,6 @@ py::list described(const Parameters& parameters)
         entry["kind"] = parameter.kind();
         entry["unit"] = std::string(parameter.info.unit);
         entry["default"] = parameter.value();
-        entry["expert"] = parameter.info.isExpert;
         list.append(entry);
     }
     return list;

@@ -12,7 +12,7 @@ namespace vdblic::python {
 /// @throws ParameterError on a keyword that no parameter has, or a value of another type or out of bounds
 void setFrom(const pybind11::dict& keywords, const Parameters& parameters);
 
-/// The parameters as dictionaries of `key`, `text`, `kind`, `unit`, `default` and `expert`, for documentation.
+/// The parameters as dictionaries of `key`, `text`, `kind`, `unit` and `default`, for documentation.
 [[nodiscard]] pybind11::list described(const Parameters& parameters);
 
 } // namespace vdblic::python

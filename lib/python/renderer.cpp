@@ -33,13 +33,13 @@ Image Renderer::of(const VdbFile& volume, std::int64_t frame)
     const auto loaded =
         std::make_shared<const LoadedTexture>(loadFrame(plan, volume, {frame, volume.path}, mView ? &*mView : nullptr));
     if (!mView) {
-        const glm::ivec2 size = plan.scaledSize();
+        const glm::ivec2 size = plan.size;
         if (loaded->volume.empty())
             return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, plan.background)};
         mView = chooseView(plan, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
     }
     std::shared_ptr<const Solid> solid;
-    if (!plan.solid.source.empty())
+    if (!plan.solid.empty())
         solid = std::make_shared<const Solid>(makeSolid(plan.solid, *loaded->domain(), plan.stretch, frame));
     Picture picture(plan, *mView,
                     std::make_shared<const ShownVolume>(plan, mView->look, loaded, std::move(solid), mAlone));

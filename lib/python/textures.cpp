@@ -58,7 +58,7 @@ Textures::Textures(const py::dict& keywords, py::object frames, py::function tel
         throw ParameterError("paths on standard input are for the tools; name a file or a pattern");
     params.output = "texture.vdb"; // which is not written
     params.validate();
-    // Frames in memory are one file, as far as the run can tell.
+    // To the run, frames in memory are one file.
     if (!mFrames.is_none()) params.flow.input = {.pattern = "frames", .steadyFrames = params.flow.input.steadyFrames};
     const FramesAround around = mFrames.is_none() ? framesAround(params.flow.input) : FramesAround{};
     mPlan.emplace(resolve(std::move(params), around));

@@ -226,6 +226,8 @@ class Advect(ToolTest):
         self.assertAlmostEqual(report["steps_per_voxel"]["mean"], sum(steps) / 4, places=9)
         self.assertLess(report["steps_per_voxel"]["deviation"], 0.05 * sum(steps) / 4)
         self.assertIn("balance: ", run.stderr)
+        for line in "plan: --frames 1-4 (given)", "plan: --preroll 4 (chosen)", "plan: --finish 2 (chosen)":
+            self.assertIn(line, run.stderr)
 
     def test_a_report_that_cannot_be_written_fails_at_once(self):
         message = self.fails(4, "vdblic_advect", WAKE, "-o", "lic.%04d.vdb", "--frames", "1-2", "--json", "no/run.json")

@@ -69,13 +69,7 @@ LEGAL = {
     "--exposure": {"0", "-1"},
     "--shadows": {"0"},
     "--occlusion": {"0"},
-    "--solid-color": {"0"},
-    "--ground-color": {"0"},
     "--aperture": {"0"},
-    "--ambient": {"0"},
-    "--diffuse": {"0"},
-    "--specular": {"0"},
-    "--shininess": {"0"},
     "--head-light": {"0"},
     "--halo": {"0"},
     "--light": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},  # a direction of any length, but not three zeros

@@ -135,7 +135,7 @@ class Ranks(ToolTest):
                 (2, "exr", "--aov", "all", "--look", "vortex", "--shadows", 0.7, "--samples", 2),
                 (3, "png", "--look", "flow", "--annotate", "box,axes,colorbar,time", "--solid", "domain"),
                 (3, "exr", "--look", "vortex", "--solid", "domain", "--ground", "below", "--aperture", 0.01,
-                 "--samples", 3, "--aov", "depth,normal", "--clip-plane", 0.08, 0, 0.03, 0, 1, 0.1, "--clip-solid"),
+                 "--samples", 3, "--aov", "depth,normal", "--clip-plane", 0.08, 0, 0.03, 0, 1, 0.1),
                 (4, "exr", "--look", "smoke", "--eye", 0.08, 0.01, 0.03, "--target", 0.2, 0, 0.03),
                 (5, "exr", "--look", "ink", "--by", "vorticity", "--clip-plane", 0.08, 0, 0.03, 1, 0.3, 0.1),
                 (6, "exr", "--shading", "lines", "--halo", 1, "--projection", "orthographic", "--stretch", 1, 1, 3),
@@ -190,7 +190,7 @@ class Ranks(ToolTest):
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "none", small], check=False).returncode:
             self.skipTest("cannot mount a small disk")
         self.addCleanup(subprocess.run, ["umount", small], check=True)
-        run = self.render(3, "t.0001.vdb", "--size", 400, 300, "--compression", "none", "-o", "small/x.exr")
+        run = self.render(3, "t.0001.vdb", "--size", 900, 700, "--precision", "float", "-o", "small/x.exr")
         self.assert_failed(run, 4, "No space left on device")
         self.assertEqual(list(small.iterdir()), [])
 

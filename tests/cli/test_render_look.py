@@ -88,46 +88,44 @@ class RenderLook(RenderTest):
         self.assert_near(half, (full + GREY * OPAQUE) / 2)
 
     def test_lights_of_surfaces(self):
-        # A ramp's normals face the eye. How far they are a surface follows from a picture without any light.
-        phong = dict(shading="phong", specular=0)
+        # A ramp's normals face the eye. How far they are a surface follows from a picture with ambient light alone.
+        smoke = dict(shading="phong", look="smoke")  # ambient 0.25, diffuse 0.55, no highlights
+        behind = "--light", 1, 0, 0
         plain, _ = self.seen("ramp")
-        dark, _ = self.seen("ramp", ambient=0, head_light=0, **phong)
-        surface = 1 - (dark / plain).mean()
+        dark, _ = self.seen("ramp", *behind, head_light=0, **smoke)
+        surface = (1 - (dark / plain).mean()) / 0.75
         self.assertAlmostEqual(surface, 0.47, delta=0.02)  # 1/19 a voxel, of the texture's range; against 0.08
-        for lit, options, *lights in (
-                (0.3, dict(ambient=0.3, diffuse=0)),
-                (1, dict(ambient=0, diffuse=1)),
-                (0.7, dict(ambient=0.2, diffuse=1, head_light=0.5)),
-                (0.5, dict(ambient=0, diffuse=0.5, head_light=0), "--light", -1, 0, 0),
-                (1 + 0.5 ** 0.5, dict(ambient=0, diffuse=1, head_light=0), "--light", -1, 0, 0, "--light", -2, 0, 2),
-                (0, dict(ambient=0, diffuse=1, head_light=0), "--light", 1, 0, 0)):
-            red, alpha = self.seen("ramp", *lights, **phong, **options)
+        for lit, head_light, *lights in (
+                (0.8, 1, *behind),
+                (0.525, 0.5, *behind),
+                (0.8, 0, "--light", -1, 0, 0),
+                (0.8 + 0.55 * 0.5 ** 0.5, 0, "--light", -1, 0, 0, "--light", -2, 0, 2)):
+            red, alpha = self.seen("ramp", *lights, head_light=head_light, **smoke)
             self.assert_near(red / plain, 1 + surface * (lit - 1), 5e-3)
             self.assert_near(alpha, OPAQUE)
 
     def test_highlights(self):
         # The normals halve the angle between eye and light at the eye: white light is added at its full strength.
-        dark, _ = self.seen("ramp", shading="phong", ambient=0, diffuse=0, specular=0)
-        surface = 1 - (dark / (GREY * OPAQUE)).mean()
-        for specular in 0.5, 1:
-            red, _ = self.seen("ramp", shading="phong", ambient=0, diffuse=0, specular=specular)
-            self.assert_near(red - dark, specular * surface * OPAQUE, 5e-3)
-        # Away from the mirror's direction a larger exponent leaves less.
-        aside = ("--light", -1, 0, 0.5)
-        values = [self.seen("ramp", *aside, shading="phong", ambient=0, diffuse=0, specular=1, head_light=0,
-                            shininess=shininess)[0].mean() for shininess in (4, 12, 40)]
+        red, _ = self.seen("ramp", shading="phong", look="flow")  # ambient 0.55, diffuse 0.9, specular 0.2
+        surface = 0.47
+        self.assert_near(red - GREY * OPAQUE * (1 + surface * 0.45), 0.2 * surface * OPAQUE, 5e-3)
+        # Away from the mirror's direction there is less.
+        values = [self.seen("ramp", "--light", -1, 0, aside, shading="phong", look="flow", head_light=0)[0].mean()
+                  for aside in (0, 0.5, 1)]
         self.assertEqual(values, sorted(values, reverse=True))
-        self.assertLess(values[2], values[0] / 2)
 
     def test_lights_of_lines(self):
         # Rods along z: light along them is not reflected, light across them is.
         plain, _ = self.seen("rods")
-        for lit, *options in ((1, "--head-light", 1), (0, "--head-light", 0), (0, "--head-light", 0, "--light", 0, 0, 1)):
-            red, _ = self.seen("rods", *options, shading="lines", ambient=0, diffuse=1, specular=0)
-            self.assert_near(red, lit * plain)
-        across, _ = self.seen("rods", "--light", 0, 1, 0, shading="lines", ambient=0, diffuse=1, specular=0, head_light=0)
-        slant, _ = self.seen("rods", "--light", 0, 1, 1, shading="lines", ambient=0, diffuse=1, specular=0, head_light=0)
-        self.assertGreater((across / plain).min(), 0.85)
+
+        def reflected(head_light, *light):
+            red, _ = self.seen("rods", "--light", *light, shading="lines", look="smoke", head_light=head_light)
+            return (red / plain - 0.25) / 0.55  # its ambient and diffuse light
+
+        self.assert_near(reflected(1, 0, 0, 1), 1)
+        self.assert_near(reflected(0, 0, 0, 1), 0)
+        across, slant = reflected(0, 0, 1, 0), reflected(0, 0, 1, 1)
+        self.assertGreater(across.min(), 0.85)
         self.assert_near(slant / across, 0.25)  # the fourth power of the sine
 
     def test_depth_cue_fades_linearly_into_the_background(self):
@@ -188,9 +186,9 @@ class RenderLook(RenderTest):
         plain = ("--limb-darkening", 0, "--shading", "none")
         self.assertEqual(chosen(*plain), 0)
         self.assertAlmostEqual(chosen(*plain, "--shadows", 1), -numpy.log2(0.35), delta=0.06)
-        self.assertAlmostEqual(chosen("--limb-darkening", 0, "--ambient", 0.25, "--diffuse", 0), -numpy.log2(0.475),
-                               delta=0.06)
-        self.assertEqual(chosen("--limb-darkening", 0, "--ambient", 0, "--diffuse", 0, "--shadows", 1), 3)
+        # Ambient 0.25, diffuse 0.55 of one light of 0.8, on seven tenths.
+        self.assertAlmostEqual(chosen("--look", "smoke", "--limb-darkening", 0, "--modulate", 1, "--head-light", 0),
+                               -numpy.log2(1 + 0.7 * (0.25 + 0.55 * 0.5 * 0.8 - 1)), delta=0.06)
         self.assertEqual(chosen("--exposure", -0.75), -0.75)
         # Cameras, backgrounds and colours have no part in it.
         usual = chosen()
@@ -216,6 +214,14 @@ class RenderLook(RenderTest):
         self.same_pictures(["ramp.vdb", "--transfer", "function.json"],
                            ["ramp.vdb", "--range", 0.1, 0.9, "--colormap", "viridis", "--opacity", "0:0.1,1:0.3"])
 
+    def test_details_tell_who_chose_what(self):
+        (self.folder / "function.json").write_text(json.dumps({"opacity": [[0, 0.1], [1, 0.3]]}), encoding="utf-8")
+        told = self.run_tool("vdblic_render", "rods.vdb", "-o", "a.png", *VIEW[:-2], "-v", "--look", "smoke", "--halo", 0.5,
+                             "--transfer", "function.json").stderr
+        for line in ("--look smoke (given)", "--halo 0.5 (given)", "--size 16 12 (given)", "--modulate 0.97 (by the look smoke)",
+                     "--opacity 0:0.1,1:0.3 (by function.json)"):
+            self.assertIn(f"plan: {line}\n", told)
+
     def test_by_names_the_driver(self):
         self.write("by", density=TEXTURES["rods"], magnitude=1 - DRIVER, q=DRIVER)
         self.same_pictures(["by.vdb", "--by", "q"], ["rods.vdb"])
@@ -223,9 +229,7 @@ class RenderLook(RenderTest):
 
     def test_looks_are_their_options(self):
         for look, *options in (
-                ("flow", "--halo", 0.3, "--depth-cue", 0.25, "--ambient", 0.55, "--colormap", "ember"),
-                ("ink", "--colormap", "ink", "--shading", "lines", "--ambient", 1, "--diffuse", 0, "--specular", 0,
-                 "--limb-darkening", 0, "--halo", 0.06, "--depth-cue", 0.2, "--background", 0.965, 0.95, 0.915),
+                ("flow", "--halo", 0.3, "--depth-cue", 0.25, "--colormap", "ember"),
                 ("xray", "--colormap", "ice", "--shading", "none", "--limb-darkening", 0.5, "--halo", 0, "--depth-cue", 0)):
             self.same_pictures(["rods.vdb", "--opacity", "0:0.1", "--look", look], ["rods.vdb", "--opacity", "0:0.1", *options])
         # Smoke is as good as grey, and lit from one side.

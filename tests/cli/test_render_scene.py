@@ -67,7 +67,6 @@ class RenderScene(RenderTest):
                     "mask.vdb:other"):
             message = self.refuses(3, *self.thin, "-o", "a.%04d.exr", "--solid", bad)
             self.assertIn(bad.split(":")[0], message)
-        self.refuses(2, *self.thin, "-o", "a.%04d.exr", "--solid", "domain", "--solid-color", 0, 0, 2)
         self.refuses(2, *self.thin, "-o", "a.%04d.exr", "--shadows", 1.5)
 
     def test_annotations_leave_the_picture_as_it_is(self):

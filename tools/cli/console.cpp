@@ -3,6 +3,8 @@
 #include "cli/option_names.h"
 #include "cli/stop_signals.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
+#include "vdblic/core/paging.h"
 #include "vdblic/core/printable.h"
 #include "vdblic/io/sequence.h"
 
@@ -13,7 +15,12 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
+#include <exception>
+#include <fcntl.h>
+#include <initializer_list>
+#include <new>
 #include <string>
+#include <string_view>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <system_error>
@@ -36,6 +43,24 @@ bool isPipe(int descriptor)
 {
     struct stat status {};
     return ::fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
+}
+
+ExitStatus tellBug(Console& console, std::string_view what)
+{
+    console.error(fmt::format("internal error, please report it: {}", what));
+    return ExitStatus::kBug;
+}
+
+ExitStatus tellLackOfMemory(Console& console)
+{
+    if (const char* const scratch = paging::problem()) {
+        console.error(scratch);
+        return ExitStatus::kCannotWrite;
+    }
+    console.error(fmt::format("this takes more than the {} of memory that may be used: cut the domain, use fewer "
+                              "threads, or raise --max-memory",
+                              memoryText(double(memoryLimit()))));
+    return ExitStatus::kBadInput;
 }
 
 } // namespace
@@ -136,6 +161,45 @@ void Console::clearBar()
     if (!mBarShown) return;
     printMessage("\r\033[K");
     mBarShown = false;
+}
+
+ExitStatus tellFailure(Console& console)
+{
+    try {
+        throw;
+    } catch (const Stopped&) {
+        throw;
+    } catch (const ClosedPipe&) {
+        throw;
+    } catch (const ParameterError& error) {
+        console.error(error.what());
+        return ExitStatus::kUsage;
+    } catch (const InputError& error) {
+        console.error(error.what());
+        return ExitStatus::kBadInput;
+    } catch (const OutputError& error) {
+        console.error(error.what());
+        return ExitStatus::kCannotWrite;
+    } catch (const std::bad_alloc&) {
+        return tellLackOfMemory(console);
+    } catch (const std::system_error& error) {
+        if (error.code() != std::errc::resource_unavailable_try_again) return tellBug(console, error.what());
+        console.error("no further thread can be started: use fewer --threads, raise --max-memory, which includes 8 MiB "
+                      "a thread, or allow the user more processes (ulimit -u)");
+        return ExitStatus::kBadInput;
+    } catch (const std::exception& error) {
+        return tellBug(console, error.what());
+    } catch (...) {
+        return tellBug(console, "an exception that is no std::exception");
+    }
+}
+
+void holdStandardStreams()
+{
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) < 0) // the lowest free descriptor is this one
+            (void)::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+    }
 }
 
 } // namespace vdblic::cli

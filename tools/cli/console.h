@@ -13,6 +13,9 @@
 
 namespace vdblic::cli {
 
+/// Exit status of every tool (docs/formats.md). After a signal it is 128 plus the signal's number.
+enum class ExitStatus { kDone = 0, kDiffers = 1, kUsage = 2, kBadInput = 3, kCannotWrite = 4, kBug = 5 };
+
 /// The reader of standard output has closed it.
 struct ClosedPipe {};
 
@@ -56,4 +59,12 @@ class Console : public Reporter {
     std::chrono::steady_clock::time_point mStart, mLastFrame;
 };
 
+/// Print one message for the exception that a catch clause handles. Stopped and ClosedPipe, which end the run by a
+/// signal, are thrown on.
+/// @return the exit status that the error has
+ExitStatus tellFailure(Console& console);
+
+/// Occupy the descriptors of standard streams that the caller has closed (`>&-`), so that no file gets one of them and
+/// receives printed text. Reading or writing such a stream fails. Call it before any file is opened.
+void holdStandardStreams();
 } // namespace vdblic::cli

@@ -7,7 +7,7 @@
 
 namespace vdblic::cli {
 
-/// A command line in which up to three numbers after some options are one argument with commas between: `--refine 4 4
+/// A command line in which up to three numbers after an option are one argument with commas between: `--refine 4 4
 /// 2` becomes `--refine 4,4,2`. The parser would otherwise take a positional argument that follows for a further
 /// number.
 class JoinedNumbers {

@@ -3,11 +3,17 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <numeric>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace vdblic::cli {
 namespace {
@@ -37,18 +43,55 @@ std::string typeOf(const Parameter& parameter)
     return parameter.choices.empty() ? kNamesOfTypes[std::size_t(parameter.type)] : "choice";
 }
 
+/// Levenshtein's distance: the least number of letters to insert, delete or replace.
+std::size_t distanceOf(std::string_view a, std::string_view b)
+{
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t(0));
+    for (const char letter : a) {
+        std::size_t diagonal = row[0]++;
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t above = row[j + 1];
+            row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (letter == b[j] ? 0 : 1)});
+            diagonal = above;
+        }
+    }
+    return row.back();
+}
+
+std::vector<std::string> longNames(const CLI::App& app)
+{
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options()) {
+        for (const std::string& name : option->get_lnames())
+            names.push_back("--" + name);
+    }
+    return names;
+}
+
 } // namespace
 
-ParameterOptions::ParameterOptions(CLI::App& app, Parameters parameters) : mParameters(std::move(parameters))
+ParameterOptions::ParameterOptions(CLI::App& app, Parameters parameters, std::vector<OptionGroup> groups)
+    : mParameters(std::move(parameters)), mGroups(std::move(groups))
 {
-    for (const bool isExpert : {false, true}) {
-        for (const Parameter& parameter : mParameters) {
-            if (parameter.info.isExpert == isExpert) add(app, parameter);
-        }
+    for (const Parameter& parameter : mParameters) {
+        if (groupOf(parameter.key).empty()) add(app, parameter);
+    }
+    for (const OptionGroup& group : mGroups) {
+        for (const std::string_view key : group.keys)
+            add(app, *find(mParameters, key))->group(std::string(group.name));
     }
 }
 
-void ParameterOptions::add(CLI::App& app, const Parameter& parameter)
+std::string_view ParameterOptions::groupOf(std::string_view key) const
+{
+    for (const auto& [name, keys] : mGroups) {
+        if (std::find(keys.begin(), keys.end(), key) != keys.end()) return name;
+    }
+    return {};
+}
+
+CLI::Option* ParameterOptions::add(CLI::App& app, const Parameter& parameter)
 {
     const std::string key(parameter.key);
     const auto keep = [this, key](const CLI::results_t& words) {
@@ -79,18 +122,13 @@ void ParameterOptions::add(CLI::App& app, const Parameter& parameter)
         const std::string text = parameter.value();
         if (!text.empty()) option->default_str(text);
     }
-    option->required(parameter.info.isRequired);
-    if (parameter.info.isExpert) {
-        option->group(kExpertGroup);
-    } else if (!parameter.info.group.empty() && !parameter.isPositional()) {
-        option->group(std::string(parameter.info.group));
-    }
+    return option->required(parameter.info.isRequired);
 }
 
-std::string toJson(const Parameters& parameters)
+std::string ParameterOptions::toJson() const
 {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const Parameter& parameter : parameters) {
+    for (const Parameter& parameter : mParameters) {
         const ParameterInfo& info = parameter.info;
         nlohmann::ordered_json entry = {{"key", parameter.key},
                                         {"option", parameter.option()},
@@ -105,13 +143,38 @@ std::string toJson(const Parameters& parameters)
         if (!parameter.choices.empty()) entry["choices"] = parameter.choices;
         if (std::isfinite(info.limits.least)) entry[info.limits.isAbove ? "above" : "least"] = info.limits.least;
         if (std::isfinite(info.limits.most)) entry["most"] = info.limits.most;
-        add("group", info.group);
+        const std::string_view group = groupOf(parameter.key);
+        add("group", group);
         if (info.isRequired) entry["required"] = true;
         if (parameter.repeats) entry["repeats"] = true;
-        if (info.isExpert) entry["expert"] = true;
+        if (group == kExpertGroup) entry["expert"] = true;
         list.push_back(std::move(entry));
     }
     return list.dump(2) + '\n';
+}
+
+void checkOptions(const CLI::App& app, int argc, char** argv)
+{
+    const std::vector<std::string> names = longNames(app);
+    for (int i = 1; i < argc; ++i) {
+        const std::string argument = argv[i];
+        if (argument == "--") return;
+        if (!argument.starts_with("--") || std::isalpha(static_cast<unsigned char>(argument[2])) == 0) continue;
+        const std::string option = argument.substr(0, argument.find('='));
+        if (std::find(names.begin(), names.end(), option) != names.end()) continue;
+        const auto nearer = [&](const std::string& a, const std::string& b) {
+            // A beginning of a name is nearest: --frame for --frames.
+            const auto distance = [&](const std::string& name) {
+                return name.starts_with(option) ? 0 : distanceOf(option, name);
+            };
+            return distance(a) < distance(b);
+        };
+        const std::string nearest = *std::min_element(names.begin(), names.end(), nearer);
+        const bool isNear = nearest.starts_with(option) || distanceOf(option, nearest) <= option.size() / 3;
+        throw CLI::ExtrasError(fmt::format("there is no option {:.60}{}", option,
+                                           isNear ? fmt::format("; {} is one", nearest) : std::string()),
+                               CLI::ExitCodes::ExtrasError);
+    }
 }
 
 } // namespace vdblic::cli

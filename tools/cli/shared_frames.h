@@ -8,7 +8,7 @@
 
 namespace vdblic::cli {
 
-/// Do a job on the frames of a sequence by several ranks, each of which takes frames that do not depend on the others'.
+/// Do a job on the frames of a sequence by several ranks, which need nothing of each other's frames.
 /// A rank whose job fails leaves the frames of the others to them. Collective.
 ///
 /// @param input    whole; job() gets a rank's frames

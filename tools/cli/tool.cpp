@@ -1,9 +1,7 @@
 #include "cli/tool.h"
 
 #include "cli/console.h"
-#include "cli/failure.h"
-#include "cli/mistyped_option.h"
-#include "cli/standard_streams.h"
+#include "cli/parameter_options.h"
 #include "cli/stop_signals.h"
 #include "vdblic/core/crash_guard.h"
 #include "vdblic/core/errors.h"
@@ -12,7 +10,6 @@
 #include "vdblic/core/paging.h"
 #include "vdblic/core/printable.h"
 #include "vdblic/core/scratch_memory.h"
-#include "vdblic/core/startable_threads.h"
 #include "vdblic/core/system_memory.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
@@ -92,11 +89,11 @@ Tool::Tool(std::string name, const std::string& description)
                 "The path of each finished output is printed on standard output, messages on standard error.");
 }
 
-void Tool::options(Parameters parameters)
+void Tool::options(Parameters parameters, std::vector<OptionGroup> groups)
 {
-    mOptions.emplace(mApp, std::move(parameters));
+    mOptions.emplace(mApp, std::move(parameters), std::move(groups));
     answers("--parameters", "Print the options as JSON, for programs, and exit.", [this] {
-        return toJson(mOptions->parameters());
+        return mOptions->toJson();
     })->group(kExpertGroup);
 }
 
@@ -136,7 +133,7 @@ void Tool::limitMemory() const
 /// The threads asked for, or those that the system starts if they are fewer: TBB would abort the process.
 std::size_t Tool::threadsToUse(Reporter& reporter) const
 {
-    constexpr std::size_t kOthers = 2; // of which one reads ahead, one writes
+    constexpr std::size_t kOthers = 2; // one reads ahead, one writes
     const std::size_t wanted = mThreads > 0 ? std::size_t(mThreads) : threadCount();
     const std::size_t more = startableThreads(wanted - 1 + kOthers);
     if (more == wanted - 1 + kOthers) return wanted;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cli/exit_status.h"
+#include "cli/console.h"
 #include "cli/parameter_options.h"
 #include "cli/ranks.h"
 #include "vdblic/core/reporter.h"
@@ -26,7 +26,7 @@ class Tool {
     Tool(std::string name, const std::string& description);
 
     /// Add options for the job's parameters. They are set before the job begins.
-    void options(Parameters parameters);
+    void options(Parameters parameters, std::vector<OptionGroup> groups = {});
     /// The values that the command line gives, by key.
     [[nodiscard]] const std::map<std::string, Words>& given() const { return mOptions->given(); }
 
@@ -40,9 +40,9 @@ class Tool {
     ///                options are parsed. Without it that is the folder for temporary files.
     void usesScratch(double inFiles, std::function<std::string()> output = {});
 
-    /// Share the job with other processes, and this machine's memory with some of them. After a signal all of them end
+    /// Share the job with other processes, and the memory with the ones on this machine. After a signal all of them end
     /// by the status 128 and its number: a process that dies by a signal would end the others before they could. Only
-    /// rank 0 prints, but for crashes.
+    /// rank 0 prints, except on crashes.
     void share(const Ranks& ranks);
 
     /// A flag that prints a text instead of doing the job. @param text made when the flag is given

@@ -17,7 +17,7 @@ struct FileSeen {
     [[nodiscard]] bool operator==(const FileSeen&) const = default;
 };
 
-/// The selected files that are there, by frame: one that was taken away leaves a gap. @throws Error
+/// The selected files on disk, by frame: a removed one leaves a gap. @throws Error
 [[nodiscard]] std::vector<FileSeen> filesOnDisk(const SequenceParams& input);
 
 /// The copies of a frame that vdblic_export made, each half as fine as the one before, up to the first that is missing

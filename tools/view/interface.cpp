@@ -6,8 +6,8 @@
 #include "vdblic/image/color_map.h"
 #include "vdblic/look/look_preset.h"
 #include "vdblic/look/shading.h"
-#include "view/jpeg.h"
 #include "view/page_files.h"
+#include "view/pictures.h"
 
 #include <fmt/format.h>
 
@@ -128,10 +128,6 @@ Json valuesOf(const PicturePlan& plan, double exposure)
             {"depth-cue", look.depthCue},
             {"exposure", exposure},
             {"shading", nameOf(shading.model)},
-            {"ambient", shading.ambient},
-            {"diffuse", shading.diffuse},
-            {"specular", shading.specular},
-            {"shininess", shading.shininess},
             {"head-light", shading.headLight},
             {"step", plan.rays.step},
             {"background", listOf(plan.background.color)},

@@ -5,13 +5,15 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/render/render_plan.h"
-#include "view/jpeg.h"
 
 #include <fmt/format.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <memory>
+#include <stdexcept>
 #include <utility>
 
 namespace vdblic::view {
@@ -103,7 +105,7 @@ std::string Pictures::thumbnail(const PictureRequest& request)
     constexpr std::size_t kMostThumbnails = 200;
     PictureRequest asked = request;
     asked.state["samples"] = 1;
-    const glm::ivec2 size = planFor(asked).scaledSize();
+    const glm::ivec2 size = planFor(asked).size;
     if (std::max(size.x, size.y) > kMostThumbnailSide)
         throw ParameterError(fmt::format("a thumbnail may have {} pixels a side", kMostThumbnailSide));
     const std::lock_guard lock(mThumbnailMutex);
@@ -120,7 +122,7 @@ std::string Pictures::thumbnail(const PictureRequest& request)
 PicturePlan Pictures::planFor(const PictureRequest& request) const
 {
     PicturePlan plan = planOf(mViewer.start(), request.state);
-    const glm::ivec2 size = plan.scaledSize();
+    const glm::ivec2 size = plan.size;
     if (std::max(size.x, size.y) > kMostSide)
         throw ParameterError(fmt::format("a picture may have {} pixels a side", kMostSide));
     checkMemory(plan.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y), "make it smaller");
@@ -145,6 +147,18 @@ ShownPicture Pictures::shown(Cast& cast, const PicturePlan& plan, const std::sto
     result.castSeconds = seconds.count();
     result.nothingSeen = picture.whyNothingIsSeen(result.image);
     return result;
+}
+
+std::string encodeJpeg(std::string_view pixels, const glm::ivec2& size, int quality)
+{
+    const std::unique_ptr<void, int (*)(tjhandle)> jpeg(tjInitCompress(), tjDestroy);
+    unsigned char* bytes = nullptr;
+    unsigned long length = 0;
+    const int failed = tjCompress2(jpeg.get(), reinterpret_cast<const unsigned char*>(pixels.data()), size.x, 0, size.y,
+                                   TJPF_RGB, &bytes, &length, quality < 90 ? TJSAMP_420 : TJSAMP_444, quality, 0);
+    const std::unique_ptr<unsigned char, void (*)(unsigned char*)> freed(bytes, tjFree);
+    if (failed != 0) throw std::runtime_error(fmt::format("JPEG: {}", tjGetErrorStr2(jpeg.get())));
+    return {reinterpret_cast<const char*>(bytes), length};
 }
 
 } // namespace vdblic::view

@@ -4,6 +4,7 @@
 #include "vdblic/render/picture.h"
 #include "view/viewer.h"
 
+#include <glm/vec2.hpp>
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
@@ -15,6 +16,7 @@
 #include <semaphore>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace vdblic::view {
@@ -60,7 +62,7 @@ class Pictures {
     [[nodiscard]] PicturePlan planFor(const PictureRequest& request) const;
 
   private:
-    /// A picture with all that it refers to.
+    /// A picture with everything that it refers to.
     struct Cast {
         std::string key;
         FrameView view;
@@ -93,5 +95,10 @@ class Pictures {
     std::mutex mThumbnailMutex;
     std::list<std::pair<std::string, std::string>> mThumbnails; // by their keys, the newest first
 };
+
+/// The bytes of a JPEG file.
+/// @param pixels  red, green and blue of each pixel, rows from the top
+/// @param quality 1 to 100; colours are halved in resolution below 90
+[[nodiscard]] std::string encodeJpeg(std::string_view pixels, const glm::ivec2& size, int quality);
 
 } // namespace vdblic::view

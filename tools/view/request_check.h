@@ -13,7 +13,7 @@ namespace vdblic::view {
 /// The answer that tells why a request is refused.
 [[nodiscard]] WebAnswer refusal(int status, const char* reason);
 
-/// Which requests are answered: those of this server's own page (its token, host and site), with an unambiguous length.
+/// Which requests are answered: only this server's own page's (its token, host and site), with an unambiguous length.
 class RequestCheck {
   public:
     using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;

@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <string_view>
 #include <utility>
 
 namespace vdblic::view {
@@ -16,6 +18,13 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMostText = 10000, kMostRepeats = 64;
+constexpr std::array<std::string_view, 4> kOfFiles = {"camera", "roi", "texture",
+                                                      "transfer"}; // names of files or grids
+
+bool namesFile(const Parameter& parameter)
+{
+    return std::find(kOfFiles.begin(), kOfFiles.end(), parameter.key) != kOfFiles.end();
+}
 
 /// The name of a parameter in a state: its option without dashes.
 std::string nameOf(const Parameter& parameter)
@@ -28,7 +37,7 @@ const Parameter* findInState(const Parameters& parameters, const std::string& na
 {
     const auto found = std::find_if(parameters.begin(), parameters.end(),
                                     [&](const Parameter& parameter) { return nameOf(parameter) == name; });
-    return found == parameters.end() || found->info.isFile ? nullptr : &*found;
+    return found == parameters.end() || namesFile(*found) ? nullptr : &*found;
 }
 
 /// The value of a parameter in a state: a number, a text, numbers, or lists of those for what may be repeated.
@@ -111,7 +120,7 @@ Start startOf(const Given& given, const SequenceParams& input)
         if (name == "camera") {
             (void)readCameraKeys(words->second.front());
             start.state["keys"] = readJson(words->second.front())["keys"];
-        } else if (parameter.info.isFile) {
+        } else if (namesFile(parameter)) {
             start.fixed.insert(*words);
         } else {
             start.state[name] = valueOf(parameter, words->second);

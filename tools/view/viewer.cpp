@@ -48,8 +48,8 @@ std::string cacheKey(const PicturePlan& plan, const FrameFile& file)
 /// A state without camera and sampling.
 std::string choiceKey(Json state)
 {
-    for (const char* name : {"eye", "target", "up", "fov", "view-height", "projection", "size", "scale", "samples",
-                             "step", "orbit", "orbit-frames", "keys"})
+    for (const char* name : {"eye", "target", "up", "fov", "view-height", "projection", "size", "samples", "step",
+                             "orbit", "orbit-frames", "keys"})
         state.erase(name);
     return state.dump();
 }
@@ -92,7 +92,7 @@ std::vector<std::int64_t> Viewer::frames()
     std::vector<FileSeen> found;
     try {
         found = filesOnDisk(mStart.input);
-    } catch (const Error&) { // the folder was taken away
+    } catch (const Error&) { // the folder was removed
     }
     const auto now = std::chrono::steady_clock::now();
     const std::lock_guard lock(mMutex);
@@ -185,7 +185,7 @@ FrameCache::Frame Viewer::loadSoon(const PicturePlan& plan, const FrameFile& fil
 {
     if (FrameCache::Frame known = mCache.find(cacheKey(plan, file))) return known;
     const std::optional<FrameFile> copy = coarserCopy(plan, file);
-    if (copy) paging::makeRoom(frameBytes(plan, file) + mCache.most()); // the frame follows, beside what is there
+    if (copy) paging::makeRoom(frameBytes(plan, file) + mCache.most()); // the frame follows, beside the cached ones
     return load(plan, copy.value_or(file));
 }
 
@@ -270,7 +270,7 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
         for (const FrameFile& file : basis->frames) {
             try {
                 frames.push_back(load(plan, file));
-            } catch (const InputError&) { // taken away, or being replaced
+            } catch (const InputError&) { // removed, or being replaced
                 if (frames.empty() && file.frame == basis->frames.back().frame) throw;
             }
         }
@@ -284,16 +284,15 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
 
 std::shared_ptr<const Solid> Viewer::solidFor(const PicturePlan& plan, const LoadedTexture& frame)
 {
-    const SolidParams& solid = plan.solid;
-    if (solid.source.empty()) return nullptr;
-    const std::string key = fmt::format("{}|{} {} {}|{}|{}", solid.source, plan.stretch.x, plan.stretch.y,
-                                        plan.stretch.z, solid.changes() ? frame.file.frame : 0,
+    if (plan.solid.empty()) return nullptr;
+    const std::string key = fmt::format("{}|{} {} {}|{}|{}", plan.solid, plan.stretch.x, plan.stretch.y, plan.stretch.z,
+                                        solidChanges(plan.solid) ? frame.file.frame : 0,
                                         frame.texture->voxelSize()[0]); // of a coarser copy another one
     {
         const std::lock_guard lock(mMutex);
         if (mSolid.first == key) return mSolid.second;
     }
-    auto made = std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), plan.stretch, frame.file.frame));
+    auto made = std::make_shared<const Solid>(makeSolid(plan.solid, *frame.domain(), plan.stretch, frame.file.frame));
     const std::lock_guard lock(mMutex);
     mSolid = {key, made};
     return made;
@@ -324,7 +323,7 @@ FrameView Viewer::view(const Json& state, std::int64_t frame, bool settle)
     const ViewSource known = source(plan.stretch);
     const auto basis = basisFor(plan, settle);
     const Choice choice = choiceFor(plan, state, basis, known);
-    const CameraPath cameras(plan.camera, plan.motion, known.box, plan.scaledSize(), known.span, choice.subject);
+    const CameraPath cameras(plan.camera, plan.motion, known.box, plan.size, known.span, choice.subject);
     const double bytes = basis->look.volumeBytes + plan.imageBytes();
     const FrameCache::Frame loaded = settle ? load(plan, file) : loadSoon(plan, file);
     return {
@@ -342,7 +341,7 @@ Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& u
     const PicturePlan plan = planOf(mStart, state);
     const ViewSource known = source(plan.stretch);
     const Choice choice = choiceFor(plan, state, basisFor(plan, false), known);
-    const glm::ivec2 size = plan.scaledSize();
+    const glm::ivec2 size = plan.size;
     const Camera automatic(plan.camera, known.box, size, choice.subject);
     const glm::dvec3 direction = glm::normalize(forward), middle = middleOf(known.box);
     const std::span<const glm::dvec3> points =

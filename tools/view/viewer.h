@@ -33,9 +33,9 @@ struct FrameView {
 
 /// A sequence that is looked at. Any number of threads may ask at a time.
 ///
-/// The automatic choices are those of vdblic_render. At first they are made from one frame, so that a picture is there
-/// early; the others are read in the background. Of frames that the cache cannot hold, coarser copies beside them are
-/// shown until the frame itself is read. If frames come, go or are replaced, the choices follow once no file has
+/// The automatic choices are the same as in vdblic_render. At first they are made from one frame, so that a picture is
+/// there early; the others are read in the background. Of frames that the cache cannot hold, coarser copies beside them
+/// are shown until the frame itself is read. If frames come, go or are replaced, the choices follow once no file has
 /// changed for a while.
 class Viewer {
   public:
@@ -56,7 +56,7 @@ class Viewer {
     /// @param settle wait until the automatic choices are settled and the frame itself is read
     /// @throws ParameterError on an impossible state or frame, InputError
     [[nodiscard]] FrameView view(const nlohmann::json& state, std::int64_t frame, bool settle = false);
-    /// The camera that shows in another direction all that an automatic one shows.
+    /// The camera in another direction that shows as much as the automatic one.
     /// @throws ParameterError on an impossible state or direction, InputError
     [[nodiscard]] Camera fitted(nlohmann::json state, const glm::dvec3& forward, const glm::dvec3& up);
     /// Settle a view in the background: read the frames that it still needs.
@@ -103,7 +103,7 @@ class Viewer {
     Start mStart;
     FrameCache mCache;
 
-    std::mutex mMutex; // of all that follows
+    std::mutex mMutex; // of the members below
     ViewSource mSource;
     std::vector<FileSeen> mFiles;
     std::chrono::steady_clock::time_point mChanged; // last change of mFiles

@@ -14,7 +14,7 @@ def described(
     """
     lines = []
     listed = [p for p in parameters if p["key"] not in without]
-    for parameter in sorted(listed, key=lambda p: p["expert"]):
+    for parameter in listed:
         text = parameter["text"].rstrip(".")
         notes = [parameter["unit"], parameter["kind"], parameter["default"] and f"default {parameter['default']}"]
         text += f" [{'; '.join(note for note in notes if note)}]"

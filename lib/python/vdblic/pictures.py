@@ -35,7 +35,7 @@ class Picture(numpy.ndarray):
 
 
 class Renderer:
-    """Ray casts textures. Options are those of `vdblic_render`; what is not given is chosen from the first texture.
+    """Ray casts textures. It has the options of `vdblic_render`; unset ones are chosen from the first texture.
 
 {parameters}
     A list may stand for a text with commas, and tuples in it for colons: opacity=[(0, 0), (1, 0.5)],

@@ -42,7 +42,7 @@ class Grid:
             self.transform = numpy.eye(4)
 
     def _take(self, first: dict, *more: dict) -> None:
-        """Take what labelled data tell, except what is given."""
+        """Fill in from labelled data whatever is not given."""
         if more:
             names = ", ".join(grid["name"] for grid in (first, *more))
             raise ValueError(f"`values` are several grids: {names}; as_volume() takes them all")

@@ -57,22 +57,19 @@ Parameters parametersOf(CameraParams& params)
 {
     return {
         parameter("eye", "Position of the camera. By default a three-quarter view that shows all of every frame.",
-                  params.eye, {.unit = "world", .words = "X Y Z", .group = "Camera"}),
+                  params.eye, {.unit = "world", .words = "X Y Z"}),
         parameter("target", "Position the camera looks at; the middle by default.", params.target,
-                  {.unit = "world", .words = "X Y Z", .group = "Camera"}),
-        parameter("up", "Direction that is up in the image; 0 0 1 by default.", params.up,
-                  {.words = "X Y Z", .group = "Camera"}),
-        parameter("projection", "With or without the convergence of parallels.", params.projection,
-                  {.words = "KIND", .group = "Camera"}),
-        parameter(
-            "fov", "Vertical field of view of a perspective.", params.fieldOfView,
-            {.unit = "degrees", .group = "Camera", .limits = {kLeastFieldOfView, 180}, .attribute = "fieldOfView"}),
+                  {.unit = "world", .words = "X Y Z"}),
+        parameter("up", "Direction that is up in the image; 0 0 1 by default.", params.up, {.words = "X Y Z"}),
+        parameter("projection", "With or without the convergence of parallels.", params.projection, {.words = "KIND"}),
+        parameter("fov", "Vertical field of view of a perspective.", params.fieldOfView,
+                  {.unit = "degrees", .limits = {kLeastFieldOfView, 180}}),
         parameter("view_height", "Height of an orthographic picture; by default all is seen.", params.viewHeight,
-                  {.unit = "world", .group = "Camera", .limits = {0, 1e18, true}}),
+                  {.unit = "world", .limits = {0, 1e18, true}}),
         parameter("aperture",
                   "Diameter of the lens: what lies before or behind the target's distance is blurred. 0: all is sharp; "
                   "else give 16 `samples` or more.",
-                  params.aperture, {.unit = "world", .group = "Camera", .limits = {0, 1e18}}),
+                  params.aperture, {.unit = "world", .limits = {0, 1e18}}),
     };
 }
 

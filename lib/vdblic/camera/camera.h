@@ -17,7 +17,7 @@ enum class Projection { kPerspective, kOrthographic };
 template<>
 inline constexpr auto kNames<Projection> = std::to_array<std::string_view>({"perspective", "orthographic"});
 
-/// Where the picture is taken from, in world space. Unset members are chosen so that the volume fills the picture.
+/// The camera of a picture, in world space. Unset members are chosen so that the volume fills the picture.
 struct CameraParams {
     Projection projection = Projection::kPerspective;
     std::optional<glm::dvec3> eye{};    ///< unset: a three-quarter view of the target, from far enough to see all
@@ -32,7 +32,7 @@ struct CameraParams {
 };
 [[nodiscard]] Parameters parametersOf(CameraParams& params);
 
-/// The corners of a box around all that is visible, in world space. Bit a of a corner's index is its side along the
+/// The corners of a box around everything visible, in world space. Bit a of a corner's index is its side along the
 /// box's axis a.
 using Corners = std::array<glm::dvec3, 8>;
 
@@ -74,7 +74,7 @@ struct PictureArea {
 /// [0, 1) in both directions, so its centre is at (½, ½). What lies behind the eye's plane is not seen.
 class Camera {
   public:
-    /// @param box  around all that is visible
+    /// @param box  around everything visible
     /// @param size width and height [pixels]
     /// @param subject points that the picture is filled with where position or extent are chosen; empty: the corners
     /// @throws ParameterError if eye and target coincide, the view is along a given up, or the eye is too far away
@@ -101,7 +101,7 @@ class Camera {
     /// The same camera with every ray shifted in the picture; its matrices stay. @param pixels to the right and down
     [[nodiscard]] Camera shifted(const glm::dvec2& pixels) const;
 
-    /// The same camera of which only a part of the picture is taken; the other pixels stay empty. @param area of whole
+    /// The same camera for a part of the picture; the other pixels stay empty. @param area of whole
     /// tiles (RaySetup::kTile), but at the picture's right and lower edges
     [[nodiscard]] Camera cropped(const PictureArea& area) const;
     [[nodiscard]] const PictureArea& area() const { return mArea; } ///< the whole picture unless it is cropped

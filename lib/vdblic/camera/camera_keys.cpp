@@ -39,7 +39,7 @@ std::int64_t parseFrame(const Json& key, const std::string& what)
     if (!key.is_object() || !key.contains("frame") || !key["frame"].is_number_integer()) {
         throw InputError(fmt::format("{} has no whole number \"frame\"", what));
     }
-    const auto frame = key["frame"].get<double>(); // of which an integer type may hold another
+    const auto frame = key["frame"].get<double>(); // an integer type might hold another number
     if (std::abs(frame) > kMostFrames) throw InputError(fmt::format("{}: frame {:.0f} is no usable one", what, frame));
     return std::int64_t(frame);
 }

@@ -107,11 +107,11 @@ Parameters parametersOf(CameraMotion& params)
         parameter("orbit",
                   "Turns of the camera around the target in the course of the sequence; the last frame ends one step "
                   "before the first begins again.",
-                  params.orbit, {.unit = "turns", .group = "Camera", .limits = {-kMostTurns, kMostTurns}}),
+                  params.orbit, {.unit = "turns", .limits = {-kMostTurns, kMostTurns}}),
         parameter("orbit_frames",
                   "Frames that the turns take, instead of those on disk; needed for paths on standard input, where "
                   "frame 1 is the first.",
-                  params.orbitFrames, {.group = "Camera", .limits = {.least = 1}}),
+                  params.orbitFrames, {.limits = {.least = 1}}),
     };
 }
 

@@ -48,7 +48,7 @@ struct CameraKeys {
 /// How the camera moves during a sequence.
 struct CameraMotion {
     double orbit = 0;                          ///< turns around the target, about up; counter-clockwise seen from above
-    std::optional<std::int64_t> orbitFrames{}; ///< number of frames for the turns; unset: those of the sequence
+    std::optional<std::int64_t> orbitFrames{}; ///< number of frames for the turns; unset: the sequence's
     CameraKeys keys{};
 
     /// @throws ParameterError
@@ -65,7 +65,7 @@ struct FrameSpan {
 /// seen from everywhere. Immutable.
 class CameraPath {
   public:
-    /// @param box     around all that is visible in the whole sequence
+    /// @param box     around everything visible in the whole sequence
     /// @param subject points that fill the picture; empty: the box's corners
     /// @throws ParameterError
     CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box, const glm::ivec2& size,

@@ -45,7 +45,7 @@ Parameters parametersOf(ClipParams& params)
             }
             return words;
         },
-        {.unit = "world", .words = "X Y Z NX NY NZ", .group = "Cuts", .attribute = "clipPlanes"});
+        {.unit = "world", .words = "X Y Z NX NY NZ"});
     plane.repeats = true;
     const Parameter box = parameter(
         "clip_box", "Low and high corner of a box, cutting away what is outside.", WordType::kNumber, 6,
@@ -58,10 +58,8 @@ Parameters parametersOf(ClipParams& params)
                 append(words, (*params.box)[std::size_t(corner)]);
             return words;
         },
-        {.unit = "world", .words = "X Y Z X Y Z", .group = "Cuts"});
-    return {plane, box,
-            parameter("clip_solid", "Cut the solid, too, by `clip_plane` and `clip_box`.", params.solid,
-                      {.group = "Cuts"})};
+        {.unit = "world", .words = "X Y Z X Y Z"});
+    return {plane, box};
 }
 
 double ClipPlane::height(const glm::dvec3& at) const
@@ -105,11 +103,6 @@ std::vector<ClipPlane> ClipParams::allPlanes() const
         all.push_back({(*box)[1], -inward});
     }
     return all;
-}
-
-std::vector<ClipPlane> ClipParams::solidPlanes() const
-{
-    return solid ? allPlanes() : std::vector<ClipPlane>{};
 }
 
 ClipParams ClipParams::stretched(const glm::dvec3& factors) const

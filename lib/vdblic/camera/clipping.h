@@ -26,14 +26,11 @@ struct ClipPlane {
 struct ClipParams {
     std::vector<ClipPlane> planes{};
     std::optional<std::array<glm::dvec3, 2>> box{}; ///< low and high corner; what lies inside is kept
-    bool solid = false;                             ///< whether they cut the solid, too
 
     /// @throws ParameterError
     void validate() const;
     /// The planes and the sides of the box.
     [[nodiscard]] std::vector<ClipPlane> allPlanes() const;
-    /// Those of allPlanes() that cut the solid: all or none.
-    [[nodiscard]] std::vector<ClipPlane> solidPlanes() const;
     /// The same cuts in a space that is stretched along its axes. @param factors above 0
     [[nodiscard]] ClipParams stretched(const glm::dvec3& factors) const;
 };

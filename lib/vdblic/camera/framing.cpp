@@ -19,11 +19,11 @@ constexpr double kMargin = 1.08;   // the picture's size over the subject's
 constexpr double kClearance = 0.1; // in front of the nearest point, in sizes of the whole
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Azimuth to the right of the front and elevation [degrees]. The first view that fills the picture well is taken.
+/// Azimuth to the right of the front and elevation [degrees]. The first view that fills the picture well is chosen.
 constexpr glm::dvec2 kViews[] = {{30, 25}, {60, 25}, {30, 45}, {60, 45}, {30, 60}, {60, 60}};
 /// Share of the best view's coverage that counts as well.
 constexpr double kWell = 0.7;
-/// Views of a plate, which shows nothing from the side. The best one is taken.
+/// Views of a plate, which shows nothing from the side. The best one is chosen.
 constexpr glm::dvec2 kPlateViews[] = {{0, 80}, {0, 10}, {90, 10}};
 
 glm::dvec3 direction(const glm::dvec2& view, const glm::dvec3& up)

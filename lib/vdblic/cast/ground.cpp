@@ -42,7 +42,7 @@ void Ground::addTo(SurfacePicture& picture, const TextureVolume& volume, const L
     const PictureArea& area = camera.area();
     tbb::parallel_for(area.low.y, area.high.y, [&](int y) {
         const glm::vec3& behind = background[std::size_t(y)];
-        const glm::vec3 color = mColor.value_or(lightened(behind * exposure)) / exposure;
+        const glm::vec3 color = lightened(behind * exposure) / exposure;
         for (int x = area.low.x; x < area.high.x; ++x) {
             const std::size_t i = std::size_t(y) * std::size_t(camera.size().x) + std::size_t(x);
             if (std::isfinite(picture.depths[i])) continue;

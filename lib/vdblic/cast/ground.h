@@ -5,8 +5,6 @@
 
 #include <glm/vec3.hpp>
 
-#include <optional>
-
 namespace vdblic {
 
 class Camera;
@@ -14,15 +12,13 @@ class TextureVolume;
 struct Look;
 struct SurfacePicture;
 
-/// A plane that takes shadows, and fades out with the distance from the domain. Behind all else in a picture, it is
-/// seen from the domain's side alone. Immutable; any number of threads may read.
+/// A plane that takes shadows, and fades out with the distance from the domain. Its colour is the background's in the
+/// picture's row, or a lighter one where that is too dark for shadows. Behind all else in a picture, it is seen from
+/// the domain's side alone. Immutable; any number of threads may read.
 class Ground {
   public:
-    /// @param color as displayed, in linear light; nothing: that of the background in the picture's row, or a lighter
-    ///              one where the background is too dark for shadows
-    Ground(const GroundPlane& plane, const ShadowCasters& casters, const glm::dvec3& towardsLight,
-           const std::optional<glm::vec3>& color)
-        : mPlane(plane), mLight(plane, casters, towardsLight), mColor(color)
+    Ground(const GroundPlane& plane, const ShadowCasters& casters, const glm::dvec3& towardsLight)
+        : mPlane(plane), mLight(plane, casters, towardsLight)
     {
     }
 
@@ -33,7 +29,6 @@ class Ground {
   private:
     GroundPlane mPlane;
     GroundLight mLight;
-    std::optional<glm::vec3> mColor;
 };
 
 } // namespace vdblic

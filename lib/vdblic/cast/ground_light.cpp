@@ -203,7 +203,7 @@ Medium mediumOf(const SolidCells& cells, const ShadowCasters& casters)
             low - 0.5,
             low + dim * double(cells.cell) - 0.5,
             casters.solid->worldToIndex,
-            casters.solidCuts,
+            {},
             double(cells.cell),
             true};
 }

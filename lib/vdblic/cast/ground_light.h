@@ -18,10 +18,9 @@ struct Solid;
 /// The volume and the solid that cast shadows on a ground.
 struct ShadowCasters {
     const ExtinctionGrid& visible;
-    const TextureVolume& volume;       ///< of which `visible` are the extinctions
+    const TextureVolume& volume;       ///< whose extinctions `visible` are
     std::span<const ClipPlane> cuts{}; ///< of the volume, in world space
     const Solid* solid = nullptr;
-    std::span<const ClipPlane> solidCuts{};
 };
 
 /// The light that arrives at a ground, on a lattice over it: the key light through volume and solid, and ambient light,

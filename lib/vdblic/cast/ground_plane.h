@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vdblic/camera/camera.h"
-#include "vdblic/cast/ground_params.h"
+#include "vdblic/cast/ground_side.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

@@ -9,11 +9,37 @@
 
 namespace vdblic {
 
-class AmbientLight;
 class Camera;
 class ExtinctionGrid;
 class TextureVolume;
 struct Look;
+struct Solid;
+
+/// Ambient occlusion: how much ambient light arrives in each cell of an ExtinctionGrid. It does not depend on the
+/// camera.
+///
+/// Ambient light comes from fourteen directions (Lebedev's quadrature of degree 5, 1976). Optical depth decays along
+/// its way, so that only near matter occludes. A factor is relative to the mean over all visible cells: occlusion gives
+/// form and keeps the picture's brightness. Immutable; any number of threads may read.
+class AmbientLight {
+  public:
+    /// @param visible extinctions of the volume
+    /// @param look    with the strength of occlusion
+    /// @param solid   occludes too; or null
+    AmbientLight(const ExtinctionGrid& visible, const TextureVolume& volume, const Look& look,
+                 const Solid* solid = nullptr);
+
+    /// Extinctions of volume and solid, by cell [1/voxel].
+    [[nodiscard]] const std::vector<float>& extinctions() const { return mExtinctions; }
+    /// Factors on the light, by cell.
+    [[nodiscard]] const std::vector<float>& factors() const { return mFactors; }
+
+  private:
+    void addSolid(const TextureVolume& volume, const Solid& solid, const ExtinctionGrid& grid);
+    void occlude(const ExtinctionGrid& grid, double strength);
+
+    std::vector<float> mExtinctions, mFactors;
+};
 
 /// Direction towards the light that casts shadows: the look's first distant light, else above and to the left of the
 /// eye.

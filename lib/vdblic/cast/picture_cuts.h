@@ -20,7 +20,7 @@ struct PictureCut {
 /// Immutable.
 class PictureCuts {
   public:
-    /// @param box around what is seen, in world space
+    /// @param box around the visible volume, in world space
     PictureCuts(const Camera& camera, const Corners& box, int ranks);
 
     [[nodiscard]] int ranks() const { return int(mAreas.size()); }

@@ -10,12 +10,12 @@ Parameters parametersOf(RayCastParams& params)
 {
     const Parameters own = {
         parameter("step", "Distance between samples. Opacity does not depend on it.", params.step,
-                  {.unit = "voxels", .group = "Picture", .limits = {0.01, 100}}),
+                  {.unit = "voxels", .limits = {0.01, 100}}),
         parameter(
             "interpolation",
             "Of the texture between its voxels; by default cubic where a voxel covers more than three pixels, else "
             "linear.",
-            params.interpolation, {.words = "HOW", .group = "Picture"}),
+            params.interpolation, {.words = "HOW"}),
     };
     return joined({own, parametersOf(params.clip)});
 }

@@ -45,8 +45,5 @@ struct Scenery {
                              const RayCastParams& params, const VisibleSpace& visible, int ray = 0,
                              const Scenery& scenery = {}, const std::uint8_t* only = nullptr,
                              const std::stop_token& stop = {});
-/// The same with the leaves that the look makes visible; an empty volume gives an empty picture.
-[[nodiscard]] Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera,
-                             const RayCastParams& params);
 
 } // namespace vdblic

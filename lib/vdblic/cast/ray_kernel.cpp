@@ -17,7 +17,7 @@ namespace vdblic {
 namespace {
 
 constexpr int kEnoughLanes = 3;
-constexpr float kMostBack = 0.499f; // voxels, from a sample to where its scalar, gradient and light are taken
+constexpr float kMostBack = 0.499f; // voxels, from a sample to the place of its scalar, gradient and light
 
 /// The middles of steps, in steps from their rays' entries.
 ///
@@ -43,7 +43,7 @@ struct alignas(32) RayKernel::Lanes {
     Int8 sample, last;                        // indices of the next and of the last sample
     Int8 task;                                // index of the ray
     Int8 taken;                               // samples of the ray so far
-    // Transmittance was below the limit before the sample just taken. Testing one sample late is deliberate: the newest
+    // Transmittance was below the limit before the newest sample. Testing one sample late is deliberate: the newest
     // value would stall the loop.
     Int8 spent;
     Int8 blockOrigin[3], block; // block of the sample before, and its table's offset
@@ -281,9 +281,9 @@ void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& res
 
 /// Composite the steps between the given lanes' samples and the ones before, and queue the visible samples.
 ///
-/// The texture changes evenly between two samples; everything else is taken in the middle, or half a voxel before the
-/// later sample where steps are longer than a voxel. A ray's first and last sample stand for what is before and behind
-/// them, too.
+/// The texture changes evenly between two samples; everything else has its value in the middle, or half a voxel before
+/// the later sample where steps are longer than a voxel. A ray's first and last sample stand for the parts before and
+/// behind them, too.
 VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, unsigned which, const Sample& sample, ShadeQueue& queue) const
 {
     // Of these lanes alone: a picture must not depend on a ray's neighbours.

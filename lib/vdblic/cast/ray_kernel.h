@@ -1,7 +1,6 @@
 #pragma once
 
 #include "vdblic/cast/lanes.h"
-#include "vdblic/cast/ray_sum.h"
 #include "vdblic/cast/ray_task.h"
 #include "vdblic/volume/record_sampling.h"
 #include "vdblic/volume/visible_space.h"

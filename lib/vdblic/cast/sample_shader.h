@@ -1,7 +1,6 @@
 #pragma once
 
 #include "vdblic/cast/depth_cue.h"
-#include "vdblic/cast/ray_sum.h"
 #include "vdblic/cast/ray_task.h"
 #include "vdblic/field/vector.h"
 

@@ -63,7 +63,7 @@ class ShadeQueue {
     /// Remove the first eight samples. @pre hasEight()
     VDBLIC_INLINE void pop() { mBegin += kLanes; }
 
-    /// Move what is left, less than eight samples, to the front.
+    /// Move the rest, fewer than eight samples, to the front.
     VDBLIC_INLINE void compact()
     {
         for (std::size_t k = 0; k < kColumns; ++k)

@@ -10,6 +10,7 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/volume/voxel_box.h"
 
 #include <fmt/format.h>
 #include <glm/ext/matrix_transform.hpp>
@@ -62,8 +63,9 @@ openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
     return thin;
 }
 
-/// A level set whose faces are those of the voxels, half a voxel from their centres. A mean smooths stairs and leaves
-/// faces where they are. It may not take away small bodies, and thin parts that it would take away stay as they are.
+/// A level set whose faces are the faces of the voxels, half a voxel from their centres. A mean smooths stairs and
+/// leaves faces where they are. It may not take away small bodies, and thin parts that it would take away stay as they
+/// are.
 openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
 {
     checkVoxels(voxels->activeVoxelCount());
@@ -119,7 +121,7 @@ openvdb::MaskTree::Ptr insideOf(const GridT& grid)
     return voxels;
 }
 
-/// A level set on cubic voxels is taken as it is.
+/// A level set on cubic voxels stays as it is.
 openvdb::FloatGrid::Ptr asLevelSet(const openvdb::GridBase& grid, const std::string& where)
 {
     const auto* floats = dynamic_cast<const openvdb::FloatGrid*>(&grid);
@@ -143,14 +145,14 @@ openvdb::FloatGrid::Ptr asLevelSet(const openvdb::GridBase& grid, const std::str
 /// Refuse a mesh that is far too large for the texture's voxels. @param mesh in index space
 void checkExtent(const TriangleMesh& mesh, const std::filesystem::path& path)
 {
-    constexpr float kFarthest = 1 << 24; // single precision still tells voxels apart
+    constexpr float kMostDistance = 1 << 24; // single precision still tells voxels apart
     double voxels = 0;
     for (const openvdb::Vec3I& corners : mesh.triangles) {
         const openvdb::Vec3s a = mesh.points[corners[0]], b = mesh.points[corners[1]], c = mesh.points[corners[2]];
         voxels += double((b - a).cross(c - a).length()) * kBand;
     }
     const bool near = std::all_of(mesh.points.begin(), mesh.points.end(),
-                                  [&](const openvdb::Vec3s& point) { return point.length() <= kFarthest; });
+                                  [&](const openvdb::Vec3s& point) { return point.length() <= kMostDistance; });
     if (!near || !(voxels < 1e15)) {
         throw InputError(fmt::format("{}: is too large for the texture's voxels; bring it into the unit of the texture",
                                      path.string()));
@@ -158,10 +160,10 @@ void checkExtent(const TriangleMesh& mesh, const std::filesystem::path& path)
     checkVoxels(std::uint64_t(voxels), path.string());
 }
 
-Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
+Solid readSolid(const std::string& source, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
                 std::int64_t frame)
 {
-    const auto [pattern, name] = parseGridReference(params.source);
+    const auto [pattern, name] = parseGridReference(source);
     const std::filesystem::path path = FramePattern(pattern.string()).path(frame);
     if (isMeshFile(path)) {
         TriangleMesh mesh = readMesh(path);
@@ -182,37 +184,17 @@ Solid readSolid(const SolidParams& params, const openvdb::FloatGrid& texture, co
 
 } // namespace
 
-Parameters parametersOf(SolidParams& params)
-{
-    return {
-        parameter("solid",
-                  "Opaque body: a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one file or a "
-                  "sequence; or domain, what the texture leaves out of its box.",
-                  params.source, {.words = "FILE[:GRID] or domain", .group = "Solid"}),
-        parameter("solid_color", "Colour of the solid as displayed.", params.color,
-                  {.words = "R G B", .group = "Solid", .limits = {0, 1}}),
-    };
-}
-
-void SolidParams::validate() const
-{
-    SolidParams copy = *this;
-    checkLimits(parametersOf(copy));
-    if (source.empty() || source == "domain") return;
-    (void)FramePattern(parseGridReference(source).path.string());
-}
-
-bool SolidParams::changes() const
+bool solidChanges(const std::string& source)
 {
     return source == "domain" || FramePattern(parseGridReference(source).path.string()).hasField();
 }
 
-Solid makeSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
+Solid makeSolid(const std::string& source, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
                 std::int64_t frame)
 {
-    Solid solid = params.source == "domain"
+    Solid solid = source == "domain"
                       ? Solid{complementOf(texture), toIndex(texture.transform(), stretch, "grid " + texture.getName())}
-                      : readSolid(params, texture, stretch, frame);
+                      : readSolid(source, texture, stretch, frame);
     solid.levelSet->setTransform(openvdb::math::Transform::createLinearTransform());
     solid.levelSet->setGridClass(openvdb::GRID_LEVEL_SET);
     return solid;
@@ -225,6 +207,32 @@ openvdb::CoordBBox boundsOf(const Solid& solid)
         if (*value < 0) box.expand(value.getCoord());
     }
     return box;
+}
+
+std::vector<glm::dvec3> solidExtent(const Solid& solid)
+{
+    constexpr float kSurface = 0.5f; // distance of a voxel's centre from its face
+    std::vector<VoxelBox> boxes;
+    openvdb::CoordBBox all;
+    for (auto leaf = solid.levelSet->tree().cbeginLeaf(); leaf; ++leaf) {
+        openvdb::CoordBBox box;
+        for (auto value = leaf->cbeginValueOn(); value; ++value) {
+            if (*value < kSurface) box.expand(value.getCoord());
+        }
+        if (box.empty()) continue;
+        all.expand(box);
+        const openvdb::Coord &low = box.min(), &high = box.max();
+        boxes.push_back({{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
+    }
+    if (boxes.empty()) return {};
+    const openvdb::Coord dim = all.dim();
+    const glm::dmat4 indexToWorld = glm::inverse(solid.worldToIndex);
+    std::vector<glm::dvec3> points;
+    for (const VoxelBox& box : outermost(boxes, {dim[0], dim[1], dim[2]})) {
+        const auto corners = box.corners(indexToWorld);
+        points.insert(points.end(), corners.begin(), corners.end());
+    }
+    return points;
 }
 
 } // namespace vdblic

@@ -1,11 +1,12 @@
 #pragma once
 
-#include "vdblic/cast/solid_params.h"
-
 #include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace vdblic {
 
@@ -20,13 +21,22 @@ struct Solid {
 ///
 /// Masks, fog volumes (where they are above 0) and the domain become level sets of their voxels, meshes of the
 /// texture's.
+/// @param source  `domain`: the inactive voxels in the box around the texture's. Else FILE or FILE:GRID, one file or a
+///                sequence with the input's frame numbers: a closed mesh (.obj, .stl, .ply), or the level set, fog
+///                volume or mask of a .vdb
 /// @param texture of that frame
 /// @param stretch factors along the axes from the grids' world space to the picture's
 /// @throws InputError naming the file, the grid and the mend
-[[nodiscard]] Solid makeSolid(const SolidParams& params, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
+[[nodiscard]] Solid makeSolid(const std::string& source, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
                               std::int64_t frame);
+/// Whether each frame has a solid of its own.
+[[nodiscard]] bool solidChanges(const std::string& source);
 
 /// The box around the voxels inside a solid, in its index space.
 [[nodiscard]] openvdb::CoordBBox boundsOf(const Solid& solid);
+
+/// Points around a solid, in the picture's world: corners of parts of its surface, about a thousand of the outermost;
+/// nothing without a surface.
+[[nodiscard]] std::vector<glm::dvec3> solidExtent(const Solid& solid);
 
 } // namespace vdblic

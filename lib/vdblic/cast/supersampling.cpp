@@ -6,7 +6,6 @@
 #include "vdblic/cast/ray_setup.h"
 #include "vdblic/look/look.h"
 #include "vdblic/volume/texture_volume.h"
-#include "vdblic/volume/visible_space.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -146,16 +145,6 @@ Image SampleSum::mean() const
         result.pixels[i] /= float(rays);
     }
     return result;
-}
-
-Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
-                  int samples, const Scenery& scenery)
-{
-    const VisibleSpace visible(volume, look);
-    SampleSum sum(volume, look, visible, camera, params, scenery);
-    for (int sample = 0; sample < samples; ++sample)
-        sum.add();
-    return sum.mean();
 }
 
 } // namespace vdblic

@@ -17,7 +17,10 @@ inline constexpr int kMostSamples = 4096; ///< rays per pixel
 
 /// The sum of a picture's rays, added one a pixel at a time: two for each pixel, further ones only where these two
 /// differ or a neighbour in the same tile of RaySetup differs. Elsewhere further rays would change nothing visible.
-/// Through a lens every pixel has all rays.
+/// Through a lens every pixel has all rays. A pixel is the mean of its rays, a layer their mean weighted by alpha.
+///
+/// The rays of every pixel start at the same points of it: the first ones of a low-discrepancy sequence (Roberts' R2)
+/// that begins at the centre. With one ray the picture is that of castRays().
 class SampleSum {
   public:
     /// @param volume, look, visible, scenery must outlive this
@@ -27,7 +30,7 @@ class SampleSum {
     /// Cast the next ray of every pixel that needs one. @throws Stopped, with the sum as it was, if a stop is requested
     void add(const std::stop_token& stop = {});
     [[nodiscard]] int count() const { return mCount; }
-    /// The picture of the rays so far, at least one; that of castSamples().
+    /// The picture of the rays so far, at least one.
     [[nodiscard]] Image mean() const;
 
   private:
@@ -41,13 +44,5 @@ class SampleSum {
     std::vector<std::uint8_t> mRefined; // by pixel: whether it needs more than two rays; empty before that is known
     int mCount = 0;
 };
-
-/// As castRays(), with several rays per pixel as SampleSum casts them. A pixel is the mean of its rays, a layer their
-/// mean weighted by alpha.
-///
-/// The rays of every pixel start at the same points of it: the first ones of a low-discrepancy sequence (Roberts' R2)
-/// that begins at the centre. With one ray the picture is that of castRays().
-[[nodiscard]] Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera,
-                                const RayCastParams& params, int samples, const Scenery& scenery = {});
 
 } // namespace vdblic

@@ -147,7 +147,7 @@ openvdb::FloatGrid::Ptr terrainOf(const openvdb::MaskTree& rest, const openvdb::
     const auto height = [&](int x, int y) { return smoothHeight(data, x, y, unit); };
 
     auto result = openvdb::FloatGrid::create(float(band));
-    auto values = result->getUnsafeAccessor(); // no node is taken away meanwhile
+    auto values = result->getUnsafeAccessor(); // no node is removed meanwhile
     const int plate = std::max(unit[2], 2);    // voxels: a thinner one could be missed
     for (int x = -band; x < heights->width() + band; ++x) {
         for (int y = -band; y < heights->depth() + band; ++y) {

@@ -33,12 +33,12 @@ Parameters parametersOf(SequenceCoherenceParams& params)
     std::erase_if(input, [](const Parameter& parameter) { return parameter.key == "renumber"; });
     const Parameters own = {
         parameter("texture", "The textures made from it; frames are matched by number.", params.texture,
-                  {.option = "TEXTURE", .isRequired = true, .isFile = true}),
+                  {.option = "TEXTURE", .isRequired = true}),
         parameter("texture_name", "Name of the texture grid; by default that of vdblic_advect.", params.textureName,
                   {.option = "--texture", .words = "NAME"}),
-        parameter("json", "File to write every figure to.", params.json, {.words = "FILE", .isFile = true}),
+        parameter("json", "File to write every figure to.", params.json, {.words = "FILE"}),
         parameter("plot", "SVG file to plot the autocorrelations to.", params.plot,
-                  {.option = "-o,--output", .words = "FILE", .isFile = true}),
+                  {.option = "-o,--output", .words = "FILE"}),
     };
     return joined({input, own, parametersOf(params.coherence), parametersOf(params.flow)});
 }

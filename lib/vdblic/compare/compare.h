@@ -26,7 +26,7 @@ struct VdbFile;
 /// The names of metadata that describe how and when a file was made, not its content.
 [[nodiscard]] std::vector<std::string> creationMetadata();
 
-/// What counts as a difference. The tolerances have the meaning of those of OpenImageIO's idiff.
+/// What counts as a difference. The tolerances mean the same as in OpenImageIO's idiff.
 struct CompareParams {
     double fail = 0;                               ///< errors up to this are within tolerance [unit of the values]
     double relative = 0;                           ///< so are errors up to this share of max(|a|, |b|)

@@ -30,7 +30,7 @@ struct GridPair {
     int occurrence = 0;
 };
 
-/// The grids of A in its order, then those of B without a partner.
+/// The grids of A in its order, then the grids of B without a partner.
 std::vector<GridPair> pairGrids(const VdbFile& a, const VdbFile& b)
 {
     std::vector<GridPair> pairs;
@@ -171,16 +171,15 @@ Parameters parametersOf(CompareSequencesParams& params)
 {
     const Parameters inputs = {
         parameter("a", "One .vdb file, or a pattern: name.%04d.vdb, also ####, @@@@, $F4, <F4>.", params.a,
-                  {.option = "A", .isRequired = true, .isFile = true}),
+                  {.option = "A", .isRequired = true}),
         parameter("b", "The file or pattern to compare with; frames are matched by number.", params.b,
-                  {.option = "B", .isRequired = true, .isFile = true}),
+                  {.option = "B", .isRequired = true}),
         parameter("frames", "Frames to compare: 1-100, 1-100x2 or 1,5,9-20; every frame by default.", params.frames),
     };
     const Parameters outputs = {
-        parameter("output", "File or pattern to write |A - B| grids to.", params.output,
-                  {.option = "-o,--output", .isFile = true}),
+        parameter("output", "File or pattern to write |A - B| grids to.", params.output, {.option = "-o,--output"}),
         skipExistingParameter(params.skipExisting),
-        parameter("json", "File to write the whole report to.", params.json, {.words = "FILE", .isFile = true}),
+        parameter("json", "File to write the whole report to.", params.json, {.words = "FILE"}),
     };
     return joined({inputs, parametersOf(params.compare), outputs});
 }

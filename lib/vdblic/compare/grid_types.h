@@ -4,7 +4,7 @@
 
 namespace vdblic::compare {
 
-/// The types of grids whose voxels are compared: all that OpenVDB 10 reads, except points and point indices.
+/// The types of grids whose voxels are compared: every type that OpenVDB 10 reads, except points and point indices.
 using GridTypes =
     openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
                       openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>;

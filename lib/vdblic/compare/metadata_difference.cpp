@@ -35,7 +35,7 @@ bool isIgnored(const std::string& key, const std::vector<std::string>& ignored)
 bool same(const openvdb::MetaMap& a, const openvdb::MetaMap& b, const std::string& key)
 {
     if (*a[key] == *b[key]) return true;
-    // Numbers of different types are compared as doubles, those of one integer type were just compared exactly.
+    // Numbers of different types are compared as doubles; numbers of one integer type were just compared exactly.
     const std::string typeA = a[key]->typeName(), typeB = b[key]->typeName();
     const auto numberA = numericMetadata(a, key), numberB = numericMetadata(b, key);
     if (!numberA || !numberB) return false;

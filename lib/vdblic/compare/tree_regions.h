@@ -66,7 +66,7 @@ class RegionFinder {
     [[nodiscard]] const std::vector<Region<TreeT>>& regions() const { return mRegions; }
 
   private:
-    /// One tree at some level: a node, or a constant.
+    /// One tree at a level: a node, or a constant.
     template<typename NodeT>
     struct Side {
         const NodeT* node = nullptr;

@@ -224,7 +224,7 @@ void guardAgainstCrashes(const std::string& program, const CrashStatuses& status
     gStatuses = statuses;
     std::snprintf(gProgram.data(), gProgram.size(), "%s", program.c_str());
     // A library that is loaded late, as Python's module, gets a thread's variables at their first use, from malloc().
-    // The handler must not be that use: it would wait for ever where the crash is in malloc() itself.
+    // The handler must not be the first to use it: it would wait for ever if malloc() itself crashed.
     tParsing.active = 0;
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU}) {
         struct sigaction action {};

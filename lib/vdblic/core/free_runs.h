@@ -20,7 +20,7 @@ class FreeRuns {
     FreeRuns(const FreeRuns&) = delete;
     FreeRuns& operator=(const FreeRuns&) = delete;
 
-    /// Give places back, none of which is free.
+    /// Give places back. None may be free.
     void add(Range range);
     /// Take the first places of a range that has so many. Where there are many ranges, one of fewer than twice as many
     /// may be missed.

@@ -120,6 +120,19 @@ void checkLimits(const Parameters& parameters)
     }
 }
 
+std::vector<std::string> planLines(const Parameters& defaults, const Parameters& said, const Parameters& plan,
+                                   const std::function<std::string(const Parameter&)>& chooser)
+{
+    std::vector<std::string> lines;
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+        const std::string value = plan[i].value(), byDefault = defaults[i].value();
+        const bool isGiven = said[i].value() != byDefault;
+        if (value.empty() || (!isGiven && value == byDefault)) continue;
+        lines.push_back(fmt::format("plan: `{}` {} ({})", plan[i].key, value, isGiven ? "given" : chooser(plan[i])));
+    }
+    return lines;
+}
+
 void set(const Parameters& parameters, const std::map<std::string, Words>& given)
 {
     for (const auto& [key, words] : given) {

@@ -34,23 +34,18 @@ struct Limits {
     bool isAbove = false; ///< whether `least` itself is refused
 };
 
-/// Presentation and limits of a parameter, besides its key and its text.
+/// Unit, limits and spelling of a parameter.
 struct ParameterInfo {
     std::string_view option{}; ///< of tools; empty: the key with dashes; without dashes: a positional argument
     std::string_view unit{};
     std::string_view words{}; ///< placeholders of its words: `X Y Z`
-    std::string_view group{}; ///< of the help
     Limits limits{};
     bool isRequired = false;
-    bool isExpert = false;        ///< stands at the end of the help
-    bool isContent = true;        ///< influences the content of outputs: checkpoints keep it
-    bool isFile = false;          ///< names a file, or a grid in one: no page of the viewer sets it
-    std::string_view excludes{};  ///< key of a parameter that cannot be given beside it
-    std::string_view attribute{}; ///< its name in an image's header; empty: the key in camel case
+    std::string_view excludes{}; ///< key of a parameter that cannot be given beside it
 };
 
-/// A described parameter of a struct. From it come options, help, keywords, checkpoints, attributes and documents, so
-/// that each stands in one place.
+/// A described parameter of a struct. Options, help, keywords, checkpoints, image headers and documents are made from
+/// it, so each stands in one place.
 struct Parameter {
     std::string_view key;  ///< its name in messages, in Python and in checkpoints: `life_span`
     std::string_view text; ///< what it does, in a sentence or two
@@ -83,6 +78,13 @@ using Parameters = std::vector<Parameter>;
 void checkLimits(const Parameters& parameters);
 /// Set those that are given, by key. @throws ParameterError, also on unknown keys
 void set(const Parameters& parameters, const std::map<std::string, Words>& given);
+
+/// A line for each value of a plan that is given or not the default: "plan: `size` 64 48 (given)".
+/// @param defaults, said, plan the same parameters: of nobody, as the user gave them, and as they are used
+/// @param chooser  who chose a value that the user did not give, by its parameter in the plan
+[[nodiscard]] std::vector<std::string> planLines(
+    const Parameters& defaults, const Parameters& said, const Parameters& plan,
+    const std::function<std::string(const Parameter&)>& chooser = [](const auto&) { return "chosen"; });
 
 /// Conversion of a type to and from words. Vectors of other libraries specialise it.
 template<typename T>

@@ -33,7 +33,7 @@ Character firstOf(std::string_view text)
     return code < kLeast[bytes] || code > 0x10ffff || isSurrogate ? Character{} : Character{code, bytes};
 }
 
-/// Whether a character beyond ASCII controls what is shown: C1, ends of lines and paragraphs, directions of writing.
+/// Whether a character beyond ASCII controls the display: C1, ends of lines and paragraphs, directions of writing.
 bool isControl(std::uint32_t code)
 {
     constexpr std::uint32_t kRanges[][2] = {{0x80, 0x9f}, {0x200e, 0x200f}, {0x2028, 0x202e}, {0x2066, 0x2069}};

@@ -26,7 +26,7 @@ class Reporter {
     virtual void warn(std::string_view /*message*/) {}
     /// An output file is complete under its final name.
     virtual void finished(const std::filesystem::path& /*output*/) {}
-    /// Whether to drop the current frame and all that follow.
+    /// Whether to drop the current frame and all later ones.
     [[nodiscard]] virtual bool stopRequested() const { return false; }
 
     /// Called at least once a frame. @throws Stopped if a stop is requested

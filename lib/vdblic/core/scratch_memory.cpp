@@ -2,25 +2,101 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
-#include "vdblic/core/resident_keeper.h"
+#include "vdblic/core/paged_heap.h"
 #include "vdblic/core/scratch_file.h"
+#include "vdblic/core/system_memory.h"
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
+#include <pthread.h>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace vdblic {
 namespace {
 
-constexpr double kNear = 0.8;                              // estimates are a quarter wrong at most
-constexpr std::uint64_t kLarge = std::uint64_t(512) << 20; // a limit that large pages do not soon exceed
-constexpr double kSpread = 1.25;                           // bytes of the file for each byte of objects: runs have gaps
+constexpr std::uint64_t kLate = std::uint64_t(24) << 20;         // growth possible before eviction begins
+constexpr std::uint64_t kLeastScratch = std::uint64_t(16) << 20; // stay resident, however much else the process holds
+constexpr double kNear = 0.8;                                    // estimates are a quarter wrong at most
+constexpr std::uint64_t kLarge = std::uint64_t(512) << 20;       // a limit that large pages do not soon exceed
+constexpr double kSpread = 1.25; // bytes of the file for each byte of objects: runs have gaps
 
 } // namespace
+
+/// Keeps the process's resident memory below a limit.
+///
+/// Runs leave the memory round and round in the order in which they lie in the file. The few that are in use come back
+/// from the system's cache at once; the others were used longest ago, because work sweeps over the whole memory.
+class ResidentKeeper {
+  public:
+    ResidentKeeper(const PagedHeap& heap, std::uint64_t limit); ///< @param heap must outlive this
+
+    void keep();
+    /// Start a thread that keeps for ever, since threads also allocate without breathing. It takes no signals, and
+    /// little of the limit on data by its stack.
+    /// @return 0, or the system's reason why it cannot be started
+    [[nodiscard]] int startThread();
+
+  private:
+    [[nodiscard]] bool isTooMuch(const ProcessMemory& now, std::uint64_t step) const;
+
+    const PagedHeap& mHeap;
+    std::uint64_t mMost, mStep, mCode;
+    std::mutex mMutex;
+    std::size_t mNext = 0; // run to let go
+};
+
+ResidentKeeper::ResidentKeeper(const PagedHeap& heap, std::uint64_t limit)
+    : mHeap(heap), mMost(limit - limit / 8 - kLate), mStep(limit / 16), mCode(processMemory().files)
+{
+}
+
+void ResidentKeeper::keep()
+{
+    if (!isTooMuch(processMemory(), 0)) return;
+    const std::lock_guard lock(mMutex);
+    constexpr std::size_t kTogether = 4; // runs
+    for (std::size_t passed = 0; isTooMuch(processMemory(), mStep) && passed < mHeap.runs(); passed += kTogether) {
+        mHeap.letGo(mNext, kTogether);
+        mNext = mNext + kTogether < mHeap.runs() ? mNext + kTogether : 0;
+    }
+}
+
+bool ResidentKeeper::isTooMuch(const ProcessMemory& now, std::uint64_t step) const
+{
+    return now.resident + step > mMost && now.files > mCode + kLeastScratch;
+}
+
+int ResidentKeeper::startThread()
+{
+    sigset_t all, before;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before);
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+    ::pthread_attr_setstacksize(&attributes, std::size_t(1) << 18);
+    pthread_t thread{};
+    const auto watch = [](void* of) -> void* {
+        for (;;) {
+            static_cast<ResidentKeeper*>(of)->keep();
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+    };
+    const int reason = ::pthread_create(&thread, &attributes, watch, this);
+    ::pthread_attr_destroy(&attributes);
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    return reason;
+}
 
 std::atomic<ScratchMemory*> ScratchMemory::sBegun = nullptr;
 

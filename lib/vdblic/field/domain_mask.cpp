@@ -118,14 +118,14 @@ Parameters parametersOf(DomainParams& params)
 {
     return {
         parameter("mask", "Compute only where a grid is above 0 (a level set: below): one file or a sequence.",
-                  params.mask, {.words = "FILE[:GRID]", .group = "Domain", .isFile = true}),
+                  params.mask, {.words = "FILE[:GRID]"}),
         parameter("box", "Compute only in a box of voxels: first and last.", params.box,
-                  {.option = "--bbox", .words = "X Y Z X Y Z", .group = "Domain"}),
+                  {.option = "--bbox", .words = "X Y Z X Y Z"}),
         parameter("world_box", "Compute only in a box of world space: low and high corner.", params.worldBox,
-                  {.option = "--bbox-world", .words = "X Y Z X Y Z", .group = "Domain"}),
+                  {.option = "--bbox-world", .words = "X Y Z X Y Z"}),
         refineParameter("Texture voxels along each axis in a voxel of the velocity.", params.refinement),
         parameter("interpolation", "Of the velocity between its voxels, with refinement.",
-                  params.refinement.interpolation, {.words = "HOW", .group = "Texture", .isExpert = true}),
+                  params.refinement.interpolation, {.words = "HOW"}),
     };
 }
 

@@ -78,7 +78,7 @@ Parameter refineParameter(std::string_view text, Refinement& refinement)
         return {fmt::format("{}", x), fmt::format("{}", y), fmt::format("{}", z)};
     };
     Parameter result = parameter("refine", text, WordType::kInteger, 1, read, write,
-                                 {.words = "N or NX NY NZ", .group = "Texture", .limits = {1, Refinement::kMost}});
+                                 {.words = "N or NX NY NZ", .limits = {1, Refinement::kMost}});
     result.most = 3;
     return result;
 }

@@ -30,7 +30,7 @@ Parameters parametersOf(SynthParams& params)
     return {
         parameter("flow", "Name of the flow; --list shows them.", params.flow, {.option = "FLOW", .isRequired = true}),
         parameter("output", "The files to write, as a pattern such as velocity.%04d.vdb.", params.output,
-                  {.option = "-o,--output", .isRequired = true, .isFile = true}),
+                  {.option = "-o,--output", .isRequired = true}),
         parameter("size", "Voxels along x, y and z.", params.size, {.words = "X Y Z", .isRequired = true}),
         parameter("frames", "Frames to make: 1-100, 1-100x2 or 1,5,9-20; frame 1 is at time 0.", params.frames,
                   {.isRequired = true}),

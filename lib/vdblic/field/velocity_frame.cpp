@@ -119,12 +119,10 @@ Parameters parametersOf(VelocityParams& params)
 {
     constexpr double kMost = 1e18; // velocities are single precision
     return {
-        parameter("velocity", "Name of the velocity grid, or of three scalar grids.", params.grid,
-                  {.words = "NAME", .group = "Velocity"}),
+        parameter("velocity", "Name of the velocity grid, or of three scalar grids.", params.grid, {.words = "NAME"}),
         parameter("velocity_unit", "Unit of the stored velocities; world/s unless the file is known.", params.unit,
-                  {.words = "UNIT", .group = "Velocity"}),
-        parameter("velocity_scale", "Factor on the velocities.", params.scale,
-                  {.group = "Velocity", .limits = {-kMost, kMost}}),
+                  {.words = "UNIT"}),
+        parameter("velocity_scale", "Factor on the velocities.", params.scale, {.limits = {-kMost, kMost}}),
     };
 }
 

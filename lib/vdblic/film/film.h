@@ -1,9 +1,41 @@
 #pragma once
 
+#include "vdblic/core/names.h"
+#include "vdblic/core/parameters.h"
 #include "vdblic/core/reporter.h"
-#include "vdblic/film/film_params.h"
+#include "vdblic/io/sequence.h"
+
+#include <glm/vec2.hpp>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
 
 namespace vdblic {
+
+/// What a film shows: sparse streaks, or a texture in every voxel.
+enum class FilmMethod { kStreaks, kDense };
+template<>
+inline constexpr auto kNames<FilmMethod> = std::to_array<std::string_view>({"streaks", "dense"});
+
+/// From a velocity sequence to a film, or to a still. All else is chosen from the data (planFilm()).
+struct FilmParams {
+    SequenceParams input;
+    std::string output;              ///< .mp4 film, or .png still of the middle frame
+    std::optional<double> seconds{}; ///< of the film; nothing: what suits the flow, 2 to 10
+    std::array<int, 2> size{1280, 720};
+    std::string look{};   ///< empty: the method's
+    double orbit = 0;     ///< turns of the camera during the film
+    bool preview = false; ///< half the width and height, half the pictures, coarser textures
+    FilmMethod method = FilmMethod::kStreaks;
+
+    [[nodiscard]] bool isStill() const;
+    [[nodiscard]] glm::ivec2 pictureSize() const;   ///< of a preview half the size
+    [[nodiscard]] double picturesPerSecond() const; ///< 24, of a preview 12
+    void validate() const;                          ///< @throws ParameterError
+};
+[[nodiscard]] Parameters parametersOf(FilmParams& params);
 
 /// Make a film or a still from a velocity sequence: plan, compute the textures, render them.
 ///

@@ -234,7 +234,7 @@ class FilmPlanner {
         mPlan.advect["refine"] = wordsOfFactors(factors);
     }
 
-    /// Whether nearly all of a flow is fast: opacity that follows the speed would hide what is inside. In a flat domain
+    /// Whether nearly all of a flow is fast: opacity that follows the speed would hide the inside. In a flat domain
     /// the shear between its layers has more to do with Q than vortices.
     [[nodiscard]] bool isEvenlyFast() const
     {

@@ -31,13 +31,6 @@
 namespace vdblic {
 namespace {
 
-constexpr std::pair<std::string_view, Imf::Compression> kCompressions[] = {
-    {"none", Imf::NO_COMPRESSION},   {"rle", Imf::RLE_COMPRESSION},   {"zips", Imf::ZIPS_COMPRESSION},
-    {"zip", Imf::ZIP_COMPRESSION},   {"piz", Imf::PIZ_COMPRESSION},   {"pxr24", Imf::PXR24_COMPRESSION},
-    {"b44", Imf::B44_COMPRESSION},   {"b44a", Imf::B44A_COMPRESSION}, {"dwaa", Imf::DWAA_COMPRESSION},
-    {"dwab", Imf::DWAB_COMPRESSION},
-};
-
 constexpr std::pair<std::string_view, ImageLayer> kLayers[] = {
     {"depth", ImageLayer::kDepth},     {"normal", ImageLayer::kNormal},   {"magnitude", ImageLayer::kDriver},
     {"texture", ImageLayer::kTexture}, {"samples", ImageLayer::kSamples},
@@ -91,7 +84,7 @@ struct Channels {
     Imf::Header& header;
     Imf::FrameBuffer frame{};
 
-    /// @param first value of the first pixel; those of the others follow at a stride of `pixelBytes`
+    /// @param first value of the first pixel; the others follow at a stride of `pixelBytes`
     void add(const char* name, Imf::PixelType type, const void* first, std::size_t pixelBytes)
     {
         const auto width = std::size_t(header.dataWindow().max.x) + 1;
@@ -177,14 +170,6 @@ std::vector<ImageLayer> parseImageLayers(const std::vector<std::string>& names)
     return layers;
 }
 
-std::vector<std::string> exrCompressions()
-{
-    std::vector<std::string> names;
-    for (const auto& [name, compression] : kCompressions)
-        names.emplace_back(name);
-    return names;
-}
-
 Parameters parametersOf(ExrParams& params)
 {
     const auto layerNames = [&params] {
@@ -195,20 +180,15 @@ Parameters parametersOf(ExrParams& params)
         }
         return names;
     };
-    Parameter layers =
-        parameter("aov", "Further channels of .exr: depth, normal, magnitude, texture, samples, or all.",
-                  WordType::kText, 1, [&params](const Words& words) { params.layers = parseImageLayers(words); },
-                  layerNames, {.words = "NAME,NAME", .group = "Output", .attribute = "-"});
+    Parameter layers = parameter(
+        "aov", "Further channels of .exr: depth, normal, magnitude, texture, samples, or all.", WordType::kText, 1,
+        [&params](const Words& words) { params.layers = parseImageLayers(words); }, layerNames, {.words = "NAME,NAME"});
     layers.most = WordsOf<std::vector<std::string>>::kMost;
-    Parameter compression =
-        parameter("compression", "Of .exr.", params.compression, {.words = "HOW", .group = "Output", .attribute = "-"});
-    compression.choices = exrCompressions();
-    compression.get = [&params] { return Words{params.compression}; };
-    Parameter precision = parameter("precision", "Of colour and alpha in .exr.", params.precision,
-                                    {.words = "NUMBERS", .group = "Output", .attribute = "-"});
+    Parameter precision =
+        parameter("precision", "Of colour and alpha in .exr.", params.precision, {.words = "NUMBERS"});
     precision.choices = {"half", "float"};
     precision.get = [&params] { return Words{params.precision}; };
-    return {layers, precision, compression};
+    return {layers, precision};
 }
 
 void ExrParams::validate() const
@@ -222,9 +202,6 @@ std::string encodeExr(const Image& image, const ImageHeader& header, const Backg
 {
     params.validate();
     Imf::Header exr(image.size.x, image.size.y, 1, {0, 0}, header.screenWindowWidth);
-    for (const auto& [name, compression] : kCompressions) {
-        if (name == params.compression) exr.compression() = compression;
-    }
     Imf::addChromaticities(exr, Imf::Chromaticities{}); // Rec. 709 is OpenEXR's default
     Imf::addWorldToCamera(exr, imathMatrix(header.worldToCamera));
     Imf::addWorldToNDC(exr, imathMatrix(header.worldToNdc));

@@ -45,7 +45,7 @@ std::uint64_t bigEndian(const unsigned char* bytes, std::size_t count)
 
 /// Visit the boxes of an .mp4 file (ISO/IEC 14496-12) between two places.
 /// @param visit called with a box's type and the begin and end of its content
-/// @return whether they fill all that is between
+/// @return whether they fill the space between
 template<typename Visit>
 bool visitBoxes(std::ifstream& file, std::uint64_t begin, std::uint64_t end, const Visit& visit)
 {

@@ -33,7 +33,7 @@ class FilmWriter {
     std::filesystem::path mPath;
     AtomicFile mFile;
     pid_t mProcess = -1;
-    std::size_t mFrameBytes, mBytes = 0; // of a frame, and all that were added
+    std::size_t mFrameBytes, mBytes = 0; // of a frame, and of all added ones
     int mInput = -1, mMessages = -1;     // pipes to ffmpeg and from its standard error
 };
 

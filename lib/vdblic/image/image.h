@@ -23,7 +23,7 @@ struct Image {
     glm::ivec2 size{0, 0};
     std::vector<glm::vec4> pixels;        ///< size.x · size.y of them
     std::vector<PixelLayers> layers{};    ///< as many, or none
-    std::vector<glm::vec4> annotations{}; ///< what is drawn over the picture, as pixels; as many, or none
+    std::vector<glm::vec4> annotations{}; ///< drawn over the picture; as many as pixels, or none
 
     [[nodiscard]] const glm::vec4& at(int x, int y) const { return pixels[std::size_t(y) * size.x + x]; }
 };

@@ -53,10 +53,9 @@ enum class ImageLayer { kDepth, kNormal, kDriver, kTexture, kSamples };
 /// other names
 [[nodiscard]] std::vector<ImageLayer> parseImageLayers(const std::vector<std::string>& names);
 
-/// Format of .exr files.
+/// Content of .exr files.
 struct ExrParams {
     std::string precision = "half"; ///< of colour and alpha: `half` or `float`
-    std::string compression = "zip";
     /// Channels `Z`, `N.X` `N.Y` `N.Z`, `magnitude`, `texture` and `samples`, 32-bit floats.
     std::vector<ImageLayer> layers{};
 
@@ -64,8 +63,6 @@ struct ExrParams {
     void validate() const;
 };
 [[nodiscard]] Parameters parametersOf(ExrParams& params);
-/// OpenEXR's compressions, in its own spelling: none, rle, zips, zip, piz ...
-[[nodiscard]] std::vector<std::string> exrCompressions();
 
 /// The picture over the background with its alpha, without annotations: a copy of the pixels.
 [[nodiscard]] std::vector<glm::vec4> pixelsOver(const Image& image, const Background& background);
@@ -85,5 +82,20 @@ struct ExrParams {
 /// @throws ParameterError; OutputError naming the file and the reason, such as a full disk
 void writeImage(const std::filesystem::path& path, const Image& image, const ImageHeader& header,
                 const Background& background, const ExrParams& params = {});
+
+/// Whether a file is a whole image of its extension's format, .exr or .png: all of its pixels can be read.
+[[nodiscard]] bool isWholeImage(const std::filesystem::path& path);
+
+/// A picture with another exposure: its light times 2^stops.
+[[nodiscard]] Image exposed(Image image, double stops);
+
+/// Light that a screen can show, 0 to 1 in each channel, of light that may be brighter: a film's shoulder. Channels of
+/// at most `knee` stay as they are. The largest channel of brighter light approaches 1, and its others follow in
+/// proportion, so that hues stay; very bright light also fades to white.
+///
+/// The curve above its toe of the Khronos PBR Neutral Tone Mapper (Khronos Group 2024).
+/// @param knee at least kToneKnee; 1: brighter light has a largest channel of 1
+[[nodiscard]] glm::vec3 toneMapped(const glm::vec3& light, float knee);
+inline constexpr float kToneKnee = 0.8f;
 
 } // namespace vdblic

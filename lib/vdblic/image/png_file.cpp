@@ -1,7 +1,6 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/image/image_file.h"
-#include "vdblic/image/tone.h"
 
 #include <fmt/format.h>
 #include <glm/vec2.hpp>

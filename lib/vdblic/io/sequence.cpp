@@ -80,21 +80,18 @@ Parameters parametersOf(SequenceParams& params, std::string_view name, std::stri
 {
     constexpr double kMostNumber = 1e12; // of a frame
     return {
-        parameter("input", text, params.pattern,
-                  {.option = name, .isRequired = true, .isContent = false, .isFile = true}),
-        parameter("frames", "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.", params.frames,
-                  {.group = "Input", .isContent = false}),
+        parameter("input", text, params.pattern, {.option = name, .isRequired = true}),
+        parameter("frames", "Frames to use: 1-100, 1-100x2 or 1,5,9-20; every frame found by default.", params.frames),
         parameter("clamp_frames", "Leave out frames of the selection that lie beyond the files on disk.",
-                  params.clampFrames, {.group = "Input", .isContent = false}),
+                  params.clampFrames),
         parameter("renumber", "Number paths on standard input from this number on as they come, whatever their names.",
-                  params.renumber, {.group = "Input", .limits = {-kMostNumber, kMostNumber}, .isContent = false}),
+                  params.renumber, {.limits = {-kMostNumber, kMostNumber}}),
     };
 }
 
 Parameter skipExistingParameter(bool& target)
 {
-    return parameter("skip_existing", "Leave outputs that are there as they are, and print their paths.", target,
-                     {.group = "Output"});
+    return parameter("skip_existing", "Leave outputs that are there as they are, and print their paths.", target);
 }
 
 std::string FrameFile::label() const

@@ -10,9 +10,9 @@ Parameters parametersOf(PathlineParams& params)
 {
     return {
         parameter("sample_spacing", "Distance of deposits on a pathline.", params.sampleSpacing,
-                  {.unit = "voxels", .group = "Texture", .limits = {0.05, 10}, .isExpert = true}),
+                  {.unit = "voxels", .limits = {0.05, 10}}),
         parameter("tolerance", "Largest error of an integration step.", params.tolerance,
-                  {.unit = "voxels", .group = "Texture", .limits = {1e-4, 10}, .isExpert = true}),
+                  {.unit = "voxels", .limits = {1e-4, 10}}),
     };
 }
 

@@ -48,7 +48,7 @@ std::array<double, 2> rangeOf(std::vector<float> drivers, ValueScale scale)
     const double low = percentile(drivers, 0.02), high = percentile(drivers, 0.99);
     if (!(std::max(std::abs(low), std::abs(high)) <= ScalarAxis::kMostValue)) {
         throw InputError(
-            fmt::format("the values {} to {} are too large to be shown; choose some with `range`", low, high));
+            fmt::format("the values {} to {} are too large to be shown; give smaller ones with `range`", low, high));
     }
     // A driver of one value is at the top of the range, or at its bottom if it is 0.
     if (!(low < high)) return {isLog ? high / 10 : 0, high > 0 ? high : 1};
@@ -109,8 +109,8 @@ std::vector<OpacityPoint> chooseOpacity(const VolumeSamples& samples, double vox
     return points;
 }
 
-/// The share of its colour's light that two thirds of what is visible exceed: an estimate from the texture's part in
-/// the colour, the lights on surfaces in all directions, and shadows.
+/// The share of their colour's light that two thirds of the visible voxels exceed: an estimate from the texture's part
+/// in the colour, the lights on surfaces in all directions, and shadows.
 double lightShare(const Look& look, const VolumeSamples& samples)
 {
     constexpr double kArriving = 0.35; // of the light in shadows, in the mean

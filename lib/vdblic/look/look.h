@@ -63,7 +63,7 @@ struct TextureModulation {
     }
 };
 
-/// Visibility-impeding halos (Interrante & Grosch 1998): the flanks of a streak hide what is behind them, so that a
+/// Visibility-impeding halos (Interrante & Grosch 1998): the flanks of a streak hide the volume behind them, so that a
 /// streak in front stands apart. Only flanks seen edge-on count (Ebert & Rheingans 2000): no streak hides itself.
 struct Halo {
     float strength = 0; ///< extinction of a flank over that of its streak; 0: none
@@ -117,9 +117,9 @@ struct Look {
 /// signs. Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is scaled so
 /// that a path as long as `thickness` has the mean optical depth `opticalDepth`: the front is seen, and faintly the
 /// depths behind, whatever the volume's size. Where colour tells kinds apart, each has a colour of its own (kinds.h).
-/// The exposure makes up for what rims, shadows and light take away, so that two thirds of what is seen are as bright
-/// as their colour in the colour bar or brighter. It is an estimate from samples and look, up to three stops, and
-/// depends neither on the camera nor on the frame.
+/// The exposure makes up for what rims, shadows and light take away, so that two thirds of the visible voxels are as
+/// bright as their colour in the colour bar or brighter. It is an estimate from samples and look, up to three stops,
+/// and depends neither on the camera nor on the frame.
 /// @param samples   of one frame or of several
 /// @param thickness [voxels]
 /// @throws ParameterError; InputError if there is no sample

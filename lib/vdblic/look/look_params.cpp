@@ -16,25 +16,24 @@ constexpr double kMostStops = 20;
 Parameters parametersOf(LookParams& params)
 {
     const Parameters texture = {
-        parameter("modulate", "How strongly the texture shows in opacity.", params.textureStrength,
-                  {.group = "Colour and opacity", .limits = {0, 1}, .attribute = "textureStrength"}),
+        parameter("modulate", "How strongly the texture shows in opacity.", params.textureStrength, {.limits = {0, 1}}),
         parameter("limb_darkening", "How strongly the texture shows in colour: dark rims of streaks.",
-                  params.limbDarkening, {.group = "Colour and opacity", .limits = {0, 1}}),
+                  params.limbDarkening, {.limits = {0, 1}}),
     };
     const Parameters light = {
         parameter("halo", "Strength of the gaps that streaks cut into what is behind them; 0: none.", params.halo,
-                  {.group = "Light", .limits = {0, 1e9}}),
+                  {.limits = {0, 1e9}}),
         parameter("shadows", "How dark it is where the volume lets no light through.", params.shadows,
-                  {.group = "Light", .limits = {0, 1}}),
+                  {.limits = {0, 1}}),
         parameter("occlusion", "How much darker than the rest it is where the volume is close all around.",
-                  params.occlusion, {.group = "Light", .limits = {0, 1}}),
+                  params.occlusion, {.limits = {0, 1}}),
         parameter("depth_cue", "How far the most distant samples fade into the background.", params.depthCue,
-                  {.group = "Light", .limits = {0, 1}}),
+                  {.limits = {0, 1}}),
         parameter("exposure",
                   "Stops that the picture is brighter than lit; one doubles the light. By default two thirds of what "
                   "is seen are "
                   "about as bright as their colours in the colour bar, or brighter.",
-                  params.exposure, {.unit = "stops", .group = "Light", .limits = {-kMostStops, kMostStops}}),
+                  params.exposure, {.unit = "stops", .limits = {-kMostStops, kMostStops}}),
     };
     return joined({parametersOf(params.transfer), texture, parametersOf(params.shading), light});
 }

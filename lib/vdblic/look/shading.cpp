@@ -12,7 +12,6 @@
 namespace vdblic {
 Parameters parametersOf(Shading& params)
 {
-    const Limits positive{.least = 0, .most = 1e9};
     const auto setLights = [&params](const Words& words) {
         params.lights.clear();
         for (std::size_t i = 0; i < words.size(); i += 3)
@@ -27,20 +26,14 @@ Parameters parametersOf(Shading& params)
         return words;
     };
     Parameter light = parameter("light", "Direction towards a far-away light, in place of the look's; may be repeated.",
-                                WordType::kNumber, 3, setLights, lights,
-                                {.unit = "world", .words = "X Y Z", .group = "Light", .attribute = "-"});
+                                WordType::kNumber, 3, setLights, lights, {.unit = "world", .words = "X Y Z"});
     light.repeats = true;
     return {
         parameter("shading",
                   "phong: by the texture's gradient; lines: as thin lines, by the direction the texture changes least "
                   "in; none.",
-                  params.model, {.words = "HOW", .group = "Light"}),
-        parameter("ambient", "Ambient reflection.", params.ambient, {.group = "Light", .limits = positive}),
-        parameter("diffuse", "Diffuse reflection.", params.diffuse, {.group = "Light", .limits = positive}),
-        parameter("specular", "Specular reflection.", params.specular, {.group = "Light", .limits = positive}),
-        parameter("shininess", "Exponent of highlights.", params.shininess, {.group = "Light", .limits = positive}),
-        parameter("head_light", "Intensity of the light at the eye.", params.headLight,
-                  {.group = "Light", .limits = positive}),
+                  params.model, {.words = "HOW"}),
+        parameter("head_light", "Intensity of the light at the eye.", params.headLight, {.limits = {0, 1e9}}),
         light,
     };
 }

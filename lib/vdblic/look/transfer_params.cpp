@@ -133,8 +133,7 @@ Parameters parametersOf(TransferParams& params)
         params.colors.clear();
     };
     Parameter map = parameter("colormap", "Colours over the range.", WordType::kText, 1, setMap,
-                              [&params] { return Words{params.colorMap}; },
-                              {.words = "NAME", .group = "Colour and opacity", .attribute = "colorMap"});
+                              [&params] { return Words{params.colorMap}; }, {.words = "NAME"});
     map.choices = colorMapNames();
     const auto wordsOf = [](std::string text) { return text.empty() ? Words{} : Words{std::move(text)}; };
     return {
@@ -143,25 +142,24 @@ Parameters parametersOf(TransferParams& params)
             "colors", "Colours of one's own over the range, e.g. 0:#102040,0.5:#e2581a,1:#fff6d5, as displayed.",
             WordType::kText, 1, [&params](const Words& words) { params.colors = parseColors(words[0]); },
             [&params, wordsOf] { return wordsOf(colorsText(params.colors)); },
-            {.words = "POSITION:#RRGGBB,...", .group = "Colour and opacity", .excludes = "colormap"}),
+            {.words = "POSITION:#RRGGBB,...", .excludes = "colormap"}),
         parameter(
             "opacity",
             "Opacity of one voxel over the range, e.g. 0:0,0.4:0.05,1:0.8. By default it rises with the values, scaled "
             "so that one sees into the volume.",
             WordType::kText, 1, [&params](const Words& words) { params.opacity = parseOpacity(words[0]); },
-            [&params, wordsOf] { return wordsOf(opacityText(params.opacity)); },
-            {.words = "POSITION:OPACITY,...", .group = "Colour and opacity"}),
+            [&params, wordsOf] { return wordsOf(opacityText(params.opacity)); }, {.words = "POSITION:OPACITY,..."}),
         parameter("range", "Values at positions 0 and 1 of the range; percentiles of the frames by default.",
-                  params.range, {.words = "LO HI", .group = "Colour and opacity", .attribute = "colorRange"}),
+                  params.range, {.words = "LO HI"}),
         parameter("opacity_range",
                   "The same of the grid that opacity follows; that of the colours if one grid does both.",
-                  params.opacityRange, {.words = "LO HI", .group = "Colour and opacity"}),
+                  params.opacityRange, {.words = "LO HI"}),
         parameter("color_scale", "How the values of the range are spread over positions.", params.colorScale,
-                  {.words = "SCALE", .group = "Colour and opacity"}),
+                  {.words = "SCALE"}),
         parameter("opacity_scale",
                   "The same of the grid that opacity follows; linear by default, but as the colours' if one grid with "
                   "one range does both.",
-                  params.opacityScale, {.words = "SCALE", .group = "Colour and opacity"}),
+                  params.opacityScale, {.words = "SCALE"}),
     };
 }
 

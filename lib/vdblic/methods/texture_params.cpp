@@ -29,7 +29,7 @@ Parameter methodParameter(TextureParams& params)
     Parameter result = parameter(
         "method", methodTexts(), WordType::kText, 1,
         [&params](const Words& words) { params.method = &textureMethod(words.front()); },
-        [&params] { return Words{std::string(params.method->name)}; }, {.words = "METHOD", .group = "Texture"});
+        [&params] { return Words{std::string(params.method->name)}; }, {.words = "METHOD"});
     for (const TextureMethod* const method : textureMethods())
         result.choices.emplace_back(method->name);
     if (std::find(result.choices.begin(), result.choices.end(), params.method->name) == result.choices.end())
@@ -44,11 +44,10 @@ Parameters parametersOf(TextureParams& params)
     const Parameters own = {
         methodParameter(params),
         parameter("life_span", "Life span of a seed, with lic and ufac the length of the kernel.", params.lifeSpan,
-                  {.option = "--life", .unit = "frames", .group = "Texture", .limits = {1, 1000}}),
-        parameter("substeps", "Textures for each interval between frames.", params.substeps,
-                  {.group = "Texture", .limits = {1, 64}}),
+                  {.option = "--life", .unit = "frames", .limits = {1, 1000}}),
+        parameter("substeps", "Textures for each interval between frames.", params.substeps, {.limits = {1, 64}}),
         parameter("release_window", "auflic, auflic-2004: part of a frame in which a pathline takes up seeds.",
-                  params.releaseWindow, {.group = "Texture", .limits = {0, 1, true}, .isExpert = true}),
+                  params.releaseWindow, {.limits = {0, 1, true}}),
     };
     return joined({own, parametersOf(params.pathline), parametersOf(params.feedback)});
 }

@@ -46,12 +46,11 @@ openvdb::MaskTree::Ptr topologyOf(const openvdb::GridBase& grid, const std::stri
 Parameters parametersOf(NoiseParams& params)
 {
     return {
-        parameter("output", "The .vdb file to write.", params.output,
-                  {.option = "-o,--output", .isRequired = true, .isFile = true}),
+        parameter("output", "The .vdb file to write.", params.output, {.option = "-o,--output", .isRequired = true}),
         parameter("like",
                   "Grid whose active voxels and transform the noise has; by default the first in the file that has "
                   "active voxels.",
-                  params.like, {.words = "FILE[:GRID]", .isFile = true, .excludes = "size"}),
+                  params.like, {.words = "FILE[:GRID]", .excludes = "size"}),
         parameter("size", "Voxels along x, y and z of a box.", params.size, {.words = "X Y Z"}),
         refineParameter("Voxels of the noise along each axis in a voxel of the grid that it is like.",
                         params.refinement),

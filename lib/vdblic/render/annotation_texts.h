@@ -10,7 +10,7 @@
 
 namespace vdblic {
 
-/// When a frame is, as far as its file tells.
+/// The time of a frame, if its file tells it.
 struct FrameClock {
     std::optional<double> time; ///< [s]
     std::optional<double> dt;   ///< to the next frame [s]; times are shown as finely as that
@@ -18,11 +18,12 @@ struct FrameClock {
     double longest = 0;         ///< time of the sequence [s], without sign: all its times are written alike
 };
 
-/// A date and time of day where the file has a start, else days, hours, minutes and seconds as far as the spacing needs
-/// them, or a part of a second; empty without a time. All frames of a sequence have the same units and as many digits.
+/// A date and time of day where the file has a start, else days, hours, minutes and seconds as fine as the spacing
+/// needs them, or a part of a second; empty without a time. All frames of a sequence have the same units and as many
+/// digits.
 [[nodiscard]] std::string clockText(const FrameClock& clock);
 
-/// Whether the axes are east, north and up, as far as can be told: a date and metres, as vdblic_import writes them for
+/// Whether the axes are probably east, north and up: a date and metres, as vdblic_import writes them for
 /// weather and oceans, or heights that are exaggerated and ten minutes or more between frames.
 [[nodiscard]] bool isGeographic(const FrameClock& clock, const std::string& lengthUnit, const glm::dvec3& stretch);
 

@@ -4,15 +4,17 @@
 #include "vdblic/image/cairo_drawing.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/look/look.h"
+#include "vdblic/look/transfer_function.h"
 #include "vdblic/render/annotated_box.h"
 #include "vdblic/render/annotation_font.h"
-#include "vdblic/render/annotation_legend.h"
 #include "vdblic/render/annotation_scale.h"
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <algorithm>
 #include <array>
@@ -28,7 +30,32 @@
 namespace vdblic {
 namespace {
 
-// In sizes of the text, of which there are kLines in a picture's height.
+/// Draw the names of kinds at the left of their colours, one below the other in the order of their numbers, and what is
+/// of no kind last.
+/// @param corner top right [pixels]  @param textSize of the canvas's font [pixels]
+/// @return the lower end of the drawing
+double drawLegend(const CairoCanvas& canvas, const glm::dvec2& corner, double textSize, const std::string& title,
+                  const TransferFunction& transfer, const glm::dvec3& ink)
+{
+    const std::vector<std::string>& kinds = transfer.params().kinds;
+    const double side = 0.9 * textSize, line = 1.5 * textSize;
+    canvas.drawText({corner.x, corner.y - 0.8 * textSize}, 1, title);
+    double top = corner.y;
+    for (std::size_t i = 1; i <= kinds.size(); ++i) {
+        const std::size_t kind = i % kinds.size();
+        canvas.setColor(transfer.displayColor(transfer.colorAxis().position(double(kind))));
+        cairo_rectangle(canvas.context(), corner.x - side, top, side, side);
+        cairo_fill(canvas.context());
+        canvas.setColor(ink);
+        cairo_rectangle(canvas.context(), corner.x - side, top, side, side);
+        cairo_stroke(canvas.context());
+        canvas.drawText({corner.x - side - 0.5 * textSize, top + 0.8 * textSize}, 1, kinds[kind]);
+        top += line;
+    }
+    return top - line + side;
+}
+
+// In sizes of the text; a picture's height is kLines of them.
 constexpr double kLines = 42, kMargin = 1.2, kBarTop = 3.5;
 constexpr double kBarRoom = 6.5; // a bar with its numbers and margin
 

@@ -29,7 +29,7 @@ struct AnnotationContent {
     bool isGeographic = false;              ///< whether x, y and z are east, north and up
 };
 
-/// The points of a picture's subject, and some room beside them for axes and colour bars.
+/// The points of a picture's subject, and room beside them for axes and colour bars.
 /// @param view of the box; a camera that a user placed has no room to give
 [[nodiscard]] std::vector<glm::dvec3> withRoom(std::vector<glm::dvec3> subject, const AnnotationParams& params,
                                                const Camera& view);

@@ -66,7 +66,7 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
         frame.histograms->add(*loaded->texture, *color, *opacity);
     }
     if (mPlan.outputs.images.empty() && mPlan.outputs.film.empty()) return {};
-    const glm::ivec2 size = plan.scaledSize();
+    const glm::ivec2 size = plan.size;
     FrameImage result;
     if (!view) {
         result.image = {size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
@@ -95,12 +95,11 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
 std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& frame) const
 {
     const PicturePlan& plan = mPlan.picture;
-    const SolidParams& solid = plan.solid;
-    if (solid.source.empty()) return nullptr;
+    if (plan.solid.empty()) return nullptr;
     const auto make = [&] {
-        return std::make_shared<const Solid>(makeSolid(solid, *frame.domain(), plan.stretch, frame.file.frame));
+        return std::make_shared<const Solid>(makeSolid(plan.solid, *frame.domain(), plan.stretch, frame.file.frame));
     };
-    if (solid.changes()) return make();
+    if (solidChanges(plan.solid)) return make();
     std::call_once(mSolidMade, [&] { mSolid = make(); });
     return mSolid;
 }

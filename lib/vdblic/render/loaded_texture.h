@@ -24,7 +24,7 @@ struct LoadedTexture {
     std::string opacityBy;                           ///< name of the grid that opacity follows
     TextureVolume volume;
     FrameClock clock;                                 ///< of the file's metadata
-    std::string colorUnit, opacityUnit, lengthUnit{}; ///< of the scalars and of the world, as far as the file tells
+    std::string colorUnit, opacityUnit, lengthUnit{}; ///< of the scalars and of the world; empty: unknown
     std::vector<std::string> kinds{};                 ///< as TransferParams has them, where sources colour
     bool isSparse = false;                            ///< whether inactive voxels are empty
     openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture: a grid whose active voxels are the flow's

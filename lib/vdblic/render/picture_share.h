@@ -12,7 +12,7 @@ struct PictureShare {
     PictureCuts cuts;
 
     [[nodiscard]] const PictureArea& area() const { return cuts.area(exchange.rank()); }
-    /// Give rank 0 the parts of the others. Collective. @param image whole, of which each rank has cast its part
+    /// Give rank 0 the parts of the others. Collective. @param image of the whole size, with the part of this rank
     void assemble(Image& image) const;
 };
 

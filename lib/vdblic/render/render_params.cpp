@@ -3,6 +3,8 @@
 #include "vdblic/cast/supersampling.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/image/vector_text.h"
+#include "vdblic/io/frame_pattern.h"
+#include "vdblic/io/grid_reference.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/look/look_preset.h"
 
@@ -46,8 +48,7 @@ Parameters parametersOf(PictureParams& params)
     Parameter look = parameter(
         "look", "Look that all other options start from; by default flow, of files of streaks streaks.",
         WordType::kText, 1, [&params](const Words& words) { params.look = words[0]; },
-        [&params, defaults] { return Words{params.look.empty() ? defaults->name : params.look}; },
-        {.words = "NAME", .group = "Picture", .attribute = "look"});
+        [&params, defaults] { return Words{params.look.empty() ? defaults->name : params.look}; }, {.words = "NAME"});
     look.choices = lookPresetNames();
     const auto colorBy = [&params] { return Words{params.colorBy.empty() ? kSpeedGrid : params.colorBy}; };
     const auto opacityBy = [&params] { return Words{params.opacityBy.empty() ? kSpeedGrid : params.opacityBy}; };
@@ -58,52 +59,44 @@ Parameters parametersOf(PictureParams& params)
         look,
         parameter("texture",
                   "Float grid that holds the texture; by default the one that vdblic_advect made, else density.",
-                  params.texture, {.words = "NAME", .group = "Picture", .isFile = true, .attribute = "textureGrid"}),
-        parameter("size", "Size of the image.", params.size,
-                  {.unit = "pixels", .words = "W H", .group = "Picture", .attribute = "-"}),
-        parameter("scale", "Factor on the size, for previews.", params.scale,
-                  {.group = "Picture", .limits = {0, kMostPixels, true}}),
+                  params.texture, {.words = "NAME"}),
+        parameter("size", "Size of the image.", params.size, {.unit = "pixels", .words = "W H"}),
         parameter("samples", "Rays to a pixel, at points of a low-discrepancy pattern.", params.samples,
-                  {.group = "Picture", .limits = {1, kMostSamples}}),
+                  {.limits = {1, kMostSamples}}),
         parameter("stretch",
                   "Factors on the world's axes, such as 1 1 20 to exaggerate heights; camera and lights stand in the "
                   "stretched space, cuts in the data's own.",
-                  params.stretch, {.words = "X Y Z", .group = "Camera", .limits = {1 / kMostStretch, kMostStretch}}),
-    };
-    const Parameters shown = {
-        parameter("roi", "Grid whose active voxels are all that is shown.", params.region,
-                  {.words = "FILE[:GRID]", .group = "Cuts", .isFile = true, .attribute = "region"}),
+                  params.stretch, {.words = "X Y Z", .limits = {1 / kMostStretch, kMostStretch}}),
+        parameter("roi", "Grid whose active voxels are all that is shown.", params.region, {.words = "FILE[:GRID]"}),
         parameter("roi_box", "Low and high corner of a box; only voxels with their centre inside are shown.",
-                  params.regionBox,
-                  {.unit = "world", .words = "X Y Z X Y Z", .group = "Cuts", .attribute = "regionBox"}),
-    };
-    const Parameters annotate = {
+                  params.regionBox, {.unit = "world", .words = "X Y Z X Y Z"}),
         parameter(
             "annotate",
             "Explanations over the picture: box, axes, colorbar, time, scalebar, triad, title=TEXT. In .exr channels "
             "of their own, annotation.R and so on.",
             WordType::kText, 1, [&params](const Words& words) { params.annotations = parseAnnotations(words[0]); },
-            annotations, {.words = "NAME,NAME", .group = "Picture", .attribute = "annotations"}),
-    };
-    const Parameters keys = {
+            annotations, {.words = "NAME,NAME"}),
         parameter("camera", "JSON file of key frames of the camera (docs/formats.md).", params.cameraFile,
-                  {.words = "FILE", .group = "Camera", .isFile = true, .attribute = "cameraKeys"}),
-    };
-    const Parameters scalars = {
+                  {.words = "FILE"}),
         parameter("by", "Float grid that colour and opacity follow; magnitude by default.", params.by,
-                  {.words = "NAME", .group = "Colour and opacity", .attribute = "-"}),
+                  {.words = "NAME"}),
         parameter("color_by", "Float grid that colour follows.", WordType::kText, 1,
-                  [&params](const Words& words) { params.colorBy = words[0]; }, colorBy,
-                  {.words = "NAME", .group = "Colour and opacity"}),
+                  [&params](const Words& words) { params.colorBy = words[0]; }, colorBy, {.words = "NAME"}),
         parameter("opacity_by", "Float grid that opacity follows.", WordType::kText, 1,
-                  [&params](const Words& words) { params.opacityBy = words[0]; }, opacityBy,
-                  {.words = "NAME", .group = "Colour and opacity"}),
+                  [&params](const Words& words) { params.opacityBy = words[0]; }, opacityBy, {.words = "NAME"}),
         parameter("transfer", "JSON file of a transfer function (docs/formats.md).", params.transferFile,
-                  {.words = "FILE", .group = "Colour and opacity", .isFile = true, .attribute = "-"}),
+                  {.words = "FILE"}),
+        parameter("solid",
+                  "Opaque body: a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one file or a "
+                  "sequence; or domain, what the texture leaves out of its box.",
+                  params.solid, {.words = "FILE[:GRID] or domain"}),
+        parameter("ground",
+                  "Plane below the domain, or along one of its walls, that takes the shadows of volume and solid and "
+                  "fades into the background; seen from the domain's side alone.",
+                  params.ground, {.words = "SIDE"}),
     };
-    return joined({picture, parametersOf(params.camera), parametersOf(params.motion), keys, scalars,
-                   kept(params.lookOptions, parametersOf(defaults->look), defaults), parametersOf(params.rays), shown,
-                   parametersOf(params.solid), parametersOf(params.ground), annotate,
+    return joined({picture, parametersOf(params.camera), parametersOf(params.motion),
+                   kept(params.lookOptions, parametersOf(defaults->look), defaults), parametersOf(params.rays),
                    kept(params.lookOptions, parametersOf(defaults->background), defaults)});
 }
 
@@ -114,26 +107,22 @@ Parameters parametersOf(RenderParams& params)
         parameter("output",
                   "Image or pattern of images, .exr (linear, premultiplied alpha) or .png (8 bit sRGB, opaque). May be "
                   "left out with a film, a histogram or a transfer function to write.",
-                  to.images, {.option = "-o,--output", .group = "Output", .isFile = true}),
+                  to.images, {.option = "-o,--output"}),
         skipExistingParameter(to.skipExisting),
         parameter("keep_going", "Leave out frames that cannot be read; the exit status tells at the end.",
-                  params.keepGoing, {.group = "Output"}),
-    };
-    const Parameters further = {
+                  params.keepGoing),
         parameter("histogram", "Histograms of texture and scalars with the transfer function over them, .png or .json.",
-                  to.histogram, {.words = "FILE", .group = "Output", .isFile = true}),
+                  to.histogram, {.words = "FILE"}),
         parameter("transfer_out", "JSON file for the range, colours and opacity that are rendered with.",
-                  to.transferFunction, {.words = "FILE", .group = "Output", .isFile = true}),
-        parameter("film", "Film of all frames, .mp4, made by ffmpeg.", to.film,
-                  {.words = "FILE", .group = "Output", .isFile = true}),
-        parameter("fps", "Frames of the film a second.", to.framesPerSecond,
-                  {.group = "Output", .limits = {0.01, 1000}}),
+                  to.transferFunction, {.words = "FILE"}),
+        parameter("film", "Film of all frames, .mp4, made by ffmpeg.", to.film, {.words = "FILE"}),
+        parameter("fps", "Frames of the film a second.", to.framesPerSecond, {.limits = {0.01, 1000}}),
     };
     return joined(
         {parametersOf(params.input, "TEXTURE",
                       "Texture volumes: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), or - "
                       "for paths on standard input."),
-         outputs, parametersOf(params.picture), parametersOf(to.exr), further});
+         outputs, parametersOf(params.picture), parametersOf(to.exr)});
 }
 
 void RenderOutputs::validate() const
@@ -164,8 +153,7 @@ void PictureParams::validate() const
     checkLimits(parametersOf(copy));
     camera.validate();
     motion.validate();
-    solid.validate();
-    ground.validate();
+    if (!solid.empty() && solid != "domain") (void)FramePattern(parseGridReference(solid).path.string());
     rays.validate();
     if (regionBox) {
         const auto& b = *regionBox;
@@ -173,30 +161,22 @@ void PictureParams::validate() const
         if (!isFinite || !(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))
             throw ParameterError(fmt::format("region box {} must be a low and a high corner", fmt::join(b, " ")));
     }
-    for (const glm::ivec2& sides : {size, scaledSize()}) {
-        if (std::min(sides.x, sides.y) >= 1 && std::max(sides.x, sides.y) <= kMostPixels) continue;
+    if (std::min(size.x, size.y) < 1 || std::max(size.x, size.y) > kMostPixels)
         throw ParameterError(
-            fmt::format("image size {}x{} must be 1 to {} pixels a side", sides.x, sides.y, kMostPixels));
-    }
-}
-
-glm::ivec2 PictureSettings::scaledSize() const
-{
-    const auto scaled = [&](int side) { return int(std::clamp(std::round(side * scale), 1.0, 1e9)); };
-    return {scaled(size.x), scaled(size.y)};
+            fmt::format("image size {}x{} must be 1 to {} pixels a side", size.x, size.y, kMostPixels));
 }
 
 double PictureSettings::imageBytes() const
 {
     // The sum over the samples, one sample, the file's pixels, and the file.
     const double layerBytes = rays.layers ? 2 * sizeof(PixelLayers) : 0;
-    const bool hasSurface = !solid.source.empty() || ground.side != GroundSide::kNone;
+    const bool hasSurface = !solid.empty() || ground != GroundSide::kNone;
     const double surfaceBytes = hasSurface ? sizeof(float) + sizeof(glm::vec4) + sizeof(glm::vec3) : 0;
     // Two drawings of 32 bits, and both in linear light.
     const double annotationBytes = annotations.any() ? 2 * (sizeof(float) + sizeof(glm::vec4)) : 0;
     constexpr double kDisplayed = 3; // bytes
     const double perPixel = sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + annotationBytes + kDisplayed;
-    return double(scaledSize().x) * scaledSize().y * perPixel;
+    return double(size.x) * size.y * perPixel;
 }
 
 } // namespace vdblic

@@ -2,9 +2,8 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/camera/camera_path.h"
-#include "vdblic/cast/ground_params.h"
+#include "vdblic/cast/ground_side.h"
 #include "vdblic/cast/ray_cast_params.h"
-#include "vdblic/cast/solid_params.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/look/look_params.h"
@@ -31,13 +30,12 @@ struct PictureSettings {
     std::string region;  ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
     /// Lower and upper corner in world space: only voxels with their centre inside are shown.
     std::optional<std::array<double, 6>> regionBox{};
-    SolidParams solid;
-    GroundParams ground{};
-    /// Factors on the axes of world space for all that is shown, such as 1 1 20 for weather. Camera and lights are in
+    std::string solid;                     ///< opaque body, as makeSolid() reads it (cast/solid.h); empty: none
+    GroundSide ground = GroundSide::kNone; ///< where a plane takes the shadows of volume and solid
+    /// Factors on the axes of world space for everything shown, such as 1 1 20 for weather. Camera and lights are in
     /// the stretched space, cuts and region in the grids' own.
     glm::dvec3 stretch{1};
     glm::ivec2 size{1024, 1024}; ///< width and height [pixels]
-    double scale = 1;            ///< factor on the size, for previews
     int samples = 1;             ///< rays per pixel
     CameraParams camera;
     CameraMotion motion;
@@ -46,8 +44,6 @@ struct PictureSettings {
     RayCastParams rays;
     AnnotationParams annotations;
 
-    /// The size times the scale, at least one pixel a side.
-    [[nodiscard]] glm::ivec2 scaledSize() const;
     /// Estimate of the memory that an image takes until it is written.
     [[nodiscard]] double imageBytes() const;
 };
@@ -64,7 +60,7 @@ struct PictureParams : PictureSettings {
     void validate() const;
 };
 
-/// What is written of a sequence of textures.
+/// The outputs of a sequence of textures.
 struct RenderOutputs {
     std::string images;           ///< one file or a pattern, .exr or .png; frame numbers are the input's; empty: none
     std::string film;             ///< .mp4 file of all frames; empty: none

@@ -38,6 +38,20 @@ std::vector<std::string> opacityGrids(const PictureParams& params, const LookPre
     return found == wanted.end() ? wanted : std::vector{*found};
 }
 
+/// Who chose the values of a plan.
+std::vector<std::string> choicesOf(PictureParams said, const PicturePlan& plan)
+{
+    PictureParams none, all = plan.params();
+    LookPreset look = lookPreset(plan.lookName);
+    const Parameters byLook = optionsOf(look);
+    return planLines(parametersOf(none), parametersOf(said), parametersOf(all), [&](const Parameter& parameter) {
+        const Parameter* const ofLook = find(byLook, parameter.key);
+        return !ofLook                                ? "chosen"
+               : ofLook->value() == parameter.value() ? "by the look " + plan.lookName
+                                                      : "by " + said.transferFile;
+    });
+}
+
 } // namespace
 
 SequenceTraits traitsOf(const SequenceParams& sequence)
@@ -67,6 +81,7 @@ RenderPlan resolve(const RenderParams& params)
 {
     params.validate();
     RenderPlan plan{params.input, params.keepGoing, resolve(params.picture, traitsOf(params.input)), params.outputs};
+    plan.choices = choicesOf(params.picture, plan.picture);
     plan.picture.rays.layers = !params.outputs.exr.layers.empty();
     return plan;
 }

@@ -10,9 +10,9 @@ namespace vdblic {
 /// What the headers of a sequence's files tell of its textures.
 struct SequenceTraits {
     bool isSparse = false;              ///< whether inactive voxels are empty
-    bool isNumbered = false;            ///< whether the number of frames is known: those of a pattern on disk
+    bool isNumbered = false;            ///< whether the number of frames is known: the input is a pattern
     std::string texture{};              ///< grid that holds the texture; empty: each file names its own
-    std::vector<std::string> scalars{}; ///< float grids beside the texture, as far as they are known
+    std::vector<std::string> scalars{}; ///< float grids beside the texture, if they are known
 };
 
 /// The traits of files, by the first one. What cannot be read is reported at the frame's turn.
@@ -39,6 +39,7 @@ struct RenderPlan {
     bool keepGoing = false;
     PicturePlan picture;
     RenderOutputs outputs;
+    std::vector<std::string> choices{}; ///< who chose what, for people
 };
 
 /// Read the files that parameters name, and choose by them and by what the sequence holds.

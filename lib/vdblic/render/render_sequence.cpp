@@ -5,13 +5,16 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/image/film_writer.h"
-#include "vdblic/image/whole_image.h"
+#include "vdblic/image/image_file.h"
 #include "vdblic/io/atomic_file.h"
+#include "vdblic/io/grid_reference.h"
+#include "vdblic/io/input_files.h"
+#include "vdblic/io/output_pattern.h"
+#include "vdblic/io/sequence.h"
 #include "vdblic/render/annotation_font.h"
 #include "vdblic/render/frame_feed.h"
 #include "vdblic/render/frame_renderer.h"
 #include "vdblic/render/frames_in_flight.h"
-#include "vdblic/render/render_outputs.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/run_report.h"
 
@@ -22,10 +25,12 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <istream>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,6 +38,55 @@
 
 namespace vdblic {
 namespace {
+
+InputFiles inputsOf(const RenderPlan& plan, const std::vector<FrameFile>& files)
+{
+    InputFiles inputs;
+    inputs.add(plan.picture.cameraFile);
+    inputs.add(plan.picture.transferFile);
+    for (const std::string& reference : {plan.picture.region, plan.picture.solid}) {
+        if (reference.empty()) continue;
+        const std::string path = parseGridReference(reference).path.string();
+        inputs.add(path);
+        for (const FrameFile& file : files)
+            inputs.add(FramePattern(path).path(file.frame));
+    }
+    for (const FrameFile& file : files)
+        inputs.add(file.path);
+    return inputs;
+}
+
+void checkFurtherOutput(const std::string& report, const RenderPlan& plan, const InputFiles& inputs)
+{
+    if (report.empty()) return;
+    inputs.check(report);
+    if (!plan.outputs.images.empty()) checkNoFrame(report, FramePattern(plan.outputs.images));
+    checkReport(report);
+}
+
+/// Check, before any work, that the outputs of a run can be written, differ from each other and replace no input.
+/// @param files of the input; empty if they come on standard input
+/// @throws ParameterError, OutputError
+void checkRenderOutputs(const RenderPlan& plan, const std::vector<FrameFile>& files)
+{
+    const InputFiles inputs = inputsOf(plan, files);
+    const std::string* const further[] = {&plan.outputs.histogram, &plan.outputs.transferFunction, &plan.outputs.film};
+    for (std::size_t i = 0; i < std::size(further); ++i) {
+        checkFurtherOutput(*further[i], plan, inputs);
+        for (std::size_t j = 0; j < i; ++j) {
+            if (!further[i]->empty() && !further[j]->empty()) checkDistinct(*further[i], *further[j]);
+        }
+    }
+    if (!plan.outputs.film.empty()) checkOutput(plan.outputs.film);
+    if (plan.outputs.images.empty() || files.empty()) return;
+    std::vector<std::int64_t> frames;
+    frames.reserve(files.size());
+    for (const FrameFile& file : files) {
+        frames.push_back(file.frame);
+        inputs.check(FramePattern(plan.outputs.images).path(file.frame));
+    }
+    checkOutputs(FramePattern(plan.outputs.images), frames);
+}
 
 void warnOfTitle(const std::string& title, Reporter& reporter)
 {
@@ -133,7 +187,7 @@ void renderFrames(const RenderPlan& plan, std::istream& lines, Reporter& reporte
     const bool isPiped = plan.input.pattern == "-";
     checkRenderOutputs(plan, isPiped ? std::vector<FrameFile>{} : selectFrames(plan.input));
     std::optional<FilmWriter> film;
-    if (!outputs.film.empty()) film.emplace(outputs.film, plan.picture.scaledSize(), outputs.framesPerSecond);
+    if (!outputs.film.empty()) film.emplace(outputs.film, plan.picture.size, outputs.framesPerSecond);
     FrameFeed feed(plan, lines, reporter, exchange);
     RunReport report(plan, reporter, feed.total());
     if (feed.view()) report.tellView(*feed.view());
@@ -180,9 +234,9 @@ void renderSequence(const RenderPlan& plan, std::istream& lines, Reporter& repor
 {
     exchange.together([&] {
         if (!plan.outputs.images.empty() || !plan.outputs.film.empty()) {
-            const glm::ivec2 size = plan.picture.scaledSize();
+            const glm::ivec2 size = plan.picture.size;
             checkMemory(plan.picture.imageBytes(), fmt::format("an image of {}x{} pixels", size.x, size.y),
-                        "make it smaller with `size` or `scale`");
+                        "make it smaller with `size`");
         }
         renderFrames(plan, lines, reporter, exchange);
     });

@@ -15,10 +15,10 @@ struct RenderPlan;
 /// A file holds the texture and, on the same transform, the driver: the grid that drives the transfer function. Without
 /// a grid of the driver's default name the texture itself drives it. Automatic choices are made once for the sequence:
 /// the camera such that all frames on disk are seen, the look from a few of those frames, whichever frames are
-/// selected. So machines that render some of the frames each make one animation. Of paths on standard input, the first
-/// frame with an active voxel decides. A frame without active voxels is all background.
+/// selected. So machines that each render a part of the frames make one animation. Of paths on standard input, the
+/// first frame with an active voxel decides. A frame without active voxels is all background.
 ///
-/// The histograms are those of all rendered frames; without an output they are all that is made.
+/// The histograms cover all rendered frames; without an output only they are made.
 /// @param lines source of paths if the input is `-`
 /// @throws ParameterError, InputError naming the file, OutputError; images finished before remain
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter);

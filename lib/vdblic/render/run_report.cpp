@@ -18,6 +18,8 @@ namespace vdblic {
 RunReport::RunReport(const RenderPlan& plan, Reporter& reporter, std::size_t total)
     : mPlan(plan), mReporter(reporter), mTotal(total)
 {
+    for (const std::string& line : plan.choices)
+        reporter.detail(line);
 }
 
 void RunReport::tellView(const View& view)

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "vdblic/cast/ambient_light.h"
 #include "vdblic/cast/extinction_grid.h"
+#include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/solid.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/render/render_plan.h"

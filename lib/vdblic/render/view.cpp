@@ -2,7 +2,6 @@
 
 #include "vdblic/cast/ground_plane.h"
 #include "vdblic/cast/solid.h"
-#include "vdblic/cast/solid_extent.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/extent.h"
@@ -70,7 +69,7 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
 {
     std::vector<glm::dvec3> points;
     for (const auto& frame :
-         frames.first(plan.solid.changes() ? frames.size() : std::min<std::size_t>(1, frames.size()))) {
+         frames.first(solidChanges(plan.solid) ? frames.size() : std::min<std::size_t>(1, frames.size()))) {
         try {
             const auto more = solidExtent(makeSolid(plan.solid, *frame->domain(), plan.stretch, frame->file.frame));
             points.insert(points.end(), more.begin(), more.end());
@@ -84,7 +83,7 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
 void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::dvec3>& subject)
 {
     const glm::dvec3 up = plan.camera.up.value_or(glm::dvec3(0, 0, 1));
-    const GroundPlane plane = groundPlane(plan.ground.side, up, box, nullptr);
+    const GroundPlane plane = groundPlane(plan.ground, up, box, nullptr);
     for (std::size_t i = 0, count = subject.size(); i < count; ++i)
         subject.push_back(subject[i] + plane.normal * (plane.height - glm::dot(subject[i], plane.normal)));
 }
@@ -101,15 +100,15 @@ std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
     if (annotations.box || annotations.axes) {
         subject.assign(box.begin(), box.end());
     } else {
-        if (!plan.solid.source.empty()) subject = solidPoints(plan, frames);
+        if (!plan.solid.empty()) subject = solidPoints(plan, frames);
         for (const auto& frame : frames) {
             const auto more = visibleExtent(frame->volume, look, plan.rays.clip.stretched(plan.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());
         }
-        if (plan.ground.side != GroundSide::kNone) addOnGround(plan, box, subject);
+        if (plan.ground != GroundSide::kNone) addOnGround(plan, box, subject);
     }
     if (!annotations.axes && !annotations.colorBar) return subject;
-    const Camera view(plan.camera, box, plan.scaledSize(), subject);
+    const Camera view(plan.camera, box, plan.size, subject);
     return withRoom(std::move(subject), annotations, view);
 }
 
@@ -121,7 +120,7 @@ View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const L
         basis.add(*frame, exchange);
     Look look = basis.choose(plan);
     std::vector<glm::dvec3> subject = subjectOf(plan, look, frames, box, exchange);
-    const CameraPath cameras(plan.camera, plan.motion, box, plan.scaledSize(), span, std::move(subject));
+    const CameraPath cameras(plan.camera, plan.motion, box, plan.size, span, std::move(subject));
     return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + plan.imageBytes(),
             basis.lastFrame, basis.longest};
 }

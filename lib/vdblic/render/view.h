@@ -53,14 +53,14 @@ struct View {
     Look look;
     std::string opacityBy; ///< name of the grid that opacity follows, in every frame
     CameraPath cameras;
-    Corners box;                ///< around all frames, as far as is known
+    Corners box;                ///< around all known frames
     double frameBytes;          ///< estimate of the memory that a frame takes
     std::int64_t lastFrame = 0; ///< of those that the view is chosen from, as LookBasis has it
     double longest = 0;
 };
 
 /// @param frames at least one, none empty
-/// @param box    around all frames, as far as is known
+/// @param box    around all known frames
 /// @param exchange of the ranks that share the frames: collective
 [[nodiscard]] View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const LoadedTexture>> frames,
                               const Corners& box, const FrameSpan& span, Exchange& exchange);
@@ -82,7 +82,7 @@ struct SequenceView {
 };
 
 /// The view of viewSource(); nothing if none of its frames has an active voxel.
-/// @param exchange of ranks, each of which reads a part of the frames; collective
+/// @param exchange of ranks that each read a part of the frames; collective
 [[nodiscard]] std::optional<SequenceView> viewOfSequence(const RenderPlan& plan, Exchange& exchange);
 
 } // namespace vdblic

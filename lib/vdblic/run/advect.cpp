@@ -202,6 +202,9 @@ void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& r
         const bool isShared = params.flow.input.pattern == "-" && !exchange.isAlone();
         if (isShared) text.str(exchange.broadcast(exchange.isFirst() ? textOf(lines) : ""));
         plan.emplace(resolve(params, framesAround(params.flow.input)));
+        AdvectParams none, said = plan->params, chosen = chosenParams(*plan);
+        for (const std::string& line : planLines(parametersOf(none), parametersOf(said), parametersOf(chosen)))
+            reporter.detail(line);
         if (const std::string leadIn = leadInText(*plan); !leadIn.empty()) reporter.say(leadIn);
         advection.emplace(*plan, isShared ? text : lines, reporter, exchange);
         exchange.agree();

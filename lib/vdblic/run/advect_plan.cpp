@@ -26,6 +26,15 @@ AdvectPlan resolve(AdvectParams params, const FramesAround& around)
     return {std::move(params), std::move(input), preroll, int(leadIn), int(framesBefore), finish};
 }
 
+AdvectParams chosenParams(const AdvectPlan& plan)
+{
+    AdvectParams chosen = plan.params;
+    chosen.preroll = plan.preroll;
+    chosen.leadIn = plan.leadIn;
+    chosen.finish = plan.finish;
+    return chosen;
+}
+
 std::string leadInText(const AdvectPlan& plan)
 {
     if (plan.leadIn == 0) return {};

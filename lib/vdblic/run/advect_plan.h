@@ -40,6 +40,9 @@ struct AdvectPlan {
 /// @param params valid  @param around framesAround() the selected ones; of frames in memory none
 [[nodiscard]] AdvectPlan resolve(AdvectParams params, const FramesAround& around = {});
 
+/// The parameters with all choices in place of what is left open.
+[[nodiscard]] AdvectParams chosenParams(const AdvectPlan& plan);
+
 /// What is computed and not written, for the user; empty if there is no lead-in.
 [[nodiscard]] std::string leadInText(const AdvectPlan& plan);
 

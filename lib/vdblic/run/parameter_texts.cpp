@@ -6,17 +6,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 namespace vdblic {
+
+namespace {
+
+/// Parameters that do not change the content of textures.
+constexpr std::array<std::string_view, 12> kOfFiles = {
+    "input", "frames", "clamp_frames", "renumber", "steady_frames",   "output",
+    "fps",   "json",   "resume",       "restart",  "keep_checkpoint", "checkpoint_every"};
+
+} // namespace
 
 ParameterTexts parameterTexts(const AdvectPlan& plan)
 {
-    AdvectParams chosen = plan.params;
-    chosen.preroll = plan.preroll;
-    chosen.leadIn = plan.leadIn;
-    chosen.finish = plan.finish;
+    AdvectParams chosen = chosenParams(plan);
     ParameterTexts texts;
     for (const Parameter& parameter : parametersOf(chosen)) {
-        if (!parameter.info.isContent) continue;
+        if (std::find(kOfFiles.begin(), kOfFiles.end(), parameter.key) != kOfFiles.end()) continue;
         std::string text = parameter.value();
         if (parameter.key == "noise" && !text.empty())
             text += fmt::format(" ({})", fileStamp(parseGridReference(text).path));

@@ -10,11 +10,10 @@ namespace vdblic {
 Parameters parametersOf(TextureFormat& params)
 {
     return {
-        parameter("scalars", "Voxels of magnitude and the other float grids.", params.scalars,
-                  {.words = "VOXELS", .group = "Output"}),
+        parameter("scalars", "Voxels of magnitude and the other float grids.", params.scalars, {.words = "VOXELS"}),
         parameter("precision", "Precision of texture and scalars in the files.", params.precision,
-                  {.words = "NUMBERS", .group = "Output"}),
-        parameter("compression", "Compression of the files.", params.compression, {.words = "HOW", .group = "Output"}),
+                  {.words = "NUMBERS"}),
+        parameter("compression", "Compression of the files.", params.compression, {.words = "HOW"}),
     };
 }
 

@@ -11,7 +11,7 @@
 
 namespace vdblic {
 
-/// A leaf and the voxels around it, copied from the trees: all that its records are made from.
+/// A leaf and the voxels around it, copied from the trees: the source of its records.
 ///
 /// Large: keep one a thread.
 class TextureBlock {

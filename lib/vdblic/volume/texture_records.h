@@ -34,7 +34,7 @@ struct PaddedLeaf {
 };
 
 /// The texture of a voxel as a share of the range of its leaf's records, in units of 1/65535. A leaf's records reach
-/// two voxels beyond it: all that the gradient at a sample in one of its voxels depends on.
+/// two voxels beyond it: everything that the gradient at a sample in one of its voxels depends on.
 using TextureRecord = std::uint16_t;
 using TextureLeaf = PaddedLeaf<2>;
 

@@ -39,7 +39,7 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
                                  texture.getName(), scalar.getName()));
 }
 
-/// A scalar on coarser voxels than those of a sparse texture; nothing if both have the same voxels.
+/// A scalar on coarser voxels than a sparse texture; nothing if both have the same voxels.
 std::optional<CoarseScalar> coarseScalar(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar,
                                          bool isSparse)
 {
@@ -59,7 +59,7 @@ std::shared_ptr<const Domain> partOf(const Domain& whole, const LeafShare& share
     return whole.ofRank(std::move(own), std::move(needed));
 }
 
-/// A number for the first voxel of a leaf, from which those of its other voxels follow by their offsets; above 0.
+/// The number of a leaf's first voxel, above 0; its other voxels' follow by their offsets.
 std::uint64_t numberOf(const openvdb::Coord& origin)
 {
     constexpr int kBits = 21; // of an axis: more than a domain can span

@@ -38,7 +38,7 @@ struct RecordUse {
 /// leaves are among these. Domain and bounds are the whole volume's.
 ///
 /// Each leaf has records of the texture and of scalars (texture_records.h). Past the rim a texture goes on linearly for
-/// two voxels, so that gradients there are those of the voxels inside; scalars go on with their nearest neighbours'
+/// two voxels, so that gradients there are those of inner voxels; scalars go on with their nearest neighbours'
 /// mean. Of a sparse texture inactive voxels hold 0. Gradients are central differences of these values, taken where
 /// they are asked for. Any number of threads may read; cut() and add…() must not run beside readers.
 class TextureVolume {
@@ -118,7 +118,7 @@ class TextureVolume {
     [[nodiscard]] std::size_t unusableVoxels() const { return mUnusable; }
 
     /// Values of shown voxels of own leaves that a hash of their coordinates chooses, a few hundred thousand; of a
-    /// small domain all. So the samples of a domain's parts are those of the whole.
+    /// small domain all. So the parts of a domain have the same samples as the whole.
     [[nodiscard]] VolumeSamples samples() const;
 
   private:

@@ -31,7 +31,7 @@ class VisibleSpace {
     static constexpr int kNoBlock = 0; ///< table that all blocks without a visible leaf share
     // Flags of an entry.
     static constexpr int kNothingBit = 0; ///< the leaf does not exist or is not visible
-    static constexpr int kPartlyBit = 1;  ///< some of the leaf's voxels are not shown
+    static constexpr int kPartlyBit = 1;  ///< the leaf has voxels that are not shown
 
     /// The table of the block that holds a voxel.
     [[nodiscard]] int findBlock(int x, int y, int z) const

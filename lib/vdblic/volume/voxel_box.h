@@ -17,8 +17,8 @@ struct VoxelBox {
     [[nodiscard]] std::array<glm::dvec3, 8> corners(const glm::dmat4& indexToWorld) const;
 };
 
-/// The boxes that reach farthest in some of 128 directions, each once, sorted; their order does not matter. So those of
-/// parts, taken together, have those of the whole among them.
+/// The boxes that reach farthest in some of 128 directions, each once, sorted; their order does not matter. So the
+/// outermost boxes of all parts include the whole's.
 /// @param extent of what holds the boxes, above 0; directions are even where it is a cube
 [[nodiscard]] std::vector<VoxelBox> outermost(const std::vector<VoxelBox>& boxes, const glm::dvec3& extent);
 

@@ -38,7 +38,7 @@ TEST_F(OnGround, TheShadowOfABlockLiesWhereGeometrySays)
         texture->tree().setValueOff(*voxel);
     const TextureVolume volume(*texture, *texture);
     const ExtinctionGrid visible(volume, plainLook(1e-6), mAlone);
-    const Solid block = makeSolid({.source = "domain"}, *texture, glm::dvec3(1), 1);
+    const Solid block = makeSolid("domain", *texture, glm::dvec3(1), 1);
     const GroundPlane plane = below(volume, &block);
     EXPECT_NEAR(plane.height, -0.5, 1e-9);
     const ShadowCasters casters{visible, volume, {}, &block};
@@ -52,10 +52,6 @@ TEST_F(OnGround, TheShadowOfABlockLiesWhereGeometrySays)
     EXPECT_NEAR(shadow(0.5, 31), 0.5, 0.2);
     EXPECT_NEAR(shadow(30.5, 31), 0.5, 0.25);
     EXPECT_NEAR(shadow(15, 41.5), 0.5, 0.2);
-    // What is cut away casts none.
-    const std::vector<ClipPlane> cuts{{{0, 0, 60}, {0, 0, 1}}};
-    const GroundLight whole(plane, {visible, volume, {}, &block, cuts}, {0.5, 0, 1});
-    EXPECT_NEAR(whole.at({15, 31}), 1, 0.01);
 }
 
 TEST_F(OnGround, TransmittanceOfASlabIsAnalytic)
@@ -82,7 +78,7 @@ TEST_F(OnGround, OcclusionDarkensWhereABodyMeetsIt)
         texture->tree().setValueOff(*voxel);
     const TextureVolume volume(*texture, *texture);
     const ExtinctionGrid visible(volume, plainLook(1e-6), mAlone);
-    const Solid block = makeSolid({.source = "domain"}, *texture, glm::dvec3(1), 1);
+    const Solid block = makeSolid("domain", *texture, glm::dvec3(1), 1);
     const GroundLight light(below(volume, &block), {visible, volume, {}, &block}, {0, 0, -1});
     float before = 0;
     for (const double distance : {1.5, 4.0, 8.0, 16.0}) {
@@ -115,11 +111,10 @@ TEST_F(OnGround, FadesOutAndIsSeenFromAboveAlone)
 {
     const auto texture = boxGrid("density", boxOf(32, 32, 32), [](const Coord&) { return 1.0f; });
     const TextureVolume volume(*texture, *texture);
-    Look look = plainLook(1e-6);
-    look.exposure = 1; // does not change the colour
+    const Look look = plainLook(1e-6);
     const ExtinctionGrid visible(volume, look, mAlone);
     const GroundPlane plane = below(volume);
-    const Ground ground(plane, {visible, volume}, kUp, glm::vec3(0.5, 0.25, 0));
+    const Ground ground(plane, {visible, volume}, kUp);
     const auto seen = [&](const glm::dvec3& eye, bool hasGround) {
         const Camera camera(
             {.eye = eye, .target = glm::dvec3(15.5, 15.5, -0.5), .up = glm::dvec3(0, 1, 0), .fieldOfView = 40},
@@ -131,8 +126,6 @@ TEST_F(OnGround, FadesOutAndIsSeenFromAboveAlone)
     for (const int x : {80, 95, 110, 115, 122}) {
         const double expected = plane.alpha(plane.middle + glm::dvec2((x + 0.5 - 80) * perPixel, 0));
         EXPECT_NEAR(above.at(x, 80).a, expected, 1e-3) << x;
-        EXPECT_NEAR(above.at(x, 80).r * 2, expected * 0.5, 4e-3) << x;
-        EXPECT_NEAR(above.at(x, 80).g * 4, expected * 0.5, 4e-3) << x;
         EXPECT_NEAR(above.layers[std::size_t(80 * 160 + x)].depth, 200, 0.5) << x;
     }
     EXPECT_EQ(above.at(80, 80).a, 1);

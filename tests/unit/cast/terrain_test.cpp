@@ -48,7 +48,7 @@ TEST(Ground, IsSmoothAndInOnePiece)
         return i == 2 && j == 9 ? 2 : 2 * int(std::lround(hill(4 * i + 1.5, 4 * j + 1.5) / 2));
     };
     const auto texture = above(height);
-    const Solid solid = makeSolid({.source = "domain"}, *texture, glm::dvec3(1), 1);
+    const Solid solid = makeSolid("domain", *texture, glm::dvec3(1), 1);
     double farthest = 0, steepest = 0, sharpest = 0;
     for (int x = 1; x < 63; ++x) {
         for (int y = 1; y < 47; ++y) {
@@ -73,9 +73,8 @@ TEST(Ground, IsSmoothAndInOnePiece)
 
 TEST(Ground, IsNoBodyWithWalls)
 {
-    const Solid solid =
-        makeSolid({.source = "domain"},
-                  *above([](int i, int j) { return i >= 5 && i < 8 && j >= 4 && j < 7 ? 24 : 0; }), glm::dvec3(1), 1);
+    const Solid solid = makeSolid(
+        "domain", *above([](int i, int j) { return i >= 5 && i < 8 && j >= 4 && j < 7 ? 24 : 0; }), glm::dvec3(1), 1);
     const auto surface = [&](const Coord& inside, const Coord& outside) {
         const double in = solid.levelSet->tree().getValue(inside), out = solid.levelSet->tree().getValue(outside);
         EXPECT_LT(in, 0) << inside;

@@ -1,15 +1,16 @@
 #pragma once
 
 #include "vdblic/camera/camera.h"
-#include "vdblic/cast/ambient_light.h"
 #include "vdblic/cast/extinction_grid.h"
 #include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/ray_caster.h"
+#include "vdblic/cast/supersampling.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/image/image.h"
 #include "vdblic/look/look.h"
 #include "vdblic/volume/texture_volume.h"
+#include "vdblic/volume/visible_space.h"
 
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
@@ -89,6 +90,23 @@ inline Camera cameraAlong(const TextureVolume& volume, const glm::dvec3& directi
         middle += corner / 8.0;
     return Camera({.eye = middle - direction * distance, .target = middle, .fieldOfView = fieldOfView},
                   volume.corners(), size);
+}
+
+/// A picture of the leaves that the look makes visible.
+inline Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params)
+{
+    return castRays(volume, look, camera, params, VisibleSpace(volume, look));
+}
+
+/// The same with several rays a pixel, as SampleSum adds them.
+inline Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera,
+                         const RayCastParams& params, int samples, const Scenery& scenery = {})
+{
+    const VisibleSpace visible(volume, look);
+    SampleSum sum(volume, look, visible, camera, params, scenery);
+    for (int sample = 0; sample < samples; ++sample)
+        sum.add();
+    return sum.mean();
 }
 
 /// The largest difference of any channel of any pixel.

@@ -21,7 +21,7 @@ Parameters parametersOf(Kettle& kettle)
                   {.option = "--water", .unit = "l", .limits = {1, 9}}),
         parameter("herbs", "What goes in.", kettle.herbs, {.words = "NAME,NAME"}),
         parameter("box", "Where it stands.", kettle.box),
-        parameter("whistles", "Whether one hears it.", kettle.whistles, {.isExpert = true}),
+        parameter("whistles", "Whether one hears it.", kettle.whistles),
     };
 }
 
@@ -30,7 +30,7 @@ TEST(ParameterOptions, ComeFromTheDescriptionAlone)
 {
     Kettle kettle;
     CLI::App app;
-    const ParameterOptions options(app, parametersOf(kettle));
+    const ParameterOptions options(app, parametersOf(kettle), {{kExpertGroup, {"whistles"}}});
     app.parse("--water 7 --herbs mint,sage --herbs thyme --box 1,2,3,4,5,6 --whistles");
     EXPECT_EQ(options.given().at("water_level"), Words{"7"});
     EXPECT_EQ(kettle.litres, 2); // until it is applied
@@ -46,7 +46,7 @@ TEST(ParameterOptions, ComeFromTheDescriptionAlone)
     EXPECT_GT(help.find("--whistles"), help.find("Expert:")) << help;
     EXPECT_EQ(withOptionNames("raise `water_level`", options.parameters()), "raise --water");
 
-    const auto list = nlohmann::json::parse(toJson(options.parameters()));
+    const auto list = nlohmann::json::parse(options.toJson());
     ASSERT_EQ(list.size(), 4u);
     EXPECT_EQ(list[0], nlohmann::json::parse(R"({"key": "water_level", "option": "--water", "type": "integer",
         "text": "How full it is.", "unit": "l", "default": "7", "least": 1.0, "most": 9.0})"));

@@ -1,4 +1,3 @@
-#include "vdblic/image/tone.h"
 
 #include "vdblic/image/color_map.h"
 #include "vdblic/image/image_file.h"

@@ -108,7 +108,7 @@ TEST_F(SharedFrames, ShadowsSolidsCutsAndSeveralRays)
 {
     mParams.picture.lookOptions["shadows"] = {"0.8"};
     mParams.picture.lookOptions["occlusion"] = {"0.6"};
-    mParams.picture.solid.source = "domain";
+    mParams.picture.solid = "domain";
     mParams.picture.samples = 3;
     mParams.picture.rays.clip.planes = {{{3, 0, 0}, {-1, 0.2, 0}}};
     mParams.picture.annotations.box = true;

@@ -51,12 +51,12 @@ TEST(State, HasThePlanOfTheCommandLine)
 {
     const Start start = startFrom({"--texture", "density"});
     const PicturePlan plan = planOf(start, Json::parse(R"({
-        "size": [64, 40], "scale": 0.5, "eye": [3, -4, 5.5], "projection": "orthographic", "view-height": 2,
+        "size": [64, 40], "eye": [3, -4, 5.5], "projection": "orthographic", "view-height": 2,
         "look": "smoke", "opacity-by": "q", "range": [-1.5, 2], "light": [[1, 0, 2], [0, 1, 0]],
         "clip-plane": [[0.5, 0.5, 0.5, 1, 0, 0]], "background": [1, 0, 0.5], "solid": "domain",
         "keys": [{"frame": 1, "fov": 20}]})"));
     EXPECT_EQ(plan.texture, "density");
-    EXPECT_EQ(plan.scaledSize(), glm::ivec2(32, 20));
+    EXPECT_EQ(plan.size, glm::ivec2(64, 40));
     EXPECT_EQ(plan.camera.eye, glm::dvec3(3, -4, 5.5));
     EXPECT_EQ(plan.camera.projection, Projection::kOrthographic);
     EXPECT_EQ(plan.opacityBy, Words{"q"});

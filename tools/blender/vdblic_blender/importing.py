@@ -12,7 +12,7 @@ from .sequences import SequenceError, sequence_of
 from .showing import show
 from .vdb_header import DamagedFile, headers_of
 
-APART = 0.01  # of the volume's size: what is drawn beside the texture by more is told
+APART = 0.01  # of the volume's size: anything drawn farther beside the texture is reported
 
 AXES = (
     ("AUTO", "As the Files", "y where the files or their velocities are Houdini's, else z"),

@@ -40,7 +40,7 @@ def version_of(path):
 
 
 def check_tools(folder=""):
-    """Check that the tools are there and of the add-on's version; returns what is there. Raises ToolError."""
+    """Check that the tools exist and have the add-on's version; returns the ones found. Raises ToolError."""
     paths = [find_tool(name, folder) for name in NEEDED]
     for path in paths:
         version = version_of(path)

@@ -1,4 +1,4 @@
-"""Errors that a user can remedy: those of VDBLIC's library, with the exit status that all tools share."""
+"""Errors that a user can remedy, from VDBLIC's library, with the exit status that all tools share."""
 
 import importlib
 

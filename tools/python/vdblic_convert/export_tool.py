@@ -66,7 +66,7 @@ def run(options, console, stop, version):
             if times:
                 times.add(frame, source, path)
     finally:
-        if times and times.entries:  # of what is finished, also when the run is stopped
+        if times and times.entries:  # of finished steps, also when the run is stopped
             console.finished(times.write())
 
 
@@ -123,7 +123,7 @@ def _image(output, volume):
     points = image.GetPointData()
     names = {}  # placeholders, because VTK writes names as they are
     masks = {"active": volume.active}
-    if not volume.is_sparse:  # what is empty has a value, 0
+    if not volume.is_sparse:  # empty space has the value 0
         masks[GHOSTS] = numpy.where(volume.active, 0, HIDDEN_POINT)
     for name, values in (volume.arrays | {name: mask.astype(numpy.uint8) for name, mask in masks.items()}).items():
         values = values.reshape(*volume.active.shape, -1)

@@ -52,7 +52,7 @@ def main(version, words):
 def run(options, console, stop):
     """Convert every selected step."""
     _check(options)
-    warnings.simplefilter("ignore")  # those of packages, for programmers
+    warnings.simplefilter("ignore")  # warnings of packages are for programmers
     from .series import Series  # what takes long to load is loaded once the options are right
 
     outputs = Outputs(options, [".vdb"], console, stop)
@@ -180,7 +180,7 @@ class Conversion:
         return target
 
     def _covering(self, flow, step):
-        """The voxels of a step: those of the first one, and more of them where the flow reaches beyond its box."""
+        """The voxels of a step: the first one's, and more of them where the flow reaches beyond its box."""
         if self._options.like or self._options.bounds:
             return self._target
         target = flow.covered(self._target)

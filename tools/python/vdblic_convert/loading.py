@@ -1,4 +1,4 @@
-"""What the libraries need while they are loaded: some end the process where they cannot start their threads."""
+"""Care while libraries are loaded: some end the process if they cannot start their threads."""
 
 import threading
 

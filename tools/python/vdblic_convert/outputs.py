@@ -50,7 +50,7 @@ class Outputs:
 
 
 def is_whole(path, console):
-    """Whether an output is there and whole, as far as its format tells without its values. Says why it is not."""
+    """Whether an output exists and is whole, by its format without its values. Says why it is not."""
     if not is_finished(path):
         return False
     try:

@@ -70,7 +70,7 @@ class Flow:
         return volumes, mask, met
 
     def _copied(self, target):
-        """The voxels of images where they are those of a grid."""
+        """The voxels of images that lie on a grid."""
         mask, volumes = numpy.zeros(target.size, bool), []
         for block, voxels in self._images:
             place = target.place_of(voxels)

@@ -185,7 +185,7 @@ def _files_of(text):
         return {frame_of_name(path) or 1: path}
     pattern = FramePattern(text)
     found = {frame: pattern.path(frame) for frame in pattern.frames_on_disk()} if pattern.has_field else {}
-    return found or dict(files_of(text, "", False))  # which tells what is missing
+    return found or dict(files_of(text, "", False))  # raises an error that names the missing part
 
 
 def _numbered(path, number, taken):

@@ -27,7 +27,7 @@ class Stop:
 
     @contextlib.contextmanager
     def ends_waits(self):
-        """Within this a signal raises Stopped at once: for what may wait for ever."""
+        """Within this a signal raises Stopped at once: for calls that may wait for ever."""
         self._waits = True
         try:
             yield

@@ -11,7 +11,7 @@ from .errors import InputError, ParameterError
 MOST_INDEX = 131072
 FAR = 2.0**40  # further than any voxel
 ALIGNED = 1e-3  # of a voxel: how far from others those may be that stand for them
-BYTES = 80  # taken by a voxel and its coordinates while it is resampled and written
+BYTES = 80  # of a voxel and its coordinates while it is resampled and written
 
 
 @dataclasses.dataclass

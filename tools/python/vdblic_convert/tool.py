@@ -96,7 +96,7 @@ def whole(least, most):
 
 
 def _hold_standard_streams():
-    """Take the descriptors of streams that the caller has closed, so that no file gets one and then what is printed."""
+    """Occupy the descriptors of closed streams, so that no file gets one and receives printed text."""
     for number, mode in enumerate((os.O_WRONLY, os.O_RDONLY, os.O_RDONLY)):
         try:
             os.fstat(number)

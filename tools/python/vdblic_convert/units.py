@@ -1,4 +1,4 @@
-"""Units by pint, in the spellings that files have: those of UDUNITS, which CF refers to, and of models."""
+"""Units by pint, in the spellings of files: UDUNITS, which CF refers to, and models."""
 
 import functools
 import re
@@ -35,7 +35,7 @@ def _parsed(unit):
                 parsed = parse(words)
                 if not any(str(name) in DATES for name in getattr(parsed, "_units", ())):
                     return parsed if parse == _registry().parse_units else 1 * parsed
-            except Exception:  # pylint: disable=broad-except  # pint raises those of Python's tokenizer, too
+            except Exception:  # pylint: disable=broad-except  # pint also raises errors of Python's tokenizer
                 continue
     raise ValueError(unit)
 

@@ -53,7 +53,7 @@ class Settings:
 
 
 def settings_of(frame, fps, meters, up, stretch):
-    """What is not given is taken from the metadata of a frame."""
+    """Arguments that are not given come from the metadata of a frame."""
     dt = number_of(frame.metadata, "dt")
     # Of six digits: dt may be a float.
     rate = float(f"{1 / dt:.6g}") if dt and 1 / 120 <= dt <= 1 / 10 else USUAL_RATE

@@ -36,7 +36,7 @@ def errors_of(path):
     finally:
         core.vtkOutputWindow.SetInstance(before)
     text = window.GetOutput()
-    text = text.decode(errors="replace") if isinstance(text, bytes) else text  # as VTK returns what is not UTF-8
+    text = text.decode(errors="replace") if isinstance(text, bytes) else text  # not UTF-8: bytes
     text = re.sub(r"\s+", " ", "".join(char if char.isprintable() else " " for char in text))
     for kind, message in re.findall(VTK_ERROR, text):
         if kind == "ERROR" or message.startswith("Error"):  # some readers only warn of files that end too early
@@ -63,7 +63,7 @@ def arrays_of(dataset):
 
 
 def blocks_of(dataset):
-    """The data sets that a data set consists of: itself, or those of a multi-block."""
+    """The data sets in a data set: itself, or the blocks of a multi-block."""
     if dataset is None:
         return []
     if not dataset.IsA("vtkCompositeDataSet"):

@@ -63,7 +63,7 @@ export class Cameras extends EventTarget {
     get keys() {
         return this.store.options.keys || [];
     }
-    /// Whether pictures are taken from the key frames' camera.
+    /// Whether pictures follow the key frames' camera.
     get follows() {
         return this.store.follows && this.keys.length > 0;
     }

@@ -11,10 +11,6 @@ const kSliders = {
     "depth-cue": ["Depth fading", 0, 1, 0.01],
     shadows: ["Shadows", 0, 1, 0.01],
     occlusion: ["Occlusion", 0, 1, 0.01],
-    ambient: ["Ambient", 0, 2, 0.01],
-    diffuse: ["Diffuse", 0, 2, 0.01],
-    specular: ["Specular", 0, 2, 0.01],
-    shininess: ["Shininess", 1, 100, 1],
     "head-light": ["Head light", 0, 2, 0.01],
     exposure: ["Exposure", -3, 5, 0.1],
 };
@@ -76,7 +72,7 @@ export class Controls {
                 false,
                 this.slider("exposure"),
                 this.list("shading", "Shading", ["phong", "lines", "none"], (scene) => scene.values.shading),
-                ...["ambient", "diffuse", "specular", "shininess", "head-light"].map((name) => this.slider(name)),
+                this.slider("head-light"),
                 ...light.rows,
             ),
             scene: makeSection(

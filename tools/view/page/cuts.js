@@ -17,7 +17,7 @@ const kRegion = {
     name: "region",
     id: "region",
     title: "Only voxels inside are shown; range, opacity and view are chosen from them",
-    isLive: false, // each one is read anew
+    isLive: false, // each is read again
 };
 
 export class Cuts {

@@ -33,7 +33,7 @@ export function makeLine(...children) {
     return make("div", { class: "line" }, ...children);
 }
 
-const edited = new WeakSet(); // fields with text that is not taken yet
+const edited = new WeakSet(); // fields with text that is not applied yet
 addEventListener("input", (event) => edited.add(event.target), { capture: true });
 for (const type of ["change", "focusout"])
     addEventListener(type, (event) => edited.delete(event.target), { capture: true });

@@ -35,7 +35,7 @@ async function begin() {
     const sequence = await get("sequence");
     document.title = byId("title").textContent = sequence.pattern.split("/").at(-1);
     const store = new Store({ samples: 4, ...sequence.start }, sequence.frames);
-    const view = { scene: null, camera: null, version: sequence.version }; // as far as the server has told
+    const view = { scene: null, camera: null, version: sequence.version }; // as the server told last
 
     const timeline = new Timeline(store, sequence.frames);
     const overlay = new Overlay(

@@ -22,7 +22,7 @@ export class Overlay {
         this.draw();
     }
 
-    /// Draw anew; the focus stays.
+    /// Draw again; the focus stays.
     draw() {
         if (!this.stretch || !this.camera()) return;
         const focused = this.svg.contains(document.activeElement) && document.activeElement.getAttribute("aria-label");
@@ -133,7 +133,7 @@ export class Overlay {
         return circle;
     }
 
-    /// @param begin () => what is called with the pixels that the hand has gone to the right and down
+    /// @param begin () => a function of the pixels that the hand has gone to the right and down
     drag(handle, begin, end) {
         handle.addEventListener("pointerdown", (event) => {
             event.preventDefault();

@@ -122,8 +122,8 @@ export class Picture extends EventTarget {
         const { state, frame, next } = this.request();
         const turn = ++this.turn;
         try {
-            const asked = { ...state, size: this.size, samples };
-            if (scale < 1) asked.scale = scale;
+            const size = this.size.map((side) => Math.max(1, Math.round(side * scale)));
+            const asked = { ...state, size, samples };
             if (step > 0) asked.step = Math.max(step, state.step || 0);
             const shown = await askPicture({ client: this.client, turn, state: asked, frame, next, quality }, signal);
             if (!shown) return null;

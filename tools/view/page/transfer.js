@@ -6,7 +6,7 @@ import { make, makeLine, makeSection } from "./elements.js";
 const kLeastOpacity = 0.001; // of the logarithmic scale
 
 export class Transfer {
-    /// @param frozenView () => options that keep the view as it is @param ask asks for the scene anew
+    /// @param frozenView () => options that keep the view as it is @param ask asks for the scene again
     constructor(store, frozenView, ask) {
         Object.assign(this, { store, frozenView, ask });
         this.logarithmic = make("input", { id: "log-opacity", type: "checkbox", change: () => this.draw() });

@@ -9,10 +9,9 @@ namespace vdblic {
 Parameters parametersOf(FeedbackParams& params)
 {
     return {
-        parameter("sharpen", "Strength of the high-pass filter between steps.", params.sharpen,
-                  {.group = "Texture", .limits = {0, 100}, .isExpert = true}),
+        parameter("sharpen", "Strength of the high-pass filter between steps.", params.sharpen, {.limits = {0, 100}}),
         parameter("noise_share", "Share of the original noise in the input of a step.", params.noiseShare,
-                  {.group = "Texture", .limits = {0, 1}, .isExpert = true}),
+                  {.limits = {0, 1}}),
     };
 }
 

@@ -17,7 +17,7 @@ Parameters parametersOf(BackwardParams& params)
             "alpha",
             "ibfv, lea: share of the noise that is blended in with every frame: the smaller, the longer the streaks; "
             "by default 4 / (3 life), as long as those of auflic.",
-            params.alpha, {.group = "Texture", .limits = {kLeastShare, 1}}),
+            params.alpha, {.limits = {kLeastShare, 1}}),
     };
 }
 

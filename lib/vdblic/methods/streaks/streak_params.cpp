@@ -32,10 +32,7 @@ Parameter spacingParameter(StreakParams& params)
     Parameter result = parameter(
         "spacing", "Distance between streaks, or one for each axis. By default as many streaks as a picture holds.",
         WordType::kNumber, 1, read, write,
-        {.unit = "voxels of the velocity",
-         .words = "S or SX SY SZ",
-         .group = "Streaks",
-         .limits = {0, kMostSpacing, true}});
+        {.unit = "voxels of the velocity", .words = "S or SX SY SZ", .limits = {0, kMostSpacing, true}});
     result.most = 3;
     return result;
 }
@@ -49,16 +46,16 @@ Parameters parametersOf(StreakParams& params)
         parameter("tail",
                   "How far back a streak shows its path. By default the faster half of the flow has tails of six "
                   "spacings.",
-                  params.tail, {.unit = "frames", .group = "Streaks", .limits = {0, kMostTail, true}}),
+                  params.tail, {.unit = "frames", .limits = {0, kMostTail, true}}),
         parameter("emit",
                   "Release streaks only where a grid is above 0 (a level set: below), as smoke in a wind tunnel.",
-                  params.emit, {.words = "FILE[:GRID]", .group = "Streaks", .isFile = true}),
+                  params.emit, {.words = "FILE[:GRID]"}),
         parameter("emit_box", "Release streaks only in a box of world space: low and high corner.", params.emitBox,
-                  {.words = "X Y Z X Y Z", .group = "Streaks", .excludes = "emit"}),
+                  {.words = "X Y Z X Y Z", .excludes = "emit"}),
         parameter("source",
                   "A region whose air is followed: a streak that was in it has its number in the grid `source`. The "
                   "regions are numbered from 1 as they are given.",
-                  params.sources, {.words = "NAME=FILE[:GRID]", .group = "Streaks", .isFile = true}),
+                  params.sources, {.words = "NAME=FILE[:GRID]"}),
     };
 }
 

@@ -140,7 +140,7 @@ class Source:
         return [(self.read(step, names), names)]
 
     def vector_of(self, name):  # pylint: disable=unused-argument
-        """The kind of vector of which a variable is a component along the grid's rows (0) or columns (1); else None."""
+        """The kind of vector whose component along the grid's rows (0) or columns (1) a variable is; else None."""
         return None
 
     def free(self):

@@ -75,7 +75,7 @@ class Case(VtkSource):
 
 
 class FluentCase(Case):
-    """A case and its data, which VTK would read for ever where one of them ends too early."""
+    """A case and its data. VTK would read a file that ends too early for ever."""
 
     def __init__(self, path, reader):
         for part in path, path.with_suffix(".dat"):

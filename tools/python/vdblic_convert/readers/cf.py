@@ -14,7 +14,7 @@ from .place import LONGITUDE, TURNED, axis_of, horizontal
 from .sgrid import CGrid
 
 ALONG = r"(|.*_)(grid_(?:east|north)ward|x|y)_.+"
-USUAL = (  # names of components without a standard name; the last ones are those of models
+USUAL = (  # names of components without a standard name; the last ones are used by models
     ("u", "U", "UVEL", "vozocrtx", "ua", "uo", "water_u", "air_u", "u10"),
     ("v", "V", "VVEL", "vomecrty", "va", "vo", "water_v", "air_v", "v10"),
     ("w", "W", "WVEL", "vovecrtz", "wa", "wo"),

@@ -75,7 +75,7 @@ def is_grid(path):
 
 
 def _variables(path):
-    """The variables of a file by name, decoded but for their times, and its attributes."""
+    """The variables of a file by name, decoded except for times, and its attributes."""
     xarray, kind = needed("xarray"), path.suffix.lower()
     read = _zarr if path.is_dir() or kind == ".zarr" else _grib if kind.startswith(".gr") else _netcdf
     form = {_zarr: "Zarr", _grib: "GRIB", _netcdf: "NetCDF"}[read]
@@ -96,7 +96,7 @@ def _variables(path):
 
 
 def _netcdf(xarray, path):
-    """The variables of all groups; those of a group have its name before theirs where another one has theirs."""
+    """The variables of all groups; a name that several groups have gets the group's name before it."""
     found, attributes, groups = {}, {}, [""]
     library = needed("netCDF4")
     with Parsing(path, "NetCDF's library", True), library.Dataset(path) as data:

@@ -145,7 +145,7 @@ def _check_geometry(path, text, gold):
 
 def _check_values(path, text, gold, sizes, components, place):
     _, begin = _line(text, 0)
-    if not gold and place == "node":  # those of all nodes come first
+    if not gold and place == "node":  # the values of all nodes come first
         head = HEAD.search(text, begin)
         sections = [(None, "coordinates", b"", text[begin : head.start() if head else len(text)])]
         sections += _sections(path, text, gold, head.start(), False) if head else []
@@ -160,7 +160,7 @@ def _check_values(path, text, gold, sizes, components, place):
 
 
 def _lines(text):
-    """The number of lines, the last of which may lack its end."""
+    """The number of lines; the last one may lack its end."""
     return text.count(b"\n") + (text.rpartition(b"\n")[2].strip() != b"")
 
 

@@ -170,7 +170,7 @@ class Gridded(Source):
         return self.placed(name, self.variable(name, step), needed)
 
     def placed(self, name, values, needed):
-        """The values of such a variable, where those that are not needed are some number."""
+        """The values of such a variable; the ones that are not needed are any number."""
         missing = ~numpy.isfinite(values)
         lacks = numpy.count_nonzero(missing & needed)
         if lacks:
@@ -277,7 +277,7 @@ class Gridded(Source):
         return times.tolist()
 
     def _time_variable(self):
-        """The variable of the times: dates as text, else what is called time, else the axis itself, else a date."""
+        """The variable of the times: dates as text, else a variable called time, else the axis itself, else a date."""
 
         def rank(name):
             variable, text = self.data.variables[name], self.data.text

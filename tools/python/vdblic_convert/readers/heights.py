@@ -126,7 +126,7 @@ def z_by_variable(source, dimensions, full, step, there):
 
 
 def _half_levels(source, dimensions, step):
-    """Means of the heights between levels (HHL), of which there is one more than levels."""
+    """Means of the heights between levels (HHL), which are one more than the levels."""
     sizes = source.data.sizes
     for name in source.data.variables:
         space, is_height = source.long(name), source.data.text(name, "standard_name") in HEIGHTS

@@ -231,6 +231,6 @@ class MeshFile(Gridded):
 
 
 def _edges(z):
-    """Heights half way between those of layers, and as far beyond the outer ones."""
+    """Heights half way between the layers', and as far beyond the outer ones."""
     middle = (z[1:] + z[:-1]) / 2
     return numpy.concatenate([z[:1] - (middle[:1] - z[:1]), middle, z[-1:] + (z[-1:] - middle[-1:])])

@@ -81,7 +81,7 @@ class OceanFile(Gridded):
         }
 
     def _columns(self):
-        """The cells: rows and columns, and levels before them if there are some."""
+        """The cells: rows and columns, after levels if there are any."""
         data = self.data
         self._place, self._unit = next((names, unit) for names, unit in PLACES if _has_place(data, names))
         rows = data.variables[self._place[0]].dims[-2:]

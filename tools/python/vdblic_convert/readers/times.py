@@ -35,7 +35,7 @@ def seconds_of(values, units, calendar):
     step, _, start = re.split(r"(\s+since\s+)", units, 1, re.I) if "%" not in units else (units, "", "")
     if re.search(r"\d-[A-Za-z]{3,9}-\d", start):  # 1-Jan-2000: a month in letters cannot be mistaken for a day
         start = needed("dateutil.parser").parse(start).isoformat(" ")
-    for zero in None, True:  # year 0 is in some calendars only, and in the files of others
+    for zero in None, True:  # only some calendars have a year 0, but files of others use it
         try:
             dates = cftime.num2date(values.ravel(), f"{step} since {start}", calendar, has_year_zero=zero)
             return _numbers(dates, calendar, zero)

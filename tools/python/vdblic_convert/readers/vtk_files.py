@@ -80,7 +80,7 @@ def time_of(data):
 
 
 class VtkSource(Source):
-    """Data sets of VTK, of which that of one step is in memory. `load(step)` reads it."""
+    """Data sets of VTK, one step in memory at a time. `load(step)` reads it."""
 
     def __init__(self, path, times, notes=()):
         super().__init__(path, times)
