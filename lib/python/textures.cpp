@@ -66,9 +66,9 @@ Textures::Textures(const py::dict& keywords, py::object frames, py::function tel
     mRun.emplace(*mPlan, source(), static_cast<Reporter&>(*this), mAlone, static_cast<RunObserver&>(*this));
 }
 
-void Textures::frameRead(const LoadedFrame& frame)
+void Textures::frameRead(const VelocityFrame& frame)
 {
-    if (!mFirst) mFirst = frame.velocity.file.frame;
+    if (!mFirst) mFirst = frame.file.frame;
 }
 
 FrameSource Textures::source()
@@ -105,8 +105,8 @@ py::object Textures::next()
             mNext = mRun->begin();
         }
         if (*mNext != mRun->end()) {
-            RunTexture& made = **mNext;
-            const std::int64_t frame = made.frame.velocity.file.frame;
+            TextureFrame& made = **mNext;
+            const std::int64_t frame = made.frame.file.frame;
             file = makeTextureFile(*mPlan, made, textureNumber(*mFirst, frame, mPlan->substeps(), made.substep));
         }
     }

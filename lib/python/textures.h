@@ -32,7 +32,7 @@ class __attribute__((visibility("hidden"))) Textures : private Reporter, private
     void warn(std::string_view message) override { tell("warned", message); }
     [[nodiscard]] bool stopRequested() const override;
     void tell(const char* kind, std::string_view message);
-    void frameRead(const LoadedFrame& frame) override;
+    void frameRead(const VelocityFrame& frame) override;
     [[nodiscard]] FrameSource source();
     [[nodiscard]] std::optional<FrameFile> nextFrame();
 

@@ -114,7 +114,7 @@ void addSuccessor(const Measured& measured, const std::vector<ClassPoint>& point
 
 VDBLIC_KERNEL void measureClasses(const Measured& measured, std::size_t block, SumsByClass& sums)
 {
-    const FieldDomain& domain = measured.field.fieldDomain();
+    const FrameDomain& domain = measured.field.frameDomain();
     std::vector<ClassPoint> points;
     TextureCube cube;
     const std::size_t first = block * kPointsOfBlock;
@@ -123,7 +123,7 @@ VDBLIC_KERNEL void measureClasses(const Measured& measured, std::size_t block, S
         ClassPoint point;
         point.position = measured.voxels.centreInPart(i, measured.samples);
         const Int4 voxel = voxelOf(point.position);
-        const openvdb::Coord coarse = domain.refinement.coarse({voxel[0], voxel[1], voxel[2]});
+        const openvdb::Coord coarse = domain.refinement.coarse({{voxel[0], voxel[1], voxel[2]}}).at;
         if (!covers(*domain.velocity, Float4{float(coarse[0]), float(coarse[1]), float(coarse[2]), 0})) continue;
         point.velocity = measured.field.sample(point.position, 0, Float4{0, 0, 0, 0});
         const auto displacementClass = classOf(pathline::length(point.velocity));

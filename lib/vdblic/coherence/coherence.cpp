@@ -7,6 +7,7 @@
 #include "vdblic/coherence/successor.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/field/domain_rows.h"
+#include "vdblic/field/position.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/pathline.h"
 
@@ -65,8 +66,7 @@ struct Scene {
     const CoherenceParams& params;
     std::vector<double> lags;
     RandomVoxels voxels;
-    Float4 scale = {1, 1, 1, 1}; ///< a voxel of the texture along each axis [voxels of the velocity]
-    Float4 shift{};              ///< index of the velocity at the texture's index 0
+    IndexSpaces spaces;
 };
 
 /// A number in [0, 1) of 24 random bits: exact in single precision.
@@ -90,9 +90,9 @@ std::optional<Point> pointOf(const Scene& scene, std::uint64_t number)
     point.turn = unit(mixBits(~hash));
     point.here = scene.texture.sample(point.position);
     if (!point.here.inside) return std::nullopt;
-    if (!covers(*scene.field.fieldDomain().velocity, point.position * scene.scale + scene.shift)) return std::nullopt;
+    if (!covers(*scene.field.frameDomain().velocity, scene.spaces.velocity({point.position}).at)) return std::nullopt;
     point.velocity = scene.field.sample(point.position, 0, Float4{0, 0, 0, 0});
-    if (!(pathline::length(point.velocity * scene.scale) >= scene.params.leastMotion)) return std::nullopt;
+    if (!(pathline::length(point.velocity * scene.spaces.scale()) >= scene.params.leastMotion)) return std::nullopt;
     return point;
 }
 
@@ -114,7 +114,7 @@ Float4 downstream(const Scene& scene, Float4 position, float distance)
 {
     const auto moved = [&](Float4 slope, float by) {
         constexpr float kStill = 1e-6f;
-        return position + slope * (by / std::max(pathline::length(slope * scene.scale), kStill));
+        return position + slope * (by / std::max(pathline::length(slope * scene.spaces.scale()), kStill));
     };
     const Float4 slope = scene.field.sample(position, 0, Float4{0, 0, 0, 0});
     return moved(scene.field.sample(moved(slope, 0.5f * distance), 0, slope), distance);
@@ -150,7 +150,7 @@ void addSpatial(const Scene& scene, const Point& point, BlockSums& sums)
         if (!add(&Correlations::along, lag, position)) break;
         before = scene.lags[lag];
     }
-    const Float4 direction = perpendicular(point.velocity * scene.scale, point.turn) / scene.scale;
+    const Float4 direction = perpendicular(point.velocity * scene.spaces.scale(), point.turn) / scene.spaces.scale();
     for (std::size_t lag = 0; lag < scene.lags.size(); ++lag) {
         if (!add(&Correlations::across, lag, point.position + direction * float(scene.lags[lag]))) break;
     }
@@ -231,12 +231,9 @@ FrameCoherence measureCoherence(const SmoothedTexture& texture, const SmoothedTe
 {
     params.validate();
     const Domain& domain = texture.domain();
-    const Refinement& refinement = field.fieldDomain().refinement;
-    Scene scene{texture, next, field, params, coherenceLags(refinement.factors), {domain, frame}};
-    for (int axis = 0; axis < 3; ++axis) {
-        scene.scale[axis] = refinement.scale(axis);
-        scene.shift[axis] = refinement.shift(axis);
-    }
+    const Refinement& refinement = field.frameDomain().refinement;
+    const Scene scene{
+        texture, next, field, params, coherenceLags(refinement.factors), {domain, frame}, IndexSpaces(refinement)};
 
     BlockSums all(scene.lags.size());
     if (domain.voxelCount() > 0) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/flow/velocity_sequence_params.h"
 #include "vdblic/lic/pathline_params.h"
 
 #include <string>
@@ -19,7 +19,7 @@ struct CoherenceParams {
 
 /// Which sequences to measure, and where the results go.
 struct SequenceCoherenceParams {
-    FlowSequenceParams flow;
+    VelocitySequenceParams flow;
     std::string texture;     ///< file or pattern; its frames are matched to the velocity's by number
     std::string textureName; ///< of the texture's grid; empty: by the files' metadata, else `density`
     CoherenceParams coherence;

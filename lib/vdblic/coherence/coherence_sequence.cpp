@@ -11,7 +11,8 @@
 #include "vdblic/core/paging.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/velocity_field.h"
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/flow_step.h"
+#include "vdblic/flow/velocity_sequence.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
@@ -153,16 +154,15 @@ Refinement refinementOf(const VelocityFrame& velocity, const openvdb::math::Tran
 }
 
 /// Read the texture of a velocity's frame, which must have the velocity's transform or a refined one.
-MeasuredTexture textureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& name)
+MeasuredTexture textureOf(const VelocityFrame& frame, const TextureFiles& files, const std::string& name)
 {
-    const VelocityFrame& velocity = frame.velocity;
-    MeasuredTexture loaded = readTexture(files.path(velocity.file.frame), name);
-    loaded.refinement = refinementOf(velocity, *loaded.transform, loaded.path, loaded.gridName);
+    MeasuredTexture loaded = readTexture(files.path(frame.file.frame), name);
+    loaded.refinement = refinementOf(frame, *loaded.transform, loaded.path, loaded.gridName);
     return loaded;
 }
 
 /// Read the texture after another one, which must have the same transform.
-MeasuredTexture successorOf(const MeasuredTexture& before, const LoadedFrame& frame, const TextureFiles& files,
+MeasuredTexture successorOf(const MeasuredTexture& before, const VelocityFrame& frame, const TextureFiles& files,
                             const std::string& name)
 {
     MeasuredTexture loaded = textureOf(frame, files, name);
@@ -177,10 +177,10 @@ struct ReadSparse {
 };
 
 /// Read the sparse texture of a velocity's frame. @param before the one before it, or null
-ReadSparse sparseTextureOf(const LoadedFrame& frame, const TextureFiles& files, const std::string& given,
+ReadSparse sparseTextureOf(const VelocityFrame& frame, const TextureFiles& files, const std::string& given,
                            const ReadSparse* before)
 {
-    const std::filesystem::path path = files.path(frame.velocity.file.frame);
+    const std::filesystem::path path = files.path(frame.file.frame);
     const VdbFile file = readVdb(path);
     if (!isSparse(file.metadata)) {
         throw InputError(fmt::format("{}: its texture is dense and that of the first file sparse; measure each kind "
@@ -191,9 +191,9 @@ ReadSparse sparseTextureOf(const LoadedFrame& frame, const TextureFiles& files, 
     const auto grid = file.get<openvdb::FloatGrid>(name, "`texture`");
     auto active = std::make_shared<openvdb::MaskTree>(grid->tree(), false, true, openvdb::TopologyCopy());
     active->voxelizeActiveTiles();
-    ReadSparse read{path,
-                    {grid->treePtr(), std::make_shared<const Domain>(active),
-                     refinementOf(frame.velocity, grid->transform(), path, name)}};
+    ReadSparse read{
+        path,
+        {grid->treePtr(), std::make_shared<const Domain>(active), refinementOf(frame, grid->transform(), path, name)}};
     if (const auto spacing = file.metadata.getMetadata<openvdb::Vec3SMetadata>("spacing")) {
         const openvdb::Vec3s& given3 = spacing->value();
         if (given3[0] > 0 && given3[1] > 0 && given3[2] > 0) read.texture.spacing = {given3[0], given3[1], given3[2]};
@@ -213,11 +213,11 @@ void checkFurtherOutput(const std::string& output, const SequenceCoherenceParams
     }
 }
 
-void measureSparseSequence(const SequenceCoherenceParams& params, const TextureFiles& files, FlowSequence& flow,
+void measureSparseSequence(const SequenceCoherenceParams& params, const TextureFiles& files, VelocitySequence& flow,
                            std::size_t total, Reporter& reporter, SequenceCoherence& result)
 {
     reporter.say(sparseHeading());
-    std::optional<LoadedFrame> current = flow.next(), next;
+    std::optional<VelocityFrame> current = flow.next(), next;
     std::optional<ReadSparse> texture, nextTexture;
     if (current) {
         texture = sparseTextureOf(*current, files, params.textureName, nullptr);
@@ -228,14 +228,13 @@ void measureSparseSequence(const SequenceCoherenceParams& params, const TextureF
         next = flow.next();
         nextTexture = std::nullopt;
         if (next) nextTexture = sparseTextureOf(*next, files, params.textureName, &*texture);
-        const VelocityFrame &start = current->velocity, &end = next ? next->velocity : start;
+        const VelocityFrame &start = *current, &end = next ? *next : start;
         const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
         if (result.sparse.empty()) flow.describe(*current, interval, start.largestDisplacement(interval.seconds));
-        const openvdb::Mat3d ofStart = start.toVoxelsPerStep(interval.seconds);
-        const openvdb::Mat3d ofEnd = end.toVoxelsPerStep(interval.seconds);
+        const FlowStep step{start, end, interval.seconds};
         VelocityField forward, backward;
-        forward.build(current->domain.velocity, {start.values->tree(), ofStart}, {end.values->tree(), ofEnd});
-        if (next) backward.build(next->domain.velocity, {end.values->tree(), -ofEnd}, {start.values->tree(), -ofStart});
+        forward.build(start.domain.velocity, step.startVelocities(), step.endVelocities());
+        if (next) backward.build(end.domain.velocity, step.endVelocities() * -1.0, step.startVelocities() * -1.0);
         const SparseCoherence frame =
             measureSparse(texture->texture, nextTexture ? &nextTexture->texture : nullptr, forward,
                           next ? &backward : nullptr, params.coherence, start.file.frame);
@@ -275,7 +274,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     std::istringstream noLines;
     const OneProcess alone;
     std::size_t total = 0;
-    FlowSequence flow(params.flow, openSequence(params.flow.input, noLines, total), reporter, alone);
+    VelocitySequence flow(params.flow, openSequence(params.flow.input, noLines, total), reporter, alone);
     flow.setMotion(files.motion());
 
     SequenceCoherence result;
@@ -284,7 +283,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         if (!params.json.empty() && writeReport(params.json, toJson(result, params))) reporter.finished(params.json);
         return result;
     }
-    std::optional<LoadedFrame> current = flow.next(), next;
+    std::optional<VelocityFrame> current = flow.next(), next;
     std::optional<MeasuredTexture> texture, nextTexture;
     if (current) {
         texture = textureOf(*current, files, params.textureName);
@@ -303,16 +302,15 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
         next = flow.next();
         nextTexture = std::nullopt;
         if (next) nextTexture = successorOf(*texture, *next, files, params.textureName);
-        const LoadedFrame& end = next ? *next : *current;
+        const VelocityFrame& end = next ? *next : *current;
         const FrameInterval interval = flow.intervalAfter(*current, next ? &*next : nullptr);
-        if (result.frames.empty())
-            flow.describe(*current, interval, current->velocity.largestDisplacement(interval.seconds));
+        if (result.frames.empty()) flow.describe(*current, interval, current->largestDisplacement(interval.seconds));
         VelocityField field;
+        const FlowStep step{*current, end, interval.seconds};
         field.build({texture->texture.sharedDomain(), current->domain.velocity, texture->refinement},
-                    {current->velocity.values->tree(), current->velocity.toVoxelsPerStep(interval.seconds)},
-                    {end.velocity.values->tree(), end.velocity.toVoxelsPerStep(interval.seconds)});
+                    step.startVelocities(), step.endVelocities());
         FrameCoherence frame = measureCoherence(texture->texture, nextTexture ? &nextTexture->texture : nullptr, field,
-                                                params.coherence, current->velocity.file.frame);
+                                                params.coherence, current->file.frame);
         frame.hits = texture->hits;
         reporter.say(frameLine(frame));
         if (frame.points == 0) {

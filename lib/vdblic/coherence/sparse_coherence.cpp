@@ -5,6 +5,7 @@
 #include "vdblic/core/paging.h"
 #include "vdblic/field/domain_rows.h"
 #include "vdblic/field/neighbourhood_grid.h"
+#include "vdblic/field/position.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/lic/pathline.h"
 
@@ -37,11 +38,11 @@ class Values {
         float value = 0;
         return mAccessor.probeValue(voxel, value) ? value : 0.0f;
     }
-    /// Trilinear. @param position index space of the texture
-    [[nodiscard]] float at(Float4 position) const
+    /// Trilinear.
+    [[nodiscard]] float at(const Position<Space::kTexture>& position) const
     {
-        const Int4 base = floorToInt(position);
-        const Float4 share = position - __builtin_convertvector(base, Float4);
+        const Int4 base = floorToInt(position.at);
+        const Float4 share = position.at - __builtin_convertvector(base, Float4);
         float sum = 0;
         for (int corner = 0; corner < 8; ++corner) {
             const int x = corner >> 2, y = corner >> 1 & 1, z = corner & 1;
@@ -52,9 +53,9 @@ class Values {
         return sum;
     }
     /// The largest value of the 27 voxels around a position.
-    [[nodiscard]] float mostAround(Float4 position) const
+    [[nodiscard]] float mostAround(const Position<Space::kTexture>& position) const
     {
-        const Int4 nearest = floorToInt(position + 0.5f);
+        const Int4 nearest = floorToInt(position.at + 0.5f);
         float most = 0;
         for (int i = 0; i < 27; ++i)
             most =
@@ -66,24 +67,8 @@ class Values {
     openvdb::tree::ValueAccessor<const openvdb::FloatTree> mAccessor;
 };
 
-/// Between the index spaces of a texture and of its velocity.
-struct Spaces {
-    Float4 scale{1, 1, 1, 1}, shift{}, factor{1, 1, 1, 1};
-
-    explicit Spaces(const Refinement& refinement)
-    {
-        for (int axis = 0; axis < 3; ++axis) {
-            scale[axis] = refinement.scale(axis);
-            shift[axis] = refinement.shift(axis);
-            factor[axis] = float(refinement.factors[std::size_t(axis)]);
-        }
-    }
-    [[nodiscard]] Float4 velocity(Float4 texture) const { return texture * scale + shift; }
-    [[nodiscard]] Float4 texture(Float4 velocity) const { return (velocity - shift) * factor; }
-};
-
 struct SparsePoint {
-    Float4 position; ///< index space of the texture
+    Position<Space::kTexture> position;
     Float4 velocity; ///< voxels of the velocity per step
     float value;
 };
@@ -104,29 +89,30 @@ struct SparseSums {
 };
 
 /// Look where the flow carries points to. @param field of the step from their texture to another one
-void follow(const VelocityField& field, const CoherenceParams& params, const Spaces& spaces, const Values& there,
+void follow(const VelocityField& field, const CoherenceParams& params, const IndexSpaces& spaces, const Values& there,
             const std::vector<SparsePoint>& points, SparseSums& sums)
 {
     PathBatch batch;
     const Bricks::Window anywhere;
     PathlineParams pathline = params.pathline;
     for (int axis = 0; axis < 3; ++axis) // the tolerance is in voxels of the texture
-        pathline.tolerance = std::min(pathline.tolerance, params.pathline.tolerance * spaces.scale[axis]);
+        pathline.tolerance = std::min(pathline.tolerance, params.pathline.tolerance * spaces.scale()[axis]);
     for (std::size_t first = 0; first < points.size(); first += kLanes) {
         const int count = int(std::min<std::size_t>(kLanes, points.size() - first));
         paging::breathe(std::size_t(count) * paging::kPointBytes);
         batch.lanes = (1u << count) - 1;
         for (int lane = 0; lane < count; ++lane) {
             const SparsePoint& point = points[first + std::size_t(lane)];
-            batch.position.setLane(lane, spaces.velocity(point.position));
+            batch.position.setLane(lane, spaces.velocity(point.position).at);
             batch.slope.setLane(lane, point.velocity);
         }
         advancePaths(field, anywhere, pathline, batch);
         for (int lane = 0; lane < count; ++lane) {
-            const bool isInside = covers(*field.fieldDomain().velocity, batch.position.lane(lane));
+            const Position<Space::kVelocity> arrived{batch.position.lane(lane)};
+            const bool isInside = covers(*field.frameDomain().velocity, arrived.at);
             if (!isInside || !(batch.arrived >> lane & 1)) continue;
             const SparsePoint& point = points[first + std::size_t(lane)];
-            const Float4 end = spaces.texture(batch.position.lane(lane));
+            const Position<Space::kTexture> end = spaces.texture(arrived);
             ++sums.arrived;
             const float most = std::max(there.mostAround(end), there.mostAround(point.position));
             sums.lost += most < kHalf * point.value;
@@ -143,7 +129,7 @@ SparseSums measurePoints(const SparseTexture& texture, const SparseTexture* othe
 {
     SparseSums all;
     if (texture.domain->voxelCount() == 0) return all;
-    const Spaces spaces(texture.refinement);
+    const IndexSpaces spaces(texture.refinement);
     const RandomVoxels voxels(*texture.domain, frame);
     std::vector<SparseSums> blocks((std::size_t(params.samples) + kBlock - 1) / kBlock);
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t block) {
@@ -153,15 +139,16 @@ SparseSums measurePoints(const SparseTexture& texture, const SparseTexture* othe
         const std::size_t end = std::min((block + 1) * kBlock, std::size_t(params.samples));
         for (std::size_t i = block * kBlock; i < end; ++i) {
             paging::breathe(paging::kPointBytes);
-            SparsePoint point{.position = voxels.centre(voxels.hash(i)), .velocity = {}, .value = 0};
+            SparsePoint point{.position = {voxels.centre(voxels.hash(i))}, .velocity = {}, .value = 0};
             point.value = values.at(point.position);
             if (!(point.value > kVisible)) continue;
-            point.velocity = field.sample(spaces.velocity(point.position), 0, Float4{});
-            const Float4 slope = point.velocity * spaces.factor;
+            point.velocity = field.sample(spaces.velocity(point.position).at, 0, Float4{});
+            const Float4 slope = point.velocity * spaces.factor();
             const float speed = pathline::length(slope);
             if (!(speed >= 1)) continue;
             ++sums.points;
-            sums.rising += values.at(point.position + slope / speed) > values.at(point.position - slope / speed);
+            sums.rising +=
+                values.at({point.position.at + slope / speed}) > values.at({point.position.at - slope / speed});
             points.push_back(point);
         }
         if (other) follow(field, params, spaces, Values(*other->values), points, sums);
@@ -182,11 +169,11 @@ std::vector<Head> headsOf(const SparseTexture& texture, const VelocityField& fie
     constexpr float kAhead = 0.25f;       // spacings: beyond the round end of a head
     constexpr float kAtMostAhead = 0.25f; // of a head's value
     constexpr float kBright = 0.3f;       // what fades in or out does not count
-    const Spaces spaces(texture.refinement);
+    const IndexSpaces spaces(texture.refinement);
     const Domain& domain = *texture.domain;
     Float4 ahead{};
     for (int axis = 0; axis < 3; ++axis)
-        ahead[axis] = kAhead * spacing[std::size_t(axis)] * spaces.factor[axis];
+        ahead[axis] = kAhead * spacing[std::size_t(axis)] * spaces.factor()[axis];
     std::vector<std::vector<Head>> found(domain.leafCount());
     tbb::parallel_for(std::size_t(0), domain.leafCount(), [&](std::size_t leaf) {
         const Values values(*texture.values);
@@ -202,13 +189,13 @@ std::vector<Head> headsOf(const SparseTexture& texture, const VelocityField& fie
                 isMost = around < value || (around == value && !(other < voxel));
             }
             if (!isMost) continue;
-            const Float4 position{float(voxel[0]), float(voxel[1]), float(voxel[2]), 0};
-            const Float4 slope = field.sample(spaces.velocity(position), 0, Float4{}) * spaces.factor;
+            const Position<Space::kTexture> position{{float(voxel[0]), float(voxel[1]), float(voxel[2]), 0}};
+            const Float4 slope = field.sample(spaces.velocity(position).at, 0, Float4{}) * spaces.factor();
             const float steps = pathline::length(slope / (ahead + Float4{0, 0, 0, 1}));
             if (!(steps > 0)) continue;
             const Float4 away = slope / steps;
-            if (values.mostAround(position + away) > kAtMostAhead * value) continue;
-            if (values.mostAround(position - away) > kHalf * value) found[leaf].push_back({voxel, value});
+            if (values.mostAround({position.at + away}) > kAtMostAhead * value) continue;
+            if (values.mostAround({position.at - away}) > kHalf * value) found[leaf].push_back({voxel, value});
         }
     });
     std::vector<Head> heads;
@@ -272,7 +259,7 @@ SparseCoherence measureSparse(const SparseTexture& texture, const SparseTexture*
 {
     params.validate();
     const auto& factors = texture.refinement.factors;
-    const std::size_t whole = forward.fieldDomain().velocity->voxelCount() * std::size_t(factors[0]) *
+    const std::size_t whole = forward.frameDomain().velocity->voxelCount() * std::size_t(factors[0]) *
                               std::size_t(factors[1]) * std::size_t(factors[2]);
     const SparseSums here = measurePoints(texture, next, forward, params, frame);
     SparseSums there;

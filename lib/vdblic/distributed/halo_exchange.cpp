@@ -9,20 +9,20 @@
 namespace vdblic {
 
 HaloExchange::HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain,
-                           std::vector<openvdb::Coord> depths)
+                           std::vector<Rim<Space::kTexture>> depths)
     : mExchange(exchange), mPartition(partition), mDomain(domain), mDepths(std::move(depths)),
       mGiven(std::size_t(exchange.size())), mTaken(std::size_t(exchange.size()))
 {
-    const openvdb::CoordBBox mine = partition.textureBox(exchange.rank());
+    const VoxelBox<Space::kTexture> mine = partition.textureBox(exchange.rank());
     for (int rank = 0; rank < exchange.size(); ++rank) {
-        const openvdb::CoordBBox around = dilated(partition.textureBox(rank), mDepths[std::size_t(rank)]);
-        if (rank == exchange.rank() || !around.hasOverlap(mine)) continue;
+        const VoxelBox<Space::kTexture> around = dilated(partition.textureBox(rank), mDepths[std::size_t(rank)]);
+        if (rank == exchange.rank() || !around.voxels.hasOverlap(mine.voxels)) continue;
         for (const std::uint32_t leaf : domain.own()) {
-            if (around.isInside(domain.origin(leaf))) mGiven[std::size_t(rank)].push_back(leaf);
+            if (around.voxels.isInside(domain.origin(leaf))) mGiven[std::size_t(rank)].push_back(leaf);
         }
     }
     for (const std::uint32_t leaf : domain.local()) {
-        if (!domain.isOwn(leaf)) mTaken[std::size_t(partition.ownerOfTexture(domain.origin(leaf)))].push_back(leaf);
+        if (!domain.isOwn(leaf)) mTaken[std::size_t(partition.owner({domain.origin(leaf)}))].push_back(leaf);
     }
 }
 
@@ -58,16 +58,18 @@ void HaloExchange::addHits(const std::function<std::int64_t*(std::size_t leaf)>&
     }
 }
 
-void HaloExchange::takeHalo(const LeafValues<float>& values, int leaves) const
+template<typename T>
+void HaloExchange::takeValues(LeafValues<T>& values, int leaves) const
 {
-    const std::vector<openvdb::Coord> near(mDepths.size(), openvdb::Coord(leaves * LeafVoxel::kDim));
-    const std::vector<openvdb::Coord>& depths = leaves == kWholeHalo ? mDepths : near;
+    using Depths = std::vector<Rim<Space::kTexture>>;
+    const Depths near(mDepths.size(), {openvdb::Coord(leaves * LeafVoxel::kDim)});
+    const Depths& depths = leaves == kWholeHalo ? mDepths : near;
     std::vector<Exchange::Bytes> messages(mGiven.size());
-    std::vector<float> numbers;
+    std::vector<T> numbers;
     for (std::size_t rank = 0; rank < mGiven.size(); ++rank) {
-        const openvdb::CoordBBox around = dilated(mPartition.textureBox(int(rank)), depths[rank]);
+        const VoxelBox<Space::kTexture> around = dilated(mPartition.textureBox(int(rank)), depths[rank]);
         for (const std::uint32_t leaf : mGiven[rank]) {
-            if (!around.isInside(mDomain.origin(leaf))) continue;
+            if (!around.voxels.isInside(mDomain.origin(leaf))) continue;
             numbers.clear();
             for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
                 numbers.push_back(values[leaf][voxel.pos()]);
@@ -75,12 +77,12 @@ void HaloExchange::takeHalo(const LeafValues<float>& values, int leaves) const
         }
     }
     const std::vector<Exchange::Bytes> received = mExchange.swap(std::move(messages));
-    const openvdb::CoordBBox around =
+    const VoxelBox<Space::kTexture> around =
         dilated(mPartition.textureBox(mExchange.rank()), depths[std::size_t(mExchange.rank())]);
     for (std::size_t rank = 0; rank < mTaken.size(); ++rank) {
         MessageReader message(received[rank]);
         for (const std::uint32_t leaf : mTaken[rank]) {
-            if (!around.isInside(mDomain.origin(leaf))) continue;
+            if (!around.voxels.isInside(mDomain.origin(leaf))) continue;
             numbers.resize(mDomain.mask(leaf).countOn());
             message.get(numbers.data(), numbers.size());
             auto number = numbers.begin();
@@ -88,6 +90,16 @@ void HaloExchange::takeHalo(const LeafValues<float>& values, int leaves) const
                 values[leaf][voxel.pos()] = *number++;
         }
     }
+}
+
+void HaloExchange::takeHalo(LeafValues<float>& values, int leaves) const
+{
+    takeValues(values, leaves);
+}
+
+void HaloExchange::takeHalo(LeafValues<std::int32_t>& values, int leaves) const
+{
+    takeValues(values, leaves);
 }
 
 void HaloExchange::send(const Domain& domain, const std::function<void(std::size_t, Exchange::Bytes&)>& write,
@@ -99,7 +111,7 @@ void HaloExchange::send(const Domain& domain, const std::function<void(std::size
         Exchange::Bytes about;
         write(leaf, about);
         if (about.empty()) continue;
-        Exchange::Bytes& message = messages[std::size_t(mPartition.ownerOfTexture(domain.origin(leaf)))];
+        Exchange::Bytes& message = messages[std::size_t(mPartition.owner({domain.origin(leaf)}))];
         put(message, leaf);
         message += about;
     }

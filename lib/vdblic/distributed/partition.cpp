@@ -34,7 +34,7 @@ Partition::Partition(const Domain& velocity, const std::array<int, 3>& factors, 
 int Partition::build(std::vector<WeightedLeaf> leaves, const openvdb::CoordBBox& box, int firstRank, int ranks)
 {
     if (ranks == 1) {
-        mBoxes[std::size_t(firstRank)] = box;
+        mBoxes[std::size_t(firstRank)] = {box};
         return -1 - firstRank;
     }
     openvdb::CoordBBox around;
@@ -79,15 +79,15 @@ int Partition::build(std::vector<WeightedLeaf> leaves, const openvdb::CoordBBox&
     return int(number);
 }
 
-openvdb::CoordBBox Partition::textureBox(int rank) const
+VoxelBox<Space::kTexture> Partition::textureBox(int rank) const
 {
-    openvdb::CoordBBox result = box(rank);
+    openvdb::CoordBBox result = box(rank).voxels;
     for (int axis = 0; axis < 3; ++axis) {
         const int factor = mFactors[std::size_t(axis)];
         result.min()[axis] = result.min()[axis] * factor;
         result.max()[axis] = (result.max()[axis] + 1) * factor - 1;
     }
-    return result;
+    return {result};
 }
 
 double Partition::imbalance(const Domain& velocity) const
@@ -97,27 +97,22 @@ double Partition::imbalance(const Domain& velocity) const
         openvdb::Coord origin = velocity.origin(leaf);
         for (int axis = 0; axis < 3; ++axis)
             origin[axis] *= mFactors[std::size_t(axis)];
-        voxels[std::size_t(ownerOfTexture(origin))] += velocity.mask(leaf).countOn();
+        voxels[std::size_t(owner({origin}))] += velocity.mask(leaf).countOn();
     }
     if (velocity.voxelCount() == 0) return 1;
     const std::uint64_t most = *std::max_element(voxels.begin(), voxels.end());
     return double(most) * double(voxels.size()) / double(velocity.voxelCount());
 }
 
-int Partition::ownerOfTexture(const openvdb::Coord& voxel) const
+int Partition::owner(const Voxel<Space::kTexture>& voxel) const
 {
     int node = mRoot;
     while (node >= 0) {
         const Node& here = mNodes[std::size_t(node)];
-        const int at = dividedDown(voxel[here.axis], mFactors[std::size_t(here.axis)]);
+        const int at = dividedDown(voxel.at[here.axis], mFactors[std::size_t(here.axis)]);
         node = here.children[at >= here.cut];
     }
     return -1 - node;
-}
-
-openvdb::CoordBBox dilated(const openvdb::CoordBBox& box, const openvdb::Coord& voxels)
-{
-    return {box.min() - voxels, box.max() + voxels};
 }
 
 std::vector<std::uint32_t> leavesIn(const Domain& domain, const openvdb::CoordBBox& box)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/units.h"
 
 #include <openvdb/openvdb.h>
 
@@ -25,14 +26,14 @@ class Partition {
     [[nodiscard]] const std::array<int, 3>& factors() const { return mFactors; }
 
     /// A rank's voxels of the velocity, and of the texture.
-    [[nodiscard]] const openvdb::CoordBBox& box(int rank) const { return mBoxes[std::size_t(rank)]; }
-    [[nodiscard]] openvdb::CoordBBox textureBox(int rank) const;
+    [[nodiscard]] const VoxelBox<Space::kVelocity>& box(int rank) const { return mBoxes[std::size_t(rank)]; }
+    [[nodiscard]] VoxelBox<Space::kTexture> textureBox(int rank) const;
 
     /// The voxels of the rank that has most, over the mean of all ranks; 1 for an empty domain.
     [[nodiscard]] double imbalance(const Domain& velocity) const;
 
-    /// The rank that owns a voxel of the texture.
-    [[nodiscard]] int ownerOfTexture(const openvdb::Coord& voxel) const;
+    /// The rank that owns a voxel.
+    [[nodiscard]] int owner(const Voxel<Space::kTexture>& voxel) const;
 
   private:
     struct WeightedLeaf {
@@ -47,15 +48,19 @@ class Partition {
     int build(std::vector<WeightedLeaf> leaves, const openvdb::CoordBBox& box, int firstRank, int ranks);
 
     std::array<int, 3> mFactors;
-    std::vector<openvdb::CoordBBox> mBoxes;
+    std::vector<VoxelBox<Space::kVelocity>> mBoxes;
     std::vector<Node> mNodes;
     int mRoot = -1;
 };
 
-/// A box with a rim. @param voxels of the rim along each axis
-[[nodiscard]] openvdb::CoordBBox dilated(const openvdb::CoordBBox& box, const openvdb::Coord& voxels);
+/// A box with a rim.
+template<Space kSpace>
+[[nodiscard]] VoxelBox<kSpace> dilated(const VoxelBox<kSpace>& box, const Rim<kSpace>& rim)
+{
+    return {{box.voxels.min() - rim.voxels, box.voxels.max() + rim.voxels}};
+}
 
-/// The leaves of a domain whose first voxels lie in a box, ascending.
+/// The leaves of a domain whose first voxels lie in a box of its index space, ascending.
 [[nodiscard]] std::vector<std::uint32_t> leavesIn(const Domain& domain, const openvdb::CoordBBox& box);
 
 } // namespace vdblic

@@ -105,24 +105,25 @@ void readInto(Vec3STree& result, const Exchange::Bytes& bytes)
 
 } // namespace
 
-Vec3STree::Ptr takenOut(Vec3STree& tree, const CoordBBox& box)
+Vec3STree::Ptr takenOut(Vec3STree& tree, const VoxelBox<Space::kVelocity>& box)
 {
     auto result = std::make_shared<Vec3STree>(tree.background());
     std::vector<Coord> origins;
     visit(
-        tree, box, [&](const VelocityLeaf& leaf) { origins.push_back(leaf.origin()); },
+        tree, box.voxels, [&](const VelocityLeaf& leaf) { origins.push_back(leaf.origin()); },
         [&](const Coord& origin, const Vec3f& value) { result->addTile(kTileLevel, origin, value, true); });
     for (const Coord& origin : origins)
         result->addLeaf(tree.stealNode<VelocityLeaf>(origin, tree.background(), false));
     return result;
 }
 
-void addParts(Vec3STree& tree, Exchange& exchange, const Partition& partition, const std::vector<CoordBBox>& wanted)
+void addParts(Vec3STree& tree, Exchange& exchange, const Partition& partition,
+              const std::vector<VoxelBox<Space::kVelocity>>& wanted)
 {
-    const CoordBBox& mine = partition.box(exchange.rank());
+    const CoordBBox& mine = partition.box(exchange.rank()).voxels;
     std::vector<Exchange::Bytes> messages(std::size_t(exchange.size()));
     for (int rank = 0; rank < exchange.size(); ++rank) {
-        CoordBBox common = wanted[std::size_t(rank)];
+        CoordBBox common = wanted[std::size_t(rank)].voxels;
         common.intersect(mine);
         if (rank != exchange.rank() && common.hasVolume()) messages[std::size_t(rank)] = velocityMessage(tree, common);
     }

@@ -9,14 +9,14 @@
 
 namespace vdblic {
 
-/// The active values of a tree whose leaves lie in a box. Tiles are cut into tiles of a leaf's size.
+/// The active values of a velocity whose leaves lie in a box. Tiles are cut into tiles of a leaf's size.
 /// @param tree loses those leaves  @param box whole leaves
-[[nodiscard]] openvdb::Vec3STree::Ptr takenOut(openvdb::Vec3STree& tree, const openvdb::CoordBBox& box);
+[[nodiscard]] openvdb::Vec3STree::Ptr takenOut(openvdb::Vec3STree& tree, const VoxelBox<Space::kVelocity>& box);
 
 /// Add to a rank's part of a velocity what other ranks own. Collective.
 /// @param tree   has at least the values in the rank's own box
 /// @param wanted the box that each rank is to have the values in, whole leaves
 void addParts(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition,
-              const std::vector<openvdb::CoordBBox>& wanted);
+              const std::vector<VoxelBox<Space::kVelocity>>& wanted);
 
 } // namespace vdblic

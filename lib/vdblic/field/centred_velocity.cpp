@@ -166,8 +166,8 @@ void setCentres(Vec3SGrid& centres, bool staggered, const std::optional<openvdb:
     });
 }
 
-CentredVelocity joined(const Components& components, const std::string& where,
-                       const std::optional<openvdb::CoordBBox>& box)
+Vec3SGrid::Ptr joined(const Components& components, const std::string& where,
+                      const std::optional<openvdb::CoordBBox>& box)
 {
     const Sampling sampling = samplingOf(components, where);
     openvdb::MaskTree topology = topologyOf(components, sampling.staggered);
@@ -184,7 +184,7 @@ CentredVelocity joined(const Components& components, const std::string& where,
             return sources[std::size_t(axis)].probeValue(at, value);
         };
     });
-    return {vectors, sampling.staggered};
+    return vectors;
 }
 
 /// A staggered vector grid, whose components live on the faces at index − ½, on the voxel centres.
@@ -208,8 +208,8 @@ Vec3SGrid::Ptr collocated(const Vec3SGrid& faces, const std::string& where,
 
 } // namespace
 
-CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& path,
-                                const std::optional<openvdb::CoordBBox>& box)
+Vec3SGrid::Ptr centredVelocity(const VelocityGrids& found, const std::string& path,
+                               const std::optional<openvdb::CoordBBox>& box)
 {
     const bool vectors = found.values.size() == 1;
     const std::string where = fmt::format("{}: {} {}", path, vectors ? "grid" : "grids", found.name);
@@ -217,8 +217,7 @@ CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& p
         checkTransform(*grid, where);
     if (vectors) {
         const auto grid = asSingle<Vec3SGrid, openvdb::Vec3DGrid>(found.values.front());
-        const bool staggered = grid->getGridClass() == openvdb::GRID_STAGGERED;
-        return {staggered ? collocated(*grid, where, box) : grid, staggered};
+        return grid->getGridClass() == openvdb::GRID_STAGGERED ? collocated(*grid, where, box) : grid;
     }
     const auto component = [&](std::size_t axis) {
         return asSingle<FloatGrid, openvdb::DoubleGrid>(found.values[axis]);

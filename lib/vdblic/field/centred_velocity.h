@@ -9,13 +9,8 @@
 
 namespace vdblic {
 
-/// A velocity on voxel centres, in the unit of its source.
-struct CentredVelocity {
-    openvdb::Vec3SGrid::Ptr values;
-    bool staggered = false; ///< the source sampled each component on the voxel faces
-};
-
-/// Make one grid on voxel centres of the grids that hold a velocity. Double precision is narrowed to single.
+/// Make one grid on voxel centres, in the unit of its source, of the grids that hold a velocity. Double precision is
+/// narrowed to single.
 ///
 /// Components are staggered if their grid class says so or if their transforms differ by half a voxel. The value at a
 /// voxel centre is then the mean of the two faces; where the far face has no value, the near one stands for both.
@@ -23,7 +18,7 @@ struct CentredVelocity {
 /// @param box  whole leaves: those outside may have no values (LeafBuffer::empty()), in `found` and in the result
 /// @throws InputError if a transform is a frustum or sheared, the components' transforms do not fit together, or the
 ///         voxels exceed the memory
-[[nodiscard]] CentredVelocity centredVelocity(const VelocityGrids& found, const std::string& path,
-                                              const std::optional<openvdb::CoordBBox>& box = std::nullopt);
+[[nodiscard]] openvdb::Vec3SGrid::Ptr centredVelocity(const VelocityGrids& found, const std::string& path,
+                                                      const std::optional<openvdb::CoordBBox>& box = std::nullopt);
 
 } // namespace vdblic

@@ -45,9 +45,9 @@ CubicBrick::CubicBrick(const Refinement& refinement, const openvdb::Coord& origi
     mPlanes.resize(sizeX * Bricks::kDim * Bricks::kDim);
 }
 
-void CubicBrick::fill(const VelocityLevel& level, Record* records, int lane)
+void CubicBrick::fill(const Velocities<Space::kTexture, Per::kStep>& velocities, Record* records, int lane)
 {
-    gather(level);
+    gather(velocities);
     constexpr std::size_t kDim = Bricks::kDim;
     const auto sizeX = std::size_t(mSize[0]), sizeY = std::size_t(mSize[1]), sizeZ = std::size_t(mSize[2]);
     for (std::size_t line = 0; line < sizeX * sizeY; ++line) {
@@ -77,11 +77,11 @@ void CubicBrick::fill(const VelocityLevel& level, Record* records, int lane)
     }
 }
 
-/// Take the block's velocities [voxels per step] and their coverage from the tree.
-void CubicBrick::gather(const VelocityLevel& level)
+/// Take the block's velocities and their coverage from the tree.
+void CubicBrick::gather(const Velocities<Space::kTexture, Per::kStep>& velocities)
 {
-    const openvdb::tree::ValueAccessor<const openvdb::Vec3STree> values(level.velocities);
-    const openvdb::Mat3s toStep(level.toStep);
+    const openvdb::tree::ValueAccessor<const openvdb::Vec3STree> values(velocities.stored);
+    const openvdb::Mat3s toStep(velocities.unit.matrix);
     bool whole = true;
     for (int x = 0; x < mSize[0]; ++x) {
         for (int y = 0; y < mSize[1]; ++y) {

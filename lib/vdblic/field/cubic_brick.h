@@ -3,7 +3,7 @@
 #include "vdblic/field/bricks.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/vector.h"
-#include "vdblic/field/velocity_level.h"
+#include "vdblic/field/velocities.h"
 
 #include <openvdb/openvdb.h>
 
@@ -24,7 +24,7 @@ class CubicBrick {
 
     /// Fill four numbers of each record: the velocity, premultiplied by the coverage, and the coverage.
     /// @param lane of the first number, 0 or 4
-    void fill(const VelocityLevel& level, Record* records, int lane);
+    void fill(const Velocities<Space::kTexture, Per::kStep>& velocities, Record* records, int lane);
 
   private:
     static constexpr int kTaps = 4;
@@ -37,7 +37,7 @@ class CubicBrick {
     };
 
     [[nodiscard]] int index(int x, int y, int z) const { return (x * mSize[1] + y) * mSize[2] + z; }
-    void gather(const VelocityLevel& level);
+    void gather(const Velocities<Space::kTexture, Per::kStep>& velocities);
     void extend();
 
     openvdb::Coord mFirst; // velocity voxel at the block's first corner

@@ -66,19 +66,20 @@ void checkDerivedNames(const std::vector<std::string>& names)
 }
 
 std::vector<openvdb::FloatGrid::Ptr> derivedGrids(const std::vector<std::string>& names, const Domain& domain,
-                                                  const openvdb::Vec3SGrid& velocities, const Mat3d& toWorldPerSecond)
+                                                  const openvdb::Vec3SGrid& velocities,
+                                                  const FromStored<Space::kWorld, Per::kSecond>& unit)
 {
     checkDerivedNames(names);
     const Mat3d toIndex = indexAxes(velocities.transform()).inverse();
     std::vector<openvdb::FloatGrid::Ptr> grids;
     for (const std::string& name : names) {
         const auto quantity = name == "q" ? &qCriterion : &vorticity;
-        const LeafValues<float> values(domain, 0.0f);
+        LeafValues<float> values(domain, 0.0f);
         forLeaves(domain.local(), [&](std::size_t leaf) {
             const openvdb::Vec3SGrid::ConstAccessor accessor = velocities.getConstAccessor();
             for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
                 const Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
-                values[leaf][voxel.pos()] = quantity(toWorldPerSecond * indexGradient(accessor, at) * toIndex);
+                values[leaf][voxel.pos()] = quantity(unit.matrix * indexGradient(accessor, at) * toIndex);
             }
         });
         grids.push_back(openvdb::FloatGrid::create(values.tree()));

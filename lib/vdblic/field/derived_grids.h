@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/units.h"
 
 #include <openvdb/openvdb.h>
 
@@ -24,11 +25,10 @@ void checkDerivedNames(const std::vector<std::string>& names);
 /// Differences are central between active voxels of the velocity, one-sided where one neighbour is missing, 0 where
 /// both are: exact for a velocity that is linear in space, second order inside, first order at rims and holes.
 /// @param velocities       on voxel centres, in any unit; active at least on the domain
-/// @param toWorldPerSecond stored value → world units per second
 /// @return fog volumes on the velocity's transform, in the order of the names
 [[nodiscard]] std::vector<openvdb::FloatGrid::Ptr> derivedGrids(const std::vector<std::string>& names,
                                                                 const Domain& domain,
                                                                 const openvdb::Vec3SGrid& velocities,
-                                                                const openvdb::Mat3d& toWorldPerSecond);
+                                                                const FromStored<Space::kWorld, Per::kSecond>& unit);
 
 } // namespace vdblic

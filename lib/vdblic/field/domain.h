@@ -98,7 +98,8 @@ class Domain {
     std::vector<int> mLeafOfBlock; // of each block: numbers of its local leaves, or −1
 };
 
-/// A grid's values on leaves of a domain, in the domain's numbering, with direct access to each leaf.
+/// A grid's values on leaves of a domain, in the domain's numbering, with direct access to each leaf. Copies share the
+/// values.
 template<typename T>
 class LeafValues {
   public:
@@ -132,8 +133,10 @@ class LeafValues {
     }
 
     /// The 512 values of a leaf, x slowest; null if it has none here.
-    [[nodiscard]] T* operator[](std::size_t leaf) const { return mData[leaf]; }
-    [[nodiscard]] const std::shared_ptr<Tree>& tree() const { return mTree; }
+    [[nodiscard]] T* operator[](std::size_t leaf) { return mData[leaf]; }
+    [[nodiscard]] const T* operator[](std::size_t leaf) const { return mData[leaf]; }
+    [[nodiscard]] const std::shared_ptr<Tree>& tree() { return mTree; }
+    [[nodiscard]] std::shared_ptr<const Tree> tree() const { return mTree; }
 
   private:
     std::shared_ptr<Tree> mTree;

@@ -144,7 +144,7 @@ void DomainParams::validate() const
     refinement.validate();
 }
 
-FieldDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
+FrameDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
                        const DomainParams& params, std::int64_t frame, int ranks)
 {
     const Refinement& refinement = params.refinement;

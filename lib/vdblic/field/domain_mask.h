@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/field/field_domain.h"
+#include "vdblic/field/frame_domain.h"
 #include "vdblic/io/sequence.h"
 
 #include <openvdb/openvdb.h>
@@ -32,7 +32,7 @@ struct DomainParams {
 /// @param transform of the velocity; the mask may have another
 /// @param ranks that share the voxels
 /// @throws InputError if the mask cannot be read, its type is not supported, or the voxels exceed the memory
-[[nodiscard]] FieldDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
+[[nodiscard]] FrameDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
                                      const DomainParams& params, std::int64_t frame, int ranks = 1);
 
 } // namespace vdblic

@@ -28,7 +28,8 @@ class LeafOwners {
 
     /// Take the values in the halo from the leaves' owners.
     /// @param leaves up to how far from the own ones
-    virtual void takeHalo(const LeafValues<float>& values, int leaves = kWholeHalo) const = 0;
+    virtual void takeHalo(LeafValues<float>& values, int leaves = kWholeHalo) const = 0;
+    virtual void takeHalo(LeafValues<std::int32_t>& values, int leaves = kWholeHalo) const = 0;
     static constexpr int kWholeHalo = -1;
 
     /// Send what there is about each leaf of a domain's halo to the leaf's owner.
@@ -50,7 +51,8 @@ class SoleOwner final : public LeafOwners {
   public:
     [[nodiscard]] bool areSeveral() const override { return false; }
     void addHits(const std::function<std::int64_t*(std::size_t)>& /*hitsOf*/) const override {}
-    void takeHalo(const LeafValues<float>& /*values*/, int /*leaves*/) const override {}
+    void takeHalo(LeafValues<float>& /*values*/, int /*leaves*/) const override {}
+    void takeHalo(LeafValues<std::int32_t>& /*values*/, int /*leaves*/) const override {}
     void send(const Domain& /*domain*/, const std::function<void(std::size_t, Exchange::Bytes&)>& /*write*/,
               const std::function<void(std::size_t, MessageReader&)>& /*read*/) const override
     {

@@ -97,9 +97,10 @@ openvdb::Mat3d Refinement::toTexture() const
     return result;
 }
 
-Coord Refinement::coarse(const Coord& voxel) const
+Voxel<Space::kVelocity> Refinement::coarse(const Voxel<Space::kTexture>& voxel) const
 {
-    return {floorDivide(voxel[0], factors[0]), floorDivide(voxel[1], factors[1]), floorDivide(voxel[2], factors[2])};
+    const Coord& at = voxel.at;
+    return {{floorDivide(at[0], factors[0]), floorDivide(at[1], factors[1]), floorDivide(at[2], factors[2])}};
 }
 
 int Refinement::coarseLeaf(int leaf, int axis) const

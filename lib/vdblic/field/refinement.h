@@ -1,6 +1,8 @@
 #pragma once
 
 #include "vdblic/core/parameters.h"
+#include "vdblic/field/units.h"
+#include "vdblic/field/velocities.h"
 
 #include <openvdb/openvdb.h>
 
@@ -36,11 +38,21 @@ struct Refinement {
     [[nodiscard]] float scale(int axis) const { return 1 / float(factors[std::size_t(axis)]); }
     [[nodiscard]] float shift(int axis) const { return 0.5f * scale(axis) - 0.5f; }
 
-    /// Velocity's voxels → texture's voxels, for vectors.
-    [[nodiscard]] openvdb::Mat3d toTexture() const;
+    /// The same velocities in voxels of the texture.
+    template<Per kTime>
+    [[nodiscard]] FromStored<Space::kTexture, kTime> toTexture(const FromStored<Space::kVelocity, kTime>& unit) const
+    {
+        return {toTexture() * unit.matrix};
+    }
+    template<Per kTime>
+    [[nodiscard]] Velocities<Space::kTexture, kTime>
+    toTexture(const Velocities<Space::kVelocity, kTime>& velocities) const
+    {
+        return {velocities.stored, toTexture(velocities.unit)};
+    }
 
     /// The voxel of the velocity that a texture voxel lies in.
-    [[nodiscard]] openvdb::Coord coarse(const openvdb::Coord& voxel) const;
+    [[nodiscard]] Voxel<Space::kVelocity> coarse(const Voxel<Space::kTexture>& voxel) const;
 
     /// The leaf of the velocity that a leaf of the texture lies in, along an axis. @param leaf coordinate, in leaves
     [[nodiscard]] int coarseLeaf(int leaf, int axis) const;
@@ -64,6 +76,9 @@ struct Refinement {
     {
         return factors == other.factors && interpolation == other.interpolation;
     }
+
+  private:
+    [[nodiscard]] openvdb::Mat3d toTexture() const; // voxels of the velocity → voxels of the texture, for vectors
 };
 
 /// The parameter `refine`: one factor, or one for each axis. @param text what it refines

@@ -64,7 +64,7 @@ void SynthParams::validate() const
 openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domain,
                                    const openvdb::math::Transform& transform, double time)
 {
-    const LeafValues<openvdb::Vec3f> values(domain, openvdb::Vec3f(0));
+    LeafValues<openvdb::Vec3f> values(domain, openvdb::Vec3f(0));
     forLeaves(domain.own(), [&](std::size_t leaf) {
         openvdb::Vec3f* velocities = values[leaf];
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {

@@ -4,22 +4,17 @@
 #include "vdblic/field/largest_value.h"
 #include "vdblic/field/velocity_leaf.h"
 
-#include <cmath>
 #include <cstddef>
 #include <utility>
 
 namespace vdblic {
 namespace {
 
-VDBLIC_INLINE Float4 larger(Float4 a, Float4 b)
-{
-    return a > b ? a : b;
-}
+using PerStep = Velocities<Space::kTexture, Per::kStep>;
 
 /// Set the records of a leaf's brick to the velocities at the step's two ends, each with its coverage.
 /// @param origin of the leaf
-VDBLIC_KERNEL void fillBrick(const VelocityLevel& start, const VelocityLevel& end, const openvdb::Coord& origin,
-                             Record* records)
+VDBLIC_KERNEL void fillBrick(const PerStep& start, const PerStep& end, const openvdb::Coord& origin, Record* records)
 {
     constexpr int kDim = LeafVoxel::kDim;
     VelocityLeaf starts[2][2][2], ends[2][2][2]; // the leaf's and those after it
@@ -53,40 +48,30 @@ VDBLIC_KERNEL void fillBrick(const VelocityLevel& start, const VelocityLevel& en
 
 } // namespace
 
-Float4 largestMagnitude(const openvdb::Vec3STree& values)
+StoredSpeeds largestSpeeds(const openvdb::Vec3STree& values)
 {
     const auto magnitude = [](Float8 v) { return v < 0 ? -v : v; };
     const Vector8 most = largestValues(values, [&](const Vector8& value) {
         return Vector8{magnitude(value.x), magnitude(value.y), magnitude(value.z)};
     });
-    return Float4{largestLane(most.x), largestLane(most.y), largestLane(most.z), 0};
+    return {{largestLane(most.x), largestLane(most.y), largestLane(most.z)}};
 }
 
-Float4 largestVelocity(Float4 magnitude, const openvdb::Mat3d& toStep)
-{
-    Float4 most{};
-    for (int to = 0; to < 3; ++to) {
-        for (int from = 0; from < 3; ++from)
-            most[to] += float(std::abs(toStep(to, from))) * magnitude[from];
-    }
-    return most;
-}
-
-void VelocityField::prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
+void VelocityField::prepare(FrameDomain domain, const Velocities<Space::kVelocity, Per::kStep>& start,
+                            const Velocities<Space::kVelocity, Per::kStep>& end)
 {
     mDomain = std::move(domain);
     const Refinement& refinement = mDomain.refinement;
-    mSampled = refinement.interpolation == Interpolation::kCubic ? FieldDomain(mDomain.texture) : mDomain;
+    mSampled = refinement.interpolation == Interpolation::kCubic ? FrameDomain(mDomain.texture) : mDomain;
     for (int axis = 0; axis < 3; ++axis) {
         mScale[axis] = mSampled.refinement.scale(axis);
         mShift[axis] = mSampled.refinement.shift(axis);
     }
-    const openvdb::Mat3d toTexture = refinement.toTexture();
-    mStart.emplace(VelocityLevel{start.velocities, toTexture * start.toStep});
-    mEnd.emplace(VelocityLevel{end.velocities, toTexture * end.toStep});
+    mStart.emplace(refinement.toTexture(start));
+    mEnd.emplace(refinement.toTexture(end));
     mBricks.cover(mSampled.velocity);
-    mLargest = larger(largestVelocity(largestMagnitude(mStart->velocities), mStart->toStep),
-                      largestVelocity(largestMagnitude(mEnd->velocities), mEnd->toStep));
+    mLargest = larger(largestSpeeds(largestSpeeds(mStart->stored), mStart->unit),
+                      largestSpeeds(largestSpeeds(mEnd->stored), mEnd->unit));
 }
 
 void VelocityField::fill(Slabs::Leaves leaves)
@@ -102,7 +87,8 @@ void VelocityField::fill(Slabs::Leaves leaves)
     });
 }
 
-void VelocityField::build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end)
+void VelocityField::build(FrameDomain domain, const Velocities<Space::kVelocity, Per::kStep>& start,
+                          const Velocities<Space::kVelocity, Per::kStep>& end)
 {
     prepare(std::move(domain), start, end);
     fill(mSampled.velocity->local());

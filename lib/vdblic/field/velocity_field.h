@@ -2,15 +2,18 @@
 
 #include "vdblic/field/bricks.h"
 #include "vdblic/field/domain.h"
-#include "vdblic/field/field_domain.h"
+#include "vdblic/field/frame_domain.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/field/slabs.h"
+#include "vdblic/field/units.h"
 #include "vdblic/field/vector.h"
-#include "vdblic/field/velocity_level.h"
+#include "vdblic/field/velocities.h"
 
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -18,11 +21,26 @@
 namespace vdblic {
 
 /// The largest magnitude of an active value, along each axis. Computed in parallel.
-[[nodiscard]] Float4 largestMagnitude(const openvdb::Vec3STree& values);
+[[nodiscard]] StoredSpeeds largestSpeeds(const openvdb::Vec3STree& values);
 
-/// An upper bound of a velocity's magnitude, along each axis [voxels per step].
-/// @param magnitude largestMagnitude() of the stored values  @param toStep stored values → voxels per step
-[[nodiscard]] Float4 largestVelocity(Float4 magnitude, const openvdb::Mat3d& toStep);
+/// Upper bounds of a velocity's magnitude along the axes of a space, by its speeds along the stored axes.
+template<Space kSpace, Per kTime>
+[[nodiscard]] Speeds<kSpace, kTime> largestSpeeds(const StoredSpeeds& stored, const FromStored<kSpace, kTime>& unit)
+{
+    Speeds<kSpace, kTime> most;
+    for (int to = 0; to < 3; ++to) {
+        for (int from = 0; from < 3; ++from)
+            most.along[std::size_t(to)] += float(std::abs(unit.matrix(to, from))) * stored[std::size_t(from)];
+    }
+    return most;
+}
+
+/// The larger of two speeds along each axis.
+template<Space kSpace, Per kTime>
+[[nodiscard]] Speeds<kSpace, kTime> larger(const Speeds<kSpace, kTime>& a, const Speeds<kSpace, kTime>& b)
+{
+    return {{std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])}};
+}
 
 /// The velocity over one time step, in texture voxels per step, trilinear in space and linear in time between two
 /// frames. Positions are in the index space of the texture, which may be finer than the velocity's; bricks hold the
@@ -34,9 +52,9 @@ namespace vdblic {
 class VelocityField {
   public:
     /// Begin a step; no leaf can be sampled yet.
-    /// @param start, end the frames at the step's two ends, in voxels of the velocity per step; their trees outlive
-    ///                   every fill()
-    void prepare(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end);
+    /// @param start, end at the step's two ends; their trees outlive every fill()
+    void prepare(FrameDomain domain, const Velocities<Space::kVelocity, Per::kStep>& start,
+                 const Velocities<Space::kVelocity, Per::kStep>& end);
 
     /// Fill leaves of the sampled velocity's domain. They can be sampled then from half a voxel before their first
     /// voxels' centres to the centres of the voxels after their last.
@@ -45,13 +63,14 @@ class VelocityField {
     void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
 
     /// prepare() and fill() everything.
-    void build(FieldDomain domain, const VelocityLevel& start, const VelocityLevel& end);
+    void build(FrameDomain domain, const Velocities<Space::kVelocity, Per::kStep>& start,
+               const Velocities<Space::kVelocity, Per::kStep>& end);
 
     /// The window in which positions in and around a leaf of the texture's domain are expected.
     /// @param origin of the leaf
     [[nodiscard]] Bricks::Window window(const openvdb::Coord& origin) const
     {
-        return mBricks.window(mSampled.refinement.coarse(origin));
+        return mBricks.window(mSampled.refinement.coarse({origin}).at);
     }
 
     /// @param position index space, voxel centres at integers; the fourth lane must be 0
@@ -89,25 +108,25 @@ class VelocityField {
         return select(coverage > 0, velocity, outside);
     }
 
-    /// The frames at the step's start and end, in texture voxels per step.
-    [[nodiscard]] const VelocityLevel& start() const { return *mStart; }
-    [[nodiscard]] const VelocityLevel& end() const { return *mEnd; }
+    /// The velocities at the step's start and end.
+    [[nodiscard]] const Velocities<Space::kTexture, Per::kStep>& start() const { return *mStart; }
+    [[nodiscard]] const Velocities<Space::kTexture, Per::kStep>& end() const { return *mEnd; }
 
-    /// An upper bound of the velocity's magnitude anywhere, along each axis [voxels per step].
-    [[nodiscard]] Float4 largest() const { return mLargest; }
+    /// An upper bound of the velocity's magnitude anywhere.
+    [[nodiscard]] const Speeds<Space::kTexture, Per::kStep>& largest() const { return mLargest; }
 
     /// Of the texture.
     [[nodiscard]] const Domain& domain() const { return *mDomain.texture; }
-    [[nodiscard]] const FieldDomain& fieldDomain() const { return mDomain; }
+    [[nodiscard]] const FrameDomain& frameDomain() const { return mDomain; }
     /// The texture's domain, and that of the bricks.
-    [[nodiscard]] const FieldDomain& sampledDomain() const { return mSampled; }
+    [[nodiscard]] const FrameDomain& sampledDomain() const { return mSampled; }
 
   private:
-    FieldDomain mDomain, mSampled;
+    FrameDomain mDomain, mSampled;
     Float4 mScale{}, mShift{}; // from the texture's index space to the bricks'
     Bricks mBricks;
-    std::optional<VelocityLevel> mStart, mEnd; // in voxels of the texture per step
-    Float4 mLargest{};
+    std::optional<Velocities<Space::kTexture, Per::kStep>> mStart, mEnd;
+    Speeds<Space::kTexture, Per::kStep> mLargest;
 };
 
 } // namespace vdblic

@@ -43,15 +43,15 @@ class ValuesBetween {
 openvdb::Mat3s unitChange(const VelocityFrame& from, const VelocityFrame& to)
 {
     if (from.unit == to.unit && from.scale == to.scale) return openvdb::Mat3s::identity();
-    return openvdb::Mat3s(to.toVoxelsPerStep(1).inverse() * from.toVoxelsPerStep(1));
+    return openvdb::Mat3s(to.toVoxelsPerFrame(1).matrix.inverse() * from.toVoxelsPerFrame(1).matrix);
 }
 
 } // namespace
 
-LoadedFrame frameBetween(const LoadedFrame& before, const LoadedFrame& after, double fraction)
+VelocityFrame frameBetween(const VelocityFrame& before, const VelocityFrame& after, double fraction)
 {
-    const Vec3STree &first = before.velocity.values->tree(), &second = after.velocity.values->tree();
-    const ValuesBetween between(first, second, unitChange(after.velocity, before.velocity), float(fraction));
+    const Vec3STree &first = before.values->tree(), &second = after.values->tree();
+    const ValuesBetween between(first, second, unitChange(after, before), float(fraction));
     auto tree = std::make_shared<Vec3STree>(first, Vec3f(0), openvdb::TopologyCopy());
     tree->topologyUnion(second);
     openvdb::tree::LeafManager<Vec3STree> leaves(*tree);
@@ -67,11 +67,11 @@ LoadedFrame frameBetween(const LoadedFrame& before, const LoadedFrame& after, do
     for (; tile; ++tile)
         tile.setValue(values.at(tile.getCoord()));
 
-    LoadedFrame frame = before;
+    VelocityFrame frame = before;
     frame.sourceFrame += (after.sourceFrame - before.sourceFrame) * fraction;
-    frame.seconds = 0;
-    frame.velocity.values = openvdb::Vec3SGrid::create(tree);
-    frame.velocity.values->setTransform(before.velocity.values->transform().copy());
+    frame.readSeconds = 0;
+    frame.values = openvdb::Vec3SGrid::create(tree);
+    frame.values->setTransform(before.values->transform().copy());
     return frame;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/velocity_frame.h"
 
 namespace vdblic {
 
@@ -9,6 +9,6 @@ namespace vdblic {
 /// A voxel that has a velocity in only one of the frames keeps that velocity. Domain, file and carried grids are those
 /// of the frame before. Computed in parallel; the result does not depend on the number of threads.
 /// @param fraction of the interval, 0 to 1
-[[nodiscard]] LoadedFrame frameBetween(const LoadedFrame& before, const LoadedFrame& after, double fraction);
+[[nodiscard]] VelocityFrame frameBetween(const VelocityFrame& before, const VelocityFrame& after, double fraction);
 
 } // namespace vdblic

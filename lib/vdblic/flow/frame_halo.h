@@ -1,11 +1,10 @@
 #pragma once
 
 #include "vdblic/core/exchange.h"
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/distributed/partition.h"
+#include "vdblic/field/units.h"
+#include "vdblic/flow/velocity_frame.h"
 
-#include <openvdb/openvdb.h>
-
-#include <array>
 #include <memory>
 #include <vector>
 
@@ -13,25 +12,25 @@ namespace vdblic {
 
 /// Reduce a frame that was read to a rank's part: its velocities and its own leaves. Carried grids stay at rank 0,
 /// which writes them.
-void keepOwn(LoadedFrame& frame, int rank);
+void keepOwn(VelocityFrame& frame, int rank);
 
 /// Give each rank its part of a frame in another partition. Collective.
-void handOver(Exchange& exchange, LoadedFrame& frame, std::shared_ptr<const Partition> partition);
+void handOver(Exchange& exchange, VelocityFrame& frame, std::shared_ptr<const Partition> partition);
 
 /// How far paths lead that no step between two frames exceeds, from a rank's own voxels.
 struct Farthest {
-    std::array<float, 3> path;     ///< of a pathline in a step, along each axis [texture voxels]
-    std::array<float, 3> upstream; ///< from where the feedback takes its texture, along each axis [texture voxels]
+    Lengths<Space::kTexture> path;     ///< of a pathline in a step
+    Lengths<Space::kTexture> upstream; ///< from where the feedback takes its texture
 };
 
-/// How deep each rank's halo must be [texture voxels], whole leaves. Fast voxels make those halos deeper that paths can
+/// How deep each rank's halo must be, whole leaves. Fast voxels make those halos deeper that paths can
 /// lead to them from, or from them: no path leaves the ranks that its halo touches. Collective; all ranks return the
 /// same.
-[[nodiscard]] std::vector<openvdb::Coord> haloDepths(Exchange& exchange, const Partition& partition,
-                                                     const Farthest& farthest);
+[[nodiscard]] std::vector<Rim<Space::kTexture>> haloDepths(Exchange& exchange, const Partition& partition,
+                                                           const Farthest& farthest);
 
 /// Give a frame what lies around a rank's part. Collective.
 /// @param depths of all ranks' halos
-void surround(Exchange& exchange, LoadedFrame& frame, const std::vector<openvdb::Coord>& depths);
+void surround(Exchange& exchange, VelocityFrame& frame, const std::vector<Rim<Space::kTexture>>& depths);
 
 } // namespace vdblic

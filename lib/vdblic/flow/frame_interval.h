@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/field/velocity_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 
 #include <optional>
 

@@ -123,7 +123,7 @@ VDBLIC_INLINE Float8 coverageOf(const WindowBox& box, const openvdb::Coord& orig
 struct AlongFlow {
     const Domain& domain;
     const Refinement& refinement;
-    const VelocityLevel& velocities;
+    const Velocities<Space::kTexture, Per::kStep>& velocities;
     const LeafValues<float>& texture;
 
     template<int kTaps>
@@ -195,20 +195,21 @@ VDBLIC_KERNEL void filterLeafAlong(const AlongFlow& filter, std::size_t leaf, fl
 }
 
 template<int kTaps>
-void filterAlong(const AlongFlow& filter, const LeafValues<float>& result)
+void filterAlong(const AlongFlow& filter, LeafValues<float>& result)
 {
     forLeaves(filter.domain.local(), [&](std::size_t leaf) { filterLeafAlong<kTaps>(filter, leaf, result[leaf]); });
 }
 
 } // namespace
 
-LeafValues<float> meanAlongFlow(const Domain& domain, const Refinement& refinement, const VelocityLevel& velocities,
+LeafValues<float> meanAlongFlow(const Domain& domain, const Refinement& refinement,
+                                const Velocities<Space::kTexture, Per::kStep>& velocities,
                                 const LeafValues<float>& texture, int taps)
 {
     if (taps == 0) return texture;
     LeafValues<float> result(domain, 0.0f);
     const AlongFlow filter{domain, refinement, velocities, texture};
-    using Filter = void (*)(const AlongFlow&, const LeafValues<float>&);
+    using Filter = void (*)(const AlongFlow&, LeafValues<float>&);
     static constexpr std::array<Filter, kMostTaps> filters = {filterAlong<1>, filterAlong<2>, filterAlong<3>,
                                                               filterAlong<4>};
     filters[std::size_t(taps - 1)](filter, result);

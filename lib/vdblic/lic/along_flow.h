@@ -23,7 +23,7 @@ inline constexpr int kMostTaps = 4;
 /// Stalling & Hege, "Fast and resolution independent line integral convolution", SIGGRAPH 1995, filter LIC textures
 /// once more in this way.
 [[nodiscard]] LeafValues<float> meanAlongFlow(const Domain& domain, const Refinement& refinement,
-                                              const VelocityLevel& velocities, const LeafValues<float>& texture,
-                                              int taps);
+                                              const Velocities<Space::kTexture, Per::kStep>& velocities,
+                                              const LeafValues<float>& texture, int taps);
 
 } // namespace vdblic

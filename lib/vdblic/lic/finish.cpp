@@ -1,6 +1,7 @@
 #include "vdblic/lic/finish.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/flow/flow_step.h"
 #include "vdblic/lic/along_flow.h"
 #include "vdblic/lic/sharpen.h"
 
@@ -17,14 +18,15 @@ void FinishParams::validate() const
     }
 }
 
-LeafValues<float> finish(const FlowFrame& frame, const openvdb::Mat3d& toStep, LeafValues<float> texture,
+LeafValues<float> finish(const VelocityFrame& frame, double interval, LeafValues<float> texture,
                          const FinishParams& params)
 {
     if (params.taps == 0) return texture;
-    const VelocityLevel velocities{frame.velocities->tree(), frame.refinement.toTexture() * toStep};
-    const Domain& domain = *frame.domain;
+    // Only directions count: a step may be the whole interval.
+    const auto velocities = frame.domain.refinement.toTexture(FlowStep{frame, frame, interval}.startVelocities());
+    const Domain& domain = *frame.domain.texture;
     // The mean replaces the texture, so that there are never three.
-    texture = meanAlongFlow(domain, frame.refinement, velocities, texture, params.taps);
+    texture = meanAlongFlow(domain, frame.domain.refinement, velocities, texture, params.taps);
     return sharpened(domain, texture, params.sharpen, {0, 1});
 }
 

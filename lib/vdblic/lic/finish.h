@@ -1,9 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
-#include "vdblic/field/flow_frame.h"
-
-#include <openvdb/openvdb.h>
+#include "vdblic/flow/velocity_frame.h"
 
 namespace vdblic {
 
@@ -17,10 +15,10 @@ struct FinishParams {
 
 /// The texture of a frame, cleaned for display: meanAlongFlow(), then sharpened to restore the contrast.
 ///
-/// @param toStep  stored value → any multiple of voxels of the velocity, in index space; only directions count
+/// @param interval seconds between frames
 /// @param texture in [0, 1], on the frame's domain; 0 outside. Moved in, it is freed before the result is made
 /// @return in [0, 1], on the frame's domain. Computed in parallel; the result does not depend on the number of threads.
-[[nodiscard]] LeafValues<float> finish(const FlowFrame& frame, const openvdb::Mat3d& toStep, LeafValues<float> texture,
+[[nodiscard]] LeafValues<float> finish(const VelocityFrame& frame, double interval, LeafValues<float> texture,
                                        const FinishParams& params);
 
 } // namespace vdblic

@@ -4,11 +4,12 @@
 
 namespace vdblic {
 
-LeafVelocities::LeafVelocities(const VelocityLevel& level, const Refinement& refinement, const openvdb::Coord& origin)
-    : mToStep(level.toStep), mIsRefined(!refinement.isNone())
+LeafVelocities::LeafVelocities(const Velocities<Space::kTexture, Per::kStep>& velocities, const Refinement& refinement,
+                               const openvdb::Coord& origin)
+    : mToStep(velocities.unit.matrix), mIsRefined(!refinement.isNone())
 {
     if (!mIsRefined) {
-        mStored = VelocityLeaf(level, origin);
+        mStored = VelocityLeaf(velocities, origin);
         return;
     }
     openvdb::Coord first;
@@ -23,7 +24,7 @@ LeafVelocities::LeafVelocities(const VelocityLevel& level, const Refinement& ref
         }
         mCorners[std::size_t(axis)] = mCells[std::size_t(axis)].back().first + 2;
     }
-    const openvdb::tree::ValueAccessor<const openvdb::Vec3STree> values(level.velocities);
+    const openvdb::tree::ValueAccessor<const openvdb::Vec3STree> values(velocities.stored);
     std::array<Line, kMostCorners> plane; // of records, at one x
     for (int x = 0; x < mCorners[0]; ++x) {
         for (int y = 0; y < mCorners[1]; ++y) {

@@ -3,8 +3,8 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/vector.h"
+#include "vdblic/field/velocities.h"
 #include "vdblic/field/velocity_leaf.h"
-#include "vdblic/field/velocity_level.h"
 
 #include <openvdb/openvdb.h>
 
@@ -19,8 +19,9 @@ namespace vdblic {
 /// velocity's cell that have a value, as VelocityField does.
 class LeafVelocities {
   public:
-    /// @param level  in texture voxels per step  @param origin of the texture's leaf
-    LeafVelocities(const VelocityLevel& level, const Refinement& refinement, const openvdb::Coord& origin);
+    /// @param origin of the texture's leaf
+    LeafVelocities(const Velocities<Space::kTexture, Per::kStep>& velocities, const Refinement& refinement,
+                   const openvdb::Coord& origin);
 
     /// The velocities of a row of voxels along z.
     [[nodiscard]] VDBLIC_INLINE Vector8 row(int row) const

@@ -122,11 +122,12 @@ VDBLIC_KERNEL void convolveLeaf(StreamlineSums& sums, const VelocityField& downs
 LeafValues<float> StreamlineConvolution::operator()(const LeafValues<float>& input, float white,
                                                     StageClock& clock) const
 {
-    const Domain& domain = *frame.domain;
+    const FrameDomain& frame = step.start.domain;
+    const Domain& domain = *frame.texture;
     VelocityField downstream, upstream;
     const auto prepare = [&](VelocityField& field, double length) {
-        const VelocityLevel level{frame.velocities->tree(), toStep * length};
-        field.prepare(frame.fieldDomain(), level, level);
+        const FlowStep::Velocity velocities = step.startVelocities() * length;
+        field.prepare(frame, velocities, velocities);
     };
     {
         const auto stage = clock.enter(&StageTimes::load);
@@ -143,7 +144,7 @@ LeafValues<float> StreamlineConvolution::operator()(const LeafValues<float>& inp
         velocitySlabs(slabs, *downstream.sampledDomain().velocity, downstream.sampledDomain().refinement);
     const auto finer = float(downstream.sampledDomain().refinement.factors[std::size_t(slabs.axis())] - 1);
     slabs.sweep(
-        leavesReached(longestPath(downstream.largest()[slabs.axis()]) + finer),
+        leavesReached(longestPath(downstream.largest()[std::size_t(slabs.axis())]) + finer),
         [&](std::size_t slab) {
             const auto stage = clock.enter(&StageTimes::load);
             downstream.fill(velocitySlabs[slab]);

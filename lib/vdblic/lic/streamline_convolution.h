@@ -1,11 +1,9 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
-#include "vdblic/field/flow_frame.h"
+#include "vdblic/flow/flow_step.h"
 #include "vdblic/lic/pathline_params.h"
 #include "vdblic/lic/stage_clock.h"
-
-#include <openvdb/openvdb.h>
 
 #include <cstddef>
 #include <functional>
@@ -18,9 +16,8 @@ namespace vdblic {
 /// From each voxel's centre the streamline is followed both ways. The weights are a Hann window's. Where the streamline
 /// leaves the domain, the kernel ends.
 struct StreamlineConvolution {
-    const FlowFrame& frame;
-    openvdb::Mat3d toStep; ///< stored values → voxels of the velocity per step
-    double half;           ///< of the kernel [steps]
+    const FlowStep& step; ///< whose first frame is convolved
+    double half;          ///< of the kernel [steps]
     const PathlineParams& pathline;
     /// Where the kernel is not everywhere that long: gives the part of each half to take, 0 to 1, of a leaf's voxels.
     std::function<void(std::size_t leaf, float* parts)> partsOf{};

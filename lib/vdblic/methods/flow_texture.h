@@ -1,9 +1,10 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
-#include "vdblic/field/flow_frame.h"
 #include "vdblic/field/leaf_owners.h"
 #include "vdblic/field/refinement.h"
+#include "vdblic/field/units.h"
+#include "vdblic/flow/flow_step.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/lic/scatter_stats.h"
 #include "vdblic/lic/stage_clock.h"
@@ -11,7 +12,6 @@
 
 #include <openvdb/openvdb.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -21,31 +21,21 @@
 
 namespace vdblic {
 
-/// The flow from a frame on disk to the next.
-struct FlowInterval {
-    const FlowFrame& start;
-    const FlowFrame& end;
-    openvdb::Mat3d startToFrame, endToFrame; ///< stored values of the two frames → voxels of the velocity a frame
-    double seconds = 1;
-    std::int64_t number = 0; ///< of the first frame
-};
+/// The texture that a method made of a step, with the work and the time spent on it.
+struct TextureFrame {
+    TextureFrame() = default;
+    /// Without values.
+    explicit TextureFrame(const FlowStep& step)
+        : frame(step.start), substep(step.substep), time(step.time), interval(step.interval),
+          domain(frame.domain.texture), refinement(frame.domain.refinement)
+    {
+    }
 
-/// A step between two frames.
-struct FlowStep {
-    const FlowFrame& start;
-    const FlowFrame& end;
-    openvdb::Mat3d startToStep, endToStep; ///< stored values of the two frames → voxels per step
-    double interval = 1;                   ///< seconds
-    const LeafOwners& owners = kSoleOwner; ///< of the leaves of the first frame's domain
-    const FlowInterval* frame = nullptr;   ///< that the step is a part of; null if it is all of it
-    bool isShown = true;                   ///< whether its texture is written, and does not only prepare others
-    bool withHits = false;                 ///< whether FlowTextureStep::hits is asked for; of methods that scatter
-    bool withLines = false;                ///< whether FlowTextureStep::lines is asked for; of streaks
-};
-
-/// The texture of one step, with the work and the time spent on it.
-struct FlowTextureStep {
-    LeafValues<float> texture; ///< in [0, 1], on `domain` and in its halo
+    VelocityFrame frame;       ///< the step's first
+    int substep = 0;           ///< number of the step after the frame on disk
+    double time = 0;           ///< seconds
+    double interval = 0;       ///< seconds between the frames on disk around it
+    LeafValues<float> texture; ///< in [0, 1], on `domain` and in its halo; no tree if the step is not shown
     ScatterStats stats;
     StageTimes times;
     std::shared_ptr<const Domain> domain{}; ///< the first frame's; of a sparse texture its non-empty leaves
@@ -54,6 +44,11 @@ struct FlowTextureStep {
     LeafValues<float> source{};             ///< of streaks with sources: the numbers of those; else no tree
     LeafValues<std::int32_t> hits{};        ///< if asked for: the values that own voxels received; else no tree
     std::optional<Lines> lines{};           ///< if asked for: the streaks, without scalars
+
+    [[nodiscard]] openvdb::math::Transform::Ptr transform() const ///< of the texture
+    {
+        return refinement.refined(frame.values->transform());
+    }
 };
 
 /// Makes the textures of a flow, step by step.
@@ -68,12 +63,12 @@ class FlowTexture {
     /// Compute the texture of the frame that a step starts from. Each step must start from the frame that the step
     /// before it ended at. Collective if several ranks share the step.
     /// @throws InputError if a voxel collected 2²³ hits or more
-    [[nodiscard]] virtual FlowTextureStep advance(const FlowStep& step) = 0;
+    [[nodiscard]] virtual TextureFrame advance(const FlowStep& step) = 0;
 
-    /// The farthest that a path of the step to come can lead, along each axis [texture voxels].
-    /// @param displacement of the flow in an interval between frames, at most  @param interval seconds of the step
-    [[nodiscard]] virtual std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
-                                                            double interval) const = 0;
+    /// The farthest that a path of the step to come can lead.
+    /// @param fastest of the flow  @param seconds of the step
+    [[nodiscard]] virtual Lengths<Space::kTexture> farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                                double seconds) const = 0;
 };
 
 /// The state that a method carries from step to step, as checkpoints keep it.
@@ -95,12 +90,12 @@ class TextureMemory {
     /// the bit.
     ///
     /// @param steps    made before the state was saved
-    /// @param interval seconds of the last of them
+    /// @param seconds  of the last of them
     /// @param domain   of the frame that the next step starts from
     /// @param next     returns the parts one by one, of all ranks that saved, and nothing after the last; together they
     ///                 have at least the domain's own leaves
     /// @throws InputError, without the file's name, if the state does not fit these parameters and the domain
-    virtual void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+    virtual void restore(std::uint64_t steps, double seconds, std::shared_ptr<const Domain> domain,
                          const std::function<std::optional<VdbFile>()>& next) = 0;
 };
 

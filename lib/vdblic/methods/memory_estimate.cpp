@@ -21,7 +21,7 @@ double partInBricks(double leaves)
     return std::min(1.0, kSlabs * (double(Slabs::fewestLeaves()) + layer / 2) / std::max(leaves, 1.0));
 }
 
-double denseBytes(const TextureParams& params, const FieldDomain& first, double more)
+double denseBytes(const TextureParams& params, const FrameDomain& first, double more)
 {
     const double velocity = double(first.velocity->local().size()), texture = double(first.texture->local().size());
     const double voxel = kTexture + more + (params.substeps > 1 ? 20 : 0);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vdblic/field/bricks.h"
-#include "vdblic/field/field_domain.h"
+#include "vdblic/field/frame_domain.h"
 
 namespace vdblic {
 
@@ -20,7 +20,7 @@ inline constexpr double kVelocityBrickBytes = sizeof(float) * 8 * BricksOf<8>::k
 
 /// The memory of a method on the texture's voxels: velocity, texture and bricks of both.
 /// @param more  bytes for each texture voxel beside those of auflic with history
-[[nodiscard]] double denseBytes(const TextureParams& params, const FieldDomain& first, double more);
+[[nodiscard]] double denseBytes(const TextureParams& params, const FrameDomain& first, double more);
 
 /// The same for a run with default parameters. @param voxels of the velocity's leaves
 [[nodiscard]] double denseBytes(double voxels);

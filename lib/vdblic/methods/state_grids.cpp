@@ -18,6 +18,18 @@ namespace {
     throw InputError(fmt::format("its grid '{}' does not have the voxels of the frame it is for", grid));
 }
 
+template<typename T>
+openvdb::FloatGrid::Ptr gridOf(const Domain& domain, Domain::Leaves leaves, const LeafValues<T>& values,
+                               const std::string& name)
+{
+    LeafValues<float> copy(domain, 0.0f, leaves);
+    forLeaves(leaves, [&](std::size_t leaf) { std::copy_n(values[leaf], LeafVoxel::kCount, copy[leaf]); });
+    auto grid = openvdb::FloatGrid::create(copy.tree());
+    grid->setName(name);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return grid;
+}
+
 } // namespace
 
 std::size_t statePartCount(const Domain& domain)
@@ -45,12 +57,13 @@ openvdb::CoordBBox boxOf(const Domain& domain, Domain::Leaves leaves)
 openvdb::FloatGrid::Ptr stateGrid(const Domain& domain, Domain::Leaves leaves, const LeafValues<float>& values,
                                   const std::string& name)
 {
-    const LeafValues<float> copy(domain, 0.0f, leaves);
-    forLeaves(leaves, [&](std::size_t leaf) { std::copy_n(values[leaf], LeafVoxel::kCount, copy[leaf]); });
-    auto grid = openvdb::FloatGrid::create(copy.tree());
-    grid->setName(name);
-    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-    return grid;
+    return gridOf(domain, leaves, values, name);
+}
+
+openvdb::FloatGrid::Ptr stateGrid(const Domain& domain, Domain::Leaves leaves, const LeafValues<std::int32_t>& values,
+                                  const std::string& name)
+{
+    return gridOf(domain, leaves, values, name);
 }
 
 StateGridReader::StateGridReader(const Domain& domain, const std::vector<std::string>& names) : mDomain(domain)

@@ -29,6 +29,9 @@ struct VdbFile;
 /// A copy of the values on the given leaves, as a grid. Made in parallel.
 [[nodiscard]] openvdb::FloatGrid::Ptr stateGrid(const Domain& domain, Domain::Leaves leaves,
                                                 const LeafValues<float>& values, const std::string& name);
+/// The same of integers, whose magnitudes are below 2²⁴.
+[[nodiscard]] openvdb::FloatGrid::Ptr stateGrid(const Domain& domain, Domain::Leaves leaves,
+                                                const LeafValues<std::int32_t>& values, const std::string& name);
 
 /// Reads such grids from the files that they were saved in, one after the other. Not thread-safe.
 class StateGridReader {

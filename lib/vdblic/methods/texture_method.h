@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/field/field_domain.h"
+#include "vdblic/field/frame_domain.h"
 #include "vdblic/noise/noise_field.h"
 
 #include <openvdb/openvdb.h>
@@ -47,7 +47,7 @@ struct TextureMethod {
     /// The memory that a run takes at its peak [bytes]. Fitted to measured runs: within a quarter of them for domains
     /// of full leaves. @param first frame  @param given refinement  @param withHits whether hits are
     /// kept
-    double (*bytes)(const MethodParams& params, const FieldDomain& first, const Refinement& given, bool withHits);
+    double (*bytes)(const MethodParams& params, const FrameDomain& first, const Refinement& given, bool withHits);
     /// The same by the voxels of whole leaves alone, and the processor time of a frame as a multiple of auflic's; of
     /// methods that the inspection of a sequence estimates beside the default.
     struct Estimate {

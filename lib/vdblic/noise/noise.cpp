@@ -23,7 +23,7 @@ VDBLIC_KERNEL void fillLeaf(const openvdb::Coord& origin, const Domain::Mask& ma
 
 openvdb::FloatGrid::Ptr makeNoise(const Domain& domain, const openvdb::math::Transform& transform, std::uint32_t seed)
 {
-    const LeafValues<float> values(domain, 0.0f);
+    LeafValues<float> values(domain, 0.0f);
     forLeaves(domain.own(),
               [&](std::size_t leaf) { fillLeaf(domain.origin(leaf), domain.mask(leaf), seed, values[leaf]); });
     auto grid = openvdb::FloatGrid::create(values.tree());

@@ -50,7 +50,7 @@ class Advection : private RunObserver {
 
     void run()
     {
-        for (RunTexture& texture : mRun)
+        for (TextureFrame& texture : mRun)
             write(std::move(texture));
         mWriter.finish();
         if (!mPlan.params.keepCheckpoint) mCheckpoint.remove();
@@ -77,7 +77,7 @@ class Advection : private RunObserver {
 
   private:
     /// Begin with the first frame, or where an interrupted run was.
-    std::optional<RunPosition> begins(FlowSequence& flow) override
+    std::optional<RunPosition> begins(VelocitySequence& flow) override
     {
         mResumed = mCheckpoint.find();
         if (!mResumed) return std::nullopt;
@@ -85,19 +85,19 @@ class Advection : private RunObserver {
         return mResumed->position;
     }
 
-    void opened(const LoadedFrame& first, bool isOnly, FlowTexture& texture) override
+    void opened(const VelocityFrame& first, bool isOnly, FlowTexture& texture) override
     {
         if (!mResumed) return mCheckpoint.remove();
-        if (isOnly) mCheckpoint.checkEnds(*mResumed, first.velocity.file);
+        if (isOnly) mCheckpoint.checkEnds(*mResumed, first.file);
         mCheckpoint.restore(*mResumed, first, texture, mFinished);
         for (const std::filesystem::path& output : mFinished)
             mWriter.pass(output);
         mResumed.reset(); // with the state that it holds
     }
 
-    void frameRead(const LoadedFrame& frame) override
+    void frameRead(const VelocityFrame& frame) override
     {
-        const FrameFile& file = frame.velocity.file;
+        const FrameFile& file = frame.file;
         mCheckpoint.noteInput(file.path, frame.stamp);
         mOutputs.startAt(file.frame);
         mOutputs.checkInputs(file);
@@ -110,7 +110,7 @@ class Advection : private RunObserver {
     }
 
     /// Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
-    void stepDone(const RunPosition& position, const LoadedFrame& next) override
+    void stepDone(const RunPosition& position, const VelocityFrame& next) override
     {
         mCheckpoint.stepDone(position, next);
     }
@@ -129,19 +129,18 @@ class Advection : private RunObserver {
         if (mPlan.params.keepCheckpoint && mCheckpoint.isUnsaved()) mCheckpoint.write(mRun.texture());
     }
 
-    void write(RunTexture made)
+    void write(TextureFrame made)
     {
-        const LoadedFrame& frame = made.frame;
-        const std::int64_t number = mOutputs.number(frame.velocity.file.frame, made.substep);
-        mReport.frames.push_back(
-            {number, made.step.domain->voxelCount(), made.step.stats, frame.seconds, made.step.times});
+        const VelocityFrame& frame = made.frame;
+        const std::int64_t number = mOutputs.number(frame.file.frame, made.substep);
+        mReport.frames.push_back({number, made.domain->voxelCount(), made.stats, frame.readSeconds, made.times});
         mReporter.detail(frameLine(mReport.frames.back()));
         TextureFile file = makeTextureFile(mPlan, made, number);
-        made.step.texture = {}; // its grid is freed as soon as its leaves are stored
+        made.texture = {}; // its grid is freed as soon as its leaves are stored
         Stopwatch watch;
         std::vector<OwnLeaves> own = mRun.shared().store(frame, file, mWriter.isMineNext());
         mReport.frames.back().write = watch.lap();
-        mWriter.write(mOutputs.texture(frame.velocity.file.frame, made.substep), std::move(file), std::move(own));
+        mWriter.write(mOutputs.texture(frame.file.frame, made.substep), std::move(file), std::move(own));
     }
 
     /// @param seconds from the first step to the last output

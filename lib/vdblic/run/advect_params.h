@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/flow/velocity_sequence_params.h"
 #include "vdblic/methods/method_params.h"
 #include "vdblic/run/texture_format.h"
 
@@ -13,7 +13,7 @@ namespace vdblic {
 
 /// From a velocity sequence to a texture sequence.
 struct AdvectParams : MethodParams {
-    FlowSequenceParams flow;
+    VelocitySequenceParams flow;
     std::string output;          ///< pattern of the texture files
     std::optional<int> finish{}; ///< FinishParams::taps; nothing: the method's
     std::string noise;           ///< FILE or FILE:GRID; empty: generated from the seed

@@ -15,7 +15,7 @@ struct RunPosition {
     std::uint64_t steps = 0;       ///< steps made, preroll included
     double interval = 0;           ///< seconds between the frames of the last step
     double time = 0;               ///< seconds, of the frame that the next step starts from or after
-    std::int64_t frameSpacing = 0; ///< FlowSequence::spacing()
+    std::int64_t frameSpacing = 0; ///< VelocitySequence::spacing()
     double motion = 1;             ///< VelocityFrame::motion
 };
 
@@ -28,7 +28,7 @@ struct CheckpointPart {
 /// A run between two steps, and all it takes to go on from there (docs/advect.md).
 struct Checkpoint {
     RunPosition position;
-    std::vector<std::string> inputs; ///< FlowSequence::stampOf() of every frame that the steps depend on, in order
+    std::vector<std::string> inputs; ///< VelocitySequence::stampOf() of every frame that the steps depend on, in order
     std::vector<VdbFile> states;     ///< the whole state in one file, or none if there are parts
     std::vector<CheckpointPart> parts{};
 };

@@ -2,7 +2,7 @@
 
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/paging.h"
-#include "vdblic/field/velocity_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tree/LeafManager.h>
@@ -16,9 +16,9 @@ namespace vdblic {
 
 void Displacements::add(const VelocityFrame& frame, double interval)
 {
-    const openvdb::Mat3s toStep(frame.toVoxelsPerStep(interval));
+    const openvdb::Mat3s toFrame(frame.toVoxelsPerFrame(interval).matrix);
     const auto count = [&](const openvdb::Vec3s& value, std::uint64_t voxels, Counts& counts) {
-        const float squared = (toStep * value).lengthSqr();
+        const float squared = (toFrame * value).lengthSqr();
         if (std::isfinite(squared)) counts[std::bit_cast<std::uint32_t>(squared) >> kDroppedBits] += voxels;
     };
     const auto added = [](Counts sums, const Counts& more) {

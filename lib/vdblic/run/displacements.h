@@ -9,10 +9,11 @@ namespace vdblic {
 class Exchange;
 struct VelocityFrame;
 
-/// How far voxels move in a step [voxels], over frames. Counts add up to the same for any number of threads.
+/// How far voxels move from a frame to the next [voxels of the velocity], over frames. Counts add up to the same for
+/// any number of threads.
 class Displacements {
   public:
-    /// Count a frame's active voxels, in parallel. @param interval seconds of the step
+    /// Count a frame's active voxels, in parallel. @param interval seconds between frames
     void add(const VelocityFrame& frame, double interval);
     /// Sum the counts of all ranks; collective.
     void join(Exchange& exchange);

@@ -4,7 +4,7 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/distributed/partition.h"
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/velocity_sequence.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/checkpoint_mark.h"
 #include "vdblic/io/file_stamp.h"
@@ -97,7 +97,7 @@ void RunCheckpoint::refuseForeign() const
     throw ParameterError(found + ", and one would replace it: move it away, or give another `output`");
 }
 
-std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& checkpoint, FlowSequence& flow)
+std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& checkpoint, VelocitySequence& flow)
 {
     const int substeps = mPlan.substeps();
     const std::uint64_t frames = mPlan.framesDone(checkpoint.position.steps);
@@ -138,16 +138,16 @@ void RunCheckpoint::checkEnds(const Checkpoint& checkpoint, const FrameFile& las
         fmt::format("is past frame {}, but the input ends there: give the frame range of the first run", last.frame));
 }
 
-void RunCheckpoint::restore(const Checkpoint& checkpoint, const LoadedFrame& frame, FlowTexture& texture,
+void RunCheckpoint::restore(const Checkpoint& checkpoint, const VelocityFrame& frame, FlowTexture& texture,
                             std::vector<std::filesystem::path>& outputs) const
 {
     const RunPosition& position = checkpoint.position;
     if (mPlan.framesDone(position.steps) >= std::uint64_t(mPlan.leadIn))
-        addFinished(frame.velocity.file, mPlan.substep(position.steps), outputs);
+        addFinished(frame.file, mPlan.substep(position.steps), outputs);
     auto state = checkpoint.states.begin();
     auto part = checkpoint.parts.begin();
     const auto isElsewhere = [&](const CheckpointPart& one) {
-        return frame.partition && !frame.partition->textureBox(mExchange.rank()).hasOverlap(one.box);
+        return frame.partition && !frame.partition->textureBox(mExchange.rank()).voxels.hasOverlap(one.box);
     };
     const auto next = [&]() -> std::optional<VdbFile> { // one at a time is in memory
         if (state != checkpoint.states.end()) return *state++;
@@ -186,7 +186,7 @@ void RunCheckpoint::noteInput(const std::filesystem::path& path, const std::stri
                                  mOutputs.checkpoint().string()));
 }
 
-void RunCheckpoint::stepDone(const RunPosition& position, const LoadedFrame& frame)
+void RunCheckpoint::stepDone(const RunPosition& position, const VelocityFrame& frame)
 {
     mUnsaved = {position, frame.textureTransform()};
     mSchedule.stepDone();

@@ -20,10 +20,10 @@
 namespace vdblic {
 
 struct AdvectPlan;
-class FlowSequence;
+class VelocitySequence;
 class FlowTexture;
 struct FrameFile;
-struct LoadedFrame;
+struct VelocityFrame;
 class RunOutputs;
 
 /// The checkpoint of a run: taken up at the start, written between steps, removed at the end (docs/advect.md).
@@ -42,7 +42,7 @@ class RunCheckpoint {
 
     /// Pass over the frames that the interrupted run finished. @return their outputs
     /// @throws InputError if one of them, input or output, is missing or differs
-    [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& checkpoint, FlowSequence& flow);
+    [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& checkpoint, VelocitySequence& flow);
 
     /// Check that the sequence may end with a frame. @throws InputError if textures after that frame are finished
     void checkEnds(const Checkpoint& checkpoint, const FrameFile& last) const;
@@ -51,7 +51,7 @@ class RunCheckpoint {
     /// @param frame   that the next step starts from or after
     /// @param outputs of passOver(); receives the finished substeps of the frame
     /// @throws InputError
-    void restore(const Checkpoint& checkpoint, const LoadedFrame& frame, FlowTexture& texture,
+    void restore(const Checkpoint& checkpoint, const VelocityFrame& frame, FlowTexture& texture,
                  std::vector<std::filesystem::path>& outputs) const;
 
     // Running.
@@ -62,7 +62,7 @@ class RunCheckpoint {
     /// A step begins; if it fails midway there is no state to go on from.
     void stepBegins() { mUnsaved.reset(); }
     /// A step is made. @param frame that the next step starts from
-    void stepDone(const RunPosition& position, const LoadedFrame& frame);
+    void stepDone(const RunPosition& position, const VelocityFrame& frame);
 
     [[nodiscard]] bool isDue() const { return mSchedule.isDue(); }
     /// Whether there is a state to go on from that no checkpoint holds, and checkpoints are wanted.

@@ -1,8 +1,8 @@
 #include "vdblic/run/sequence_info.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/flow/flow_sequence_params.h"
 #include "vdblic/flow/frame_interval.h"
+#include "vdblic/flow/velocity_sequence_params.h"
 #include "vdblic/io/checksum.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
@@ -191,7 +191,7 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     VelocityFrame frame = readVelocity(file, reading);
     if (!velocity.motion) velocity.motion.emplace();
     MotionInfo& motion = *velocity.motion;
-    const double mean = meanLength(*frame.values, openvdb::Mat3s(frame.toVoxelsPerStep(velocity.interval)));
+    const double mean = meanLength(*frame.values, openvdb::Mat3s(frame.toVoxelsPerFrame(velocity.interval).matrix));
     motion.mean += (mean - motion.mean) / double(frames + 1);
     all.add(frame, velocity.interval);
     motion.fasterHalf = all.ofFasterHalf();

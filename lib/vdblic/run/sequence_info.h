@@ -1,8 +1,8 @@
 #pragma once
 
 #include "vdblic/core/reporter.h"
-#include "vdblic/field/velocity_frame.h"
-#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/flow/velocity_frame.h"
+#include "vdblic/flow/velocity_sequence_params.h"
 
 #include <openvdb/openvdb.h>
 
@@ -17,7 +17,7 @@ namespace vdblic {
 
 /// Which sequence to inspect, and how its velocity is understood.
 struct SequenceInfoParams {
-    FlowSequenceParams flow;
+    VelocitySequenceParams flow;
     bool values = false;             ///< read the voxels too, not only the headers
     std::optional<int> refine{};     ///< of the textures whose cost is told; nothing: 1, of streaks what suits them
     std::optional<double> spacing{}; ///< of streaks, the same [voxels of the velocity]; nothing: what suits them

@@ -31,22 +31,22 @@ void SharedRun::checkSame(const std::string& stamp) const
                      "file system shows the sequence to all machines");
 }
 
-double SharedRun::largestDisplacement(const LoadedFrame& frame, double interval) const
+double SharedRun::largestDisplacement(const VelocityFrame& frame, double interval) const
 {
-    double largest = frame.velocity.largestDisplacement(interval);
+    double largest = frame.largestDisplacement(interval);
     mExchange.max({&largest, 1});
     return largest;
 }
 
-double SharedRun::fasterDisplacement(const LoadedFrame& frame, double interval) const
+double SharedRun::fasterDisplacement(const VelocityFrame& frame, double interval) const
 {
     Displacements displacements;
-    displacements.add(frame.velocity, interval);
+    displacements.add(frame, interval);
     displacements.join(mExchange);
     return displacements.ofFasterHalf();
 }
 
-std::optional<std::string> SharedRun::balance(LoadedFrame& frame, FlowTexture& texture)
+std::optional<std::string> SharedRun::balance(VelocityFrame& frame, FlowTexture& texture)
 {
     if (mExchange.isAlone()) return std::nullopt;
     constexpr double kUnequal = 1.15, kBetter = 0.9;
@@ -63,42 +63,37 @@ std::optional<std::string> SharedRun::balance(LoadedFrame& frame, FlowTexture& t
     std::vector<std::uint32_t> either;
     std::set_union(had.begin(), had.end(), has.begin(), has.end(), std::back_inserter(either));
     const auto both = before->ofRank({has.begin(), has.end()}, std::move(either));
-    const std::vector<openvdb::Coord> noHalo(std::size_t(mExchange.size()), openvdb::Coord(0));
+    const std::vector<Rim<Space::kTexture>> noHalo(std::size_t(mExchange.size()));
     if (auto* const state = dynamic_cast<LeafState*>(&texture))
         state->handOver(HaloExchange(mExchange, *partition, *both, noHalo), both);
     return fmt::format("cut anew among the ranks: the largest part had {:.2f} of the mean, now {:.2f}", now, then);
 }
 
-void SharedRun::surround(LoadedFrame& start, LoadedFrame& end, double seconds, const FlowTexture& texture)
+void SharedRun::surround(VelocityFrame& start, VelocityFrame& end, double seconds, const FlowTexture& texture)
 {
     if (mExchange.isAlone()) return;
     if (end.partition != start.partition) handOver(mExchange, end, start.partition);
-    const auto largest = [&](const LoadedFrame& frame) {
-        const openvdb::Mat3d toTexture = frame.domain.refinement.toTexture();
-        return largestVelocity(frame.largest, toTexture * frame.velocity.toVoxelsPerStep(seconds));
+    const auto largest = [&](const VelocityFrame& frame) {
+        return largestSpeeds(frame.largest, frame.domain.refinement.toTexture(frame.toVoxelsPerFrame(seconds)));
     };
-    const Float4 before = largest(start), after = largest(end);
-    std::array<float, 3> displacement{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        displacement[axis] = std::max(before[int(axis)], after[int(axis)]);
-    const std::array<float, 3> path = texture.farthestPath(displacement, seconds / mPlan.substeps());
-    Farthest farthest{};
+    const Speeds<Space::kTexture, Per::kFrame> fastest = larger(largest(start), largest(end));
+    Farthest farthest{texture.farthestPath(fastest, seconds / mPlan.substeps()), {}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        farthest.path[axis] = path[axis] + float(start.domain.refinement.factors[axis]) - 1;
-        farthest.upstream[axis] = displacement[axis] + 1;
+        farthest.path.along[axis] += float(start.domain.refinement.factors[axis]) - 1;
+        farthest.upstream.along[axis] = fastest[axis] + 1;
     }
     mDepths = haloDepths(mExchange, *start.partition, farthest);
     vdblic::surround(mExchange, start, mDepths);
     if (&end != &start) vdblic::surround(mExchange, end, mDepths);
 }
 
-std::unique_ptr<const LeafOwners> SharedRun::ownersOf(const LoadedFrame& start) const
+std::unique_ptr<const LeafOwners> SharedRun::ownersOf(const VelocityFrame& start) const
 {
     if (mExchange.isAlone()) return std::make_unique<const SoleOwner>();
     return std::make_unique<const HaloExchange>(mExchange, *start.partition, *start.domain.texture, mDepths);
 }
 
-std::vector<OwnLeaves> SharedRun::store(const LoadedFrame& frame, TextureFile& file, bool isWriter) const
+std::vector<OwnLeaves> SharedRun::store(const VelocityFrame& frame, TextureFile& file, bool isWriter) const
 {
     std::vector<OwnLeaves> stored;
     for (std::size_t i = 0; i < file.computed; ++i) {

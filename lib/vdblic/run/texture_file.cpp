@@ -41,12 +41,9 @@ VDBLIC_KERNEL void fillMagnitudes(const Domain::Mask& mask, const VelocityLeaf& 
     }
 }
 
-/// @param toWorldPerSecond of stored values
-openvdb::FloatTree::Ptr magnitudeOf(const Domain& domain, const openvdb::Vec3STree& values,
-                                    const openvdb::Mat3d& toWorldPerSecond)
+openvdb::FloatTree::Ptr magnitudeOf(const Domain& domain, const Velocities<Space::kWorld, Per::kSecond>& velocities)
 {
-    const LeafValues<float> magnitude(domain, 0.0f);
-    const VelocityLevel velocities{values, toWorldPerSecond};
+    LeafValues<float> magnitude(domain, 0.0f);
     forLeaves(domain.local(), [&](std::size_t leaf) {
         fillMagnitudes(domain.mask(leaf), VelocityLeaf(velocities, domain.origin(leaf)), magnitude[leaf]);
     });
@@ -72,19 +69,18 @@ openvdb::Int32Grid::Ptr hitsGrid(const openvdb::Int32Tree::Ptr& tree, const open
 }
 
 /// The streaks as points, with the scalars and those that the frame carries along.
-openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& scalars, RunTexture& made)
+openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& scalars, TextureFrame& made)
 {
-    const VelocityFrame& velocity = made.frame.velocity;
     if (!made.frame.domain.velocity->isWhole())
         throw ParameterError("`derived` streaks: only a run by one process writes them; use vdblic_advect");
-    const openvdb::math::Transform& transform = velocity.values->transform();
-    Lines lines = *std::exchange(made.step.lines, std::nullopt);
+    const openvdb::math::Transform& transform = made.frame.values->transform();
+    Lines lines = *std::exchange(made.lines, std::nullopt);
     const auto add = [&](const openvdb::FloatGrid& scalar) {
         lines.scalars.push_back({scalar.getName(), valuesAt(scalar, lines.positions, transform)});
     };
     for (const openvdb::FloatGrid::Ptr& scalar : scalars)
         add(*scalar);
-    for (const openvdb::GridBase::Ptr& grid : velocity.carried) {
+    for (const openvdb::GridBase::Ptr& grid : made.frame.carried) {
         if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) add(*scalar);
     }
     return lineGrid(lines, transform);
@@ -127,29 +123,26 @@ openvdb::MetaMap parameterMetadata(const AdvectPlan& plan, const Refinement& ref
 
 } // namespace
 
-TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64_t number)
+TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int64_t number)
 {
     const AdvectParams& params = plan.params;
-    const LoadedFrame& frame = made.frame;
-    const VelocityFrame& velocity = frame.velocity;
-    const openvdb::Mat3d toWorldPerSecond = velocity.toWorldPerSecond(made.interval);
+    const VelocityFrame& frame = made.frame;
+    const FromStored<Space::kWorld, Per::kSecond> toWorldPerSecond = frame.toWorldPerSecond(made.interval);
     const openvdb::math::Transform::Ptr ofTexture = made.transform();
     const openvdb::math::Transform& transform = *ofTexture;
-    const openvdb::FloatTree::Ptr texture =
-        finish(frame.flow(), velocity.toVoxelsPerStep(made.interval), std::move(made.step.texture), {plan.finish})
-            .tree();
+    const openvdb::FloatTree::Ptr texture = finish(frame, made.interval, std::move(made.texture), {plan.finish}).tree();
     const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
     std::vector<openvdb::FloatGrid::Ptr> scalars =
-        derivedGrids(params.derivedScalars(), *frame.domain.velocity, *velocity.values, toWorldPerSecond);
+        derivedGrids(params.derivedScalars(), *frame.domain.velocity, *frame.values, toWorldPerSecond);
     scalars.insert(scalars.begin(),
-                   fogVolume(magnitudeOf(*frame.domain.velocity, velocity.values->tree(), toWorldPerSecond),
-                             "magnitude", velocity.values->transform()));
-    openvdb::GridPtrVec carried = velocity.carried;
+                   fogVolume(magnitudeOf(*frame.domain.velocity, {frame.values->tree(), toWorldPerSecond}), "magnitude",
+                             frame.values->transform()));
+    openvdb::GridPtrVec carried = frame.carried;
     const openvdb::GridBase::Ptr lines = params.writesLines() ? linesWith(scalars, made) : nullptr;
-    if (params.format.scalars == ScalarVoxels::kTexture && !made.step.refinement.isNone()) {
+    if (params.format.scalars == ScalarVoxels::kTexture && !made.refinement.isNone()) {
         for (openvdb::FloatGrid::Ptr& scalar : scalars)
             scalar = resampled(*scalar, *textureGrid);
-        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*made.step.domain, texture), "", transform);
+        const openvdb::FloatGrid::Ptr like = fogVolume(wholeTree(*made.domain, texture), "", transform);
         for (openvdb::GridBase::Ptr& grid : carried) {
             if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) grid = resampled(*scalar, *like);
         }
@@ -157,14 +150,13 @@ TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64
     if (params.writesVelocity()) {
         if (!frame.domain.velocity->isWhole())
             throw ParameterError("`derived` velocity: only a run by one process writes it; use vdblic_advect");
-        const bool onTexture = params.format.scalars == ScalarVoxels::kTexture && !made.step.refinement.isNone();
+        const bool onTexture = params.format.scalars == ScalarVoxels::kTexture && !made.refinement.isNone();
         carried.insert(carried.begin(),
-                       velocityGrid(*frame.domain.velocity, *velocity.values, toWorldPerSecond * velocity.motion,
+                       velocityGrid(*frame.domain.velocity, *frame.values, toWorldPerSecond * frame.motion,
                                     onTexture ? textureGrid.get() : nullptr, params.format.precision));
     }
     if (lines) carried.insert(carried.begin(), lines);
-    if (made.step.source.tree())
-        scalars.insert(scalars.begin(), fogVolume(made.step.source.tree(), kSourceGrid, transform));
+    if (made.source.tree()) scalars.insert(scalars.begin(), fogVolume(made.source.tree(), kSourceGrid, transform));
     if (params.format.precision == GridPrecision::kHalf) {
         textureGrid->setSaveFloatAsHalf(true);
         for (const openvdb::FloatGrid::Ptr& scalar : scalars)
@@ -173,24 +165,23 @@ TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64
 
     TextureFile file;
     file.grids = {textureGrid};
-    if (made.step.hits.tree()) file.grids.push_back(hitsGrid(made.step.hits.tree(), transform));
+    if (made.hits.tree()) file.grids.push_back(hitsGrid(made.hits.tree(), transform));
     file.grids.insert(file.grids.end(), scalars.begin(), scalars.end());
     file.computed = file.grids.size();
-    const bool hasSecond = made.step.source.tree() || made.step.hits.tree();
+    const bool hasSecond = made.source.tree() || made.hits.tree();
     file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : hasSecond ? 2 : 1;
-    file.domain = made.step.domain;
+    file.domain = made.domain;
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
-    file.metadata = parameterMetadata(plan, made.step.refinement);
-    for (auto chosen = made.step.metadata.beginMeta(); chosen != made.step.metadata.endMeta(); ++chosen)
+    file.metadata = parameterMetadata(plan, made.refinement);
+    for (auto chosen = made.metadata.beginMeta(); chosen != made.metadata.endMeta(); ++chosen)
         file.metadata.insertMeta(chosen->first, *chosen->second);
-    if (!velocity.sourceCreator.empty())
-        file.metadata.insertMeta("source_creator", openvdb::StringMetadata(velocity.sourceCreator));
-    if (velocity.motion != 1) file.metadata.insertMeta("motion", openvdb::DoubleMetadata(velocity.motion));
+    if (!frame.sourceCreator.empty())
+        file.metadata.insertMeta("source_creator", openvdb::StringMetadata(frame.sourceCreator));
+    if (frame.motion != 1) file.metadata.insertMeta("motion", openvdb::DoubleMetadata(frame.motion));
     // With a frame spacing of its own a run leaves the calendar of the files.
-    if (!velocity.start.empty() && !params.flow.frameSpacing)
-        file.metadata.insertMeta("start", openvdb::StringMetadata(velocity.start));
-    if (!velocity.lengthUnit.empty())
-        file.metadata.insertMeta("length_unit", openvdb::StringMetadata(velocity.lengthUnit));
+    if (!frame.start.empty() && !params.flow.frameSpacing)
+        file.metadata.insertMeta("start", openvdb::StringMetadata(frame.start));
+    if (!frame.lengthUnit.empty()) file.metadata.insertMeta("length_unit", openvdb::StringMetadata(frame.lengthUnit));
     file.metadata.insertMeta("frame", openvdb::Int64Metadata(number));
     file.metadata.insertMeta("source_frame", openvdb::DoubleMetadata(frame.sourceFrame));
     file.metadata.insertMeta("time", openvdb::DoubleMetadata(made.time));

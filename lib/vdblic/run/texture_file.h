@@ -12,7 +12,7 @@ namespace vdblic {
 
 struct AdvectPlan;
 class Domain;
-struct RunTexture;
+struct TextureFrame;
 
 /// What one file of a texture sequence holds.
 struct TextureFile {
@@ -32,7 +32,7 @@ struct TextureFile {
 /// @param made   shares its grids with the result; its texture is moved
 /// @param number of the output
 /// Computed in parallel; the result does not depend on the number of threads.
-[[nodiscard]] TextureFile makeTextureFile(const AdvectPlan& plan, RunTexture& made, std::int64_t number);
+[[nodiscard]] TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int64_t number);
 
 /// Why a file cannot be the whole texture of a number that a run by this plan has finished; empty if it can.
 /// Reads all of its bytes, for their checksums.

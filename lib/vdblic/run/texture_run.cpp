@@ -25,9 +25,9 @@ std::unique_ptr<FlowTexture> makeTexture(const AdvectParams& params)
 }
 
 /// The flow as the textures need it: streaks are traced on the velocity's own voxels.
-FlowSequenceParams flowOf(const AdvectPlan& plan)
+VelocitySequenceParams flowOf(const AdvectPlan& plan)
 {
-    FlowSequenceParams flow = plan.params.flow;
+    VelocitySequenceParams flow = plan.params.flow;
     flow.input = plan.input;
     if (plan.method().isSparse) flow.domain.refinement = {};
     return flow;
@@ -85,12 +85,12 @@ void TextureRun::open()
 /// Start from the first frame.
 void TextureRun::start()
 {
-    const std::optional<LoadedFrame>& end = mNext ? mNext : mAfter;
+    const std::optional<VelocityFrame>& end = mNext ? mNext : mAfter;
     mInterval = mFlow.intervalAfter(*mCurrent, end ? &*end : nullptr);
     // Added up, as by a run over all frames.
     for (int i = 0; i < mPlan.framesBefore; ++i)
         mTime += mInterval.seconds;
-    mTime = mCurrent->velocity.time.value_or(mTime);
+    mTime = mCurrent->time.value_or(mTime);
     if (mPlan.params.voxelsPerFrame) setMotion(motionFor(*mPlan.params.voxelsPerFrame));
     chooseVoxels();
 }
@@ -124,20 +124,20 @@ double TextureRun::motionFor(double voxels) const
     mReporter.say(
         fmt::format("the faster half of frame {} moves {:.2g} voxels, and {:.2g} with `motion` {}, which gives "
                     "other parts of the sequence the same motion",
-                    mCurrent->velocity.file.frame, moves, voxels, factor));
+                    mCurrent->file.frame, moves, voxels, factor));
     return std::stod(factor);
 }
 
 void TextureRun::setMotion(double motion)
 {
     mFlow.setMotion(motion);
-    for (std::optional<LoadedFrame>* frame : {&mCurrent, &mNext, &mAfter}) {
-        if (*frame) (*frame)->velocity.motion = motion;
+    for (std::optional<VelocityFrame>* frame : {&mCurrent, &mNext, &mAfter}) {
+        if (*frame) (*frame)->motion = motion;
     }
 }
 
 /// Tell how much memory the run takes; refuse a run that takes too much now, not after minutes.
-void TextureRun::checkMemoryFor(const LoadedFrame& first) const
+void TextureRun::checkMemoryFor(const VelocityFrame& first) const
 {
     const double bytes = mPlan.method().bytes(mPlan.params, first.domain, mPlan.params.flow.domain.refinement,
                                               mPlan.params.writesHits());
@@ -148,7 +148,7 @@ void TextureRun::checkMemoryFor(const LoadedFrame& first) const
     first.domain.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
     constexpr double kLeast = 0.75; // of the estimate
     // Tiles take no bytes of a file: a damaged one may have any number of them.
-    const openvdb::Vec3STree& values = first.velocity.values->tree();
+    const openvdb::Vec3STree& values = first.values->tree();
     const auto stored = double(values.activeLeafVoxelCount()), all = double(values.activeVoxelCount());
     const bool isStored = bytes * (all - stored) <= double(memoryLimit()) * all;
     if (isStored && paging::makeRoom(bytes)) {
@@ -160,9 +160,9 @@ void TextureRun::checkMemoryFor(const LoadedFrame& first) const
     }
 }
 
-std::optional<LoadedFrame> TextureRun::nextFrame()
+std::optional<VelocityFrame> TextureRun::nextFrame()
 {
-    std::optional<LoadedFrame> frame = mFlow.next();
+    std::optional<VelocityFrame> frame = mFlow.next();
     mShared.checkSame(frame ? frame->stamp : "");
     if (frame) {
         mObserver.frameRead(*frame);
@@ -185,18 +185,18 @@ void TextureRun::takeFrame()
 }
 
 /// Make a step. @return its texture; nothing if it only prepares those to come
-std::optional<RunTexture> TextureRun::step()
+std::optional<TextureFrame> TextureRun::step()
 {
     if (mSteps < mPlan.prerollSteps()) {
         mShared.surround(*mCurrent, *mCurrent, mInterval.seconds, *mTexture);
-        (void)makeStep(*mCurrent, *mCurrent, *mCurrent, false);
+        (void)makeStep(*mCurrent, *mCurrent, *mCurrent, mTime, false);
         return std::nullopt;
     }
     return mNext ? stepBetweenFrames() : lastStep();
 }
 
 /// A substep between the current frame and the next.
-std::optional<RunTexture> TextureRun::stepBetweenFrames()
+std::optional<TextureFrame> TextureRun::stepBetweenFrames()
 {
     if (!mStart) {
         mInterval = mFlow.intervalAfter(*mCurrent, &*mNext);
@@ -204,10 +204,10 @@ std::optional<RunTexture> TextureRun::stepBetweenFrames()
         mShared.surround(*mCurrent, *mNext, mInterval.seconds, *mTexture);
         mStart = at(mSubstep);
     }
-    LoadedFrame end = at(mSubstep + 1);
+    VelocityFrame end = at(mSubstep + 1);
     const bool isWritten = mSteps >= mPlan.warmUpSteps();
     const double time = mTime + mSubstep * mInterval.seconds / mPlan.substeps();
-    RunTexture made{*mStart, mSubstep, time, mInterval.seconds, makeStep(*mStart, end, *mNext, isWritten)};
+    TextureFrame made = makeStep(*mStart, end, *mNext, time, isWritten);
     mStart = std::move(end);
     ++mSubstep;
     if (!isWritten) return std::nullopt;
@@ -216,7 +216,7 @@ std::optional<RunTexture> TextureRun::stepBetweenFrames()
 }
 
 /// The flow at a substep between the current frame and the next.
-LoadedFrame TextureRun::at(int substep) const
+VelocityFrame TextureRun::at(int substep) const
 {
     const int substeps = mPlan.substeps();
     return substep == 0          ? *mCurrent
@@ -225,10 +225,10 @@ LoadedFrame TextureRun::at(int substep) const
 }
 
 /// The texture of the last frame. Without a frame after it the flow is steady.
-RunTexture TextureRun::lastStep()
+TextureFrame TextureRun::lastStep()
 {
-    LoadedFrame& last = *mCurrent;
-    LoadedFrame end = last;
+    VelocityFrame& last = *mCurrent;
+    VelocityFrame end = last;
     if (mAfter) {
         const int substeps = mPlan.substeps();
         mInterval = mFlow.intervalAfter(last, &*mAfter);
@@ -238,40 +238,39 @@ RunTexture TextureRun::lastStep()
         mShared.surround(last, end, mInterval.seconds, *mTexture);
     }
     mIsDone = true;
-    RunTexture made{last, 0, mTime, mInterval.seconds, makeStep(last, end, mAfter ? *mAfter : last, true)};
+    TextureFrame made = makeStep(last, end, mAfter ? *mAfter : last, mTime, true);
     warnOfOddFlow(made.frame, made.interval);
     return made;
 }
 
 /// Give the ranks about equal shares of a frame, before a step starts from it.
-void TextureRun::balance(LoadedFrame& frame)
+void TextureRun::balance(VelocityFrame& frame)
 {
     const std::optional<std::string> how = mSteps > 0 ? mShared.balance(frame, *mTexture) : std::nullopt;
     if (!how) return;
     mFlow.cutAs(frame.partition);
-    mReporter.detail(fmt::format("frame {}: {}", frame.velocity.file.frame, *how));
+    mReporter.detail(fmt::format("frame {}: {}", frame.file.frame, *how));
 }
 
 /// @param next frame on disk after the current one, at the end of the interval that the step is a part of
-FlowTextureStep TextureRun::makeStep(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
-                                     bool isShown)
+TextureFrame TextureRun::makeStep(const VelocityFrame& start, const VelocityFrame& end, const VelocityFrame& next,
+                                  double time, bool isShown)
 {
     if (mExchange.any(mReporter.stopRequested())) throw Stopped{};
     mObserver.stepBegins();
-    const double substeps = mPlan.substeps();
     const std::unique_ptr<const LeafOwners> owners = mShared.ownersOf(start);
-    const double interval = mInterval.seconds;
-    const FlowFrame from = start.flow(), to = end.flow(), first = mCurrent->flow(), last = next.flow();
-    const FlowInterval whole{first,
-                             last,
-                             mCurrent->velocity.toVoxelsPerStep(interval),
-                             next.velocity.toVoxelsPerStep(interval),
-                             interval,
-                             mCurrent->velocity.file.frame};
-    FlowTextureStep made = mTexture->advance(
-        {from, to, start.velocity.toVoxelsPerStep(interval) * (1 / substeps),
-         end.velocity.toVoxelsPerStep(interval) * (1 / substeps), interval / substeps, *owners, &whole, isShown,
-         isShown && mPlan.params.writesHits(), isShown && mPlan.params.writesLines()});
+    const FlowStep whole{.start = *mCurrent, .end = next, .interval = mInterval.seconds};
+    TextureFrame made = mTexture->advance({.start = start,
+                                           .end = end,
+                                           .interval = mInterval.seconds,
+                                           .substeps = mPlan.substeps(),
+                                           .substep = mSubstep,
+                                           .time = time,
+                                           .owners = *owners,
+                                           .whole = &whole,
+                                           .isShown = isShown,
+                                           .withHits = isShown && mPlan.params.writesHits(),
+                                           .withLines = isShown && mPlan.params.writesLines()});
     ++mSteps;
     return made;
 }
@@ -281,17 +280,17 @@ RunPosition TextureRun::position() const
 {
     const bool isNextFrame = mNext && mSubstep == mPlan.substeps();
     return {mSteps, mInterval.seconds, isNextFrame ? mTime + mInterval.seconds : mTime, mFlow.spacing(),
-            mCurrent->velocity.motion};
+            mCurrent->motion};
 }
 
 /// Warn of a suspicious frame whose texture can be computed.
-void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
+void TextureRun::warnOfOddFlow(const VelocityFrame& frame, double seconds)
 {
-    const std::int64_t number = frame.velocity.file.frame;
+    const std::int64_t number = frame.file.frame;
     if (frame.domain.texture->voxelCount() == 0) {
-        const bool isCut = mExchange.any(frame.velocity.values->activeVoxelCount() > 0);
+        const bool isCut = mExchange.any(frame.values->activeVoxelCount() > 0);
         mReporter.warn(
-            fmt::format("{}: {}; its texture is empty", frame.velocity.file.label(),
+            fmt::format("{}: {}; its texture is empty", frame.file.label(),
                         isCut ? "no active voxel lies inside `box`, `world_box` and `mask`" : "no active voxels"));
         return;
     }
@@ -301,7 +300,7 @@ void TextureRun::warnOfOddFlow(const LoadedFrame& frame, double seconds)
         mWarnedOfRest = true;
         mReporter.warn(fmt::format("{}: grid {} moves nothing by more than {:.3g} voxels a step, and a "
                                    "texture without motion shows no direction: check unit and frame spacing",
-                                   frame.velocity.file.label(), frame.velocity.gridName, largest));
+                                   frame.file.label(), frame.gridName, largest));
     }
     // A streak's tail suits the displacement.
     if (mPlan.method().isSparse || mPlan.method().isSteady || largest <= kLargeDisplacement || mWarnedOfDisplacement)

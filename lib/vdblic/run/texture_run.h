@@ -2,7 +2,7 @@
 
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/velocity_sequence.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/methods/flow_texture.h"
 #include "vdblic/run/advect_plan.h"
@@ -20,20 +20,6 @@ namespace vdblic {
 /// time.
 inline constexpr double kLargeDisplacement = 16;
 
-/// A texture of a run, and when it is valid.
-struct RunTexture {
-    LoadedFrame frame;   ///< the flow of that time
-    int substep = 0;     ///< its number after the frame on disk
-    double time = 0;     ///< seconds
-    double interval = 0; ///< seconds between the frames on disk around it
-    FlowTextureStep step;
-
-    [[nodiscard]] openvdb::math::Transform::Ptr transform() const ///< of the texture
-    {
-        return step.refinement.refined(frame.velocity.values->transform());
-    }
-};
-
 /// What a run tells those who write its textures and checkpoints. All functions are called in the thread of the run, at
 /// all ranks alike; those that are not overridden do nothing.
 class RunObserver {
@@ -41,14 +27,14 @@ class RunObserver {
     virtual ~RunObserver() = default;
 
     /// The run begins; no frame is read yet. @return where it goes on; nothing: with the first frame
-    [[nodiscard]] virtual std::optional<RunPosition> begins(FlowSequence& /*flow*/) { return std::nullopt; }
+    [[nodiscard]] virtual std::optional<RunPosition> begins(VelocitySequence& /*flow*/) { return std::nullopt; }
     /// The first frames are read. A texture that goes on gets its state here. @param isOnly whether no other frame
     /// follows
-    virtual void opened(const LoadedFrame& /*first*/, bool /*isOnly*/, FlowTexture& /*texture*/) {}
-    virtual void frameRead(const LoadedFrame& /*frame*/) {}
+    virtual void opened(const VelocityFrame& /*first*/, bool /*isOnly*/, FlowTexture& /*texture*/) {}
+    virtual void frameRead(const VelocityFrame& /*frame*/) {}
     virtual void stepBegins() {}
     /// A step is made that is not the last. @param next flow that the next step starts from
-    virtual void stepDone(const RunPosition& /*position*/, const LoadedFrame& /*next*/) {}
+    virtual void stepDone(const RunPosition& /*position*/, const VelocityFrame& /*next*/) {}
     /// A step is made that is not the last, and its texture, if it has one to show, is passed on.
     virtual void textureDone() {}
     /// Only the step of the last frame is left.
@@ -57,7 +43,7 @@ class RunObserver {
 
 /// The textures of a velocity sequence, in order: a range that is passed through once.
 ///
-///     for (RunTexture& texture : run) write(std::move(texture));
+///     for (TextureFrame& texture : run) write(std::move(texture));
 ///
 /// It makes the steps: preroll, lead-in, every frame with its substeps, and the last one. It reads frames as it needs
 /// them, and writes nothing. Advancing is collective if several ranks share the run. Not thread-safe.
@@ -66,7 +52,7 @@ class TextureRun {
     class Iterator {
       public:
         explicit Iterator(TextureRun& run) : mRun(&run) {}
-        [[nodiscard]] RunTexture& operator*() const { return *mRun->mMade; }
+        [[nodiscard]] TextureFrame& operator*() const { return *mRun->mMade; }
         Iterator& operator++()
         {
             mRun->advance();
@@ -99,20 +85,20 @@ class TextureRun {
     void start();
     void goOn(const RunPosition& position);
     void takeFrame();
-    [[nodiscard]] std::optional<RunTexture> step();
+    [[nodiscard]] std::optional<TextureFrame> step();
     [[nodiscard]] RunPosition position() const;
     void chooseVoxels();
     void setMotion(double motion);
     [[nodiscard]] double motionFor(double voxels) const;
-    void checkMemoryFor(const LoadedFrame& first) const;
-    [[nodiscard]] std::optional<LoadedFrame> nextFrame();
-    void balance(LoadedFrame& frame);
-    [[nodiscard]] LoadedFrame at(int substep) const;
-    [[nodiscard]] std::optional<RunTexture> stepBetweenFrames();
-    [[nodiscard]] RunTexture lastStep();
-    [[nodiscard]] FlowTextureStep makeStep(const LoadedFrame& start, const LoadedFrame& end, const LoadedFrame& next,
-                                           bool isShown);
-    void warnOfOddFlow(const LoadedFrame& frame, double seconds);
+    void checkMemoryFor(const VelocityFrame& first) const;
+    [[nodiscard]] std::optional<VelocityFrame> nextFrame();
+    void balance(VelocityFrame& frame);
+    [[nodiscard]] VelocityFrame at(int substep) const;
+    [[nodiscard]] std::optional<TextureFrame> stepBetweenFrames();
+    [[nodiscard]] TextureFrame lastStep();
+    [[nodiscard]] TextureFrame makeStep(const VelocityFrame& start, const VelocityFrame& end, const VelocityFrame& next,
+                                        double time, bool isShown);
+    void warnOfOddFlow(const VelocityFrame& frame, double seconds);
 
     const AdvectPlan& mPlan;
     Reporter& mReporter;
@@ -120,15 +106,15 @@ class TextureRun {
     RunObserver& mObserver;
     SharedRun mShared;
     std::unique_ptr<FlowTexture> mTexture;
-    FlowSequence mFlow;
+    VelocitySequence mFlow;
     std::uint64_t mSteps = 0;
-    std::optional<RunTexture> mMade; // that the iterators show
-    std::optional<LoadedFrame> mCurrent, mNext;
-    std::optional<LoadedFrame> mAfter; // on disk after the last frame, once that is reached
-    std::optional<LoadedFrame> mStart; // of the next substep; nothing before an interval's first
-    FrameInterval mInterval{};         // between the current frame and the next
-    int mSubstep = 0;                  // to come after the current frame
-    double mTime = 0;                  // of the current frame
+    std::optional<TextureFrame> mMade; // that the iterators show
+    std::optional<VelocityFrame> mCurrent, mNext;
+    std::optional<VelocityFrame> mAfter; // on disk after the last frame, once that is reached
+    std::optional<VelocityFrame> mStart; // of the next substep; nothing before an interval's first
+    FrameInterval mInterval{};           // between the current frame and the next
+    int mSubstep = 0;                    // to come after the current frame
+    double mTime = 0;                    // of the current frame
     bool mIsDone = false;
     bool mWarnedOfDisplacement = false, mWarnedOfRest = false;
 };

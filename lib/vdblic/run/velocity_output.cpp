@@ -17,7 +17,7 @@ namespace {
 openvdb::FloatGrid::Ptr component(const Domain& domain, const openvdb::Vec3SGrid& velocities,
                                   const openvdb::Vec3d& toComponent)
 {
-    const LeafValues<float> values(domain, 0.0f);
+    LeafValues<float> values(domain, 0.0f);
     forLeaves(domain.local(), [&](std::size_t leaf) {
         const openvdb::Vec3SGrid::ConstAccessor accessor = velocities.getConstAccessor();
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
@@ -33,13 +33,13 @@ openvdb::FloatGrid::Ptr component(const Domain& domain, const openvdb::Vec3SGrid
 } // namespace
 
 openvdb::Vec3SGrid::Ptr velocityGrid(const Domain& domain, const openvdb::Vec3SGrid& velocities,
-                                     const openvdb::Mat3d& toWorldPerSecond, const openvdb::FloatGrid* like,
-                                     GridPrecision precision)
+                                     const FromStored<Space::kWorld, Per::kSecond>& unit,
+                                     const openvdb::FloatGrid* like, GridPrecision precision)
 {
     std::array<openvdb::FloatGrid::Ptr, 3> parts;
     bool isHalf = precision == GridPrecision::kHalf;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        parts[axis] = component(domain, velocities, toWorldPerSecond.row(int(axis)));
+        parts[axis] = component(domain, velocities, unit.matrix.row(int(axis)));
         if (like) parts[axis] = resampled(*parts[axis], *like);
         saveAsHalf(*parts[axis]);
         isHalf = isHalf && parts[axis]->saveFloatAsHalf();

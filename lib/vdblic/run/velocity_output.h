@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
+#include "vdblic/field/units.h"
 #include "vdblic/run/texture_format.h"
 
 #include <openvdb/openvdb.h>
@@ -18,12 +19,11 @@ inline constexpr const char* kVelocityGrid = "vel";
 ///
 /// @param domain     whose voxels it has; all of them must be here
 /// @param velocities on voxel centres, in any unit
-/// @param toWorldPerSecond stored value → world units per second
 /// @param like       nothing, or the grid on whose voxels and transform it is interpolated
 /// @param precision  of the numbers in a file; half is left out where it would cost precision (saveAsHalf())
 /// Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] openvdb::Vec3SGrid::Ptr velocityGrid(const Domain& domain, const openvdb::Vec3SGrid& velocities,
-                                                   const openvdb::Mat3d& toWorldPerSecond,
+                                                   const FromStored<Space::kWorld, Per::kSecond>& unit,
                                                    const openvdb::FloatGrid* like, GridPrecision precision);
 
 } // namespace vdblic

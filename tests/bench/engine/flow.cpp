@@ -4,7 +4,7 @@
 #include "vdblic/core/reporter.h"
 #include "vdblic/field/analytic_flow.h"
 #include "vdblic/field/synth.h"
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/velocity_sequence.h"
 
 #include <optional>
 #include <sstream>
@@ -17,31 +17,28 @@ Flow analyticFlow(const BoxSize& size, int frames, const std::shared_ptr<const D
     constexpr double kDt = 1.0 / 24;
     const FlowFunction function = flowInBox(findAnalyticFlow("abc"), size, 1.0);
     const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
-    Flow flow;
-    for (int k = 0; k < frames; ++k) {
-        flow.frames.push_back({domain, sampleFlow(function, *domain, *transform, k * kDt)});
-        flow.toStep.push_back(openvdb::Mat3d::identity() * kDt);
-    }
+    Flow flow{{}, kDt};
+    for (int k = 0; k < frames; ++k)
+        flow.frames.push_back({FrameDomain(domain), sampleFlow(function, *domain, *transform, k * kDt)});
     return flow;
 }
 
 Flow flowOfFiles(const std::string& pattern, const std::string& range)
 {
-    FlowSequenceParams params;
+    VelocitySequenceParams params;
     params.input.pattern = pattern;
     params.input.frames = range;
     Reporter silent;
     std::istringstream noLines;
     const OneProcess alone;
     std::size_t total = 0;
-    FlowSequence sequence(params, openSequence(params.input, noLines, total), silent, alone);
+    VelocitySequence sequence(params, openSequence(params.input, noLines, total), silent, alone);
     Flow flow;
-    std::optional<LoadedFrame> frame = sequence.next();
+    std::optional<VelocityFrame> frame = sequence.next();
     while (frame) {
-        std::optional<LoadedFrame> next = sequence.next();
-        const double seconds = sequence.intervalAfter(*frame, next ? &*next : nullptr).seconds;
-        flow.toStep.push_back(frame->velocity.toVoxelsPerStep(seconds));
-        flow.frames.push_back(frame->flow());
+        std::optional<VelocityFrame> next = sequence.next();
+        if (next) flow.interval = sequence.intervalAfter(*frame, &*next).seconds;
+        flow.frames.push_back(*frame);
         frame = std::move(next);
     }
     return flow;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "vdblic/field/box_domain.h"
-#include "vdblic/field/flow_frame.h"
 #include "vdblic/field/velocity_field.h"
+#include "vdblic/flow/velocity_frame.h"
 #include "vdblic/methods/flow_texture.h"
 
 #include <openvdb/openvdb.h>
@@ -14,20 +14,16 @@
 
 namespace vdblic::bench {
 
-/// A flow held in memory, in voxels per step.
+/// A flow held in memory.
 struct Flow {
-    std::vector<FlowFrame> frames;
-    std::vector<openvdb::Mat3d> toStep;
+    std::vector<VelocityFrame> frames;
+    double interval = 1; ///< seconds between frames
 
     [[nodiscard]] std::size_t steps() const { return frames.size() - 1; }
-    [[nodiscard]] FlowStep step(std::size_t k) const
-    {
-        return {frames[k], frames[k + 1], toStep[k], toStep[k + 1], 1.0};
-    }
+    [[nodiscard]] FlowStep step(std::size_t k) const { return {frames[k], frames[k + 1], interval}; }
     void build(std::size_t k, VelocityField& field) const
     {
-        field.build(frames[k].domain, {frames[k].velocities->tree(), toStep[k]},
-                    {frames[k + 1].velocities->tree(), toStep[k + 1]});
+        field.build(frames[k].domain, step(k).startVelocities(), step(k).endVelocities());
     }
 };
 

@@ -39,9 +39,9 @@ Seeds voxelsOf(const Domain& domain)
 /// The velocities of frame k in voxels per step.
 openvdb::Vec3SGrid::Ptr inVoxelsPerStep(const Flow& flow, std::size_t k)
 {
-    auto grid = flow.frames[k].velocities->deepCopy();
+    auto grid = flow.frames[k].values->deepCopy();
     for (auto value = grid->beginValueOn(); value; ++value)
-        value.setValue(*value * float(flow.toStep[k](0, 0)));
+        value.setValue(*value * float(flow.step(k).startVelocities().unit.matrix(0, 0)));
     return grid;
 }
 
@@ -121,7 +121,7 @@ std::optional<double> vtkRate()
 
 nlohmann::json compareIntegrators(const Flow& flow)
 {
-    const Seeds seeds = voxelsOf(*flow.frames[0].domain);
+    const Seeds seeds = voxelsOf(*flow.frames[0].domain.texture);
     nlohmann::json rows;
     double reference = 0;
     const auto report = [&](const char* name, double rate) {

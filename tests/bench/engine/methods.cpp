@@ -32,7 +32,7 @@ Figures runProcesses(const Flow& flow, int lifeSpan, Method&& method)
         const LeafValues<float> texture = method.scatteringProcess(k, fields);
         if (k < std::size_t(lifeSpan)) continue; // the buckets fill
         cpu += cpuTime() - before;
-        figures.voxels += double(flow.frames[k].domain->voxelCount());
+        figures.voxels += double(flow.frames[k].domain.texture->voxelCount());
         figures.stats += method.stats();
         meter.add(flow, k, texture, figures);
     }
@@ -57,16 +57,16 @@ Figures runPipeline(const Flow& flow, const TextureParams& scatter, bool coheren
     Figures figures;
     CoherenceMeter meter;
     for (int i = 0; i < scatter.lifeSpan; ++i)
-        (void)pipeline->advance({flow.frames[0], flow.frames[0], flow.toStep[0], flow.toStep[0], 1.0});
+        (void)pipeline->advance({flow.frames[0], flow.frames[0], flow.interval});
     double cpu = 0, wall = 0;
     for (std::size_t k = 0; k < flow.steps(); ++k) {
         const double cpuBefore = cpuTime(), wallBefore = wallTime();
-        const FlowTextureStep result = pipeline->advance(flow.step(k));
+        const TextureFrame result = pipeline->advance(flow.step(k));
         cpu += cpuTime() - cpuBefore;
         wall += wallTime() - wallBefore;
         figures.times += result.times;
         figures.stats += result.stats;
-        figures.voxels += double(flow.frames[k].domain->voxelCount());
+        figures.voxels += double(flow.frames[k].domain.texture->voxelCount());
         if (coherence) meter.add(flow, k, result.texture, figures);
     }
     figures.nanoseconds = 1e9 * cpu / figures.voxels;

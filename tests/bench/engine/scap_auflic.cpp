@@ -81,7 +81,7 @@ bool ScapAuflic::releaseAlong(std::size_t k, const std::vector<VelocityField>& f
     for (const Seed& seed : seeds) {
         for (std::size_t step = 0; step < path.steps.size(); ++step) {
             const auto& voxels = path.steps[step].voxels;
-            const Accumulator& bucket = mBuckets[(k + step) % mBuckets.size()];
+            Accumulator& bucket = mBuckets[(k + step) % mBuckets.size()];
             const std::size_t first = step == 0 ? seed.from : 0;
             for (std::size_t i = first; i < voxels.size(); ++i)
                 bucket[voxels[i] >> 9][voxels[i] & 511] += std::int64_t(Hits::pack(seed.value, 1));

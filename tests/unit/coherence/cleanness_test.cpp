@@ -44,8 +44,8 @@ CleannessByClass measureUniform(const SmoothedTexture& texture, const SmoothedTe
     const auto frames =
         test::refined(test::makeFrames(box, 2, [&](const Coord&, int) { return velocity; }), refinement);
     VelocityField field;
-    field.build(frames[0].fieldDomain(), {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
-                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    field.build(frames[0].domain, {frames[0].values->tree(), openvdb::Mat3d::identity()},
+                {frames[1].values->tree(), openvdb::Mat3d::identity()});
     return measureCleanness(texture, next, field, kPoints, 1);
 }
 
@@ -192,8 +192,8 @@ TEST(Cleanness, OfFewPointsIsUnknown)
     const auto fast = [](const Coord& at, int) { return Vec3f(at[0] < 5 ? 3.0f : 1.0f, 0, 0); };
     const auto frames = test::makeFrames(small, 2, fast);
     VelocityField field;
-    field.build(frames[0].fieldDomain(), {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
-                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    field.build(frames[0].domain, {frames[0].values->tree(), openvdb::Mat3d::identity()},
+                {frames[1].values->tree(), openvdb::Mat3d::identity()});
     const CleannessByClass found = measureCleanness(texture, &texture, field, {.samples = 9000}, 1);
     EXPECT_GT(found[0].points, kLeastClassPoints);
     EXPECT_FALSE(std::isnan(found[0].line));

@@ -56,11 +56,11 @@ float smoothField(const openvdb::Vec3d& at)
     return float(0.5 + 0.06 * sum);
 }
 
-VelocityField fieldOf(const std::vector<FlowFrame>& frames)
+VelocityField fieldOf(const std::vector<VelocityFrame>& frames)
 {
     VelocityField field;
-    field.build(frames[0].fieldDomain(), {frames[0].velocities->tree(), openvdb::Mat3d::identity()},
-                {frames[1].velocities->tree(), openvdb::Mat3d::identity()});
+    field.build(frames[0].domain, {frames[0].values->tree(), openvdb::Mat3d::identity()},
+                {frames[1].values->tree(), openvdb::Mat3d::identity()});
     return field;
 }
 

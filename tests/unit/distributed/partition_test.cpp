@@ -28,7 +28,7 @@ std::vector<std::size_t> voxelsOf(const Domain& domain, const Partition& partiti
     std::vector<std::size_t> voxels;
     for (int rank = 0; rank < partition.ranks(); ++rank) {
         std::size_t sum = 0;
-        for (const std::uint32_t leaf : leavesIn(domain, partition.box(rank)))
+        for (const std::uint32_t leaf : leavesIn(domain, partition.box(rank).voxels))
             sum += domain.mask(leaf).countOn();
         voxels.push_back(sum);
     }
@@ -46,9 +46,9 @@ TEST(Partition, GivesEveryVoxelOneOwner)
             const Coord voxel(at(), at(), at());
             int owners = 0;
             for (int rank = 0; rank < ranks; ++rank) {
-                const bool isInside = partition.textureBox(rank).isInside(voxel);
+                const bool isInside = partition.textureBox(rank).voxels.isInside(voxel);
                 owners += isInside;
-                EXPECT_EQ(isInside, partition.ownerOfTexture(voxel) == rank) << voxel;
+                EXPECT_EQ(isInside, partition.owner({voxel}) == rank) << voxel;
             }
             EXPECT_EQ(owners, 1);
         }
@@ -64,8 +64,8 @@ TEST(Partition, CutsBetweenLeavesIntoEqualParts)
             EXPECT_EQ(voxels, domain.voxelCount() / std::size_t(ranks));
         for (int rank = 0; rank < ranks; ++rank) {
             for (int axis = 0; axis < 3; ++axis) {
-                EXPECT_EQ(partition.box(rank).min()[axis] % 8, 0);
-                EXPECT_EQ(partition.textureBox(rank).min()[axis] % 16, 0);
+                EXPECT_EQ(partition.box(rank).voxels.min()[axis] % 8, 0);
+                EXPECT_EQ(partition.textureBox(rank).voxels.min()[axis] % 16, 0);
             }
         }
     }
@@ -81,7 +81,7 @@ TEST(Partition, LeavesRanksWithoutWork)
     EXPECT_EQ(std::count(voxels.begin(), voxels.end(), 0u), 3);
     const Domain none(std::make_shared<openvdb::MaskTree>());
     const Partition empty(none, {1, 1, 1}, 3);
-    EXPECT_GE(empty.ownerOfTexture(Coord(0)), 0);
+    EXPECT_GE(empty.owner({Coord(0)}), 0);
 }
 
 } // namespace

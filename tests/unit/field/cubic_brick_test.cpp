@@ -1,6 +1,6 @@
 #include "vdblic/field/cubic_brick.h"
 
-#include "vdblic/field/field_domain.h"
+#include "vdblic/field/frame_domain.h"
 #include "vdblic/field/velocity_field.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ struct CubicField {
             tree.setValue(*voxel, flow((*voxel)[0], (*voxel)[1], (*voxel)[2]));
             topology->setValueOn(*voxel);
         }
-        const VelocityLevel level{tree, openvdb::Mat3d::identity()};
+        const Velocities<Space::kVelocity, Per::kStep> level{tree, {openvdb::Mat3d::identity()}};
         field.build({std::make_shared<Domain>(kCubic.refined(*topology)), std::make_shared<Domain>(topology), kCubic},
                     level, level);
     }

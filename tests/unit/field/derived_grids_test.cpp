@@ -47,7 +47,7 @@ Domain domainOf(const openvdb::Vec3SGrid& grid)
 
 std::vector<openvdb::FloatGrid::Ptr> derive(const openvdb::Vec3SGrid& grid)
 {
-    return derivedGrids(kBoth, domainOf(grid), grid, Mat3d::identity());
+    return derivedGrids(kBoth, domainOf(grid), grid, {Mat3d::identity()});
 }
 
 void expectAll(const openvdb::FloatGrid& grid, double value, double tolerance)
@@ -132,7 +132,7 @@ TEST(DerivedGrids, LookBeyondACutDomainAndAreZeroOnALonelyVoxel)
                               [](const Vec3d& x) { return Vec3d(0, x.x() * x.x(), 0); });
     auto cut = std::make_shared<openvdb::MaskTree>();
     cut->setValueOn(Coord(2, 0, 0));
-    const auto derived = derivedGrids(kBoth, Domain(cut), *grid, Mat3d::identity());
+    const auto derived = derivedGrids(kBoth, Domain(cut), *grid, {Mat3d::identity()});
     EXPECT_EQ(derived[0]->activeVoxelCount(), 1u);
     EXPECT_NEAR(derived[0]->tree().getValue(Coord(2, 0, 0)), 4, 1e-5);
 
@@ -145,7 +145,7 @@ TEST(DerivedGrids, UseTheVelocitysUnit)
 {
     const auto grid = sampled(*openvdb::math::Transform::createLinearTransform(0.5), 6,
                               [](const Vec3d& x) { return Vec3d(0, 0, 3 * x.x()); });
-    const auto derived = derivedGrids({"vorticity"}, domainOf(*grid), *grid, Mat3d::identity() * 2.5);
+    const auto derived = derivedGrids({"vorticity"}, domainOf(*grid), *grid, {Mat3d::identity() * 2.5});
     ASSERT_EQ(derived.size(), 1u);
     EXPECT_EQ(derived[0]->getName(), "vorticity");
     expectAll(*derived[0], 7.5, 1e-4);

@@ -40,7 +40,7 @@ Vec3f plainMagnitude(const openvdb::Vec3STree& tree)
 TEST(LargestValues, AreThoseOfActiveVoxels)
 {
     openvdb::Vec3STree tree = variedTree();
-    const Float4 found = largestMagnitude(tree);
+    const StoredSpeeds found = largestSpeeds(tree);
     for (int axis = 0; axis < 3; ++axis)
         EXPECT_EQ(found[axis], plainMagnitude(tree)[axis]) << axis;
 }
@@ -50,14 +50,14 @@ TEST(LargestValues, AreThoseOfTilesToo)
     openvdb::Vec3STree tree = variedTree();
     tree.addTile(1, Coord(64, 64, 64), Vec3f(-1, 77, 0), true);
     tree.addTile(1, Coord(128, 64, 64), Vec3f(99), false);
-    const Float4 found = largestMagnitude(tree);
+    const StoredSpeeds found = largestSpeeds(tree);
     EXPECT_EQ(found[0], plainMagnitude(tree)[0]);
     EXPECT_EQ(found[1], 77);
 }
 
 TEST(LargestValues, WithoutActiveValuesAreZero)
 {
-    const Float4 found = largestMagnitude(openvdb::Vec3STree(Vec3f(5)));
+    const StoredSpeeds found = largestSpeeds(openvdb::Vec3STree(Vec3f(5)));
     EXPECT_EQ(found[0], 0);
     EXPECT_EQ(found[1], 0);
     EXPECT_EQ(found[2], 0);

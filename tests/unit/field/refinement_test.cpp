@@ -26,10 +26,10 @@ TEST(Refinement, RefusesFactorsOutOfRange)
 TEST(Refinement, AVoxelOfTheVelocityIsFilledExactly)
 {
     const Refinement refinement{{3, 2, 1}};
-    EXPECT_EQ(refinement.coarse({-1, -1, -1}), Coord(-1, -1, -1));
-    EXPECT_EQ(refinement.coarse({-3, -2, 5}), Coord(-1, -1, 5));
-    EXPECT_EQ(refinement.coarse({-4, 3, 0}), Coord(-2, 1, 0));
-    EXPECT_EQ(refinement.coarse({5, 4, 0}), Coord(1, 2, 0));
+    EXPECT_EQ(refinement.coarse({{-1, -1, -1}}).at, Coord(-1, -1, -1));
+    EXPECT_EQ(refinement.coarse({{-3, -2, 5}}).at, Coord(-1, -1, 5));
+    EXPECT_EQ(refinement.coarse({{-4, 3, 0}}).at, Coord(-2, 1, 0));
+    EXPECT_EQ(refinement.coarse({{5, 4, 0}}).at, Coord(1, 2, 0));
 
     auto velocity = std::make_shared<openvdb::MaskTree>();
     velocity->setValueOn({-9, 7, 8});
@@ -38,7 +38,7 @@ TEST(Refinement, AVoxelOfTheVelocityIsFilledExactly)
     const openvdb::MaskTree::Ptr texture = refinement.refined(*velocity);
     EXPECT_EQ(texture->activeVoxelCount(), velocity->activeVoxelCount() * 6);
     for (auto voxel = texture->cbeginValueOn(); voxel; ++voxel)
-        ASSERT_TRUE(velocity->isValueOn(refinement.coarse(voxel.getCoord())));
+        ASSERT_TRUE(velocity->isValueOn(refinement.coarse({voxel.getCoord()}).at));
     EXPECT_TRUE(texture->isValueOn({-27, 14, 8}));
     EXPECT_TRUE(texture->isValueOn({-25, 15, 8}));
     EXPECT_FALSE(texture->isValueOn({-24, 15, 8}));
@@ -111,7 +111,7 @@ TEST(VelocityField, OfARefinedDomainIsSampledAtTheTexturesPositions)
     const Refinement refinement{{2, 4, 1}};
     const openvdb::MaskTree topology(tree, false, true, openvdb::TopologyCopy());
     VelocityField field;
-    const VelocityLevel level{tree, openvdb::Mat3d::identity()};
+    const Velocities<Space::kVelocity, Per::kStep> level{tree, {openvdb::Mat3d::identity()}};
     field.build({std::make_shared<Domain>(refinement.refined(topology)),
                  std::make_shared<Domain>(std::make_shared<openvdb::MaskTree>(topology)), refinement},
                 level, level);

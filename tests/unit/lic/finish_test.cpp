@@ -18,16 +18,16 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3f;
 
-std::vector<FlowFrame> flowAlong(const Vec3f& velocity)
+std::vector<VelocityFrame> flowAlong(const Vec3f& velocity)
 {
     return test::makeFrames({{-4, 0, 0}, {19, 9, 9}}, 1, [=](const Coord&, int) { return velocity; });
 }
 
-LeafValues<float> finishedSpot(const FlowFrame& frame, const Coord& spot, int taps)
+LeafValues<float> finishedSpot(const VelocityFrame& frame, const Coord& spot, int taps)
 {
-    const LeafValues<float> texture(*frame.domain, 0.0f);
+    LeafValues<float> texture(*frame.domain.texture, 0.0f);
     texture.tree()->setValue(spot, 0.9f);
-    return finish(frame, openvdb::Mat3d::identity(), texture, {taps, 0});
+    return finish(frame, 1, texture, {taps, 0});
 }
 
 TEST(Finished, IsAMeanAlongTheFlowWithWeightsThatFallLinearly)
@@ -64,13 +64,13 @@ TEST(Finished, KeepsStreaksOfARefinedFlow)
 {
     // On texture voxels of a third by one half by one, velocity (2, 3, 0) is the direction (6, 6, 0): a diagonal.
     const auto frames = test::refined(flowAlong({2, 3, 0}), {{3, 2, 1}});
-    const LeafValues<float> texture(*frames[0].domain, 0.0f);
+    LeafValues<float> texture(*frames[0].domain.texture, 0.0f);
     for (auto voxel = texture.tree()->beginValueOn(); voxel; ++voxel) {
         const Coord at = voxel.getCoord();
         voxel.setValue(0.5f + 0.4f * std::sin(0.7f * float(at[0] - at[1])));
     }
-    const LeafValues<float> mean = finish(frames[0], openvdb::Mat3d::identity(), texture, {2, 0});
-    const LeafValues<float> sharp = finish(frames[0], openvdb::Mat3d::identity(), texture, {2, 2});
+    const LeafValues<float> mean = finish(frames[0], 1, texture, {2, 0});
+    const LeafValues<float> sharp = finish(frames[0], 1, texture, {2, 2});
     double before = 0, after = 0, most = 0;
     for (auto value = texture.tree()->cbeginValueOn(); value; ++value) {
         const Coord at = value.getCoord();
@@ -93,7 +93,7 @@ TEST(Finished, DoesNotDependOnThreads)
     std::vector<LeafValues<float>> results;
     for (const std::size_t threads : {1, 2, 7}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        results.push_back(finish(frames[0], openvdb::Mat3d::identity(), texture, {}));
+        results.push_back(finish(frames[0], 1, texture, {}));
     }
     for (auto value = results[0].tree()->cbeginValueOn(); value; ++value) {
         ASSERT_EQ(*value, results[1].tree()->getValue(value.getCoord()));

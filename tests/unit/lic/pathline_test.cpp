@@ -26,14 +26,13 @@ const openvdb::CoordBBox kBox({-16, -16, -8}, {16, 16, 8});
 
 /// A field whose two levels are given in voxels per step.
 struct TestField {
-    std::vector<FlowFrame> frames;
+    std::vector<VelocityFrame> frames;
     VelocityField field;
 
     TestField(const openvdb::CoordBBox& box, const test::FlowFunction& flow) : frames(test::makeFrames(box, 2, flow))
     {
         const FlowStep step = test::stepFrom(frames, 0);
-        field.build(step.start.domain, {step.start.velocities->tree(), step.startToStep},
-                    {step.end.velocities->tree(), step.endToStep});
+        field.build(step.start.domain, step.startVelocities(), step.endVelocities());
     }
 };
 

@@ -88,8 +88,8 @@ TEST_P(FlowTextures, OfAFlowAtRestStayTheNoiseTheyWere)
 {
     const auto textures = texturesOf(Vec3f(0), GetParam(), 12);
     const auto frames = test::makeFrames(kFlowBox, 1, [](const Coord&, int) { return Vec3f(0); });
-    LeafValues<float> noise(*frames[0].domain, 0.0f);
-    const LeafValues<std::int32_t> input = noiseInput(*frames[0].domain, NoiseField(7));
+    LeafValues<float> noise(*frames[0].domain.texture, 0.0f);
+    const LeafValues<std::int32_t> input = noiseInput(*frames[0].domain.texture, NoiseField(7));
     for (auto value = input.tree()->cbeginValueOn(); value; ++value) {
         noise.tree()->setValue(value.getCoord(), float(*value) / 65535.0f);
     }
@@ -115,7 +115,7 @@ TEST(FlowTexture, HandlesDomainsOfOneVoxelOneSheetAndNone)
 }
 
 /// A domain of several slabs, in a flow with swirls.
-std::vector<FlowFrame> longFrames(int frames)
+std::vector<VelocityFrame> longFrames(int frames)
 {
     return test::makeFrames({{0, 0, 0}, {399, 63, 63}}, frames, [](const Coord& at, int frame) {
         const float x = 0.1f * float(at[0]), y = 0.2f * float(at[1]), t = 0.5f * float(frame);
@@ -127,17 +127,17 @@ TEST(FlowTexture, IsTheSameWhetherTheVelocityIsHeldInPartsOrWhole)
 {
     constexpr int kSteps = 2;
     const auto frames = longFrames(kSteps + 1);
-    ASSERT_GT(Slabs(*frames[0].domain).size(), 2u);
+    ASSERT_GT(Slabs(*frames[0].domain.texture).size(), 2u);
     // A fast voxel outside the domain raises the bound of the reach, so that all of the domain is held at once.
     auto fast = frames;
-    for (FlowFrame& frame : fast) {
-        const auto grid = frame.velocities->deepCopy();
+    for (VelocityFrame& frame : fast) {
+        const auto grid = frame.values->deepCopy();
         grid->tree().setValue(Coord(-1000), Vec3f(1e4f));
-        frame.velocities = grid;
+        frame.values = grid;
     }
     const auto parts = test::streamedTextures(frames, kSteps, {}), whole = test::streamedTextures(fast, kSteps, {});
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        for (std::size_t leaf = 0; leaf < frames[k].domain->leafCount(); ++leaf)
+        for (std::size_t leaf = 0; leaf < frames[k].domain.texture->leafCount(); ++leaf)
             ASSERT_TRUE(std::equal(parts[k][leaf], parts[k][leaf] + Domain::kLeafVoxels, whole[k][leaf])) << leaf;
     }
 }
@@ -165,7 +165,7 @@ TEST(FlowTexture, AFrameWithoutVoxelsInTheMiddleIsPassedOver)
     frames[4] = test::makeFrames({{1, 1, 1}, {0, 0, 0}}, 1, [](auto&, int) { return Vec3f(0); })[0];
     const auto textures = test::streamedTextures(frames, 7, {});
     EXPECT_EQ(textures[4].tree()->activeVoxelCount(), 0u);
-    EXPECT_EQ(textures[6].tree()->activeVoxelCount(), frames[6].domain->voxelCount());
+    EXPECT_EQ(textures[6].tree()->activeVoxelCount(), frames[6].domain.texture->voxelCount());
 }
 
 } // namespace

@@ -1,7 +1,7 @@
 #include "vdblic/methods/memory_estimate.h"
 
 #include "vdblic/field/box_domain.h"
-#include "vdblic/field/field_domain.h"
+#include "vdblic/field/frame_domain.h"
 #include "vdblic/methods/method_params.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 // tests/cli/test_memory_estimate.py compares with runs.
 TEST(MemoryEstimate, OfDefaultParametersNeedsTheVoxelsOnly)
 {
-    const FieldDomain frame(boxDomain({256, 256, 256}));
+    const FrameDomain frame(boxDomain({256, 256, 256}));
     EXPECT_EQ(kAuflic.bytes({}, frame, {}, false), denseBytes(256.0 * 256 * 256));
 }
 

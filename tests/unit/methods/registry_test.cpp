@@ -21,16 +21,14 @@ namespace {
 /// The least that a method is: every voxel is white, and nothing is remembered.
 class WhiteTexture final : public FlowTexture {
   public:
-    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override
+    [[nodiscard]] TextureFrame advance(const FlowStep& step) override
     {
-        return {.texture = LeafValues<float>(*step.start.domain, 1.0f),
-                .stats = {},
-                .times = {},
-                .domain = step.start.domain,
-                .refinement = step.start.refinement};
+        TextureFrame result(step);
+        result.texture = {*result.domain, 1.0f};
+        return result;
     }
-    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& /*displacement*/,
-                                                    double /*interval*/) const override
+    [[nodiscard]] Lengths<Space::kTexture> farthestPath(const Speeds<Space::kTexture, Per::kFrame>& /*fastest*/,
+                                                        double /*seconds*/) const override
     {
         return {};
     }
@@ -45,7 +43,7 @@ constinit const TextureMethod kWhite{
         return std::make_unique<WhiteTexture>();
     },
     .describe = [](const MethodParams& /*params*/, openvdb::MetaMap& /*metadata*/) {},
-    .bytes = [](const MethodParams& /*params*/, const FieldDomain& /*first*/, const Refinement& /*given*/,
+    .bytes = [](const MethodParams& /*params*/, const FrameDomain& /*first*/, const Refinement& /*given*/,
                 bool /*withHits*/) { return 1e6; },
 };
 
@@ -72,7 +70,7 @@ TEST(TextureMethods, MakeTheTexturesOfTheirOwnName)
         const auto texture = makeFlowTexture({{.method = method}}, {NoiseField(7)});
         auto* const sparse = dynamic_cast<AdaptiveTexture*>(texture.get());
         EXPECT_EQ(sparse != nullptr, method->isSparse) << method->name;
-        if (sparse) (void)sparse->choose(*frames.front().domain, 1);
+        if (sparse) (void)sparse->choose(*frames.front().domain.texture, 1);
         EXPECT_GT(texture->advance(test::stepFrom(frames, 0)).texture.tree()->activeVoxelCount(), 0u) << method->name;
         EXPECT_EQ(dynamic_cast<const TextureMemory*>(texture.get()) == nullptr, method->isSteady) << method->name;
     }

@@ -54,7 +54,7 @@ TEST_P(Substeps, EqualTheFramesBetween)
 
     const TemporaryFolder folder;
     for (int frame = 0; frame < kFrames; ++frame) {
-        const auto grid = coarse[std::size_t(frame)].velocities->deepCopy();
+        const auto grid = coarse[std::size_t(frame)].values->deepCopy();
         grid->setName("velocity");
         writeVdb(folder / fmt::format("v.{}.vdb", frame), {grid}, {});
     }
@@ -72,9 +72,8 @@ TEST_P(Substeps, EqualTheFramesBetween)
     advectSequence(params, none, silent);
 
     const auto pipeline = makeFlowTexture({params.texture}, {NoiseField(params.seed)});
-    const auto toStep = openvdb::Mat3d::identity() * (1.0 / kSubsteps);
-    const auto advance = [&](const FlowFrame& start, const FlowFrame& end) {
-        return pipeline->advance({start, end, toStep, toStep, 1.0 / kSubsteps}).texture;
+    const auto advance = [&](const VelocityFrame& start, const VelocityFrame& end) {
+        return pipeline->advance({.start = start, .end = end, .substeps = kSubsteps}).texture;
     };
     for (std::uint64_t i = 0; i < resolve(params).prerollSteps(); ++i)
         (void)advance(dense[0], dense[0]);
@@ -96,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Substeps,
                          [](const auto& method) { return method.param.name; });
 
 /// A closed flow: no particle leaves the domain.
-std::vector<FlowFrame> eddy(int substeps)
+std::vector<VelocityFrame> eddy(int substeps)
 {
     const openvdb::CoordBBox box({-16, -16, 0}, {15, 15, 7});
     return test::makeFrames(box, 2, [&](const Coord& at, int) {
@@ -106,7 +105,7 @@ std::vector<FlowFrame> eddy(int substeps)
     });
 }
 
-ScatterStats statsAfter(FlowTexture& pipeline, const std::vector<FlowFrame>& frames)
+ScatterStats statsAfter(FlowTexture& pipeline, const std::vector<VelocityFrame>& frames)
 {
     return pipeline.advance(test::stepFrom(frames, 0)).stats;
 }
@@ -143,7 +142,7 @@ TEST(SubstepsOfUflic, ReleaseEachVoxelOnceAFrame)
     scatter.lifeSpan = kLife;
     scatter.substeps = kSubsteps;
     const auto frames = eddy(kSubsteps);
-    const std::size_t voxels = frames[0].domain->voxelCount();
+    const std::size_t voxels = frames[0].domain.texture->voxelCount();
     const auto pipeline = makeFlowTexture({scatter}, {NoiseField(7)});
     for (int frame = 0; frame < kLife + 2; ++frame) {
         std::size_t released = 0;
@@ -200,7 +199,7 @@ TEST(SubstepsOfAuflic, KeepValuesForTheirLifeSpan)
         double values = 0;
         for (int i = 0; i < kSubsteps; ++i) {
             const ScatterStats stats = statsAfter(*pipeline, still);
-            EXPECT_EQ(stats.particles, still[0].domain->voxelCount());
+            EXPECT_EQ(stats.particles, still[0].domain.texture->voxelCount());
             values += double(stats.hits) / double(stats.deposits) / kSubsteps;
         }
         const double remembered = method == &kAuflic ? 3.0 * kLife / 4 : kLife; // the sum of shares (1 - 4 / (3 L))^n
@@ -229,28 +228,28 @@ TEST(SubstepsOfAuflic, DoNotDependOnThreads)
 TEST(FrameBetween, InterpolatesWhereBothFramesHaveAVelocity)
 {
     const auto frame = [](std::int64_t number, float value, const openvdb::CoordBBox& box, VelocityUnit unit) {
-        LoadedFrame result;
+        VelocityFrame result;
         result.sourceFrame = double(number);
-        result.velocity.file = {number, ""};
-        result.velocity.unit = unit;
-        result.velocity.values = openvdb::Vec3SGrid::create();
-        result.velocity.values->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+        result.file = {number, ""};
+        result.unit = unit;
+        result.values = openvdb::Vec3SGrid::create();
+        result.values->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
         for (auto voxel = box.begin(); voxel; ++voxel)
-            result.velocity.values->tree().setValue(*voxel, Vec3f(value, 0, -value));
+            result.values->tree().setValue(*voxel, Vec3f(value, 0, -value));
         return result;
     };
-    LoadedFrame before = frame(3, 2, {{0, 0, 0}, {9, 3, 3}}, VelocityUnit::kWorldPerSecond);
-    before.velocity.values->tree().addTile(1, {64, 0, 0}, Vec3f(4, 0, 0), true); // a tile of 8^3 voxels
-    const LoadedFrame after = frame(5, 12, {{5, 0, 0}, {19, 3, 3}}, VelocityUnit::kVoxelPerSecond); // 6 world/s
-    const LoadedFrame between = frameBetween(before, after, 0.25);
-    const auto& values = between.velocity.values->tree();
+    VelocityFrame before = frame(3, 2, {{0, 0, 0}, {9, 3, 3}}, VelocityUnit::kWorldPerSecond);
+    before.values->tree().addTile(1, {64, 0, 0}, Vec3f(4, 0, 0), true); // a tile of 8^3 voxels
+    const VelocityFrame after = frame(5, 12, {{5, 0, 0}, {19, 3, 3}}, VelocityUnit::kVoxelPerSecond); // 6 world/s
+    const VelocityFrame between = frameBetween(before, after, 0.25);
+    const auto& values = between.values->tree();
     EXPECT_EQ(values.getValue({2, 1, 1}), Vec3f(2, 0, -2));
     EXPECT_EQ(values.getValue({7, 1, 1}), Vec3f(3, 0, -3));
     EXPECT_EQ(values.getValue({17, 1, 1}), Vec3f(6, 0, -6));
     EXPECT_EQ(values.getValue({65, 2, 2}), Vec3f(4, 0, 0));
     EXPECT_EQ(values.activeVoxelCount(), 20u * 16 + 512);
     EXPECT_EQ(between.sourceFrame, 3.5);
-    EXPECT_EQ(between.velocity.values->transform(), before.velocity.values->transform());
+    EXPECT_EQ(between.values->transform(), before.values->transform());
 }
 
 } // namespace

@@ -6,40 +6,37 @@
 
 namespace vdblic::test {
 
-std::vector<FlowFrame> makeFrames(const openvdb::CoordBBox& box, int frames, const FlowFunction& flow)
+std::vector<VelocityFrame> makeFrames(const openvdb::CoordBBox& box, int frames, const FlowFunction& flow)
 {
-    std::vector<FlowFrame> result;
+    std::vector<VelocityFrame> result;
     for (int frame = 0; frame < frames; ++frame) {
         const auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
         auto values = grid->getAccessor();
         for (auto voxel = box.begin(); voxel; ++voxel) {
             if (const auto velocity = flow(*voxel, frame)) values.setValue(*voxel, *velocity);
         }
-        FlowFrame flowFrame;
-        flowFrame.velocities = grid;
-        flowFrame.domain = std::make_shared<Domain>(
+        const auto domain = std::make_shared<Domain>(
             std::make_shared<openvdb::MaskTree>(grid->tree(), false, true, openvdb::TopologyCopy()));
-        result.push_back(flowFrame);
+        result.push_back({FrameDomain(domain), grid});
     }
     return result;
 }
 
-std::vector<FlowFrame> refined(std::vector<FlowFrame> frames, const Refinement& refinement)
+std::vector<VelocityFrame> refined(std::vector<VelocityFrame> frames, const Refinement& refinement)
 {
-    for (FlowFrame& frame : frames) {
-        frame.refinement = refinement;
-        frame.refinedFrom = frame.domain;
-        frame.domain = std::make_shared<Domain>(refinement.refined(frame.refinedFrom->topology()));
+    for (VelocityFrame& frame : frames) {
+        const std::shared_ptr<const Domain> coarse = frame.domain.velocity;
+        frame.domain = {std::make_shared<Domain>(refinement.refined(coarse->topology())), coarse, refinement};
     }
     return frames;
 }
 
-FlowStep stepFrom(const std::vector<FlowFrame>& frames, std::size_t k)
+FlowStep stepFrom(const std::vector<VelocityFrame>& frames, std::size_t k)
 {
-    return {frames[k], frames[k + 1], openvdb::Mat3d::identity(), openvdb::Mat3d::identity(), 1.0};
+    return {frames[k], frames[k + 1]};
 }
 
-std::vector<FlowFrame> unsteadyFlowWithHole(int frames)
+std::vector<VelocityFrame> unsteadyFlowWithHole(int frames)
 {
     const openvdb::CoordBBox box({-5, 3, -9}, {16, 21, 8});
     return makeFrames(box, frames, [](const openvdb::Coord& at, int frame) -> std::optional<openvdb::Vec3f> {
@@ -53,7 +50,7 @@ std::vector<FlowFrame> unsteadyFlowWithHole(int frames)
     });
 }
 
-std::vector<LeafValues<float>> streamedTextures(const std::vector<FlowFrame>& frames, int steps,
+std::vector<LeafValues<float>> streamedTextures(const std::vector<VelocityFrame>& frames, int steps,
                                                 const TextureParams& scatter)
 {
     const auto pipeline = makeFlowTexture({scatter}, {NoiseField(7)});

@@ -1,6 +1,6 @@
 #include "vdblic/run/displacements.h"
 
-#include "vdblic/field/velocity_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 
 #include <gtest/gtest.h>
 

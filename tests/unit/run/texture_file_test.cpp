@@ -1,7 +1,7 @@
 #include "vdblic/run/texture_file.h"
 
 #include "methods/test_flow.h"
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/velocity_sequence.h"
 #include "vdblic/methods/lic/lic.h"
 #include "vdblic/run/advect_plan.h"
 #include "vdblic/run/texture_run.h"
@@ -22,26 +22,23 @@ using openvdb::Coord;
 using openvdb::Vec3f;
 
 /// A frame of a flow that turns about the z axis, stored in units of half a world unit per second.
-LoadedFrame turningFrame()
+VelocityFrame turningFrame()
 {
-    const FlowFrame flow = test::makeFrames({Coord(-4, -4, 0), Coord(12, 12, 3)}, 1, [](const Coord& at, int) {
-                               return Vec3f(float(-at[1]), float(at[0]), 0);
-                           }).front();
-    LoadedFrame frame;
-    frame.domain = flow.fieldDomain();
-    frame.velocity.values = flow.velocities->deepCopy();
-    frame.velocity.values->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
-    frame.velocity.scale = 0.5;
+    VelocityFrame frame = test::makeFrames({Coord(-4, -4, 0), Coord(12, 12, 3)}, 1, [](const Coord& at, int) {
+                              return Vec3f(float(-at[1]), float(at[0]), 0);
+                          }).front();
+    frame.values->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
+    frame.scale = 0.5;
+    frame.sourceFrame = 3.75;
     return frame;
 }
 
 /// Its texture at 1.5 s, between frames a second apart, with four substeps.
-RunTexture turningTexture()
+TextureFrame turningTexture()
 {
-    RunTexture made{turningFrame(), 3, 1.5, 1, {}};
-    made.frame.sourceFrame = 3.75;
-    made.step.texture = LeafValues<float>(*made.frame.domain.texture, 0.75f);
-    made.step.domain = made.frame.domain.texture;
+    const VelocityFrame frame = turningFrame();
+    TextureFrame made(FlowStep{.start = frame, .end = frame, .substeps = 4, .substep = 3, .time = 1.5});
+    made.texture = {*made.domain, 0.75f};
     return made;
 }
 
@@ -55,17 +52,17 @@ std::vector<std::string> namesOf(const TextureFile& file)
 
 TEST(TextureFile, HoldsEachGridOnItsTransform)
 {
-    RunTexture made = turningTexture();
+    TextureFrame made = turningTexture();
     const auto carried = openvdb::FloatGrid::create();
     carried->setName("smoke");
-    made.frame.velocity.carried = {carried};
-    made.frame.domain.refinement.factors = made.step.refinement.factors = {2, 2, 2};
+    made.frame.carried = {carried};
+    made.frame.domain.refinement.factors = made.refinement.factors = {2, 2, 2};
     AdvectParams params;
     params.textureName = "texture";
     params.derived = {"vorticity", "q"};
     params.finish = 0;
-    made.step.hits = LeafValues<std::int32_t>(*made.step.domain, 3);
-    const auto texture = made.step.texture.tree();
+    made.hits = LeafValues<std::int32_t>(*made.domain, 3);
+    const auto texture = made.texture.tree();
     const openvdb::math::Transform::Ptr finer = made.frame.textureTransform();
 
     const TextureFile file = makeTextureFile(resolve(params), made, 5);
@@ -73,17 +70,17 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
     EXPECT_EQ(file.grids[0]->transform(), *finer);
     EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[0])->treePtr(), texture);
     EXPECT_EQ(file.grids[1]->transform(), *finer);
-    EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::Int32Grid>(file.grids[1])->treePtr(), made.step.hits.tree());
+    EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::Int32Grid>(file.grids[1])->treePtr(), made.hits.tree());
     EXPECT_EQ(file.onTexture, 2u);
     for (const std::size_t other : {2, 3, 4})
-        EXPECT_EQ(file.grids[other]->transform(), made.frame.velocity.values->transform()) << other;
+        EXPECT_EQ(file.grids[other]->transform(), made.frame.values->transform()) << other;
     for (const std::size_t fog : {0, 2, 3, 4})
         EXPECT_EQ(file.grids[fog]->getGridClass(), openvdb::GRID_FOG_VOLUME) << fog;
 }
 
 TEST(TextureFile, MagnitudeIsInWorldUnitsPerSecond)
 {
-    RunTexture made = turningTexture();
+    TextureFrame made = turningTexture();
     const TextureFile file = makeTextureFile(resolve({}), made, 1);
     const auto magnitude = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[1]);
     EXPECT_EQ(magnitude->activeVoxelCount(), made.frame.domain.velocity->voxelCount());
@@ -95,7 +92,7 @@ TEST(TextureFile, MagnitudeIsInWorldUnitsPerSecond)
 
 TEST(TextureFile, TellsItsTimeAndParameters)
 {
-    RunTexture made = turningTexture();
+    TextureFrame made = turningTexture();
     AdvectParams params;
     params.texture.lifeSpan = 6;
     params.texture.substeps = 4;

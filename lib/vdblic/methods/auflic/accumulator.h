@@ -28,7 +28,8 @@ class Accumulator {
     void close(Domain::Leaves leaves);
 
     /// The 512 words of a leaf, x slowest; null if it is closed.
-    [[nodiscard]] std::int64_t* operator[](std::size_t leaf) const { return mWords[leaf]; }
+    [[nodiscard]] std::int64_t* operator[](std::size_t leaf) { return mWords[leaf]; }
+    [[nodiscard]] const std::int64_t* operator[](std::size_t leaf) const { return mWords[leaf]; }
     [[nodiscard]] const openvdb::Int64Tree& tree() const { return *mTree; }
 
   private:

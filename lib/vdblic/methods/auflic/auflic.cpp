@@ -32,7 +32,7 @@ void describeAccelerated(const MethodParams& params, openvdb::MetaMap& metadata)
 }
 
 /// @param particles bytes for each voxel beside those of auflic
-double scatteredBytes(double particles, const MethodParams& params, const FieldDomain& first, bool withHits)
+double scatteredBytes(double particles, const MethodParams& params, const FrameDomain& first, bool withHits)
 {
     return denseBytes(params.texture, first, particles + (withHits ? sizeof(std::int32_t) : 0));
 }
@@ -48,7 +48,7 @@ constinit const TextureMethod kAuflic{
     .leadIn = twoLifeSpansOf,
     .make = makeScattered,
     .describe = describeAccelerated,
-    .bytes = [](const MethodParams& params, const FieldDomain& first, const Refinement& /*given*/,
+    .bytes = [](const MethodParams& params, const FrameDomain& first, const Refinement& /*given*/,
                 bool withHits) { return scatteredBytes(0, params, first, withHits); },
 };
 
@@ -61,7 +61,7 @@ constinit const TextureMethod kAuflic2004{
     .make = makeScattered,
     .describe = describeAccelerated,
     .bytes =
-        [](const MethodParams& params, const FieldDomain& first, const Refinement& /*given*/, bool withHits) {
+        [](const MethodParams& params, const FrameDomain& first, const Refinement& /*given*/, bool withHits) {
             return scatteredBytes(kParticleBytes + 4 * params.texture.lifeSpan, params, first, withHits);
         },
 };
@@ -76,7 +76,7 @@ constinit const TextureMethod kUflic{
     .make = makeScattered,
     .describe = describeScattered,
     .bytes =
-        [](const MethodParams& params, const FieldDomain& first, const Refinement& /*given*/, bool withHits) {
+        [](const MethodParams& params, const FrameDomain& first, const Refinement& /*given*/, bool withHits) {
             return scatteredBytes(kParticleBytes * (params.texture.lifeSpan - 1), params, first, withHits);
         },
 };

@@ -72,7 +72,7 @@ VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, 
 }
 
 VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, int substeps,
-                            const MeanLeaf& before, const MeanLeaf& after)
+                            const MeanLeaf<const float>& before, const MeanLeaf<float>& after)
 {
     const float kept = float(substeps - 1) / float(substeps + 1); // of the older hits' weight
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
@@ -99,11 +99,11 @@ Convolution::Convolution(const Domain& domain, const LeafValues<std::int32_t>& i
     }
 }
 
-void Convolution::take(std::size_t leaf, const std::int64_t* hits) const
+void Convolution::take(std::size_t leaf, const std::int64_t* hits)
 {
     if (mAfter) {
-        convolve(mDomain.mask(leaf), hits, mInput[leaf], mSubsteps, mBefore ? mBefore->of(leaf) : MeanLeaf{},
-                 mAfter->of(leaf));
+        const auto before = mBefore ? std::as_const(*mBefore).of(leaf) : MeanLeaf<const float>{};
+        convolve(mDomain.mask(leaf), hits, mInput[leaf], mSubsteps, before, mAfter->of(leaf));
     } else {
         convolve(mDomain.mask(leaf), hits, mInput[leaf], mTexture[leaf]);
     }

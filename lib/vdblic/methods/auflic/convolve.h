@@ -17,8 +17,10 @@ namespace vdblic {
 void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, float* texture);
 
 /// A leaf of a running mean: 512 values of each, x slowest. Both are null if there is none.
+/// @tparam Number float or const float
+template<typename Number>
 struct MeanLeaf {
-    float *mean = nullptr, *weight = nullptr;
+    Number *mean = nullptr, *weight = nullptr;
 };
 
 /// The texture with substeps: the mean over the last steps, in which hits count less the older they are.
@@ -30,12 +32,13 @@ struct RunningMean {
     LeafValues<float> mean;   ///< in [0, 1]
     LeafValues<float> weight; ///< of the hits that `mean` is of
 
-    [[nodiscard]] MeanLeaf of(std::size_t leaf) const { return {mean[leaf], weight[leaf]}; }
+    [[nodiscard]] MeanLeaf<float> of(std::size_t leaf) { return {mean[leaf], weight[leaf]}; }
+    [[nodiscard]] MeanLeaf<const float> of(std::size_t leaf) const { return {mean[leaf], weight[leaf]}; }
 };
 
 /// A leaf of the running mean after a step, from the one after the step before. Otherwise as convolve() for one step.
 void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, int substeps,
-              const MeanLeaf& before, const MeanLeaf& after);
+              const MeanLeaf<const float>& before, const MeanLeaf<float>& after);
 
 /// The texture of a step, made leaf by leaf as soon as a leaf has all its hits.
 class Convolution {
@@ -47,7 +50,7 @@ class Convolution {
                 std::optional<RunningMean> before);
 
     /// Threads may take different leaves. @param hits Hits words of an own leaf
-    void take(std::size_t leaf, const std::int64_t* hits) const;
+    void take(std::size_t leaf, const std::int64_t* hits);
 
     /// The texture, once every own leaf has been passed to take(); in [0, 1], with room for the halo. Called once.
     [[nodiscard]] LeafValues<float> texture();

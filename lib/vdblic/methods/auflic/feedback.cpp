@@ -83,7 +83,7 @@ struct FeedForward {
         const Bricks::Window fieldWindow = field.window(origin);
         const LocalContrast::Leaf around(sharp.contrast(), origin);
         const WindowBox inside(domain, window.leaves);
-        const LeafVelocities displacements(field.end(), field.fieldDomain().refinement, origin);
+        const LeafVelocities displacements(field.end(), field.frameDomain().refinement, origin);
         const Float8 midway = broadcast8(std::max(1 - 0.25f * substeps, 0.0f)); // a quarter of a frame back
         const Domain::Mask& mask = domain.mask(leaf);
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
@@ -195,15 +195,15 @@ LeafValues<std::int32_t> feedForward(VelocityField& field, const LeafValues<floa
                                      int substeps)
 {
     const Domain& domain = field.domain();
-    const FieldDomain& sampled = field.sampledDomain();
+    const FrameDomain& sampled = field.sampledDomain();
     const Slabs slabs(domain, sampled.refinement), velocitySlabs(slabs, *sampled.velocity, sampled.refinement);
-    SharpTexture sharp(field.fieldDomain().texture, texture, params.sharpen, slabs);
+    SharpTexture sharp(field.frameDomain().texture, texture, params.sharpen, slabs);
     const std::vector<std::uint8_t> withoutRim = leavesWithoutRim(domain);
     const FeedForward filter{field, domain, sharp, noise, params, withoutRim, step, float(substeps)};
 
     LeafValues<std::int32_t> input = noiseInput(next, noise);
     // A sample lies up to a whole frame upstream, and its cell, or the velocity's, reaches one voxel farther.
-    const float farthest = std::min(field.largest()[slabs.axis()] * float(substeps), 1e6f);
+    const float farthest = std::min(field.largest()[std::size_t(slabs.axis())] * float(substeps), 1e6f);
     const int cell = sampled.refinement.factors[std::size_t(slabs.axis())];
     const int reach = int(std::ceil((farthest + float(cell)) / float(LeafVoxel::kDim)));
     slabs.sweep(

@@ -213,7 +213,7 @@ void FlowStateReader::add(const VdbFile& file)
         mState.input[leaf][at] = std::int32_t(std::clamp(noise * kScale, 0.0f, float(kNoiseMax)));
     });
     if (mState.mean) {
-        const auto& [mean, weight] = *mState.mean;
+        auto& [mean, weight] = *mState.mean;
         read(kMean, [&, &to = mean](std::size_t leaf, openvdb::Index at, float value) { to[leaf][at] = value; });
         read(kWeight, [&, &to = weight](std::size_t leaf, openvdb::Index at, float value) { to[leaf][at] = value; });
     }
@@ -228,7 +228,7 @@ FlowState FlowStateReader::finish()
 
 openvdb::GridBase::Ptr inputGrid(const Domain& domain, Domain::Leaves leaves, const LeafValues<std::int32_t>& input)
 {
-    const LeafValues<float> noise(domain, 0.0f, leaves);
+    LeafValues<float> noise(domain, 0.0f, leaves);
     forLeaves(leaves, [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
             noise[leaf][voxel.pos()] = float(input[leaf][voxel.pos()]) / kScale;

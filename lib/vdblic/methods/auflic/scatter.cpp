@@ -87,7 +87,7 @@ std::array<float, 3> longestPaths(const ScatterScene& scene)
 {
     std::array<float, 3> longest{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        float slope = scene.field.largest()[int(axis)];
+        float slope = scene.field.largest()[axis];
         for (const ParticleBins& bins : scene.arriving)
             slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
         longest[axis] = longestPath(slope);
@@ -145,7 +145,7 @@ ScatterStats scatterTiles(const ScatterScene& scene, VelocityField& field, Accum
 
     const std::array<float, 3> longest = longestPaths(scene);
     const openvdb::Coord reach(leavesReached(longest[0]), leavesReached(longest[1]), leavesReached(longest[2]));
-    const FieldDomain& domain = field.sampledDomain();
+    const FrameDomain& domain = field.sampledDomain();
     const Slabs slabs(*domain.texture, domain.refinement), velocitySlabs(slabs, *domain.velocity, domain.refinement);
     // The velocity's cell around a position begins up to one of its voxels before.
     const auto axis = std::size_t(slabs.axis());

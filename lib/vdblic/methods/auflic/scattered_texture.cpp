@@ -46,18 +46,17 @@ ScatteredTexture::ScatteredTexture(const TextureParams& params, NoiseField noise
 }
 
 /// The pipeline of UFLIC: Liu & Moorhead 2004, Figure 1a.
-FlowTextureStep ScatteredTexture::advance(const FlowStep& step)
+TextureFrame ScatteredTexture::advance(const FlowStep& step)
 {
-    FlowTextureStep result;
+    TextureFrame result(step);
     StageClock clock;
-    const Domain& domain = *step.start.domain;
+    const Domain& domain = *step.start.domain.texture;
     if (!mInput) mInput = noiseInput(domain, mNoise);
     VelocityField field;
     Convolution convolution(domain, *mInput, mParams.substeps, std::move(mMean));
     {
         const auto stage = clock.enter(&StageTimes::load);
-        field.prepare(step.start.fieldDomain(), {step.start.velocities->tree(), step.startToStep},
-                      {step.end.velocities->tree(), step.endToStep});
+        field.prepare(step.start.domain, step.startVelocities(), step.endVelocities());
     }
     {
         const auto stage = clock.enter(&StageTimes::scatter);
@@ -66,8 +65,8 @@ FlowTextureStep ScatteredTexture::advance(const FlowStep& step)
             convolution.take(leaf, hits);
             if (step.withHits) countValues(hits, mScatter.method().weight, result.hits[leaf]);
         };
-        result.stats =
-            mScatter.step(field, *mInput, take, *step.end.domain, slopeScale(step.interval), step.owners, clock);
+        result.stats = mScatter.step(field, *mInput, take, *step.end.domain.texture, slopeScale(step.seconds()),
+                                     step.owners, clock);
     }
     {
         const auto stage = clock.enter(&StageTimes::convolve);
@@ -75,37 +74,36 @@ FlowTextureStep ScatteredTexture::advance(const FlowStep& step)
         result.texture = convolution.texture();
         step.owners.takeHalo(result.texture, mParams.feedback.taps > 0 ? 1 : 0); // as far as the mean reaches
         result.texture =
-            meanAlongFlow(domain, step.start.refinement, field.start(), result.texture, mParams.feedback.taps);
+            meanAlongFlow(domain, step.start.domain.refinement, field.start(), result.texture, mParams.feedback.taps);
         step.owners.takeHalo(result.texture);
     }
     {
         const auto stage = clock.enter(&StageTimes::filter);
-        mInput =
-            feedForward(field, result.texture, *step.end.domain, mNoise, mParams.feedback, mStep, mParams.substeps);
-        mMean = convolution.meanOn(*step.end.domain, *mInput);
+        mInput = feedForward(field, result.texture, *step.end.domain.texture, mNoise, mParams.feedback, mStep,
+                             mParams.substeps);
+        mMean = convolution.meanOn(*step.end.domain.texture, *mInput);
     }
     result.times = clock.times();
-    result.domain = step.start.domain;
-    result.refinement = step.start.refinement;
-    mDomain = step.end.domain;
-    mLastInterval = step.interval;
+    mDomain = step.end.domain.texture;
+    mLastSeconds = step.seconds();
     ++mStep;
     return result;
 }
 
-float ScatteredTexture::slopeScale(double interval) const
+float ScatteredTexture::slopeScale(double seconds) const
 {
-    return mLastInterval > 0 ? float(interval / mLastInterval) : 1;
+    return mLastSeconds > 0 ? float(seconds / mLastSeconds) : 1;
 }
 
-std::array<float, 3> ScatteredTexture::farthestPath(const std::array<float, 3>& displacement, double interval) const
+Lengths<Space::kTexture> ScatteredTexture::farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                        double seconds) const
 {
-    std::array<float, 3> farthest{};
+    Lengths<Space::kTexture> farthest;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        float slope = displacement[axis] / float(mParams.substeps);
+        float slope = fastest[axis] / float(mParams.substeps);
         for (const ParticleBins& bins : mScatter.particles())
-            slope = std::max(slope, bins.largestSlope()[axis] * slopeScale(interval));
-        farthest[axis] = longestPath(slope);
+            slope = std::max(slope, bins.largestSlope()[axis] * slopeScale(seconds));
+        farthest.along[axis] = longestPath(slope);
     }
     return farthest;
 }
@@ -138,11 +136,11 @@ TextureMemory::Saved ScatteredTexture::save(std::size_t part) const
     return saved;
 }
 
-void ScatteredTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+void ScatteredTexture::restore(std::uint64_t steps, double seconds, std::shared_ptr<const Domain> domain,
                                const std::function<std::optional<VdbFile>()>& next)
 {
     mStep = steps;
-    mLastInterval = interval;
+    mLastSeconds = seconds;
     FlowStateReader reader(*domain, mScatter.method().words(mParams), mParams.substeps > 1);
     while (const std::optional<VdbFile> file = next())
         reader.add(*file);

@@ -16,20 +16,20 @@ class ScatteredTexture final : public FlowTexture, public TextureMemory, public 
   public:
     ScatteredTexture(const TextureParams& params, NoiseField noise);
 
-    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override;
-    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
-                                                    double interval) const override;
+    [[nodiscard]] TextureFrame advance(const FlowStep& step) override;
+    [[nodiscard]] Lengths<Space::kTexture> farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                        double seconds) const override;
     void handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain) override;
 
     /// Up to eight, the more the larger the state is.
     [[nodiscard]] std::size_t parts() const override;
     [[nodiscard]] Saved save(std::size_t part) const override;
-    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+    void restore(std::uint64_t steps, double seconds, std::shared_ptr<const Domain> domain,
                  const std::function<std::optional<VdbFile>()>& next) override;
 
   private:
     /// Slopes are displacements in a step: of a longer step they are larger.
-    [[nodiscard]] float slopeScale(double interval) const;
+    [[nodiscard]] float slopeScale(double seconds) const;
 
     TextureParams mParams;
     NoiseField mNoise;
@@ -37,7 +37,7 @@ class ScatteredTexture final : public FlowTexture, public TextureMemory, public 
     std::shared_ptr<const Domain> mDomain; // of the step to come
     std::optional<LeafValues<std::int32_t>> mInput;
     std::optional<RunningMean> mMean; // with substeps
-    double mLastInterval = 0;
+    double mLastSeconds = 0;
     std::uint64_t mStep = 0;
 };
 

@@ -23,7 +23,7 @@ struct ScatterScene {
     float slopeScale;
     const VelocityField& field;
     const LeafValues<std::int32_t>& input;
-    const Accumulator& accumulator;
+    Accumulator& accumulator;
     const Domain& next;
     std::vector<ParticleBins>& arriving; ///< each tile takes its own particles out of them
 };

@@ -20,7 +20,7 @@ void describeBlended(const MethodParams& params, openvdb::MetaMap& metadata);
 
 /// TextureMethod::bytes by an estimate.
 template<const TextureMethod::Estimate& kEstimate>
-double bytesByEstimate(const MethodParams& /*params*/, const FieldDomain& first, const Refinement& /*given*/,
+double bytesByEstimate(const MethodParams& /*params*/, const FrameDomain& first, const Refinement& /*given*/,
                        bool /*withHits*/)
 {
     return kEstimate.bytes(double(first.velocity->local().size()) * Domain::kLeafVoxels,

@@ -7,16 +7,43 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
 
+constexpr char kNoise[] = "noise", kOffset[] = "offset", kTexture[] = "texture";
+
+/// Call visit(name, values) for all that is carried. @param name as a grid of a checkpoint
+template<typename Carried, typename Visit>
+void forCarried(Carried& carried, const Visit& visit)
+{
+    if (carried.particles.values.tree()) {
+        visit(kNoise, carried.particles.values);
+        visit(kOffset, carried.particles.offsets);
+    }
+    if (carried.texture.tree()) visit(kTexture, carried.texture);
+}
+
+/// Take a number of a checkpoint. What no offset can be counts as none.
+void setNumber(float stored, float& number)
+{
+    number = stored;
+}
+void setNumber(float stored, std::int32_t& offset)
+{
+    offset = stored >= 0 && stored < float(CellParticles::kOffsetEnd) ? std::int32_t(stored) : 0;
+}
+
 /// Values on a domain's own leaves, on all local ones. Collective.
-LeafValues<float> withHalo(const Domain& domain, const LeafOwners& owners, LeafValues<float> own)
+template<typename T>
+LeafValues<T> withHalo(const Domain& domain, const LeafOwners& owners, LeafValues<T> own)
 {
     if (domain.isWhole()) return own;
-    LeafValues<float> local(domain, 0.0f);
+    LeafValues<T> local(domain, T(0));
     forLeaves(domain.own(), [&](std::size_t leaf) { std::copy_n(own[leaf], LeafVoxel::kCount, local[leaf]); });
     owners.takeHalo(local);
     return local;
@@ -24,19 +51,18 @@ LeafValues<float> withHalo(const Domain& domain, const LeafOwners& owners, LeafV
 
 } // namespace
 
-BackwardTexture::BackwardTexture(const TextureParams& params, NoiseField noise, std::vector<std::string> names)
-    : mParams(params), mNoise(std::move(noise)), mNames(std::move(names))
+BackwardTexture::BackwardTexture(const TextureParams& params, NoiseField noise, Parts carries)
+    : mParams(params), mNoise(std::move(noise)), mCarries(carries)
 {
 }
 
-FlowTextureStep BackwardTexture::advance(const FlowStep& step)
+TextureFrame BackwardTexture::advance(const FlowStep& step)
 {
     StageClock clock;
-    FlowTextureStep result;
-    const Domain& domain = *step.start.domain;
-    Carried before = mCarried.empty() ? first(step) : std::exchange(mCarried, {});
-    for (LeafValues<float>& values : before)
-        values = withHalo(domain, step.owners, std::move(values));
+    TextureFrame result(step);
+    const Domain& domain = *step.start.domain.texture;
+    Carried before = mCarried ? *std::exchange(mCarried, std::nullopt) : first(step);
+    forCarried(before, [&](const char*, auto& values) { values = withHalo(domain, step.owners, std::move(values)); });
     if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
         result.texture = show(step, before, clock);
@@ -46,25 +72,23 @@ FlowTextureStep BackwardTexture::advance(const FlowStep& step)
         mCarried = pullBack(step, before, clock);
     }
     result.times = clock.times();
-    result.domain = step.start.domain;
-    result.refinement = step.start.refinement;
-    mDomain = step.end.domain;
+    mDomain = step.end.domain.texture;
     ++mStep;
     return result;
 }
 
-std::array<float, 3> BackwardTexture::farthestPath(const std::array<float, 3>& displacement, double /*interval*/) const
+Lengths<Space::kTexture> BackwardTexture::farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                       double /*seconds*/) const
 {
-    std::array<float, 3> farthest{};
+    Lengths<Space::kTexture> farthest;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        farthest[axis] = longestPath(displacement[axis] / float(mParams.substeps));
+        farthest.along[axis] = longestPath(fastest[axis] / float(mParams.substeps));
     return farthest;
 }
 
 void BackwardTexture::handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain)
 {
-    for (LeafValues<float>& values : mCarried)
-        values = handedOver(owners, *mDomain, *domain, values);
+    forCarried(*mCarried, [&](const char*, auto& values) { values = handedOver(owners, *mDomain, *domain, values); });
     mDomain = std::move(domain);
 }
 
@@ -77,24 +101,28 @@ TextureMemory::Saved BackwardTexture::save(std::size_t part) const
 {
     const Domain::Leaves leaves = statePart(*mDomain, part);
     Saved saved{{}, boxOf(*mDomain, leaves)};
-    for (std::size_t i = 0; i < mNames.size(); ++i)
-        saved.grids.push_back(stateGrid(*mDomain, leaves, mCarried[i], mNames[i]));
+    forCarried(*mCarried, [&](const char* name, const auto& values) {
+        saved.grids.push_back(stateGrid(*mDomain, leaves, values, name));
+    });
     return saved;
 }
 
-void BackwardTexture::restore(std::uint64_t steps, double /*interval*/, std::shared_ptr<const Domain> domain,
+void BackwardTexture::restore(std::uint64_t steps, double /*seconds*/, std::shared_ptr<const Domain> domain,
                               const std::function<std::optional<VdbFile>()>& next)
 {
     Carried carried;
-    for (std::size_t i = 0; i < mNames.size(); ++i)
-        carried.emplace_back(*domain, 0.0f, domain->own());
-    StateGridReader reader(*domain, mNames);
+    if (mCarries.particles) carried.particles = {{*domain, 0.0f, domain->own()}, {*domain, 0, domain->own()}};
+    if (mCarries.texture) carried.texture = {*domain, 0.0f, domain->own()};
+    std::vector<std::string> names;
+    forCarried(carried, [&](const char* name, const auto&) { names.emplace_back(name); });
+    StateGridReader reader(*domain, names);
     while (const std::optional<VdbFile> file = next()) {
-        for (std::size_t i = 0; i < mNames.size(); ++i) {
-            reader.read(*file, mNames[i], [&](std::size_t leaf, const float* values) {
-                std::copy_n(values, LeafVoxel::kCount, carried[i][leaf]);
+        forCarried(carried, [&](const char* name, auto& to) {
+            reader.read(*file, name, [&](std::size_t leaf, const float* values) {
+                for (int i = 0; i < LeafVoxel::kCount; ++i)
+                    setNumber(values[i], to[leaf][i]);
             });
-        }
+        });
     }
     reader.finish();
     mCarried = std::move(carried);

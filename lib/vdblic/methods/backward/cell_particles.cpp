@@ -22,6 +22,7 @@ constexpr float kRenewed = 0.1f; // of the voxels in which no particle arrives
 
 /// An offset from a voxel's centre, to 1/254 of a voxel along each axis, as a whole number below 2²⁴.
 constexpr int kOffsetBits = 8, kOffsetMask = (1 << kOffsetBits) - 1, kOffsetZero = 1 << (kOffsetBits - 1);
+static_assert(CellParticles::kOffsetEnd == 1 << 3 * kOffsetBits);
 constexpr float kOffsetSteps = 2 * (kOffsetZero - 1); // in a voxel
 constexpr int kNoOffset = (kOffsetZero << kOffsetBits | kOffsetZero) << kOffsetBits | kOffsetZero;
 
@@ -72,7 +73,7 @@ struct Move {
     std::uint64_t number;
 
     VDBLIC_INLINE void moveLeaf(const WayBack::Leaf& way, const Domain::Mask& mask, const openvdb::Coord& origin,
-                                float* values, float* offsets) const
+                                float* values, std::int32_t* offsets) const
     {
         const LeafWindow window(domain, origin);
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
@@ -89,7 +90,7 @@ struct Move {
             const Float8 value = nearest.value;
             const Int8 offset = packed(nearest.from);
             storeRow(maskOf(lanes) ? value : Float8{}, values, row);
-            storeRow(maskOf(lanes) ? __builtin_convertvector(offset, Float8) : Float8{}, offsets, row);
+            storeRow(maskOf(lanes) ? offset : Int8{}, offsets, row);
         }
     }
 
@@ -102,9 +103,9 @@ struct Move {
         for (int corner = 0; corner < 8; ++corner) {
             const auto next = [&](Int8 first, int bit) { return Int8(Unsigned8(first) + unsigned(corner >> bit & 1)); };
             const Int8 i = next(x, 2), j = next(y, 1), k = next(z, 0);
-            Float8 value{}, code{};
-            load(window, i, j, k, lanes, value, code);
-            const Int8 packedOffset = __builtin_convertvector(code, Int8);
+            Float8 value{};
+            Int8 packedOffset{};
+            load(window, i, j, k, lanes, value, packedOffset);
             const Vector8 offset = offsetsOf(packedOffset);
             const Vector8 from = {__builtin_convertvector(i, Float8) + offset.x - position.x,
                                   __builtin_convertvector(j, Float8) + offset.y - position.y,
@@ -121,16 +122,16 @@ struct Move {
 
     /// What voxels hold; 0 where the domain has none.
     VDBLIC_INLINE void load(const LeafWindow& window, Int8 x, Int8 y, Int8 z, unsigned lanes, Float8& value,
-                            Float8& code) const
+                            Int8& offset) const
     {
-        const Int8 slots = window.slots(x, y, z), offsets = LeafVoxel::offset(x, y, z);
+        const Int8 slots = window.slots(x, y, z), at = LeafVoxel::offset(x, y, z);
         for (int lane = 0; lane < kLanes; ++lane) {
             if (!(lanes >> lane & 1)) continue;
             const int leaf = slots[lane] == LeafWindow::kElsewhere ? domain.findLeaf(Int4{x[lane], y[lane], z[lane], 0})
                                                                    : window.leaves[std::size_t(slots[lane])];
             if (leaf < 0) continue;
-            value[lane] = before.values[std::size_t(leaf)][offsets[lane]];
-            code[lane] = before.offsets[std::size_t(leaf)][offsets[lane]];
+            value[lane] = before.values[std::size_t(leaf)][at[lane]];
+            offset[lane] = before.offsets[std::size_t(leaf)][at[lane]];
         }
     }
 
@@ -152,7 +153,7 @@ struct Move {
 };
 
 VDBLIC_KERNEL void moveLeaf(const Move& move, const WayBack::Leaf& way, const Domain::Mask& mask,
-                            const openvdb::Coord& origin, float* values, float* offsets)
+                            const openvdb::Coord& origin, float* values, std::int32_t* offsets)
 {
     move.moveLeaf(way, mask, origin, values, offsets);
 }
@@ -161,7 +162,7 @@ VDBLIC_KERNEL void moveLeaf(const Move& move, const WayBack::Leaf& way, const Do
 
 CellParticles CellParticles::centred(const Domain& domain, const NoiseField& noise)
 {
-    CellParticles particles{noiseValues(domain, noise, domain.own()), LeafValues<float>(domain, 0.0f, domain.own())};
+    CellParticles particles{noiseValues(domain, noise, domain.own()), {domain, 0, domain.own()}};
     forLeaves(domain.own(), [&](std::size_t leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel)
             particles.offsets[leaf][voxel.pos()] = kNoOffset;
@@ -172,8 +173,8 @@ CellParticles CellParticles::centred(const Domain& domain, const NoiseField& noi
 CellParticles CellParticles::moved(const FlowStep& step, const NoiseField& noise, std::uint64_t number,
                                    const PathlineParams& pathline, StageClock& clock) const
 {
-    const Domain &first = *step.start.domain, &last = *step.end.domain;
-    CellParticles result{LeafValues<float>(last, 0.0f, last.own()), LeafValues<float>(last, 0.0f, last.own())};
+    const Domain &first = *step.start.domain.texture, &last = *step.end.domain.texture;
+    CellParticles result{{last, 0.0f, last.own()}, {last, 0, last.own()}};
     const Move move{first, *this, noise, number};
     WayBack way(step, pathline);
     tbb::enumerable_thread_specific<PathBatch> batches;

@@ -22,10 +22,11 @@ namespace vdblic {
 /// from it. A part of those voxels has a new value of noise, else noise would become coarse. Entering fluid brings new
 /// noise.
 struct CellParticles {
-    static constexpr float kWhite = 65535; ///< the largest value
+    static constexpr float kWhite = 65535;     ///< the largest value
+    static constexpr int kOffsetEnd = 1 << 24; ///< no offset is as large
 
     LeafValues<float> values;
-    LeafValues<float> offsets; ///< from the voxel's centre, packed(); 0 where there is no voxel
+    LeafValues<std::int32_t> offsets; ///< from the voxel's centre, packed; 0 where there is no voxel
 
     /// One in the centre of each voxel of a domain's own leaves, with the noise's value.
     [[nodiscard]] static CellParticles centred(const Domain& domain, const NoiseField& noise);

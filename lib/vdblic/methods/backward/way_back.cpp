@@ -10,10 +10,10 @@ namespace vdblic {
 namespace {
 
 /// The slabs of two frames together: no leaf of either lies between two slabs.
-Slabs slabsOf(const FlowFrame& first, const FlowFrame& last)
+Slabs slabsOf(const FrameDomain& first, const FrameDomain& last)
 {
-    const openvdb::MaskTree &before = first.domain->topology(), &after = last.domain->topology();
-    if (first.domain == last.domain || before.hasSameTopology(after)) return Slabs(*last.domain, last.refinement);
+    const openvdb::MaskTree &before = first.texture->topology(), &after = last.texture->topology();
+    if (first.texture == last.texture || before.hasSameTopology(after)) return Slabs(*last.texture, last.refinement);
     const auto both = std::make_shared<openvdb::MaskTree>(before);
     both->topologyUnion(after);
     return Slabs(Domain(both), last.refinement);
@@ -43,19 +43,18 @@ VDBLIC_INLINE Vector8 within(const Vector8& positions, const Vector8& from)
 VelocityField WayBack::reversed(const FlowStep& step)
 {
     VelocityField field;
-    field.prepare(step.end.fieldDomain(), {step.end.velocities->tree(), step.endToStep * -1.0},
-                  {step.start.velocities->tree(), step.startToStep * -1.0});
+    field.prepare(step.end.domain, step.endVelocities() * -1.0, step.startVelocities() * -1.0);
     return field;
 }
 
 WayBack::WayBack(const FlowStep& step, const PathlineParams& params)
-    : mParams(params), mField(reversed(step)), mSlabs(slabsOf(step.start, step.end)),
-      mFirstSlabs(mSlabs, *step.start.domain, {}), mLastSlabs(mSlabs, *step.end.domain, {}),
+    : mParams(params), mField(reversed(step)), mSlabs(slabsOf(step.start.domain, step.end.domain)),
+      mFirstSlabs(mSlabs, *step.start.domain.texture, {}), mLastSlabs(mSlabs, *step.end.domain.texture, {}),
       mVelocitySlabs(mSlabs, *mField.sampledDomain().velocity, mField.sampledDomain().refinement)
 {
     const Refinement& sampled = mField.sampledDomain().refinement;
     const auto finer = float(sampled.factors[std::size_t(mSlabs.axis())] - 1);
-    mReach = leavesReached(longestPath(mField.largest()[mSlabs.axis()]) + finer);
+    mReach = leavesReached(longestPath(mField.largest()[std::size_t(mSlabs.axis())]) + finer);
 }
 
 void WayBack::Leaf::follow(Row& row, unsigned lanes) const

@@ -74,7 +74,7 @@ class WayBack {
     /// The velocities at the second frame, backwards.
     [[nodiscard]] LeafVelocities velocitiesOf(std::size_t leaf) const
     {
-        return {mField.start(), mField.fieldDomain().refinement, domain().origin(leaf)};
+        return {mField.start(), mField.frameDomain().refinement, domain().origin(leaf)};
     }
 
     /// Of the second frame's texture.

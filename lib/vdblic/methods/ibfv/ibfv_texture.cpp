@@ -233,7 +233,7 @@ VDBLIC_KERNEL void blendLeaf(const Blend& blend, const WayBack::Leaf& way, const
 } // namespace
 
 IbfvTexture::IbfvTexture(const TextureParams& texture, const BackwardParams& params, NoiseField noise)
-    : BackwardTexture(texture, std::move(noise), {"texture"}),
+    : BackwardTexture(texture, std::move(noise), {.particles = false, .texture = true}),
       mShare(params.stepShare(texture.lifeSpan, texture.substeps))
 {
 }
@@ -241,7 +241,7 @@ IbfvTexture::IbfvTexture(const TextureParams& texture, const BackwardParams& par
 /// Noise, with as much contrast as the textures to come.
 BackwardTexture::Carried IbfvTexture::first(const FlowStep& step) const
 {
-    const Domain& domain = *step.start.domain;
+    const Domain& domain = *step.start.domain.texture;
     LeafValues<float> texture(domain, 0.0f, domain.own());
     const PeriodicNoise now(noise(), steps(), params().substeps);
     const auto gain = float(std::sqrt(mShare / (2 - mShare)));
@@ -254,22 +254,22 @@ BackwardTexture::Carried IbfvTexture::first(const FlowStep& step) const
             texture[leaf][voxel.pos()] = 0.5f + gain * (value - 0.5f);
         }
     });
-    return {texture};
+    return {{}, texture};
 }
 
 LeafValues<float> IbfvTexture::show(const FlowStep& /*step*/, const Carried& carried, StageClock& /*clock*/) const
 {
-    return carried.front();
+    return carried.texture;
 }
 
 BackwardTexture::Carried IbfvTexture::pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const
 {
-    const Domain &first = *step.start.domain, &last = *step.end.domain;
-    const LeafValues<float>& texture = before.front();
+    const Domain &first = *step.start.domain.texture, &last = *step.end.domain.texture;
+    const LeafValues<float>& texture = before.texture;
     LeafValues<float> result(last, 0.0f, last.own());
     const PeriodicNoise now(noise(), steps() + 1, params().substeps);
     CarriedBricks bricks;
-    bricks.cover(step.start.domain);
+    bricks.cover(step.start.domain.texture);
     const PlaceShares shares(mShare);
     const Blend blend{first, texture, bricks, now, shares, float(mShare)};
     WayBack way(step, params().pathline);
@@ -291,7 +291,7 @@ BackwardTexture::Carried IbfvTexture::pullBack(const FlowStep& step, const Carri
             const WayBack::Leaf ways(way, leaf, velocities, batches.local());
             blendLeaf(blend, ways, last.mask(leaf), last.origin(leaf), values.data(), result[leaf]);
         });
-    return {result};
+    return {{}, result};
 }
 
 } // namespace vdblic

@@ -15,12 +15,10 @@ namespace {
 
 constexpr double kFilterHalf = 1; // steps
 
-enum : std::size_t { kValues, kOffsets, kBlended }; // index in Carried
-
 } // namespace
 
 LeaTexture::LeaTexture(const TextureParams& texture, const BackwardParams& params, NoiseField noise)
-    : BackwardTexture(texture, std::move(noise), {"noise", "offset", "texture"}),
+    : BackwardTexture(texture, std::move(noise), {.particles = true, .texture = true}),
       mShare(params.stepShare(texture.lifeSpan, texture.substeps))
 {
 }
@@ -28,7 +26,7 @@ LeaTexture::LeaTexture(const TextureParams& texture, const BackwardParams& param
 /// Noise, and the same with as much contrast as the textures to come.
 BackwardTexture::Carried LeaTexture::first(const FlowStep& step) const
 {
-    const Domain& domain = *step.start.domain;
+    const Domain& domain = *step.start.domain.texture;
     const CellParticles particles = CellParticles::centred(domain, noise());
     LeafValues<float> blended(domain, 0.0f, domain.own());
     const auto gain = float(std::sqrt(mShare / (2 - mShare)));
@@ -38,20 +36,18 @@ BackwardTexture::Carried LeaTexture::first(const FlowStep& step) const
             blended[leaf][voxel.pos()] = 0.5f + gain * (value - 0.5f);
         }
     });
-    return {particles.values, particles.offsets, blended};
+    return {particles, blended};
 }
 
 LeafValues<float> LeaTexture::show(const FlowStep& step, const Carried& carried, StageClock& clock) const
 {
-    return StreamlineConvolution{step.start, step.startToStep, kFilterHalf, params().pathline}(carried[kBlended], 1,
-                                                                                               clock);
+    return StreamlineConvolution{step, kFilterHalf, params().pathline}(carried.texture, 1, clock);
 }
 
 BackwardTexture::Carried LeaTexture::pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const
 {
-    const CellParticles particles =
-        CellParticles{before[kValues], before[kOffsets]}.moved(step, noise(), steps(), params().pathline, clock);
-    const Domain &first = *step.start.domain, &last = *step.end.domain;
+    const CellParticles particles = before.particles.moved(step, noise(), steps(), params().pathline, clock);
+    const Domain &first = *step.start.domain.texture, &last = *step.end.domain.texture;
     LeafValues<float> blended(last, 0.0f, last.own());
     const auto share = float(mShare);
     forLeaves(last.own(), [&](std::size_t leaf) {
@@ -60,11 +56,11 @@ BackwardTexture::Carried LeaTexture::pullBack(const FlowStep& step, const Carrie
         for (auto voxel = last.mask(leaf).beginOn(); voxel; ++voxel) {
             const float value = particles.values[leaf][voxel.pos()] / CellParticles::kWhite;
             const bool isNew = old < 0 || !first.isActive(old, voxel.pos());
-            const float held = isNew ? value : before[kBlended][std::size_t(old)][voxel.pos()];
+            const float held = isNew ? value : before.texture[std::size_t(old)][voxel.pos()];
             blended[leaf][voxel.pos()] = (1 - share) * held + share * value;
         }
     });
-    return {particles.values, particles.offsets, blended};
+    return {particles, blended};
 }
 
 } // namespace vdblic

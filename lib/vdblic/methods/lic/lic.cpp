@@ -27,7 +27,7 @@ constinit const TextureMethod kLic{
         return std::make_unique<SteadyTexture>(params.texture, std::move(input.noise));
     },
     .describe = describeLifeSpan,
-    .bytes = [](const MethodParams& params, const FieldDomain& first, const Refinement& /*given*/,
+    .bytes = [](const MethodParams& params, const FrameDomain& first, const Refinement& /*given*/,
                 bool /*withHits*/) { return denseBytes(params.texture, first, 0); },
 };
 

@@ -13,27 +13,26 @@ SteadyTexture::SteadyTexture(const TextureParams& params, NoiseField noise) : mP
 {
 }
 
-FlowTextureStep SteadyTexture::advance(const FlowStep& step)
+TextureFrame SteadyTexture::advance(const FlowStep& step)
 {
     StageClock clock;
-    FlowTextureStep result;
-    const FlowFrame& frame = step.start;
+    TextureFrame result(step);
     if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
-        const StreamlineConvolution convolution{frame, step.startToStep, mParams.kernelHalf(), mParams.pathline};
-        result.texture = convolution(noiseValues(*frame.domain, mNoise, frame.domain->local()), kNoiseMax, clock);
+        const Domain& domain = *step.start.domain.texture;
+        const StreamlineConvolution convolution{step, mParams.kernelHalf(), mParams.pathline};
+        result.texture = convolution(noiseValues(domain, mNoise, domain.local()), kNoiseMax, clock);
     }
     result.times = clock.times();
-    result.domain = frame.domain;
-    result.refinement = frame.refinement;
     return result;
 }
 
-std::array<float, 3> SteadyTexture::farthestPath(const std::array<float, 3>& displacement, double /*interval*/) const
+Lengths<Space::kTexture> SteadyTexture::farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                     double /*seconds*/) const
 {
-    std::array<float, 3> farthest{};
+    Lengths<Space::kTexture> farthest;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        farthest[axis] = longestPath(0.5f * float(mParams.lifeSpan) * displacement[axis]);
+        farthest.along[axis] = longestPath(0.5f * float(mParams.lifeSpan) * fastest[axis]);
     return farthest;
 }
 

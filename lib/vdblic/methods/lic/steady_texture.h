@@ -15,9 +15,9 @@ class SteadyTexture final : public FlowTexture {
   public:
     SteadyTexture(const TextureParams& params, NoiseField noise);
 
-    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override;
-    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
-                                                    double interval) const override;
+    [[nodiscard]] TextureFrame advance(const FlowStep& step) override;
+    [[nodiscard]] Lengths<Space::kTexture> farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                        double seconds) const override;
 
   private:
     TextureParams mParams;

@@ -266,7 +266,7 @@ void cutTo(const Domain::Mask& velocity, const Refinement& refinement, const ope
     if (velocity.isOn()) return;
     for (auto voxel = drawn.beginOn(); voxel; ++voxel) {
         const LeafVoxel at = LeafVoxel::at(voxel.pos());
-        const openvdb::Coord coarse = refinement.coarse(origin.offsetBy(at.x, at.y, at.z));
+        const openvdb::Coord coarse = refinement.coarse({origin.offsetBy(at.x, at.y, at.z)}).at;
         if (!velocity.isOn(Domain::Leaf::coordToOffset(coarse))) drawn.setOff(voxel.pos());
     }
 }

@@ -77,18 +77,15 @@ std::string StreakTexture::choose(const Domain& velocity, double displacement)
     return fmt::format("streaks: {}", mShape.text());
 }
 
-FlowTextureStep StreakTexture::advance(const FlowStep& step)
+TextureFrame StreakTexture::advance(const FlowStep& step)
 {
-    FlowTextureStep result;
+    TextureFrame result(step);
     StageClock clock;
     const int substeps = mTexture.substeps;
     const std::uint64_t substep = mStep % std::uint64_t(substeps);
-    const Domain& domain = *step.start.velocityDomain();
+    const Domain& domain = *step.start.domain.velocity;
     mIsSaver = !step.owners.areSeveral() || domain.isOwn(0);
-    if (substep == 0) {
-        const FlowInterval all{step.start, step.end, step.startToStep, step.endToStep, step.interval};
-        traceFrame(step.frame ? *step.frame : all, step.owners, result, clock);
-    }
+    if (substep == 0) traceFrame(step.whole ? *step.whole : step, step.owners, result, clock);
     result.refinement = mShape.refinement;
     const auto& [x, y, z] = mShape.spacing;
     result.metadata.insertMeta(kInactiveKey, openvdb::StringMetadata(kEmpty));
@@ -100,7 +97,7 @@ FlowTextureStep StreakTexture::advance(const FlowStep& step)
     if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
         const double time = double(mStep) / substeps;
-        if (step.withLines) result.lines = linesOf(mStreaks, mShape, domain, time, step.start.velocities->transform());
+        if (step.withLines) result.lines = linesOf(mStreaks, mShape, domain, time, step.start.values->transform());
         const DrawnStreaks drawn = drawStreaks(mStreaks, mShape, domain, time, !mParams.sources.empty());
         result.domain = drawnDomain(*drawn.texture, step.owners);
         result.texture = LeafValues<float>(*result.domain, drawn.texture);
@@ -112,22 +109,22 @@ FlowTextureStep StreakTexture::advance(const FlowStep& step)
 }
 
 /// Trace all streaks through a frame, and let the controller have its turns.
-void StreakTexture::traceFrame(const FlowInterval& flow, const LeafOwners& owners, FlowTextureStep& result,
-                               StageClock& clock)
+void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, TextureFrame& result, StageClock& clock)
 {
     const auto stage = clock.enter(&StageTimes::scatter);
     const std::uint64_t number = mStep / std::uint64_t(mTexture.substeps);
     const auto frame = double(number);
-    const FlowFrame &start = flow.start, &end = flow.end;
-    const std::shared_ptr<const Domain>& domain = start.velocityDomain();
+    const VelocityFrame &start = flow.start, &end = flow.end;
+    const std::int64_t fileNumber = start.file.frame;
+    const std::shared_ptr<const Domain>& domain = start.domain.velocity;
     const bool isFirst = !std::exchange(mHasBegun, true);
     VelocityField field;
     {
         const auto load = clock.enter(&StageTimes::load);
-        field.build(domain, {start.velocities->tree(), flow.startToFrame}, {end.velocities->tree(), flow.endToFrame});
+        field.build(domain, flow.startVelocities(), flow.endVelocities());
     }
     forgetPast(frame);
-    const std::shared_ptr<const Domain> region = emittingPart(start, flow.number);
+    const std::shared_ptr<const Domain> region = emittingPart(start, fileNumber);
     if (isFirst) {
         const StreakTurn turn{field, *domain, frame, 0, 0, mShape.reach()};
         for (std::uint64_t attempt = 0; attempt < kFirstAttempts; ++attempt) {
@@ -135,56 +132,56 @@ void StreakTexture::traceFrame(const FlowInterval& flow, const LeafOwners& owner
             addFirstStreaks(turn, mTexture.pathline, *region, double(mShape.tail), places, owners, mStreaks);
             result.stats.released += places.size();
         }
-        markSources(start, flow.number);
-    } else if (mLastInterval > 0 && mLastInterval != flow.seconds) {
-        const auto scale = float(flow.seconds / mLastInterval);
+        markSources(start, fileNumber);
+    } else if (mLastInterval > 0 && mLastInterval != flow.seconds()) {
+        const auto scale = float(flow.seconds() / mLastInterval);
         for (Streak& streak : mStreaks) {
             for (float& slope : streak.path.back().slope)
                 slope *= scale;
         }
     }
-    mLastInterval = flow.seconds;
+    mLastInterval = flow.seconds();
     for (int i = 0; i < kTurns; ++i) {
         const bool isLast = i + 1 == kTurns;
-        const FlowFrame& there = isLast ? end : start;
-        const StreakTurn turn{field,         *there.velocityDomain(), frame, float(i) / kTurns, float(i + 1) / kTurns,
+        const VelocityFrame& there = isLast ? end : start;
+        const StreakTurn turn{field,         *there.domain.velocity, frame, float(i) / kTurns, float(i + 1) / kTurns,
                               mShape.reach()};
         result.stats.steps += advanceStreaks(turn, mTexture.pathline, owners, mStreaks);
         if (!mParams.emits()) result.stats.blocked += retireCrowded(mStreaks, mShape.spacing, turn.endTime());
-        const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, flow.number) : region;
+        const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, fileNumber) : region;
         const auto places =
             freePlaces(mStreaks, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));
         addStreaks(turn, mTexture.pathline, *emitting, places, owners, mStreaks);
         result.stats.released += places.size();
-        markSources(there, flow.number);
+        markSources(there, fileNumber);
     }
     result.stats.particles = std::size_t(
         std::count_if(mStreaks.begin(), mStreaks.end(), [](const Streak& streak) { return streak.isLive(); }));
 }
 
 /// The voxels of the velocity that release streaks. @param number of the frame, for sequences of grids
-std::shared_ptr<const Domain> StreakTexture::emittingPart(const FlowFrame& frame, std::int64_t number) const
+std::shared_ptr<const Domain> StreakTexture::emittingPart(const VelocityFrame& frame, std::int64_t number) const
 {
-    const std::shared_ptr<const Domain>& domain = frame.velocityDomain();
+    const std::shared_ptr<const Domain>& domain = frame.domain.velocity;
     if (!mParams.emits()) return domain;
     DomainParams cut;
     cut.mask = mParams.emit;
     cut.worldBox = mParams.emitBox;
-    auto region = makeDomain(copyOf(domain->topology()), frame.velocities->transform(), cut, number).velocity;
+    auto region = makeDomain(copyOf(domain->topology()), frame.values->transform(), cut, number).velocity;
     if (region->voxelCount() > 0 || mStep > 0) return region;
     throw InputError(fmt::format("{}: no voxel of the velocity is in it: streaks would be released nowhere",
                                  mParams.emit.empty() ? "`emit_box`" : "`emit` " + mParams.emit));
 }
 
 /// Give streaks the number of the source that they are in.
-void StreakTexture::markSources(const FlowFrame& frame, std::int64_t number)
+void StreakTexture::markSources(const VelocityFrame& frame, std::int64_t number)
 {
     const std::vector<StreakSource> sources = sourcesOf(mParams);
     for (std::size_t i = 0; i < sources.size(); ++i) {
         DomainParams cut;
         cut.mask = sources[i].grid;
-        const FieldDomain region =
-            makeDomain(copyOf(frame.velocityDomain()->topology()), frame.velocities->transform(), cut, number);
+        const FrameDomain region =
+            makeDomain(copyOf(frame.domain.velocity->topology()), frame.values->transform(), cut, number);
         for (Streak& streak : mStreaks) {
             const auto& [x, y, z] = streak.path.back().position;
             if (!streak.isStopped && covers(*region.velocity, Float4{x, y, z, 0})) streak.source = std::uint8_t(i + 1);
@@ -206,12 +203,13 @@ void StreakTexture::forgetPast(double time)
     }
 }
 
-std::array<float, 3> StreakTexture::farthestPath(const std::array<float, 3>& displacement, double /*interval*/) const
+Lengths<Space::kTexture> StreakTexture::farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                     double /*seconds*/) const
 {
     const float frames = mHasBegun ? 1 : std::max(mShape.tail, 1.0f); // the first tails are traced back at once
-    std::array<float, 3> farthest{};
+    Lengths<Space::kTexture> farthest;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        farthest[axis] = longestPath(frames * displacement[axis]);
+        farthest.along[axis] = longestPath(frames * fastest[axis]);
     return farthest;
 }
 
@@ -220,7 +218,7 @@ TextureMemory::Saved StreakTexture::save(std::size_t /*part*/) const
     return {{streakGrid(mStreaks, mShape)}, openvdb::CoordBBox::inf()};
 }
 
-void StreakTexture::restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> /*domain*/,
+void StreakTexture::restore(std::uint64_t steps, double seconds, std::shared_ptr<const Domain> /*domain*/,
                             const std::function<std::optional<VdbFile>()>& next)
 {
     const std::optional<VdbFile> file = next();
@@ -230,7 +228,7 @@ void StreakTexture::restore(std::uint64_t steps, double interval, std::shared_pt
     mShape = state.shape;
     mHasBegun = true;
     mStep = steps;
-    mLastInterval = interval * mTexture.substeps;
+    mLastInterval = seconds * mTexture.substeps;
 }
 
 } // namespace vdblic

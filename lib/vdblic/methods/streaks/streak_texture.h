@@ -29,20 +29,20 @@ class StreakTexture final : public FlowTexture, public TextureMemory, public Ada
     StreakTexture(const TextureParams& texture, StreakParams params, const Refinement& refinement, std::uint32_t seed);
 
     [[nodiscard]] std::string choose(const Domain& velocity, double displacement) override;
-    [[nodiscard]] FlowTextureStep advance(const FlowStep& step) override;
-    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
-                                                    double interval) const override;
+    [[nodiscard]] TextureFrame advance(const FlowStep& step) override;
+    [[nodiscard]] Lengths<Space::kTexture> farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                        double seconds) const override;
 
     /// One, of the rank that has the domain's first leaf.
     [[nodiscard]] std::size_t parts() const override { return mIsSaver ? 1 : 0; }
     [[nodiscard]] Saved save(std::size_t part) const override;
-    void restore(std::uint64_t steps, double interval, std::shared_ptr<const Domain> domain,
+    void restore(std::uint64_t steps, double seconds, std::shared_ptr<const Domain> domain,
                  const std::function<std::optional<VdbFile>()>& next) override;
 
   private:
-    void traceFrame(const FlowInterval& flow, const LeafOwners& owners, FlowTextureStep& result, StageClock& clock);
-    [[nodiscard]] std::shared_ptr<const Domain> emittingPart(const FlowFrame& frame, std::int64_t number) const;
-    void markSources(const FlowFrame& frame, std::int64_t number);
+    void traceFrame(const FlowStep& flow, const LeafOwners& owners, TextureFrame& result, StageClock& clock);
+    [[nodiscard]] std::shared_ptr<const Domain> emittingPart(const VelocityFrame& frame, std::int64_t number) const;
+    void markSources(const VelocityFrame& frame, std::int64_t number);
     void forgetPast(double time);
 
     TextureParams mTexture;

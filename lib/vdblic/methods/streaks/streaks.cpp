@@ -22,7 +22,7 @@ int tailAndSettling(const MethodParams& params)
     return int(std::ceil(params.streaks.tail.value_or(kUnknownTail) + kStreakSettling));
 }
 
-double streakBytes(const MethodParams& params, const FieldDomain& first, const Refinement& given, bool /*withHits*/)
+double streakBytes(const MethodParams& params, const FrameDomain& first, const Refinement& given, bool /*withHits*/)
 {
     openvdb::CoordBBox box;
     (void)first.velocity->topology().evalActiveVoxelBoundingBox(box);

@@ -15,7 +15,7 @@
 namespace vdblic {
 namespace {
 
-enum : std::size_t { kParticleValues, kParticleOffsets }; // index in Carried
+using TextureVelocities = Velocities<Space::kTexture, Per::kStep>;
 
 /// The part of the kernel to take, so that its streamline and the pathline stay together.
 /// @param change of the velocity in a step [voxels]  @param half of the kernel [steps]
@@ -27,14 +27,12 @@ VDBLIC_INLINE Float8 partOf(const Vector8& change, float half)
     return steps < half ? steps / half : broadcast8(1);
 }
 
-VDBLIC_KERNEL void fillParts(const FlowStep& step, float half, std::size_t leaf, float* parts)
+/// @param next   domain of the step's second frame  @param origin of a leaf of the first one's
+/// @param before, after velocities of the two frames
+VDBLIC_KERNEL void fillParts(const Domain& next, const Refinement& refinement, const openvdb::Coord& origin,
+                             const TextureVelocities& before, const TextureVelocities& after, float half, float* parts)
 {
-    const Domain &domain = *step.start.domain, &next = *step.end.domain;
-    const openvdb::Coord origin = domain.origin(leaf);
-    const Refinement& refinement = step.start.refinement;
-    const openvdb::Mat3d toTexture = refinement.toTexture();
-    const LeafVelocities now({step.start.velocities->tree(), toTexture * step.startToStep}, refinement, origin),
-        then({step.end.velocities->tree(), toTexture * step.endToStep}, refinement, origin);
+    const LeafVelocities now(before, refinement, origin), then(after, refinement, origin);
     const int leafThen = next.findLeaf(Int4{origin[0], origin[1], origin[2], 0});
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const Int8 stays = leafThen < 0 ? Int8{} : activeRow(next.mask(std::size_t(leafThen)), row);
@@ -46,38 +44,41 @@ VDBLIC_KERNEL void fillParts(const FlowStep& step, float half, std::size_t leaf,
 } // namespace
 
 UfacTexture::UfacTexture(const TextureParams& texture, NoiseField noise)
-    : BackwardTexture(texture, std::move(noise), {"noise", "offset"})
+    : BackwardTexture(texture, std::move(noise), {.particles = true, .texture = false})
 {
 }
 
-std::array<float, 3> UfacTexture::farthestPath(const std::array<float, 3>& displacement, double interval) const
+Lengths<Space::kTexture> UfacTexture::farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                   double seconds) const
 {
-    std::array<float, 3> farthest = BackwardTexture::farthestPath(displacement, interval);
+    Lengths<Space::kTexture> farthest = BackwardTexture::farthestPath(fastest, seconds);
     for (std::size_t axis = 0; axis < 3; ++axis)
-        farthest[axis] = std::max(farthest[axis], longestPath(0.5f * float(params().lifeSpan) * displacement[axis]));
+        farthest.along[axis] = std::max(farthest[axis], longestPath(0.5f * float(params().lifeSpan) * fastest[axis]));
     return farthest;
 }
 
 BackwardTexture::Carried UfacTexture::first(const FlowStep& step) const
 {
-    const CellParticles particles = CellParticles::centred(*step.start.domain, noise());
-    return {particles.values, particles.offsets};
+    return {CellParticles::centred(*step.start.domain.texture, noise()), {}};
 }
 
 LeafValues<float> UfacTexture::show(const FlowStep& step, const Carried& carried, StageClock& clock) const
 {
     const double half = params().kernelHalf();
-    const StreamlineConvolution convolution{
-        step.start, step.startToStep, half, params().pathline,
-        [&](std::size_t leaf, float* parts) { fillParts(step, float(half), leaf, parts); }};
-    return convolution(carried[kParticleValues], CellParticles::kWhite, clock);
+    const Domain &domain = *step.start.domain.texture, &next = *step.end.domain.texture;
+    const Refinement& refinement = step.start.domain.refinement;
+    const TextureVelocities before = refinement.toTexture(step.startVelocities()),
+                            after = refinement.toTexture(step.endVelocities());
+    const StreamlineConvolution convolution{step, half, params().pathline, [&](std::size_t leaf, float* parts) {
+                                                fillParts(next, refinement, domain.origin(leaf), before, after,
+                                                          float(half), parts);
+                                            }};
+    return convolution(carried.particles.values, CellParticles::kWhite, clock);
 }
 
 BackwardTexture::Carried UfacTexture::pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const
 {
-    const CellParticles particles = CellParticles{before[kParticleValues], before[kParticleOffsets]}.moved(
-        step, noise(), steps(), params().pathline, clock);
-    return {particles.values, particles.offsets};
+    return {before.particles.moved(step, noise(), steps(), params().pathline, clock), {}};
 }
 
 } // namespace vdblic

@@ -18,8 +18,8 @@ class UfacTexture final : public BackwardTexture {
   public:
     UfacTexture(const TextureParams& texture, NoiseField noise);
 
-    [[nodiscard]] std::array<float, 3> farthestPath(const std::array<float, 3>& displacement,
-                                                    double interval) const override;
+    [[nodiscard]] Lengths<Space::kTexture> farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
+                                                        double seconds) const override;
 
   private:
     [[nodiscard]] Carried first(const FlowStep& step) const override;

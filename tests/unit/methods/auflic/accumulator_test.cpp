@@ -14,7 +14,7 @@ namespace {
 TEST(Accumulator, IsATreeOfTheOpenLeaves)
 {
     const auto frames = test::unsteadyFlowWithHole(1);
-    const Domain& domain = *frames[0].domain;
+    const Domain& domain = *frames[0].domain.texture;
     const openvdb::Coord hole(2, 12, 0), outside(-7, 12, 0); // the second is in a leaf of the domain
     ASSERT_FALSE(domain.topology().isValueOn(hole) || domain.topology().isValueOn(outside));
     Accumulator accumulator(domain);

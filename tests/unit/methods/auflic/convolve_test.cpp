@@ -38,30 +38,30 @@ RunningMean meanAfter(const Domain& domain, const LeafValues<std::int64_t>& hits
 {
     RunningMean after{{domain, 0.0f}, {domain, 0.0f}};
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
-        convolve(domain.mask(leaf), hits[leaf], input[leaf], substeps, before ? before->of(leaf) : MeanLeaf{},
-                 after.of(leaf));
+        convolve(domain.mask(leaf), hits[leaf], input[leaf], substeps,
+                 before ? before->of(leaf) : MeanLeaf<const float>{}, after.of(leaf));
     return after;
 }
 
 TEST(Convolve, DividesSumsByHitsAndKeepsTheInputWhereThereAreNone)
 {
     const auto frames = test::makeFrames({{0, 0, 0}, {1, 0, 0}}, 1, [](auto&, int) { return openvdb::Vec3f(0); });
-    const LeafValues<std::int64_t> hits = noHits(*frames[0].domain);
-    LeafValues<std::int32_t> input(*frames[0].domain, 0);
+    LeafValues<std::int64_t> hits = noHits(*frames[0].domain.texture);
+    LeafValues<std::int32_t> input(*frames[0].domain.texture, 0);
     hits.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(std::uint64_t(3) * 65535, 4)));
     input.tree()->setValue({1, 0, 0}, 13107);
-    const auto texture = textureOf(*frames[0].domain, hits, input);
+    const auto texture = textureOf(*frames[0].domain.texture, hits, input);
     EXPECT_FLOAT_EQ(texture.tree()->getValue({0, 0, 0}), 0.75f);
     EXPECT_FLOAT_EQ(texture.tree()->getValue({1, 0, 0}), 0.2f);
 }
 
 /// Hits and inputs of their own for every voxel, on a domain whose leaves are not full.
 struct VariedHits {
-    std::vector<FlowFrame> frames = test::makeFrames({{-2, 1, 0}, {9, 8, 6}}, 1, [](const openvdb::Coord& at, int) {
+    std::vector<VelocityFrame> frames = test::makeFrames({{-2, 1, 0}, {9, 8, 6}}, 1, [](const openvdb::Coord& at, int) {
         const bool isHole = (at[0] + 3 * at[1] + 5 * at[2]) % 7 == 0;
         return isHole ? std::nullopt : std::optional(openvdb::Vec3f(0));
     });
-    const Domain& domain = *frames[0].domain;
+    const Domain& domain = *frames[0].domain.texture;
     LeafValues<std::int64_t> words = noHits(domain);
     LeafValues<std::int32_t> input = noiseInput(domain, NoiseField(3));
 
@@ -117,10 +117,10 @@ TEST(RunningMean, CountsOlderHitsLess)
 {
     constexpr int kSubsteps = 3; // weights halve in every step
     const auto frames = test::makeFrames({{0, 0, 0}, {1, 0, 0}}, 1, [](auto&, int) { return openvdb::Vec3f(0); });
-    const Domain& domain = *frames[0].domain;
+    const Domain& domain = *frames[0].domain.texture;
     const LeafValues<std::int32_t> input(domain, 13107); // 0.2
     const auto step = [&](std::uint64_t sum, std::uint64_t count, const RunningMean* before) {
-        const LeafValues<std::int64_t> hits = noHits(domain);
+        LeafValues<std::int64_t> hits = noHits(domain);
         hits.tree()->setValue({0, 0, 0}, std::int64_t(Hits::pack(sum * 65535, count)));
         return meanAfter(domain, hits, input, before, kSubsteps);
     };
@@ -138,13 +138,15 @@ TEST(RunningMean, OnAnotherDomainStartsNewVoxelsFromTheirInput)
 {
     const auto from = test::makeFrames({{0, 0, 0}, {9, 0, 0}}, 1, [](auto&, int) { return openvdb::Vec3f(0); });
     const auto to = test::makeFrames({{5, 0, 0}, {12, 0, 0}}, 1, [](auto&, int) { return openvdb::Vec3f(0); });
-    const LeafValues<std::int32_t> before(*from[0].domain, 6554), input(*to[0].domain, 13107); // 0.1, 0.2
-    Convolution convolution(*from[0].domain, before, 2, RunningMean{{*from[0].domain, 0.5f}, {*from[0].domain, 6.0f}});
+    const LeafValues<std::int32_t> before(*from[0].domain.texture, 6554),
+        input(*to[0].domain.texture, 13107); // 0.1, 0.2
+    Convolution convolution(*from[0].domain.texture, before, 2,
+                            RunningMean{{*from[0].domain.texture, 0.5f}, {*from[0].domain.texture, 6.0f}});
     const std::vector<std::int64_t> noHits(LeafVoxel::kCount, 0);
-    for (std::size_t leaf = 0; leaf < from[0].domain->leafCount(); ++leaf)
+    for (std::size_t leaf = 0; leaf < from[0].domain.texture->leafCount(); ++leaf)
         convolution.take(leaf, noHits.data());
     EXPECT_EQ(convolution.texture().tree()->getValue({3, 0, 0}), 0.5f);
-    const RunningMean moved = convolution.meanOn(*to[0].domain, input).value();
+    const RunningMean moved = convolution.meanOn(*to[0].domain.texture, input).value();
     EXPECT_EQ(moved.mean.tree()->activeVoxelCount(), 8u);
     for (int x = 5; x <= 12; ++x) {
         EXPECT_FLOAT_EQ(moved.mean.tree()->getValue({x, 0, 0}), x < 10 ? 0.5f : 0.2f) << x;

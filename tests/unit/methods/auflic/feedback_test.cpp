@@ -27,11 +27,11 @@ using openvdb::Vec3f;
 constexpr std::uint32_t kSeed = 5;
 
 /// A step from the first frame to the last.
-VelocityField fieldOver(const std::vector<FlowFrame>& frames)
+VelocityField fieldOver(const std::vector<VelocityFrame>& frames)
 {
     VelocityField field;
-    field.build(frames.front().domain, {frames.front().velocities->tree(), openvdb::Mat3d::identity()},
-                {frames.back().velocities->tree(), openvdb::Mat3d::identity()});
+    field.build(frames.front().domain, {frames.front().values->tree(), openvdb::Mat3d::identity()},
+                {frames.back().values->tree(), openvdb::Mat3d::identity()});
     return field;
 }
 
@@ -44,7 +44,7 @@ LeafValues<float> uniformTexture(const Domain& domain, float value)
     return texture;
 }
 
-LeafValues<std::int32_t> feedForwardOver(const std::vector<FlowFrame>& frames, const LeafValues<float>& texture,
+LeafValues<std::int32_t> feedForwardOver(const std::vector<VelocityFrame>& frames, const LeafValues<float>& texture,
                                          const Domain& next, const NoiseField& noise, const FeedbackParams& params,
                                          std::uint64_t step)
 {
@@ -58,9 +58,9 @@ TEST(FeedForward, AVoxelNewInTheNextDomainTakesTheNoise)
         return at[0] < (frame == 0 ? 6 : 12) ? std::optional(Vec3f(0)) : std::nullopt;
     });
     const NoiseField noise(kSeed);
-    const LeafValues<float> texture = uniformTexture(*frames[0].domain, 0.25f);
-    const auto next = feedForwardOver(frames, texture, *frames[1].domain, noise, {}, 0);
-    const auto original = noiseInput(*frames[1].domain, noise);
+    const LeafValues<float> texture = uniformTexture(*frames[0].domain.texture, 0.25f);
+    const auto next = feedForwardOver(frames, texture, *frames[1].domain.texture, noise, {}, 0);
+    const auto original = noiseInput(*frames[1].domain.texture, noise);
     for (const Coord& at : openvdb::CoordBBox({6, 0, 0}, {11, 7, 7})) {
         EXPECT_EQ(next.tree()->getValue(at), original.tree()->getValue(at));
     }
@@ -84,9 +84,9 @@ TEST(FeedForward, FluidIsFollowedBackAtItsSpeedInTheLastHalfStep)
     const openvdb::CoordBBox box({0, 0, 0}, {31, 7, 7});
     const auto steady = test::makeFrames(box, 1, [](auto&, int) { return Vec3f(4, 0, 0); });
     const auto slowing = test::makeFrames(box, 2, [](auto&, int frame) { return Vec3f(frame == 0 ? 10 : 2, 0, 0); });
-    const LeafValues<float> texture = noisyTexture(*steady[0].domain);
-    const auto expected = feedForwardOver(steady, texture, *steady[0].domain, NoiseField(kSeed), {}, 0);
-    const auto next = feedForwardOver(slowing, texture, *steady[0].domain, NoiseField(kSeed), {}, 0);
+    const LeafValues<float> texture = noisyTexture(*steady[0].domain.texture);
+    const auto expected = feedForwardOver(steady, texture, *steady[0].domain.texture, NoiseField(kSeed), {}, 0);
+    const auto next = feedForwardOver(slowing, texture, *steady[0].domain.texture, NoiseField(kSeed), {}, 0);
     for (const Coord& at : openvdb::CoordBBox({8, 0, 0}, {31, 7, 7})) { // whose fluid did not enter in this step
         EXPECT_EQ(next.tree()->getValue(at), expected.tree()->getValue(at)) << at;
     }
@@ -98,12 +98,12 @@ TEST(FeedForward, FluidIsFollowedBackByTheVelocityMidway)
     const openvdb::CoordBBox box({0, 0, 0}, {31, 7, 7});
     const auto grown = [](float x) { return Vec3f((x + 8) / 8, 0, 0); };
     const auto growing = test::makeFrames(box, 1, [&](const Coord& at, int) { return grown(float(at[0])); });
-    const LeafValues<float> texture = noisyTexture(*growing[0].domain);
-    const auto next = feedForwardOver(growing, texture, *growing[0].domain, NoiseField(kSeed), {}, 0);
+    const LeafValues<float> texture = noisyTexture(*growing[0].domain.texture);
+    const auto next = feedForwardOver(growing, texture, *growing[0].domain.texture, NoiseField(kSeed), {}, 0);
     for (int x = 12; x <= 28; ++x) {
         const Vec3f midway = grown(float(x) - grown(float(x))[0] / 4);
         const auto uniform = test::makeFrames(box, 1, [&](auto&, int) { return midway; });
-        const auto expected = feedForwardOver(uniform, texture, *uniform[0].domain, NoiseField(kSeed), {}, 0);
+        const auto expected = feedForwardOver(uniform, texture, *uniform[0].domain.texture, NoiseField(kSeed), {}, 0);
         const Coord at(x, 4, 4);
         EXPECT_NEAR(next.tree()->getValue(at), expected.tree()->getValue(at), 1) << x;
     }
@@ -113,9 +113,9 @@ TEST(FeedForward, FluidThatEntersBringsNewNoiseEveryStep)
 {
     const auto frames = test::makeFrames({{0, 0, 0}, {15, 7, 7}}, 2, [](auto&, int) { return Vec3f(2, 0, 0); });
     VelocityField field = fieldOver(frames);
-    const LeafValues<float> texture = uniformTexture(*frames[0].domain, 0.25f);
-    const auto first = feedForward(field, texture, *frames[1].domain, NoiseField(kSeed), {}, 0);
-    const auto second = feedForward(field, texture, *frames[1].domain, NoiseField(kSeed), {}, 1);
+    const LeafValues<float> texture = uniformTexture(*frames[0].domain.texture, 0.25f);
+    const auto first = feedForward(field, texture, *frames[1].domain.texture, NoiseField(kSeed), {}, 0);
+    const auto second = feedForward(field, texture, *frames[1].domain.texture, NoiseField(kSeed), {}, 1);
     std::size_t differing = 0;
     for (const Coord& at : openvdb::CoordBBox({0, 0, 0}, {1, 7, 7})) {
         differing += first.tree()->getValue(at) != second.tree()->getValue(at);
@@ -133,9 +133,9 @@ TEST(FeedForward, FluidThatEntersContinuesTheStreaksThatEnteredBefore)
     const Vec3f velocity(6, 3, 0); // voxels a frame
     const auto frames = test::makeFrames({{0, 0, 0}, {23, 63, 7}}, 2, [&](auto&, int) { return velocity; });
     VelocityField field = fieldOver(frames);
-    const LeafValues<float> texture = uniformTexture(*frames[0].domain, 0.25f);
+    const LeafValues<float> texture = uniformTexture(*frames[0].domain.texture, 0.25f);
     const auto entered = [&](std::uint64_t step) {
-        return feedForward(field, texture, *frames[1].domain, NoiseField(kSeed), {}, step);
+        return feedForward(field, texture, *frames[1].domain.texture, NoiseField(kSeed), {}, step);
     };
     const auto first = entered(7), second = entered(8);
     test::Correlation streak, seam, across;
@@ -154,10 +154,10 @@ TEST(FeedForward, FluidThatEntersContinuesTheStreaksThatEnteredBefore)
     EXPECT_LT(std::abs(across.value()), 0.2);
     // The same flow in steps of a quarter: the noise is about time, not about steps.
     VelocityField quarter;
-    quarter.build(frames[0].domain, {frames[0].velocities->tree(), openvdb::Mat3d::identity() * (1.0 / kSubsteps)},
-                  {frames[1].velocities->tree(), openvdb::Mat3d::identity() * (1.0 / kSubsteps)});
+    quarter.build(frames[0].domain, {frames[0].values->tree(), openvdb::Mat3d::identity() * (1.0 / kSubsteps)},
+                  {frames[1].values->tree(), openvdb::Mat3d::identity() * (1.0 / kSubsteps)});
     const auto inQuarters =
-        feedForward(quarter, texture, *frames[1].domain, NoiseField(kSeed), {}, 8 * kSubsteps - 1, kSubsteps);
+        feedForward(quarter, texture, *frames[1].domain.texture, NoiseField(kSeed), {}, 8 * kSubsteps - 1, kSubsteps);
     std::size_t compared = 0;
     for (const Coord& at : openvdb::CoordBBox({0, 20, 0}, {4, 60, 7})) {
         if (!isReleaseTurn(at & ~7, 8 * kSubsteps, kSubsteps)) continue;
@@ -240,8 +240,8 @@ TEST(FeedForward, MixSharpensRestoresContrastAndAddsNoise)
         const bool isHole = noiseValue(at[0], at[1], at[2], 1) < 6000;
         return inBall || isHole ? std::nullopt : std::optional(Vec3f(0));
     });
-    const Domain& domain = *frames[0].domain;
-    const LeafValues<float> texture(domain, 0);
+    const Domain& domain = *frames[0].domain.texture;
+    LeafValues<float> texture(domain, 0);
     std::map<Coord, double> plainTexture;
     for (auto voxel = domain.topology().cbeginValueOn(); voxel; ++voxel) {
         const Coord at = voxel.getCoord();

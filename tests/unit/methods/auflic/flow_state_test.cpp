@@ -92,7 +92,7 @@ TEST_P(SavedState, GoesOnToTheBitFromAnyStep)
         for (std::size_t k = 0; k < saved; ++k)
             (void)before->advance(test::stepFrom(frames, k));
         const auto after = makeFlowTexture({GetParam()}, {NoiseField(7)});
-        test::memoryOf(*after).restore(saved, 1, frames[saved].domain, source(throughFiles(*before)));
+        test::memoryOf(*after).restore(saved, 1, frames[saved].domain.texture, source(throughFiles(*before)));
         for (std::size_t k = saved; k < kStateSteps; ++k) {
             EXPECT_EQ(differingVoxels(after->advance(test::stepFrom(frames, k)).texture, expected[k]), 0u)
                 << "step " << k << " after " << saved;
@@ -195,7 +195,7 @@ TEST(ParticleGrid, MayBeEmpty)
 TEST(InputGrid, KeepsEveryValue)
 {
     const auto domain = box({{0, 0, 0}, {63, 63, 31}}); // 2 x 65536 voxels
-    const LeafValues<std::int32_t> input(*domain, 0);
+    LeafValues<std::int32_t> input(*domain, 0);
     for (std::size_t leaf = 0; leaf < domain->leafCount(); ++leaf) {
         for (std::size_t i = 0; i < Domain::kLeafVoxels; ++i) {
             const auto number = std::uint32_t(leaf * Domain::kLeafVoxels + i);
@@ -221,15 +221,15 @@ TEST(SavedStates, ThatDoNotFitAreRefused)
         (void)texture->advance(test::stepFrom(frames, k));
     const std::vector<VdbFile> state = throughFiles(*texture);
     const auto other = makeFlowTexture({}, {NoiseField(7)});
-    EXPECT_NO_THROW(test::memoryOf(*other).restore(2, 1, frames[2].domain, source(state)));
-    EXPECT_THROW(test::memoryOf(*other).restore(2, 1, frames[3].domain, source(state)), InputError);
+    EXPECT_NO_THROW(test::memoryOf(*other).restore(2, 1, frames[2].domain.texture, source(state)));
+    EXPECT_THROW(test::memoryOf(*other).restore(2, 1, frames[3].domain.texture, source(state)), InputError);
     for (std::size_t missing = 0; missing < state.front().grids.size(); ++missing) {
         std::vector<VdbFile> part = state;
         part.front().grids.erase(part.front().grids.begin() + std::ptrdiff_t(missing));
-        EXPECT_THROW(test::memoryOf(*other).restore(2, 1, frames[2].domain, source(part)), InputError);
+        EXPECT_THROW(test::memoryOf(*other).restore(2, 1, frames[2].domain.texture, source(part)), InputError);
     }
     const auto window = makeFlowTexture({savedParams(&kAuflic2004, 4)}, {NoiseField(7)});
-    EXPECT_THROW(test::memoryOf(*window).restore(2, 1, frames[2].domain, source(state)), InputError);
+    EXPECT_THROW(test::memoryOf(*window).restore(2, 1, frames[2].domain.texture, source(state)), InputError);
 }
 
 TEST(SavedStates, OfLargeDomainsAreInParts)
@@ -249,11 +249,11 @@ TEST(SavedStates, OfLargeDomainsAreInParts)
     both.expand(test::memoryOf(*before).save(1).box);
     EXPECT_EQ(both, openvdb::CoordBBox({0, 0, 0}, {519, 519, 7}));
     const std::vector<VdbFile> files = throughFiles(*before);
-    test::memoryOf(*after).restore(2, 1, frames[2].domain, source({files[1], files[0]})); // in any order
+    test::memoryOf(*after).restore(2, 1, frames[2].domain.texture, source({files[1], files[0]})); // in any order
     EXPECT_EQ(differingVoxels(after->advance(test::stepFrom(frames, 2)).texture,
                               before->advance(test::stepFrom(frames, 2)).texture),
               0u);
-    EXPECT_THROW(test::memoryOf(*incomplete).restore(2, 1, frames[2].domain, source({files[1]})), InputError);
+    EXPECT_THROW(test::memoryOf(*incomplete).restore(2, 1, frames[2].domain.texture, source({files[1]})), InputError);
 }
 
 TEST(ParticleGrid, IsRefusedWithValuesThatNoRunLeaves)

@@ -18,7 +18,7 @@ namespace {
 using openvdb::Coord;
 
 /// A step of a method that is asked for its hits.
-FlowTextureStep stepWithHits(FlowTexture& texture, const std::vector<FlowFrame>& frames, std::size_t k)
+TextureFrame stepWithHits(FlowTexture& texture, const std::vector<VelocityFrame>& frames, std::size_t k)
 {
     FlowStep step = test::stepFrom(frames, k);
     step.withHits = true;
@@ -60,7 +60,7 @@ TEST(HitsOfVoxels, OfAUniformFlowAreTheSamplesOfEachSeed)
     const auto texture = makeFlowTexture({scattering(&kUflic, 1)}, {NoiseField(7)});
     for (std::size_t k = 0; k < 2; ++k) {
         const LeafValues<std::int32_t> hits = stepWithHits(*texture, frames, k).hits;
-        EXPECT_EQ(hits.tree()->activeVoxelCount(), frames[0].domain->voxelCount());
+        EXPECT_EQ(hits.tree()->activeVoxelCount(), frames[0].domain.texture->voxelCount());
         for (auto count = hits.tree()->cbeginValueOn(); count; ++count) {
             const int upstream = count.getCoord()[0] + 9;
             ASSERT_EQ(*count, upstream == 0 ? 1 : upstream == 1 ? 4 : 5) << count.getCoord();
@@ -85,13 +85,13 @@ TEST(HitsOfVoxels, AddUpToThoseOfTheStep)
     for (const TextureMethod* const method : {&kUflic, &kAuflic2004, &kAuflic}) {
         const auto texture = makeFlowTexture({scattering(method, 3)}, {NoiseField(7)});
         for (std::size_t k = 0; k < 5; ++k) {
-            const FlowTextureStep step = stepWithHits(*texture, frames, k);
+            const TextureFrame step = stepWithHits(*texture, frames, k);
             std::size_t sum = 0, empty = 0, voxels = 0;
             for (auto count = step.hits.tree()->cbeginValueOn(); count; ++count, ++voxels) {
                 sum += std::size_t(*count);
                 empty += *count == 0;
             }
-            EXPECT_EQ(voxels, frames[k].domain->voxelCount());
+            EXPECT_EQ(voxels, frames[k].domain.texture->voxelCount());
             EXPECT_EQ(empty, step.stats.emptyVoxels);
             if (method == &kAuflic) { // each voxel's are rounded
                 EXPECT_NEAR(double(sum), double(step.stats.hits), 0.05 * double(step.stats.hits));

@@ -25,15 +25,15 @@ float clampToUnit(float value)
 }
 
 /// The velocity at the centre of a texture voxel, in texture voxels per step; 0 where there is none.
-Vec3f velocityOfVoxel(const FlowFrame& frame, const Coord& voxel)
+Vec3f velocityOfVoxel(const VelocityFrame& frame, const Coord& voxel)
 {
-    const openvdb::Vec3STree& values = frame.velocities->tree();
+    const openvdb::Vec3STree& values = frame.values->tree();
     Vec3f value(0);
-    if (frame.refinement.isNone()) return values.probeValue(voxel, value) ? value : Vec3f(0);
+    if (frame.domain.refinement.isNone()) return values.probeValue(voxel, value) ? value : Vec3f(0);
     Coord cell;
     Vec3f fraction, factors;
     for (int axis = 0; axis < 3; ++axis) {
-        factors[axis] = float(frame.refinement.factors[std::size_t(axis)]);
+        factors[axis] = float(frame.domain.refinement.factors[std::size_t(axis)]);
         const float scale = 1 / factors[axis], coarse = float(voxel[axis]) * scale + (0.5f * scale - 0.5f);
         cell[axis] = int(std::floor(coarse));
         fraction[axis] = coarse - std::floor(coarse);
@@ -60,8 +60,8 @@ class Feedback {
   public:
     Feedback(const LiteralField& field, const LeafValues<float>& texture, const NoiseField& noise,
              const FeedbackParams& params, std::uint64_t step)
-        : mField(field), mVoxels(field.start().domain->topology()), mNoise(noise), mParams(params), mStep(step),
-          mSharp(*field.start().domain, 0.0f)
+        : mField(field), mVoxels(field.start().domain.texture->topology()), mNoise(noise), mParams(params), mStep(step),
+          mSharp(*field.start().domain.texture, 0.0f)
     {
         const openvdb::FloatTree::Ptr sharp = mSharp.tree();
         for (auto voxel = sharp->beginValueOn(); voxel; ++voxel)
@@ -198,11 +198,11 @@ class Feedback {
 
 } // namespace
 
-LeafValues<float> literalMeanAlongFlow(const FlowFrame& frame, const LeafValues<float>& texture)
+LeafValues<float> literalMeanAlongFlow(const VelocityFrame& frame, const LeafValues<float>& texture)
 {
     constexpr int kTaps = 2;
-    const openvdb::MaskTree& voxels = frame.domain->topology();
-    LeafValues<float> result(*frame.domain, 0.0f);
+    const openvdb::MaskTree& voxels = frame.domain.texture->topology();
+    LeafValues<float> result(*frame.domain.texture, 0.0f);
     const openvdb::FloatTree::Ptr tree = result.tree();
     for (auto voxel = tree->beginValueOn(); voxel; ++voxel) {
         const Coord at = voxel.getCoord(), leaf = at & ~7;
@@ -244,7 +244,7 @@ LeafValues<std::int32_t> literalFeedForward(const LiteralField& field, const Lea
     const auto tree = input.tree();
     for (auto voxel = tree->beginValueOn(); voxel; ++voxel) {
         const Coord at = voxel.getCoord();
-        voxel.setValue(field.start().domain->topology().isValueOn(at) ? feedback.at(at) : noise.at(at));
+        voxel.setValue(field.start().domain.texture->topology().isValueOn(at) ? feedback.at(at) : noise.at(at));
     }
     return input;
 }

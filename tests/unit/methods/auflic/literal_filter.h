@@ -2,7 +2,7 @@
 
 #include "methods/auflic/literal_path.h"
 #include "vdblic/field/domain.h"
-#include "vdblic/field/flow_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 #include "vdblic/methods/auflic/feedback_params.h"
 #include "vdblic/noise/noise_field.h"
 
@@ -12,7 +12,7 @@ namespace vdblic::test {
 
 /// The mean of a texture along the line of flow through each voxel: five samples, a voxel apart along its velocity,
 /// with the weights 1 2 3 2 1; what lies outside the domain does not count (docs/algorithm.md). Voxel by voxel.
-LeafValues<float> literalMeanAlongFlow(const FlowFrame& frame, const LeafValues<float>& texture);
+LeafValues<float> literalMeanAlongFlow(const VelocityFrame& frame, const LeafValues<float>& texture);
 
 /// The next input: the texture sharpened, taken half a step upstream, its contrast restored, a share of the noise
 /// added; fluid that has come in brings noise (Shen & Kao 1998, section 3.3; docs/algorithm.md). Voxel by voxel.

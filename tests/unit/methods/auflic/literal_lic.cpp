@@ -49,9 +49,9 @@ Vec3f velocityAt(const LiteralField& field, const Coord& voxel)
 
 class LiteralLic {
   public:
-    LiteralLic(const std::vector<FlowFrame>& frames, int steps, const TextureParams& params)
+    LiteralLic(const std::vector<VelocityFrame>& frames, int steps, const TextureParams& params)
         : mParams(params), mBuckets(std::size_t(params.lifeSpan)), mNoise(7),
-          mInput(noiseInput(*frames[0].domain, mNoise))
+          mInput(noiseInput(*frames[0].domain.texture, mNoise))
     {
         for (std::size_t k = 0; k < std::size_t(steps); ++k)
             mFields.emplace_back(frames[k], frames[k + 1]);
@@ -71,7 +71,7 @@ class LiteralLic {
 
         // Convolve the bucket of step k, which no later SCAP adds to.
         Bucket& bucket = mBuckets[k % mBuckets.size()];
-        LeafValues<float> texture(*mFields[k].start().domain, 0.0f);
+        LeafValues<float> texture(*mFields[k].start().domain.texture, 0.0f);
         for (auto leaf = texture.tree()->beginLeaf(); leaf; ++leaf) {
             for (auto value = leaf->beginValueOn(); value; ++value) {
                 const auto hits = bucket.hits.find(value.getCoord());
@@ -97,7 +97,10 @@ class LiteralLic {
         }
     }
 
-    const openvdb::MaskTree& topology(std::size_t step) const { return mFields[step].start().domain->topology(); }
+    const openvdb::MaskTree& topology(std::size_t step) const
+    {
+        return mFields[step].start().domain.texture->topology();
+    }
     std::uint32_t inputAt(const Coord& voxel) const { return std::uint32_t(mInput.tree()->getValue(voxel)); }
 
     bool inDomain(std::size_t step, const Coord& voxel) const { return topology(step).isValueOn(voxel); }
@@ -208,7 +211,7 @@ class LiteralHistory {
 
     LeafValues<float> step(std::size_t k, const LiteralField& field, const Domain& next)
     {
-        const openvdb::MaskTree& domain = field.start().domain->topology();
+        const openvdb::MaskTree& domain = field.start().domain.texture->topology();
         mHits.clear();
         mOpen.clear();
         std::vector<Mote> scan;
@@ -247,7 +250,7 @@ class LiteralHistory {
             scatter(field, mote);
         }
 
-        LeafValues<float> texture(*field.start().domain, 0.0f);
+        LeafValues<float> texture(*field.start().domain.texture, 0.0f);
         for (auto value = texture.tree()->beginValueOn(); value; ++value) {
             const auto hits = mHits.find(value.getCoord());
             value.setValue((hits == mHits.end() ? float(mInput.tree()->getValue(value.getCoord()))
@@ -308,25 +311,25 @@ class LiteralHistory {
 
 } // namespace
 
-std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<FlowFrame>& frames, int steps,
+std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<VelocityFrame>& frames, int steps,
                                                           const TextureParams& scatter)
 {
-    LiteralHistory literal(scatter, *frames[0].domain);
+    LiteralHistory literal(scatter, *frames[0].domain.texture);
     std::vector<LeafValues<float>> textures;
     for (std::size_t k = 0; k < std::size_t(steps); ++k) {
-        textures.push_back(literal.step(k, {frames[k], frames[k + 1]}, *frames[k + 1].domain));
+        textures.push_back(literal.step(k, {frames[k], frames[k + 1]}, *frames[k + 1].domain.texture));
     }
     return textures;
 }
 
-std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
+std::vector<LeafValues<float>> literalTextures(const std::vector<VelocityFrame>& frames, int steps,
                                                const TextureParams& scatter)
 {
     LiteralLic literal(frames, steps, scatter);
     std::vector<LeafValues<float>> textures;
     textures.reserve(std::size_t(steps));
     for (int k = 0; k < steps; ++k)
-        textures.push_back(literal.scatteringProcess(std::size_t(k), *frames[std::size_t(k) + 1].domain));
+        textures.push_back(literal.scatteringProcess(std::size_t(k), *frames[std::size_t(k) + 1].domain.texture));
     return textures;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain.h"
-#include "vdblic/field/flow_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 #include "vdblic/methods/texture_params.h"
 
 #include <vector>
@@ -13,11 +13,11 @@ namespace vdblic::test {
 ///
 /// Shares only the noise and the containers with the library: literal_path.h has the pathlines, literal_filter.h the
 /// filters.
-std::vector<LeafValues<float>> literalTextures(const std::vector<FlowFrame>& frames, int steps,
+std::vector<LeafValues<float>> literalTextures(const std::vector<VelocityFrame>& frames, int steps,
                                                const TextureParams& scatter);
 
 /// AUFLIC with history, slowly: particle after particle and deposit after deposit, all in maps.
-std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<FlowFrame>& frames, int steps,
+std::vector<LeafValues<float>> literalTexturesWithHistory(const std::vector<VelocityFrame>& frames, int steps,
                                                           const TextureParams& scatter);
 
 } // namespace vdblic::test

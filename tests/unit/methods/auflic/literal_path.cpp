@@ -134,11 +134,11 @@ std::optional<Vec3f> LiteralField::at(const Vec3f& position, float time) const
 {
     Vec3f coarse, factors;
     for (int axis = 0; axis < 3; ++axis) { // (f + ½) / N − ½
-        factors[axis] = float(mStart.refinement.factors[std::size_t(axis)]);
+        factors[axis] = float(mStart.domain.refinement.factors[std::size_t(axis)]);
         const float scale = 1 / factors[axis];
         coarse[axis] = position[axis] * scale + (0.5f * scale - 0.5f);
     }
-    const std::optional<Vec3f> place = placeInBlocks(mStart.velocityDomain()->topology(), coarse);
+    const std::optional<Vec3f> place = placeInBlocks(mStart.domain.velocity->topology(), coarse);
     if (!place) return std::nullopt;
     const Coord cell = cellAround(*place);
     const Vec3f fraction = *place - Vec3f(cell.asVec3s());
@@ -166,7 +166,7 @@ std::optional<Vec3f> LiteralField::at(const Vec3f& position, float time) const
 
 bool LiteralField::covers(const Vec3f& position) const
 {
-    return mStart.domain->topology().isValueOn(voxelAround(position));
+    return mStart.domain.texture->topology().isValueOn(voxelAround(position));
 }
 
 LiteralTrace literalTrace(const LiteralField& field, const TextureParams& params, Vec3f position, Vec3f slope)
@@ -175,7 +175,7 @@ LiteralTrace literalTrace(const LiteralField& field, const TextureParams& params
     LiteralTrace trace{path.back().end, path.back().endSlope, {}, false};
     for (const Curve& curve : path) {
         sample(curve, params.pathline.sampleSpacing, [&](const Coord& voxel, float time) {
-            trace.ended = trace.ended || !field.start().domain->topology().isValueOn(voxel);
+            trace.ended = trace.ended || !field.start().domain.texture->topology().isValueOn(voxel);
             if (!trace.ended) trace.samples.push_back({voxel, time < params.releaseWindow});
         });
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vdblic/field/flow_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 #include "vdblic/methods/texture_params.h"
 
 #include <openvdb/openvdb.h>
@@ -33,22 +33,21 @@ std::optional<openvdb::Vec3f> placeInBlocks(const openvdb::MaskTree& blocks, con
 class LiteralField {
   public:
     /// Both must outlive this.
-    LiteralField(const FlowFrame& start, const FlowFrame& end)
-        : mStart(start), mEnd(end), mAtStart(start.velocities->getConstAccessor()),
-          mAtEnd(end.velocities->getConstAccessor())
+    LiteralField(const VelocityFrame& start, const VelocityFrame& end)
+        : mStart(start), mEnd(end), mAtStart(start.values->getConstAccessor()), mAtEnd(end.values->getConstAccessor())
     {
     }
 
     /// @param position index space of the texture  @param time 0 to 1  @return nothing without a value
     [[nodiscard]] std::optional<openvdb::Vec3f> at(const openvdb::Vec3f& position, float time) const;
 
-    [[nodiscard]] const FlowFrame& start() const { return mStart; }
-    [[nodiscard]] const FlowFrame& end() const { return mEnd; }
+    [[nodiscard]] const VelocityFrame& start() const { return mStart; }
+    [[nodiscard]] const VelocityFrame& end() const { return mEnd; }
     /// Whether the texture has the voxel in which a position lies.
     [[nodiscard]] bool covers(const openvdb::Vec3f& position) const;
 
   private:
-    const FlowFrame &mStart, &mEnd;
+    const VelocityFrame &mStart, &mEnd;
     openvdb::Vec3SGrid::ConstAccessor mAtStart, mAtEnd;
 };
 

@@ -50,8 +50,8 @@ TEST(LocalContrast, IsMeanAndDeviationOfTheBlocksAround)
         const bool isHole = (at - Coord(5, 6, 7)).asVec3d().length() < 3;
         return isHole ? std::nullopt : std::optional(openvdb::Vec3f(0));
     });
-    const Domain& domain = *frames[0].domain;
-    const LeafValues<float> values(domain, 0.0f);
+    const Domain& domain = *frames[0].domain.texture;
+    LeafValues<float> values(domain, 0.0f);
     for (auto voxel = values.tree()->beginValueOn(); voxel; ++voxel) {
         const Coord at = voxel.getCoord();
         voxel.setValue(float(noiseValue(at[0], at[1], at[2], 1)) / float(kNoiseMax));

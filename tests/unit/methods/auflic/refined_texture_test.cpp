@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Factors, RefinedTexture,
                          });
 
 /// A small turning flow off the origin, at negative indices, with a hole that moves.
-std::vector<FlowFrame> smallFlow(int frames)
+std::vector<VelocityFrame> smallFlow(int frames)
 {
     return test::makeFrames({{-5, 3, -4}, {5, 9, 3}}, frames, [](const Coord& at, int frame) -> std::optional<Vec3f> {
         const float x = float(at[0]), y = float(at[1]) - 6, z = float(at[2]);

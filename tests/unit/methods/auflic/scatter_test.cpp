@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Auflic, EqualsLiteral,
                          nameOf);
 
 /// Textures of runs on one, two and seven threads.
-void expectSameForAnyThreads(const std::vector<FlowFrame>& frames, const TextureParams& method)
+void expectSameForAnyThreads(const std::vector<VelocityFrame>& frames, const TextureParams& method)
 {
     const int steps = int(frames.size()) - 1;
     std::vector<std::vector<LeafValues<float>>> runs;
@@ -109,7 +109,7 @@ bool groupsCanRunTogether(const Domain& domain)
 }
 
 /// A channel of many leaves with a few voxels across, in an unsteady flow along it of less than 5 voxels a step.
-std::vector<FlowFrame> channelFlow(int frames)
+std::vector<VelocityFrame> channelFlow(int frames)
 {
     return test::makeFrames({{0, -3, 5}, {4, 2, 324}}, frames, [](const openvdb::Coord& at, int frame) {
         const float z = 0.3f * float(at[2]), t = 0.8f * float(frame);
@@ -120,7 +120,7 @@ std::vector<FlowFrame> channelFlow(int frames)
 TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
 {
     const auto frames = channelFlow(kScatterSteps + 1);
-    ASSERT_TRUE(groupsCanRunTogether(*frames[0].domain));
+    ASSERT_TRUE(groupsCanRunTogether(*frames[0].domain.texture));
     for (const TextureParams& method : {params(&kUflic, 4), params(&kAuflic2004, 4), params(&kAuflic, 4, 0.5f)})
         expectSameForAnyThreads(frames, method);
 }
@@ -128,7 +128,7 @@ TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreads)
 TEST(Scatter, GivesTheSameTexturesForAnyNumberOfThreadsWhereTilesAreFewAndNear)
 {
     const auto frames = test::unsteadyFlowWithHole(kScatterSteps + 1);
-    ASSERT_FALSE(groupsCanRunTogether(*frames[0].domain));
+    ASSERT_FALSE(groupsCanRunTogether(*frames[0].domain.texture));
     expectSameForAnyThreads(frames, params(&kAuflic, 4, 0.5f));
 }
 
@@ -143,7 +143,7 @@ TEST(Scatter, GivesTheSameTexturesForAnyNumberOfSlabs)
     });
     {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-        ASSERT_EQ(Slabs(*frames[0].domain).size(), 3u);
+        ASSERT_EQ(Slabs(*frames[0].domain.texture).size(), 3u);
     }
     for (const TextureParams& method : {params(&kUflic, 4), params(&kAuflic, 4, 0.25f)})
         expectSameForAnyThreads(frames, method);
@@ -160,18 +160,17 @@ TEST(Scatter, ASinkThatTakesInMoreThanFitsIsTheSameForAnyNumberOfThreads)
 
 /// A step over a domain, with its input and its hits.
 struct OneStep {
-    std::vector<FlowFrame> frames;
+    std::vector<VelocityFrame> frames;
     VelocityField field;
     LeafValues<std::int32_t> input;
     LeafValues<std::int64_t> hits;
 
-    explicit OneStep(std::vector<FlowFrame> flow) : frames(std::move(flow))
+    explicit OneStep(std::vector<VelocityFrame> flow) : frames(std::move(flow))
     {
         const FlowStep step = test::stepFrom(frames, 0);
-        field.build(step.start.domain, {step.start.velocities->tree(), step.startToStep},
-                    {step.end.velocities->tree(), step.endToStep});
-        input = noiseInput(*step.start.domain, NoiseField(3));
-        hits = LeafValues<std::int64_t>(*step.start.domain, -1);
+        field.build(step.start.domain, step.startVelocities(), step.endVelocities());
+        input = noiseInput(*step.start.domain.texture, NoiseField(3));
+        hits = LeafValues<std::int64_t>(*step.start.domain.texture, -1);
     }
     ScatterStats by(Scatter& scatter)
     {

@@ -35,7 +35,7 @@ std::unique_ptr<FlowTexture> makeLookingBack(const TextureMethod* method)
     return makeFlowTexture({params, {}, {}}, {NoiseField(7)});
 }
 
-std::vector<LeafValues<float>> lookingBack(const std::vector<FlowFrame>& frames, const TextureMethod* method)
+std::vector<LeafValues<float>> lookingBack(const std::vector<VelocityFrame>& frames, const TextureMethod* method)
 {
     const auto texture = makeLookingBack(method);
     std::vector<LeafValues<float>> made;
@@ -63,8 +63,8 @@ TEST_P(LooksBack, AndIsTheSameForAnyThreads)
         made.push_back(lookingBack(frames, GetParam()));
     }
     for (std::size_t k = 0; k < made[0].size(); ++k) {
-        EXPECT_TRUE(areEqual(made[0][k], made[1][k], *frames[k].domain));
-        EXPECT_TRUE(areEqual(made[0][k], made[2][k], *frames[k].domain));
+        EXPECT_TRUE(areEqual(made[0][k], made[1][k], *frames[k].domain.texture));
+        EXPECT_TRUE(areEqual(made[0][k], made[2][k], *frames[k].domain.texture));
     }
 }
 
@@ -102,16 +102,16 @@ TEST_P(LooksBack, AndIsTheSameWhetherTheVelocityIsHeldInPartsOrWhole)
         const float x = 0.1f * float(at[0]), y = 0.2f * float(at[1]), t = 0.5f * float(frame);
         return Vec3f(1.5f + std::sin(y + t), std::cos(x - t), std::sin(x + y));
     });
-    ASSERT_GT(Slabs(*frames[0].domain).size(), 2u);
+    ASSERT_GT(Slabs(*frames[0].domain.texture).size(), 2u);
     auto fast = frames; // a fast voxel outside the domain raises the bound of the reach
-    for (FlowFrame& frame : fast) {
-        const auto grid = frame.velocities->deepCopy();
+    for (VelocityFrame& frame : fast) {
+        const auto grid = frame.values->deepCopy();
         grid->tree().setValue(Coord(-1000), Vec3f(1e4f));
-        frame.velocities = grid;
+        frame.values = grid;
     }
     const auto parts = lookingBack(frames, GetParam()), whole = lookingBack(fast, GetParam());
     for (std::size_t k = 0; k < parts.size(); ++k)
-        EXPECT_TRUE(areEqual(parts[k], whole[k], *frames[k].domain)) << k;
+        EXPECT_TRUE(areEqual(parts[k], whole[k], *frames[k].domain.texture)) << k;
 }
 
 TEST_P(LooksBack, AndPassesOverAFrameWithoutVoxels)
@@ -120,7 +120,7 @@ TEST_P(LooksBack, AndPassesOverAFrameWithoutVoxels)
     frames[4] = test::makeFrames({{1, 1, 1}, {0, 0, 0}}, 1, [](auto&, int) { return Vec3f(0); })[0];
     const auto textures = lookingBack(frames, GetParam());
     EXPECT_EQ(textures[4].tree()->activeVoxelCount(), 0u);
-    EXPECT_EQ(textures[6].tree()->activeVoxelCount(), frames[6].domain->voxelCount());
+    EXPECT_EQ(textures[6].tree()->activeVoxelCount(), frames[6].domain.texture->voxelCount());
 }
 
 TEST_P(LooksBack, AndGoesOnToTheBitFromASavedState)
@@ -138,13 +138,15 @@ TEST_P(LooksBack, AndGoesOnToTheBitFromASavedState)
             return std::exchange(next, false) ? std::optional(readVdb(folder / "state.vdb")) : std::nullopt;
         };
         const auto after = makeLookingBack(GetParam());
-        test::memoryOf(*after).restore(saved, 1, frames[saved].domain, source);
+        test::memoryOf(*after).restore(saved, 1, frames[saved].domain.texture, source);
         for (std::size_t k = saved; k < expected.size(); ++k) {
-            EXPECT_TRUE(areEqual(after->advance(test::stepFrom(frames, k)).texture, expected[k], *frames[k].domain))
+            EXPECT_TRUE(
+                areEqual(after->advance(test::stepFrom(frames, k)).texture, expected[k], *frames[k].domain.texture))
                 << "step " << k << " after " << saved;
         }
-        EXPECT_THROW(test::memoryOf(*makeLookingBack(GetParam())).restore(saved, 1, frames[saved + 1].domain, source),
-                     InputError);
+        EXPECT_THROW(
+            test::memoryOf(*makeLookingBack(GetParam())).restore(saved, 1, frames[saved + 1].domain.texture, source),
+            InputError);
     }
 }
 

@@ -23,7 +23,7 @@ CellParticles movedBy(const test::FlowFunction& flow, int steps)
 {
     const auto frames = test::makeFrames(kCellBox, steps + 1, flow);
     const NoiseField noise(7);
-    CellParticles particles = CellParticles::centred(*frames[0].domain, noise);
+    CellParticles particles = CellParticles::centred(*frames[0].domain.texture, noise);
     const TextureParams params;
     StageClock clock;
     for (std::size_t k = 0; k < std::size_t(steps); ++k)

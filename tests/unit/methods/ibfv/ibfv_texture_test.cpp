@@ -21,7 +21,7 @@ constexpr double kAlpha = 0.3;
 const openvdb::CoordBBox kIbfvBox({-5, 3, -9}, {34, 14, 6});
 
 /// The last texture of so many steps.
-LeafValues<float> ibfvOf(const std::vector<FlowFrame>& frames, int substeps = 1)
+LeafValues<float> ibfvOf(const std::vector<VelocityFrame>& frames, int substeps = 1)
 {
     TextureParams params;
     params.method = &kIbfv;

@@ -25,7 +25,7 @@ double leaNoise(const Coord& at)
     return NoiseField(7).at(at) / double(CellParticles::kWhite);
 }
 
-std::unique_ptr<FlowTexture> leaAfter(const std::vector<FlowFrame>& frames, LeafValues<float>& last)
+std::unique_ptr<FlowTexture> leaAfter(const std::vector<VelocityFrame>& frames, LeafValues<float>& last)
 {
     TextureParams params;
     params.method = &kLea;

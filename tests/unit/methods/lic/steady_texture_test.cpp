@@ -16,10 +16,9 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3f;
 
-LeafValues<float> licOf(const std::vector<FlowFrame>& frames, int lifeSpan)
+LeafValues<float> licOf(const std::vector<VelocityFrame>& frames, int lifeSpan)
 {
-    const auto toStep = openvdb::Mat3d::identity();
-    return SteadyTexture({.lifeSpan = lifeSpan}, NoiseField(7)).advance({frames[0], frames[0], toStep, toStep}).texture;
+    return SteadyTexture({.lifeSpan = lifeSpan}, NoiseField(7)).advance({frames[0], frames[0]}).texture;
 }
 
 double noiseAt(const Coord& at)

@@ -29,10 +29,10 @@ Refinement fourfold()
     return refinement;
 }
 
-StreakTexture begun(const std::vector<FlowFrame>& frames, const StreakParams& params = smallStreaks())
+StreakTexture begun(const std::vector<VelocityFrame>& frames, const StreakParams& params = smallStreaks())
 {
     StreakTexture texture({.method = &kStreaks}, params, fourfold(), 1);
-    (void)texture.choose(*frames.front().domain, 1);
+    (void)texture.choose(*frames.front().domain.texture, 1);
     return texture;
 }
 
@@ -46,7 +46,7 @@ bool areEqual(const openvdb::FloatTree& a, const openvdb::FloatTree& b)
 }
 
 /// Uniform flow along x, two voxels a frame.
-std::vector<FlowFrame> uniformFlow(int frames)
+std::vector<VelocityFrame> uniformFlow(int frames)
 {
     return test::makeFrames({{0, 0, 0}, {47, 15, 15}}, frames,
                             [](const openvdb::Coord&, int) { return openvdb::Vec3f(2, 0, 0); });
@@ -54,7 +54,7 @@ std::vector<FlowFrame> uniformFlow(int frames)
 
 TEST(StreakTexture, DoesNotDependOnTheNumberOfThreads)
 {
-    const std::vector<FlowFrame> frames = test::unsteadyFlowWithHole(5);
+    const std::vector<VelocityFrame> frames = test::unsteadyFlowWithHole(5);
     std::vector<openvdb::FloatTree::Ptr> one, many;
     {
         const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
@@ -72,16 +72,15 @@ TEST(StreakTexture, DoesNotDependOnTheNumberOfThreads)
 
 TEST(StreakTexture, GoesOnFromASavedState)
 {
-    const std::vector<FlowFrame> frames = test::unsteadyFlowWithHole(6);
+    const std::vector<VelocityFrame> frames = test::unsteadyFlowWithHole(6);
     StreakTexture whole = begun(frames);
     for (std::size_t k = 0; k < 3; ++k)
         (void)whole.advance(test::stepFrom(frames, k));
     StreakTexture other({.method = &kStreaks}, StreakParams{}, Refinement{}, 1);
     std::optional<VdbFile> file = VdbFile{whole.save(0).grids, {}, {}};
-    other.restore(3, 1, frames[3].domain, [&] { return std::exchange(file, std::nullopt); });
+    other.restore(3, 1, frames[3].domain.texture, [&] { return std::exchange(file, std::nullopt); });
     for (std::size_t k = 3; k < 5; ++k) {
-        const FlowTextureStep a = whole.advance(test::stepFrom(frames, k)),
-                              b = other.advance(test::stepFrom(frames, k));
+        const TextureFrame a = whole.advance(test::stepFrom(frames, k)), b = other.advance(test::stepFrom(frames, k));
         EXPECT_TRUE(areEqual(*a.texture.tree(), *b.texture.tree())) << k;
         EXPECT_EQ(b.refinement, fourfold());
     }
@@ -90,7 +89,7 @@ TEST(StreakTexture, GoesOnFromASavedState)
 TEST(StreakTexture, MovesWithTheFlow)
 {
     // Two velocity voxels a frame are eight of the texture.
-    const std::vector<FlowFrame> frames = uniformFlow(4);
+    const std::vector<VelocityFrame> frames = uniformFlow(4);
     StreakTexture texture = begun(frames);
     const openvdb::FloatTree::Ptr before = texture.advance(test::stepFrom(frames, 0)).texture.tree(),
                                   after = texture.advance(test::stepFrom(frames, 1)).texture.tree();
@@ -111,7 +110,7 @@ TEST(StreakTexture, SlidesInOverARim)
 {
     // In uniform flow a streak in full brightness reaches the inflow: none waits behind the rim for its time to fade
     // in.
-    const std::vector<FlowFrame> frames = uniformFlow(8);
+    const std::vector<VelocityFrame> frames = uniformFlow(8);
     StreakTexture texture = begun(frames);
     openvdb::FloatTree::Ptr last;
     for (std::size_t k = 0; k < 7; ++k)
@@ -129,11 +128,11 @@ TEST(StreakTexture, SlidesInOverARim)
 
 TEST(StreakTexture, FillsTheDomainEvenlyAndSteadily)
 {
-    const std::vector<FlowFrame> frames = uniformFlow(12);
+    const std::vector<VelocityFrame> frames = uniformFlow(12);
     StreakTexture texture = begun(frames);
     std::vector<double> live;
     for (std::size_t k = 0; k < 11; ++k) {
-        const FlowTextureStep step = texture.advance(test::stepFrom(frames, k));
+        const TextureFrame step = texture.advance(test::stepFrom(frames, k));
         live.push_back(double(step.stats.particles));
         EXPECT_EQ(step.stats.blocked, 0u); // nothing comes nearer in uniform flow
     }
@@ -146,17 +145,14 @@ TEST(StreakTexture, FillsTheDomainEvenlyAndSteadily)
 
 TEST(StreakTexture, IsEmptyWhereThereIsNoVoxel)
 {
-    std::vector<FlowFrame> frames = test::makeFrames(
+    std::vector<VelocityFrame> frames = test::makeFrames(
         {{0, 0, 0}, {15, 15, 15}}, 4, [](const openvdb::Coord&, int frame) -> std::optional<openvdb::Vec3f> {
             return frame == 1 ? std::nullopt : std::optional(openvdb::Vec3f(1, 0, 0));
         });
     StreakTexture texture = begun(frames);
     EXPECT_GT(texture.advance(test::stepFrom(frames, 0)).texture.tree()->activeVoxelCount(), 0u);
     EXPECT_EQ(texture.advance(test::stepFrom(frames, 1)).texture.tree()->activeVoxelCount(), 0u);
-    EXPECT_GT(texture.advance({frames[2], frames[3], openvdb::Mat3d::identity(), openvdb::Mat3d::identity(), 1.0})
-                  .texture.tree()
-                  ->activeVoxelCount(),
-              0u);
+    EXPECT_GT(texture.advance({frames[2], frames[3]}).texture.tree()->activeVoxelCount(), 0u);
 }
 
 } // namespace

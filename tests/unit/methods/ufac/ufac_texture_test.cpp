@@ -43,18 +43,18 @@ TEST(UfacTexture, OfASteadyFlowIsSteadyLic)
 {
     const auto frames = test::makeFrames(kUfacBox, 5, turning);
     const auto texture = makeUfac();
-    const FlowTextureStep made = texture->advance(test::stepFrom(frames, 0));
+    const TextureFrame made = texture->advance(test::stepFrom(frames, 0));
     expectEqual(made.texture, SteadyTexture({}, NoiseField(7)).advance(test::stepFrom(frames, 0)).texture, kUfacBox);
 
     // Later on it is that of the noise as it has moved.
     (void)texture->advance(test::stepFrom(frames, 1));
     const auto moved = openvdb::gridPtrCast<openvdb::FloatGrid>(test::memoryOf(*texture).save(0).grids.front());
     ASSERT_EQ(moved->getName(), "noise");
-    const Domain& domain = *frames[2].domain;
+    const Domain& domain = *frames[2].domain.texture;
     const FlowStep step = test::stepFrom(frames, 2);
     const TextureParams params;
     StageClock clock;
-    const StreamlineConvolution convolution{step.start, step.startToStep, params.kernelHalf(), params.pathline};
+    const StreamlineConvolution convolution{step, params.kernelHalf(), params.pathline};
     const LeafValues<float> input(domain, moved->treePtr());
     expectEqual(texture->advance(step).texture, convolution(input, CellParticles::kWhite, clock), kUfacBox);
 }

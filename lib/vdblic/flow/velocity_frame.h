@@ -1,13 +1,19 @@
 #pragma once
 
 #include "vdblic/core/parameters.h"
+#include "vdblic/distributed/partition.h"
+#include "vdblic/field/frame_domain.h"
+#include "vdblic/field/units.h"
+#include "vdblic/field/velocities.h"
 #include "vdblic/io/sequence.h"
 
 #include <openvdb/openvdb.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -55,9 +61,18 @@ struct FrameTimes {
 /// @param grid of the velocity; what its metadata lack is taken from the file's
 [[nodiscard]] FrameTimes timesOf(const openvdb::GridBase& grid, const openvdb::MetaMap& file);
 
-/// The velocity of one frame.
+/// The velocity at one time, and the voxels of the texture to make of it.
 struct VelocityFrame : VelocityConvention, FrameTimes {
+    VelocityFrame() = default;
+    /// A velocity in memory. @param velocity in world units per second, on voxel centres
+    VelocityFrame(FrameDomain voxels, openvdb::Vec3SGrid::Ptr velocity)
+        : domain(std::move(voxels)), values(std::move(velocity))
+    {
+    }
+
     FrameFile file;
+    double sourceFrame = 1;         ///< number of the frame; between two frames a fraction
+    FrameDomain domain;             ///< null as read from a file; a VelocitySequence chooses it
     std::string gridName;           ///< "velocity", or "vel.x, vel.y, vel.z"
     openvdb::Vec3SGrid::Ptr values; ///< on voxel centres, in the stored unit
     std::string sourceCreator;      ///< file metadata `creator`
@@ -66,19 +81,30 @@ struct VelocityFrame : VelocityConvention, FrameTimes {
     std::string lengthUnit;         ///< of world space, the same
     openvdb::GridPtrVec carried;
     std::vector<std::string> remarks; ///< choices made on the user's behalf
+    std::string stamp;                ///< VelocitySequence::stampOf() from just before reading
+    double readSeconds = 0;           ///< spent on reading
 
-    /// Matrix from stored values to world units per second. @param interval seconds between frames
-    [[nodiscard]] openvdb::Mat3d toWorldPerSecond(double interval) const;
-    /// Matrix from stored values to voxels per step along the index axes. @param interval seconds of the step
-    [[nodiscard]] openvdb::Mat3d toVoxelsPerStep(double interval) const;
-    /// The largest displacement of an active voxel in a step [voxels]. @param interval seconds of the step
+    // If several ranks share the run, values and domain are this rank's part.
+    std::shared_ptr<const Partition> partition; ///< null for a process alone
+    std::vector<Rim<Space::kVelocity>> rims;    ///< how far each rank's values go beyond its box
+    StoredSpeeds largest;                       ///< of the values in the rank's box
+
+    // @param interval seconds from this frame to the next
+    [[nodiscard]] FromStored<Space::kWorld, Per::kSecond> toWorldPerSecond(double interval) const;
+    [[nodiscard]] FromStored<Space::kVelocity, Per::kFrame> toVoxelsPerFrame(double interval) const;
+    /// The largest displacement of an active voxel from this frame to the next [voxels of the velocity].
     [[nodiscard]] double largestDisplacement(double interval) const;
+
+    [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
+    {
+        return domain.refinement.refined(values->transform());
+    }
 };
 
 /// What is needed of a velocity.
 struct VelocityPart {
-    openvdb::CoordBBox box; ///< whole leaves
-    bool verify = true;     ///< whether the file's checksums are checked, which takes all its bytes
+    VoxelBox<Space::kVelocity> box; ///< whole leaves
+    bool verify = true;             ///< whether the file's checksums are checked, which takes all its bytes
 };
 
 /// Read the velocity of one file, or of a volume in memory, in any of the conventions of docs/formats.md.
@@ -86,6 +112,7 @@ struct VelocityPart {
 /// @throws InputError if there is none, its transform is sheared or a frustum, or a value is not finite; the
 ///         message names file, grid, first voxel and count
 /// @param part whose values are needed; leaves outside its box may have none (LeafBuffer::empty())
+/// @return a frame without a domain
 [[nodiscard]] VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
                                          const std::optional<VelocityPart>& part = std::nullopt);
 

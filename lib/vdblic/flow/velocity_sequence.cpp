@@ -1,4 +1,4 @@
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/velocity_sequence.h"
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/stopwatch.h"
@@ -24,72 +24,44 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
     return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame - file.repeats)));
 }
 
-/// @param ranks that share the frame  @param part whose values are needed
-/// @param before the frame before; its domain, if it is given, is used again where the voxels are the same
-LoadedFrame load(const FrameFile& file, const FlowSequenceParams& params, int ranks,
-                 const std::optional<VelocityPart>& part, const FlowFrame& before)
-{
-    Stopwatch watch;
-    LoadedFrame frame;
-    frame.sourceFrame = double(file.frame - file.repeats);
-    frame.stamp = frameStamp(file, params.domain); // before reading: a later change then differs from it
-    frame.velocity = readVelocity(file, params.velocity, part);
-    const openvdb::Vec3SGrid& values = *frame.velocity.values;
-    const bool isSame = before.domain && params.domain.mask.empty() &&
-                        before.velocities->transform() == values.transform() &&
-                        before.velocities->tree().hasSameTopology(values.tree());
-    try {
-        frame.domain = before.fieldDomain();
-        if (!isSame) {
-            auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
-            frame.domain =
-                makeDomain(std::move(topology), values.transform(), params.domain, file.frame - file.repeats, ranks);
-        }
-    } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.velocity.gridName, error.what()));
-    }
-    frame.seconds = watch.lap();
-    return frame;
-}
-
 } // namespace
 
-FlowSequence::FlowSequence(FlowSequenceParams params, FrameSource source, Reporter& reporter, const Exchange& exchange)
+VelocitySequence::VelocitySequence(VelocitySequenceParams params, FrameSource source, Reporter& reporter,
+                                   const Exchange& exchange)
     : mParams(std::move(params)), mReporter(reporter), mExchange(exchange), mSource(std::move(source))
 {
 }
 
-std::string FlowSequence::stampOf(const FrameFile& file) const
+std::string VelocitySequence::stampOf(const FrameFile& file) const
 {
     return frameStamp(file, mParams.domain);
 }
 
-std::optional<LoadedFrame> FlowSequence::next()
+std::optional<VelocityFrame> VelocitySequence::next()
 {
     if (!mStarted) lookAhead(std::launch::deferred);
     if (!mAhead.valid()) return std::nullopt;
     const std::optional<FrameFile> file = mAhead.get();
     if (!file) return std::nullopt;
-    LoadedFrame frame = loadPart(*file);
+    VelocityFrame frame = loadPart(*file);
     if (!mPartition) mPartition = frame.partition;
     // Deferred, too, where no thread can be started.
     lookAhead(file->contents ? std::launch::deferred : std::launch::async | std::launch::deferred);
-    checkSuccession(frame.velocity);
-    mLast = frame.flow();
-    if (!mExchange.isAlone())
-        mLast.domain = mLast.refinedFrom = nullptr; // a rank's part: the next frame needs the whole
-    for (const std::string& remark : frame.velocity.remarks)
+    checkSuccession(frame);
+    mLastValues = frame.values;
+    if (mExchange.isAlone()) mLastDomain = frame.domain;
+    for (const std::string& remark : frame.remarks)
         sayOnce(remark);
     return frame;
 }
 
-std::optional<LoadedFrame> FlowSequence::after()
+std::optional<VelocityFrame> VelocitySequence::after()
 {
     const std::optional<std::int64_t> number = framesAround(mParams.input).after;
     if (!number) return std::nullopt;
     try {
-        LoadedFrame frame = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)});
-        checkSuccession(frame.velocity);
+        VelocityFrame frame = loadPart({*number, FramePattern(mParams.input.pattern).path(*number)});
+        checkSuccession(frame);
         return frame;
     } catch (const InputError& error) {
         mReporter.warn(fmt::format("{}; frame {} is not used: the flow after the last frame stays as it is",
@@ -98,69 +70,93 @@ std::optional<LoadedFrame> FlowSequence::after()
     }
 }
 
-FrameInterval FlowSequence::intervalAfter(const LoadedFrame& current, const LoadedFrame* next)
+FrameInterval VelocitySequence::intervalAfter(const VelocityFrame& current, const VelocityFrame* next)
 {
-    const VelocityFrame& velocity = current.velocity;
     // A frame spacing holds for neighbours on disk; over frames that are left out, more time passes.
     double skipped = 1;
     if (next) {
-        const std::int64_t difference = next->velocity.file.frame - velocity.file.frame;
+        const std::int64_t difference = next->file.frame - current.file.frame;
         if (mSpacing == 0) mSpacing = mParams.input.pattern == "-" ? difference : frameSpacing(mParams.input);
         if (difference > 0 && mSpacing > 0) skipped = double(difference) / double(mSpacing);
     }
-    const bool isSame = next && next->velocity.file.repeats > 0; // of a field that stands still
-    const FrameTimes* const end = next && !isSame ? &next->velocity : nullptr;
-    const auto interval = frameInterval(mParams.frameSpacing, velocity, end, skipped);
+    const bool isSame = next && next->file.repeats > 0; // of a field that stands still
+    const FrameTimes* const end = next && !isSame ? next : nullptr;
+    const auto interval = frameInterval(mParams.frameSpacing, current, end, skipped);
     if (!interval) {
         throw InputError(fmt::format("{}: its time {} does not come after the time {} of the frame before; give the "
                                      "frame spacing with `frame_spacing`",
-                                     next->velocity.file.path.string(), *next->velocity.time, *velocity.time));
+                                     next->file.path.string(), *next->time, *current.time));
     }
     if (interval->isAssumed) {
-        sayOnce(velocity.dt
+        sayOnce(current.dt
                     ? fmt::format("the dt of grid {} is {}, which is no time between frames: taking 24 frames a "
                                   "second; give `frame_spacing` if it is another",
-                                  velocity.gridName, *velocity.dt)
+                                  current.gridName, *current.dt)
                     : "no time or dt in the files: taking 24 frames a second; give `frame_spacing` if it is another");
     }
     return *interval;
 }
 
-void FlowSequence::describe(const LoadedFrame& frame, const FrameInterval& interval, double largest)
+void VelocitySequence::describe(const VelocityFrame& frame, const FrameInterval& interval, double largest)
 {
-    const VelocityFrame& velocity = frame.velocity;
     const bool given = mParams.velocity.unit.has_value();
     mReporter.detail(
         fmt::format("velocity: grid {}; unit {} x {} ({}); {} s between frames ({}); at most {:.2f} voxels a step",
-                    velocity.gridName, nameOf(velocity.unit), velocity.scale,
-                    given                ? "as given"
-                    : velocity.mantaflow ? "a Mantaflow cache"
-                                         : "by default",
+                    frame.gridName, nameOf(frame.unit), frame.scale,
+                    given             ? "as given"
+                    : frame.mantaflow ? "a Mantaflow cache"
+                                      : "by default",
                     interval.seconds, interval.source, largest));
 }
 
+/// @param part whose values are needed
+VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<VelocityPart>& part) const
+{
+    Stopwatch watch;
+    const std::string stamp = stampOf(file); // before reading: a later change then differs from it
+    VelocityFrame frame = readVelocity(file, mParams.velocity, part);
+    frame.stamp = stamp;
+    frame.sourceFrame = double(file.frame - file.repeats);
+    frame.domain = mLastDomain;
+    const openvdb::Vec3SGrid& values = *frame.values;
+    const bool isSame = mLastDomain.texture && mParams.domain.mask.empty() &&
+                        mLastValues->transform() == values.transform() &&
+                        mLastValues->tree().hasSameTopology(values.tree());
+    try {
+        if (!isSame) {
+            auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
+            frame.domain = makeDomain(std::move(topology), values.transform(), mParams.domain,
+                                      file.frame - file.repeats, mExchange.size());
+        }
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.gridName, error.what()));
+    }
+    frame.readSeconds = watch.lap();
+    return frame;
+}
+
 /// Read a frame's part. All ranks cut the first frame's domain in the same way.
-LoadedFrame FlowSequence::loadPart(const FrameFile& file) const
+VelocityFrame VelocitySequence::loadPart(const FrameFile& file) const
 {
     const int rank = mExchange.rank(), ranks = mExchange.size();
-    if (mExchange.isAlone()) return load(file, mParams, ranks, std::nullopt, mLast);
+    if (mExchange.isAlone()) return load(file, std::nullopt);
     std::shared_ptr<const Partition> partition = mPartition;
     if (!partition) {
-        const openvdb::CoordBBox nowhere(openvdb::Coord(1 << 28), openvdb::Coord(1 << 28));
-        const LoadedFrame voxels = load(file, mParams, ranks, VelocityPart{nowhere, false}, mLast);
+        const VoxelBox<Space::kVelocity> nowhere{{openvdb::Coord(1 << 28), openvdb::Coord(1 << 28)}};
+        const VelocityFrame voxels = load(file, VelocityPart{nowhere, false});
         partition = std::make_shared<const Partition>(*voxels.domain.velocity, voxels.domain.refinement.factors, ranks);
     }
     // Carried grids, which rank 0 writes, are whole. The ranks verify the files in turn.
     std::optional<VelocityPart> part;
     if (rank > 0 || mParams.velocity.carry.empty())
         part = {partition->box(rank), std::uint64_t(file.frame) % std::uint64_t(ranks) == std::uint64_t(rank)};
-    LoadedFrame frame = load(file, mParams, ranks, part, mLast);
+    VelocityFrame frame = load(file, part);
     frame.partition = std::move(partition);
     keepOwn(frame, rank);
     return frame;
 }
 
-void FlowSequence::lookAhead(std::launch how)
+void VelocitySequence::lookAhead(std::launch how)
 {
     mStarted = true;
     mAhead = std::async(how, [this] {
@@ -170,16 +166,16 @@ void FlowSequence::lookAhead(std::launch how)
     });
 }
 
-void FlowSequence::checkSuccession(const VelocityFrame& velocity) const
+void VelocitySequence::checkSuccession(const VelocityFrame& velocity) const
 {
-    if (!mLast.velocities || mLast.velocities->transform() == velocity.values->transform()) return;
+    if (!mLastValues || mLastValues->transform() == velocity.values->transform()) return;
     throw InputError(fmt::format("{}: grid {}: the transform differs from that of the frame before; {}",
                                  velocity.file.path.string(), velocity.gridName,
                                  velocity.mantaflow ? "switch off the adaptive domain in Blender and bake again"
                                                     : "resample the sequence onto one grid"));
 }
 
-void FlowSequence::sayOnce(const std::string& message)
+void VelocitySequence::sayOnce(const std::string& message)
 {
     if (mSaid.insert(message).second) mReporter.say(message);
 }

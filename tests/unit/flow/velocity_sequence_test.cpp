@@ -1,4 +1,4 @@
-#include "vdblic/flow/flow_sequence.h"
+#include "vdblic/flow/velocity_sequence.h"
 
 #include "temporary_folder.h"
 #include "vdblic/core/exchange.h"
@@ -20,7 +20,7 @@ namespace {
 
 /// Frames 1, 2, … of velocities on boxes of 10 × 10 voxels and these lengths, and of masks that leave out as many
 /// voxels along them as the frame's number.
-class FlowSequenceFrames : public testing::Test {
+class VelocitySequenceFrames : public testing::Test {
   protected:
     void write(const std::vector<int>& lengths)
     {
@@ -37,9 +37,9 @@ class FlowSequenceFrames : public testing::Test {
         }
     }
 
-    std::vector<LoadedFrame> read(bool masked)
+    std::vector<VelocityFrame> read(bool masked)
     {
-        FlowSequenceParams params;
+        VelocitySequenceParams params;
         params.input.pattern = (mFolder / "v.%04d.vdb").string();
         params.domain.refinement.factors = {2, 2, 2};
         if (masked) params.domain.mask = (mFolder / "m.%04d.vdb").string();
@@ -47,9 +47,9 @@ class FlowSequenceFrames : public testing::Test {
         Reporter silent;
         const OneProcess alone;
         std::size_t total = 0;
-        FlowSequence sequence(params, openSequence(params.input, noPaths, total), silent, alone);
-        std::vector<LoadedFrame> frames;
-        while (std::optional<LoadedFrame> frame = sequence.next())
+        VelocitySequence sequence(params, openSequence(params.input, noPaths, total), silent, alone);
+        std::vector<VelocityFrame> frames;
+        while (std::optional<VelocityFrame> frame = sequence.next())
             frames.push_back(std::move(*frame));
         return frames;
     }
@@ -58,10 +58,10 @@ class FlowSequenceFrames : public testing::Test {
     TemporaryFolder mFolder;
 };
 
-TEST_F(FlowSequenceFrames, WithTheSameVoxelsShareADomain)
+TEST_F(VelocitySequenceFrames, WithTheSameVoxelsShareADomain)
 {
     write({12, 12, 20, 12});
-    const std::vector<LoadedFrame> frames = read(false);
+    const std::vector<VelocityFrame> frames = read(false);
     ASSERT_EQ(frames.size(), 4u);
     EXPECT_EQ(frames[1].domain.texture, frames[0].domain.texture);
     EXPECT_EQ(frames[1].domain.velocity, frames[0].domain.velocity);
@@ -69,14 +69,14 @@ TEST_F(FlowSequenceFrames, WithTheSameVoxelsShareADomain)
         const std::size_t voxels = i == 2 ? 2000 : 1200;
         EXPECT_EQ(frames[i].domain.texture->voxelCount(), 8 * voxels) << i;
         EXPECT_EQ(frames[i].domain.velocity->voxelCount(), voxels) << i;
-        EXPECT_EQ(frames[i].velocity.values->tree().getValue({3, 3, 3})[0], float(i + 1));
+        EXPECT_EQ(frames[i].values->tree().getValue({3, 3, 3})[0], float(i + 1));
     }
 }
 
-TEST_F(FlowSequenceFrames, HaveTheMaskOfTheirOwnNumber)
+TEST_F(VelocitySequenceFrames, HaveTheMaskOfTheirOwnNumber)
 {
     write({12, 12, 12});
-    const std::vector<LoadedFrame> frames = read(true);
+    const std::vector<VelocityFrame> frames = read(true);
     ASSERT_EQ(frames.size(), 3u);
     for (std::size_t i = 0; i < frames.size(); ++i)
         EXPECT_EQ(frames[i].domain.texture->voxelCount(), 8 * 100 * (12 - (i + 1))) << i;

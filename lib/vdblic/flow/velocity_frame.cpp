@@ -1,10 +1,11 @@
-#include "vdblic/field/velocity_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/field/centred_velocity.h"
 #include "vdblic/field/index_axes.h"
 #include "vdblic/field/largest_value.h"
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/velocity_grids.h"
 
@@ -28,8 +29,6 @@ using openvdb::Coord;
 using openvdb::Mat3d;
 using openvdb::Vec3f;
 using openvdb::Vec3SGrid;
-
-constexpr int kLeaf = openvdb::Vec3STree::LeafNodeType::DIM;
 
 bool isVector(const openvdb::GridBase& grid)
 {
@@ -152,25 +151,25 @@ FrameTimes timesOf(const openvdb::GridBase& grid, const openvdb::MetaMap& file)
     return {of("time"), of("dt")};
 }
 
-Mat3d VelocityFrame::toWorldPerSecond(double interval) const
+FromStored<Space::kWorld, Per::kSecond> VelocityFrame::toWorldPerSecond(double interval) const
 {
     const bool voxels = unit == VelocityUnit::kVoxelPerSecond || unit == VelocityUnit::kVoxelPerFrame;
     const bool perFrame = unit == VelocityUnit::kWorldPerFrame || unit == VelocityUnit::kVoxelPerFrame;
     const Mat3d axes = voxels ? indexAxes(values->transform()) : Mat3d::identity();
-    return axes * (scale * (perFrame ? 1 / interval : 1));
+    return {axes * (scale * (perFrame ? 1 / interval : 1))};
 }
 
-Mat3d VelocityFrame::toVoxelsPerStep(double interval) const
+FromStored<Space::kVelocity, Per::kFrame> VelocityFrame::toVoxelsPerFrame(double interval) const
 {
-    return indexAxes(values->transform()).inverse() * toWorldPerSecond(interval) * (interval * motion);
+    return {indexAxes(values->transform()).inverse() * toWorldPerSecond(interval).matrix * (interval * motion)};
 }
 
 double VelocityFrame::largestDisplacement(double interval) const
 {
-    const openvdb::Mat3s toStep(toVoxelsPerStep(interval));
+    const openvdb::Mat3s toFrame(toVoxelsPerFrame(interval).matrix);
     const NumberRow squared = largestValues(values->tree(), [&](const Vector8& value) {
         const auto component = [&](int i) {
-            return value.x * toStep(i, 0) + value.y * toStep(i, 1) + value.z * toStep(i, 2);
+            return value.x * toFrame(i, 0) + value.y * toFrame(i, 1) + value.z * toFrame(i, 2);
         };
         return NumberRow{squaredLength({component(0), component(1), component(2)})};
     });
@@ -181,8 +180,8 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, 
 {
     const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
         const bool isCentred = isVector(grid) && grid.getGridClass() != openvdb::GRID_STAGGERED;
-        openvdb::CoordBBox box = part->box;
-        if (!isCentred) box.expand(kLeaf); // the values at voxel centres need those of the next voxels
+        openvdb::CoordBBox box = part->box.voxels;
+        if (!isCentred) box.expand(LeafVoxel::kDim); // the values at voxel centres need those of the next voxels
         return box.isInside(origin);
     };
     const VdbFile contents = file.contents ? *file.contents
@@ -211,14 +210,12 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, 
         }
     }
     const VelocityGrids grids = findVelocityGrids(contents, name);
-    const CentredVelocity found =
-        centredVelocity(grids, file.path.string(), part ? std::optional(part->box) : std::nullopt);
     frame.gridName = grids.name;
-    frame.values = found.values;
+    frame.values = centredVelocity(grids, file.path.string(), part ? std::optional(part->box.voxels) : std::nullopt);
     mendNonFinite(frame, params.nonFinite);
 
     static_cast<VelocityConvention&>(frame) = conventionOf(*grids.values.front(), params);
-    static_cast<FrameTimes&>(frame) = timesOf(*found.values, contents.metadata);
+    static_cast<FrameTimes&>(frame) = timesOf(*frame.values, contents.metadata);
     if (frame.mantaflow && !params.unit) {
         frame.remarks.push_back(fmt::format(
             "a Mantaflow cache: velocities taken as voxel/s x {} (at Blender's time scale 1)", kMantaflowScale));

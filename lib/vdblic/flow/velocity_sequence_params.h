@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vdblic/field/domain_mask.h"
-#include "vdblic/field/velocity_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 #include "vdblic/io/sequence.h"
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace vdblic {
 
 /// A velocity sequence and how to understand it.
-struct FlowSequenceParams {
+struct VelocitySequenceParams {
     SequenceParams input;
     VelocityParams velocity;
     std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
@@ -18,6 +18,6 @@ struct FlowSequenceParams {
     void validate() const; ///< @throws ParameterError
 };
 /// Those of the velocity and of the frame spacing; the sequence and its domain have their own.
-[[nodiscard]] Parameters parametersOf(FlowSequenceParams& params);
+[[nodiscard]] Parameters parametersOf(VelocitySequenceParams& params);
 
 } // namespace vdblic

@@ -3,12 +3,10 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/distributed/partition.h"
-#include "vdblic/field/field_domain.h"
-#include "vdblic/field/flow_frame.h"
-#include "vdblic/field/vector.h"
-#include "vdblic/field/velocity_frame.h"
-#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/field/frame_domain.h"
 #include "vdblic/flow/frame_interval.h"
+#include "vdblic/flow/velocity_frame.h"
+#include "vdblic/flow/velocity_sequence_params.h"
 #include "vdblic/io/sequence.h"
 
 #include <openvdb/openvdb.h>
@@ -21,43 +19,19 @@
 #include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace vdblic {
-
-/// A frame read from disk, with the domain it is computed on.
-struct LoadedFrame {
-    double sourceFrame = 1; ///< frame number; between two frames a fraction
-    double seconds = 0;     ///< spent on reading
-    VelocityFrame velocity;
-    FieldDomain domain;
-    std::string stamp; ///< FlowSequence::stampOf() from just before reading
-
-    // If several ranks share the run, velocity and domain are this rank's part.
-    std::shared_ptr<const Partition> partition{}; ///< null for a process alone
-    std::vector<openvdb::Coord> rims{};           ///< how far each rank's velocity goes beyond its box [voxels]
-    Float4 largest{};                             ///< largestMagnitude() of the velocity in the rank's box
-
-    [[nodiscard]] FlowFrame flow() const
-    {
-        return {domain.texture, velocity.values, domain.refinement, domain.velocity};
-    }
-    [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
-    {
-        return domain.refinement.refined(velocity.values->transform());
-    }
-};
 
 /// Reads a velocity sequence frame by frame. While a frame is used, a thread waits for the name of the next one's file,
 /// and the system reads that file into its cache: a frame read ahead would take the memory of one more velocity. Frames
 /// in memory are asked for as they are needed, in the caller's thread.
 ///
 /// Choices made for the user go to the reporter, each once. Not thread-safe.
-class FlowSequence {
+class VelocitySequence {
   public:
     /// @param source   of the frames
     /// @param exchange with the ranks that share the run: each gets its part of every frame
-    FlowSequence(FlowSequenceParams params, FrameSource source, Reporter& reporter, const Exchange& exchange);
+    VelocitySequence(VelocitySequenceParams params, FrameSource source, Reporter& reporter, const Exchange& exchange);
 
     /// Pass over a frame without reading it. Only before the first call of next().
     /// @return its file, or nothing at the end
@@ -68,15 +42,15 @@ class FlowSequence {
 
     /// The next frame, or nothing at the end.
     /// @throws InputError if it cannot be read or its transform is not that of the frame before
-    std::optional<LoadedFrame> next();
+    std::optional<VelocityFrame> next();
 
     /// The frame on disk after the last one that `input.frames` selects: the flow after the last frame leads to it.
     /// @return nothing if there is none, or it cannot be read, with a warning
-    std::optional<LoadedFrame> after();
+    std::optional<VelocityFrame> after();
 
     /// The time from a frame to the next. @param next the frame after it, or null
     /// @throws InputError if the files' times do not ascend
-    FrameInterval intervalAfter(const LoadedFrame& current, const LoadedFrame* next);
+    FrameInterval intervalAfter(const VelocityFrame& current, const VelocityFrame* next);
 
     /// The spacing of the frame numbers on disk, 0 until known; a run that goes on where this one is needs it.
     [[nodiscard]] std::int64_t spacing() const { return mSpacing; }
@@ -89,20 +63,23 @@ class FlowSequence {
     void cutAs(std::shared_ptr<const Partition> partition) { mPartition = std::move(partition); }
 
     /// Report how the velocity of a frame is understood. @param largest displacement in a step [voxels]
-    void describe(const LoadedFrame& frame, const FrameInterval& interval, double largest);
+    void describe(const VelocityFrame& frame, const FrameInterval& interval, double largest);
 
   private:
-    [[nodiscard]] LoadedFrame loadPart(const FrameFile& file) const;
+    [[nodiscard]] VelocityFrame load(const FrameFile& file, const std::optional<VelocityPart>& part) const;
+    [[nodiscard]] VelocityFrame loadPart(const FrameFile& file) const;
     void lookAhead(std::launch how);
     void checkSuccession(const VelocityFrame& velocity) const;
     void sayOnce(const std::string& message);
 
-    FlowSequenceParams mParams;
+    VelocitySequenceParams mParams;
     Reporter& mReporter;
     const Exchange& mExchange;
     std::shared_ptr<const Partition> mPartition; // null before the first frame
     FrameSource mSource;
-    FlowFrame mLast;           // the previous frame
+    // Of the previous frame; without its domain if that is a rank's part: the next frame needs the whole.
+    openvdb::Vec3SGrid::ConstPtr mLastValues;
+    FrameDomain mLastDomain;
     std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
     bool mStarted = false;

@@ -1,8 +1,8 @@
-#include "vdblic/flow/flow_sequence_params.h"
+#include "vdblic/flow/velocity_sequence_params.h"
 
 namespace vdblic {
 
-Parameters parametersOf(FlowSequenceParams& params)
+Parameters parametersOf(VelocitySequenceParams& params)
 {
     constexpr double kLeast = 1e-18, kMost = 1e18;
     Parameters all = parametersOf(params.velocity);
@@ -16,11 +16,11 @@ Parameters parametersOf(FlowSequenceParams& params)
     return all;
 }
 
-void FlowSequenceParams::validate() const
+void VelocitySequenceParams::validate() const
 {
     velocity.validate();
     domain.validate();
-    FlowSequenceParams copy = *this;
+    VelocitySequenceParams copy = *this;
     checkLimits(parametersOf(copy));
 }
 

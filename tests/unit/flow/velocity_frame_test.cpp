@@ -1,4 +1,4 @@
-#include "vdblic/field/velocity_frame.h"
+#include "vdblic/flow/velocity_frame.h"
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
@@ -249,8 +249,8 @@ TEST_F(VelocityFile, TurnsWorldVelocitiesIntoVoxelsThroughAnyTransformWithRightA
         const Vec3d velocity(0.3, -1.7, 0.9), at(3, 4, 5);
         const double interval = 0.2;
         const Vec3d moved = grid->worldToIndex(grid->indexToWorld(at) + velocity * interval);
-        EXPECT_TRUE((frame.toVoxelsPerStep(interval) * velocity).eq(moved - at, 1e-9)) << c.name;
-        EXPECT_TRUE((frame.toWorldPerSecond(interval) * velocity).eq(velocity, 1e-12)) << c.name;
+        EXPECT_TRUE((frame.toVoxelsPerFrame(interval).matrix * velocity).eq(moved - at, 1e-9)) << c.name;
+        EXPECT_TRUE((frame.toWorldPerSecond(interval).matrix * velocity).eq(velocity, 1e-12)) << c.name;
     }
 }
 
@@ -264,7 +264,7 @@ TEST_F(VelocityFile, UnderstandsEveryUnit)
         VelocityParams params;
         params.unit = valueOf<VelocityUnit>(unit);
         params.scale = scale;
-        return (read({grid}, params).toVoxelsPerStep(interval) * stored)[0];
+        return (read({grid}, params).toVoxelsPerFrame(interval).matrix * stored)[0];
     };
     EXPECT_NEAR(voxels("world/s"), 3 / 0.5 * 0.1, 1e-12);
     EXPECT_NEAR(voxels("world/frame"), 3 / 0.5, 1e-12);
@@ -283,10 +283,10 @@ TEST_F(VelocityFile, RecognisesMantaflowUnlessGivenTheUnit)
     const VelocityFrame frame = read({grid});
     EXPECT_TRUE(frame.mantaflow);
     EXPECT_EQ(frame.remarks.size(), 1u);
-    EXPECT_NEAR((frame.toVoxelsPerStep(1.0 / 24) * Vec3d(1, 0, 0))[0], 2.5 / 24, 1e-12);
+    EXPECT_NEAR((frame.toVoxelsPerFrame(1.0 / 24).matrix * Vec3d(1, 0, 0))[0], 2.5 / 24, 1e-12);
     VelocityParams withUnit;
     withUnit.unit = VelocityUnit::kWorldPerSecond;
-    EXPECT_NEAR((read({grid}, withUnit).toVoxelsPerStep(1.0 / 24) * Vec3d(1, 0, 0))[0], 16.0 / 24, 1e-12);
+    EXPECT_NEAR((read({grid}, withUnit).toVoxelsPerFrame(1.0 / 24).matrix * Vec3d(1, 0, 0))[0], 16.0 / 24, 1e-12);
 }
 
 TEST_F(VelocityFile, RefusesShearFrustumAndVoxelsWithoutSize)

@@ -10,13 +10,13 @@ namespace vdblic {
 
 /// The voxels of a frame: those of the texture, and those of the velocity that they lie in. Both are the same without
 /// refinement.
-struct FieldDomain {
+struct FrameDomain {
     std::shared_ptr<const Domain> texture, velocity;
     Refinement refinement;
 
-    FieldDomain() = default;
-    FieldDomain(std::shared_ptr<const Domain> both) : texture(std::move(both)), velocity(texture) {}
-    FieldDomain(std::shared_ptr<const Domain> ofTexture, std::shared_ptr<const Domain> ofVelocity,
+    FrameDomain() = default;
+    FrameDomain(std::shared_ptr<const Domain> both) : texture(std::move(both)), velocity(texture) {}
+    FrameDomain(std::shared_ptr<const Domain> ofTexture, std::shared_ptr<const Domain> ofVelocity,
                 const Refinement& factors)
         : texture(std::move(ofTexture)), velocity(std::move(ofVelocity)), refinement(factors)
     {

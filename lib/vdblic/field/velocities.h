@@ -1,0 +1,27 @@
+#pragma once
+
+#include "vdblic/field/units.h"
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+#include <cstddef>
+
+namespace vdblic {
+
+/// The largest magnitude of stored velocities along each axis.
+struct StoredSpeeds {
+    std::array<float, 3> along{};
+    [[nodiscard]] float operator[](std::size_t axis) const { return along[axis]; }
+};
+
+/// The stored velocities of one frame, and what they are in a space, per a time.
+template<Space kSpace, Per kTime>
+struct Velocities {
+    const openvdb::Vec3STree& stored; ///< on voxel centres, in any unit
+    FromStored<kSpace, kTime> unit;
+
+    [[nodiscard]] Velocities operator*(double factor) const { return {stored, unit * factor}; }
+};
+
+} // namespace vdblic
