@@ -1,12 +1,11 @@
 #!/usr/bin/python3
-"""Time, memory and traffic of vdblic_advect_mpi, and what they are to be on a cluster.
+"""Time, memory and traffic of vdblic_advect_mpi.
 
-    tests/bench/ranks.py TOOLS [SIZE] [--model]
+    tests/bench/ranks.py TOOLS [SIZE]
 
 TOOLS is the folder of the built tools, SIZE the voxels of a cube of the ABC flow (256). One process with two threads and
 two ranks with one thread each take turns; the table has medians of three. Then the memory of a rank, and the bytes that
-the ranks exchange beside those that their halos have. The last table is a model: it extrapolates the measured costs of
-a voxel to clusters. With --model only that table is printed, from the costs in this file.
+the ranks exchange beside those that their halos have.
 """
 
 import argparse
@@ -109,45 +108,12 @@ def measure(tools, size):
                   f"| {sent / expected:.2f} |")
 
 
-def model():
-    """Tables for clusters of machines with 16 threads a rank."""
-    compute, threads = 200e-9, 16  # s a voxel and step on one thread, threads of a rank
-    inflate, passed = 0.9e-9 * 12, 0.05e-9 * 12  # s a voxel that is read, and one of others, whose place is looked up
-    latency, bandwidth, disk = 20e-6, 1.1e9, 1e9  # of the network: s, bytes/s; bytes/s that one rank writes
-    output, writers, buffered = 3, 8, 256e6  # bytes a voxel of the file; files written at once; bytes of each that wait
-    own, domain = 100, 0.4  # bytes an own or halo voxel; bytes a voxel of the whole domain at every rank
-    print("| voxels | ranks | computing [s] | halos [s] | reading [s] | delivering files [s] | step [s] | efficiency "
-          "| memory of a rank [GB] |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    for size in 1024, 2048, 4096, 8192:
-        for ranks in 8, 64, 512, 4096:
-            voxels = size**3 / ranks
-            if voxels < 64**3:
-                continue
-            side = voxels ** (1 / 3)
-            halo = (side + 32) ** 3 - voxels
-            work = voxels * compute / threads
-            exchange = (halo * 24 + 6 * side * side * 24) / bandwidth + 30 * latency * math.log2(ranks)
-            read = voxels * inflate + size**3 * passed
-            turn = min(writers, ranks)
-            file = size**3 * output
-            deliver = (min(file, buffered) / bandwidth + max(file - buffered, 0) / min(bandwidth, disk)) / turn
-            # Reading goes on beside computing, and writing what waits; a step is not shorter than the disks' time.
-            step = max(work + exchange + deliver, read, file / disk / turn)
-            memory = (voxels + halo) * own + voxels * output * turn + size**3 * domain
-            print(f"| {size}³ | {ranks} | {work:.2f} | {exchange:.2f} | {read:.2f} | {deliver:.2f} | {step:.2f} "
-                  f"| {work / step:.2f} | {memory / 1e9:.1f} |")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tools", type=pathlib.Path)
     parser.add_argument("size", type=int, nargs="?", default=256)
-    parser.add_argument("--model", action="store_true")
     arguments = parser.parse_args()
-    if not arguments.model:
-        measure(arguments.tools.resolve(), arguments.size)
-    model()
+    measure(arguments.tools.resolve(), arguments.size)
     return 0
 
 
