@@ -10,7 +10,7 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/sequence.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/volume/voxel_box.h"
+#include "vdblic/volume/inclusive_box.h"
 
 #include <fmt/format.h>
 #include <glm/ext/matrix_transform.hpp>
@@ -212,7 +212,7 @@ openvdb::CoordBBox boundsOf(const Solid& solid)
 std::vector<glm::dvec3> solidExtent(const Solid& solid)
 {
     constexpr float kSurface = 0.5f; // distance of a voxel's centre from its face
-    std::vector<VoxelBox> boxes;
+    std::vector<InclusiveBox> boxes;
     openvdb::CoordBBox all;
     for (auto leaf = solid.levelSet->tree().cbeginLeaf(); leaf; ++leaf) {
         openvdb::CoordBBox box;
@@ -228,7 +228,7 @@ std::vector<glm::dvec3> solidExtent(const Solid& solid)
     const openvdb::Coord dim = all.dim();
     const glm::dmat4 indexToWorld = glm::inverse(solid.worldToIndex);
     std::vector<glm::dvec3> points;
-    for (const VoxelBox& box : outermost(boxes, {dim[0], dim[1], dim[2]})) {
+    for (const InclusiveBox& box : outermost(boxes, {dim[0], dim[1], dim[2]})) {
         const auto corners = box.corners(indexToWorld);
         points.insert(points.end(), corners.begin(), corners.end());
     }

@@ -80,7 +80,8 @@ std::size_t CoarseScalar::removeNotFinite(const openvdb::Coord& origin, Domain::
     const openvdb::Coord last = origin.offsetBy(LeafVoxel::kDim - 1);
     const openvdb::CoordBBox leaf(origin, last);
     openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(mTree);
-    for (const openvdb::Coord& coarse : openvdb::CoordBBox(mRefinement.coarse(origin), mRefinement.coarse(last))) {
+    for (const openvdb::Coord& coarse :
+         openvdb::CoordBBox(mRefinement.coarse({origin}).at, mRefinement.coarse({last}).at)) {
         float value = 0;
         if (!accessor.probeValue(coarse, value) || std::isfinite(value)) continue;
         openvdb::CoordBBox voxels;

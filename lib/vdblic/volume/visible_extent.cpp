@@ -4,9 +4,9 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/field/domain_rows.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/volume/inclusive_box.h"
 #include "vdblic/volume/leaf_extinctions.h"
 #include "vdblic/volume/texture_volume.h"
-#include "vdblic/volume/voxel_box.h"
 
 #include <glm/common.hpp>
 #include <openvdb/openvdb.h>
@@ -29,7 +29,7 @@ struct ExtinctionCell {
     static constexpr double kUnit = 1 / double(1 << 20); ///< sums of integers do not depend on their order
 
     std::uint64_t extinction; ///< sum over its voxels [kUnit]
-    VoxelBox most;            ///< around the voxels with most of the extinction
+    InclusiveBox most;        ///< around the voxels with most of the extinction
 
     /// In cells.
     [[nodiscard]] openvdb::Coord place() const { return at(openvdb::Coord(most.low.data())); }
@@ -208,7 +208,7 @@ std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& l
     for (const DepthPicture& picture : pictures)
         most = std::max(most, picture.mostDepth());
     const double least = std::min(kLeastDepth, kLeastDepthShare * most);
-    std::vector<VoxelBox> seen;
+    std::vector<InclusiveBox> seen;
     for (const ExtinctionCell& cell : cells) {
         const openvdb::Coord place = cell.place() - box.min();
         const auto isSeen = [&](const DepthPicture& picture) { return picture.depth(place) >= least; };
@@ -216,7 +216,7 @@ std::vector<glm::dvec3> visibleExtent(const TextureVolume& volume, const Look& l
     }
     const glm::dvec3 extent = volume.high() - volume.low();
     std::vector<glm::dvec3> points;
-    for (const VoxelBox& cell : outermost(exchange.join(outermost(seen, extent)), extent)) {
+    for (const InclusiveBox& cell : outermost(exchange.join(outermost(seen, extent)), extent)) {
         const auto corners = cell.corners(volume.indexToWorld());
         points.insert(points.end(), corners.begin(), corners.end());
     }

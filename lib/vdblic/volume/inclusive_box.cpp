@@ -1,4 +1,4 @@
-#include "vdblic/volume/voxel_box.h"
+#include "vdblic/volume/inclusive_box.h"
 
 #include "vdblic/field/vector.h"
 
@@ -23,9 +23,9 @@ glm::dvec3 evenDirection(int i)
     return {std::sqrt(1 - z * z) * std::cos(angle), std::sqrt(1 - z * z) * std::sin(angle), z};
 }
 
-bool isBefore(const VoxelBox& a, const VoxelBox& b)
+bool isBefore(const InclusiveBox& a, const InclusiveBox& b)
 {
-    const auto key = [](const VoxelBox& box) {
+    const auto key = [](const InclusiveBox& box) {
         return std::array{box.low[0], box.low[1], box.low[2], box.high[0], box.high[1], box.high[2]};
     };
     const auto inA = key(a), inB = key(b);
@@ -35,13 +35,13 @@ bool isBefore(const VoxelBox& a, const VoxelBox& b)
 /// The faces of boxes, eight boxes at a time; the last one fills up its eight.
 class BoxFaces {
   public:
-    explicit BoxFaces(const std::vector<VoxelBox>& boxes)
+    explicit BoxFaces(const std::vector<InclusiveBox>& boxes)
     {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             for (const bool isHigh : {false, true}) {
                 std::vector<float>& faces = mFaces[axis][std::size_t(isHigh)];
                 faces.reserve(boxes.size() + kLanes - 1);
-                for (const VoxelBox& box : boxes)
+                for (const InclusiveBox& box : boxes)
                     faces.push_back(isHigh ? float(box.high[axis]) + 0.5f : float(box.low[axis]) - 0.5f);
                 faces.resize((boxes.size() + kLanes - 1) / kLanes * kLanes, faces.back());
             }
@@ -87,7 +87,7 @@ std::vector<std::size_t> BoxFaces::farthest(const glm::dvec3& direction) const
 
 } // namespace
 
-std::array<glm::dvec3, 8> VoxelBox::corners(const glm::dmat4& indexToWorld) const
+std::array<glm::dvec3, 8> InclusiveBox::corners(const glm::dmat4& indexToWorld) const
 {
     std::array<glm::dvec3, 8> result;
     for (unsigned i = 0; i < 8; ++i) {
@@ -99,11 +99,11 @@ std::array<glm::dvec3, 8> VoxelBox::corners(const glm::dmat4& indexToWorld) cons
     return result;
 }
 
-std::vector<VoxelBox> outermost(const std::vector<VoxelBox>& boxes, const glm::dvec3& extent)
+std::vector<InclusiveBox> outermost(const std::vector<InclusiveBox>& boxes, const glm::dvec3& extent)
 {
     if (boxes.empty()) return {};
     const BoxFaces faces(boxes);
-    std::vector<VoxelBox> found(kDirections);
+    std::vector<InclusiveBox> found(kDirections);
     tbb::parallel_for(0, kDirections, [&](int i) {
         const std::vector<std::size_t> all = faces.farthest(evenDirection(i) / extent);
         const auto box = [&](std::size_t number) { return boxes[std::min(number, boxes.size() - 1)]; };
