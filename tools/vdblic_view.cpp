@@ -64,7 +64,7 @@ int main(int argc, char** argv)
             {parametersOf(input, "TEXTURE",
                           "Texture volumes: one file or a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>)."),
              parametersOf(params)}),
-        groups);
+        vdblic::cli::pictureGroups());
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles);
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
