@@ -43,13 +43,17 @@ Lines someLines()
 
 const auto kTransform = openvdb::math::Transform::createLinearTransform(0.5);
 
-/// Give the first point of the first leaf another value. @return the grid
+/// Give all points another value. @return the grid
 template<typename T>
 openvdb::GridBase::Ptr withValue(const std::string& attribute, const T& value)
 {
     const openvdb::GridBase::Ptr grid = lineGrid(someLines(), *kTransform);
     auto& tree = openvdb::gridPtrCast<openvdb::points::PointDataGrid>(grid)->tree();
-    openvdb::points::AttributeWriteHandle<T>::create(tree.beginLeaf()->attributeArray(attribute))->set(0, value);
+    for (auto leaf = tree.beginLeaf(); leaf; ++leaf) {
+        const auto values = openvdb::points::AttributeWriteHandle<T>::create(leaf->attributeArray(attribute));
+        for (openvdb::Index i = 0; i < leaf->pointCount(); ++i)
+            values->set(i, value);
+    }
     return grid;
 }
 
@@ -81,13 +85,13 @@ TEST(LineGrid, KeepsLinesButForItsPrecision)
     for (std::size_t i = 0; i < lines.pointCount(); ++i) {
         farthest = std::max(farthest, (found.positions[i] - lines.positions[i]).length());
         EXPECT_NEAR(found.radii[i], lines.radii[i], 1e-3f * std::abs(lines.radii[i]));
-        EXPECT_TRUE(std::abs(found.opacities[i] - lines.opacities[i]) <= 0.5f / 255 + 1e-6f);
+        EXPECT_TRUE(std::abs(found.opacities[i] - lines.opacities[i]) <= 1.0f / 255 + 1e-6f);
         EXPECT_EQ(found.ages[i], lines.ages[i]);
         const float value = lines.scalars[0].values[i];
         EXPECT_TRUE((std::isnan(value) ? std::isnan(found.scalars[q].values[i]) : found.scalars[q].values[i] == value));
         EXPECT_TRUE(found.scalars[1 - q].values[i] == lines.scalars[1].values[i]); // more than a half can be
     }
-    EXPECT_TRUE(farthest < 2e-5f); // 16 bits a coordinate
+    EXPECT_TRUE(farthest < 3e-5f); // 16 bits a coordinate
     EXPECT_TRUE(farthest > 0);
 }
 
@@ -103,10 +107,10 @@ TEST(LineGrid, IsRefusedIfDamaged)
 {
     EXPECT_NO_THROW((void)linesOf(*withValue<float>("q", kNone)));
     expectRefused(*withValue<float>("age", kNone), "age");
-    expectRefused(*withValue<std::int32_t>("order", 7), "order");
+    expectRefused(*withValue<std::int32_t>("order", 7), "missing or twice");
     expectRefused(*withValue<std::int32_t>("source", 300), "source");
     const openvdb::GridBase::Ptr disordered = lineGrid(someLines(), *kTransform);
-    openvdb::gridPtrCast<openvdb::points::PointDataGrid>(disordered)->tree().beginLeaf()->setOffsetOnly(100, 0);
+    openvdb::gridPtrCast<openvdb::points::PointDataGrid>(disordered)->tree().beginLeaf()->setOffsetOnly(511, 0);
     expectRefused(*disordered, "damaged");
     for (const char* attribute : {"id", "order", "pscale", "Alpha", "age"}) {
         const openvdb::GridBase::Ptr grid = lineGrid(someLines(), *kTransform);
