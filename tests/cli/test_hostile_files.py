@@ -238,6 +238,18 @@ class HostileFiles(ToolTest):
             run.send_signal(signal.SIGSEGV)
             self.assertEqual(run.wait(timeout=30), -signal.SIGSEGV)
 
+    def test_a_crash_of_a_library_of_python_names_the_file(self):
+        if not list((BIN.parent / "python").glob("vdblic/_core*.so")):
+            self.skipTest("the module is not there")
+        code = ("import os, signal, sys; sys.path.insert(0, sys.argv[1]); from vdblic import _core\n"
+                "_core.guard_against_crashes('tool')\n"
+                "with _core.Parsing('wind.nc', 'HDF5', True):\n"
+                "    os.kill(os.getpid(), getattr(signal, sys.argv[2]))")
+        for name, told in ("SIGSEGV", "HDF5 crashed on it"), ("SIGXCPU", "reading it does not come to an end"):
+            done = subprocess.run([sys.executable, "-c", code, BIN.parent / "python", name], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr),
+                             (3, f"tool: error: wind.nc: cannot be read: it is damaged; {told}\n"))
+
     def test_the_undamaged_files_are_taken(self):
         self.assertEqual(len(self.originals.files), 10, self.originals.files.keys())
         for path in self.undamaged.iterdir():

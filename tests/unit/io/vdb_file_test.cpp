@@ -3,6 +3,7 @@
 #include "temporary_folder.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/version.h"
+#include "vdblic/io/vdb_header.h"
 
 #include <gtest/gtest.h>
 
@@ -96,6 +97,29 @@ TEST(VdbFile, FindsGridsByNameAndTypeOrSaysWhatThereIs)
 TEST(VdbFile, CreatorIsNotTakenForHoudini)
 {
     EXPECT_FALSE(std::string(kCreator).starts_with("Houdini"));
+}
+
+TEST(VdbFile, RefusesMetadataOfOtherTypesThanOpenVdbs)
+{
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder / "v.vdb";
+    const auto grid = someGrid("density", 4);
+    grid->insertMeta("note", openvdb::Int32Metadata(1)); // what OpenVDB does not keep may be of any type
+    for (const char* key : {"class", "is_local_space", "is_saved_as_half_float", "vector_type"}) {
+        const auto damaged = grid->deepCopy();
+        damaged->removeMeta(key);
+        damaged->insertMeta(key, openvdb::Int32Metadata(1));
+        EXPECT_NO_THROW(checkMetadata({grid}));
+        try {
+            checkMetadata({damaged});
+            FAIL() << key;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(key), std::string::npos) << error.what();
+        }
+    }
+    writeVdb(path, {grid}, {});
+    EXPECT_NO_THROW((void)readVdb(path));
+    EXPECT_NO_THROW((void)readVdbHeader(path));
 }
 
 TEST(VdbFile, RefusesMissingAndDamagedFiles)
