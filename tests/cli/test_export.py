@@ -203,7 +203,7 @@ class Export(ToolTest):
                 (3, "huge.vdb: grid 'huge': the bounding box (1e+09 million voxels, 2e-13 % of them active) would take", "huge.vdb", "-o", "n.vti"),
                 (3, "no such file", "nothing.vdb", "-o", "n.vti"),
                 (3, "names no files", "-", "-o", "n.vti"),
-                (2, "must end in .vti or .npz or .usda or .vdb", "n.vdb", "-o", "n.vtk"),
+                (2, "must end in .vti or .vtp or .npz or .usda or .vdb", "n.vdb", "-o", "n.vtk"),
                 (2, "would replace an input", "n.vdb", "-o", "link.vti"),
                 (4, "make it first", "n.vdb", "-o", "nowhere/n.vti")):
             with self.subTest(words):

@@ -147,7 +147,7 @@ class GuardedFile {
             mStream.seekg(0);
             mBuffer.guard(mStream, mLayout);
             VdbFile file = parseVdb(mStream, mPath, mSize, isKept);
-            checkMetadata(file.grids);
+            removeForeignMetadata(file.grids);
             return file;
         } catch (const std::ios::failure& failure) {
             fail(mStream.eof()                            ? "it ends too early"

@@ -12,6 +12,7 @@
 #include <exception>
 #include <fstream>
 #include <string>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -45,15 +46,12 @@ class HeaderArchive : public VdbArchive {
 
 } // namespace
 
-void checkMetadata(const openvdb::GridPtrVec& grids)
+void removeForeignMetadata(const openvdb::GridPtrVec& grids)
 {
     using openvdb::GridBase;
-    const auto check = [](const GridBase& grid, const char* key, const std::string& type) {
-        const openvdb::Metadata::ConstPtr value = grid[key];
-        if (value && value->typeName() != type) {
-            throw InputError(fmt::format("grid '{}': its metadata '{}' is of type {} in place of {}; it is damaged",
-                                         grid.getName(), key, value->typeName(), type));
-        }
+    const auto check = [](GridBase& grid, const char* key, const std::string& type) {
+        const openvdb::Metadata::ConstPtr value = std::as_const(grid)[key];
+        if (value && value->typeName() != type) grid.removeMeta(key);
     };
     for (const GridBase::Ptr& grid : grids) {
         for (const char* key : {GridBase::META_GRID_CLASS, GridBase::META_GRID_CREATOR, GridBase::META_VECTOR_TYPE,
@@ -81,7 +79,7 @@ VdbHeader readVdbHeader(const std::filesystem::path& path)
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         const Hazard parsing(path.string(), size);
         VdbHeader header = HeaderArchive().read(stream);
-        checkMetadata(header.grids);
+        removeForeignMetadata(header.grids);
         return header;
     } catch (const InputError& reason) {
         throw InputError(fmt::format("{}: cannot be read as a .vdb file: {}", path.string(), reason.what()));

@@ -19,9 +19,8 @@ struct VdbHeader {
 /// @throws InputError naming the file and the reason
 [[nodiscard]] VdbHeader readVdbHeader(const std::filesystem::path& path);
 
-/// Check the types of the metadata that OpenVDB itself keeps, which throws wherever it meets others.
-/// @throws InputError, without the file's name, naming the grid and the metadata
-void checkMetadata(const openvdb::GridPtrVec& grids);
+/// Remove metadata that have OpenVDB's own names but other types: OpenVDB throws wherever it sets such.
+void removeForeignMetadata(const openvdb::GridPtrVec& grids);
 
 /// The bounding box of a grid's active voxels, as its writer stored it; few writers omit it.
 [[nodiscard]] std::optional<openvdb::CoordBBox> storedBox(const openvdb::GridBase& grid);

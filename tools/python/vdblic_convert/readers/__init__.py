@@ -95,7 +95,7 @@ def open_source(path, options, grids=()):
     if reader == "dataset":  # tells by itself what its libraries parse
         return open_file(path, options, grids)
     with Parsing(path, "the library that reads it", False):
-        return open_file(path, options)
+        return open_file(path, options, grids) if grids else open_file(path, options)
 
 
 class Source:
