@@ -81,8 +81,7 @@ std::string saidAt(int wanted, const Work& work, bool isHeld = false)
     return said;
 }
 
-constexpr const char* kDamaged =
-    "tool: error: v.vdb: cannot be read: it is damaged; OpenVDB crashed on it\n";
+constexpr const char* kDamaged = "tool: error: v.vdb: cannot be read: it is damaged; OpenVDB crashed on it\n";
 
 TEST(CrashGuard, SpeaksOnceWhenThreadsCrashTogether)
 {
