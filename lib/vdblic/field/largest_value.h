@@ -42,7 +42,8 @@ VDBLIC_INLINE NumberRow activeValues(const Domain::Mask& mask, const float* valu
 }
 VDBLIC_INLINE Vector8 activeValues(const Domain::Mask& mask, const openvdb::Vec3f* values, int row)
 {
-    return select(activeRow(mask, row), loadVectors(values[std::ptrdiff_t(row) * LeafVoxel::kDim].asPointer()), Vector8{});
+    return select(activeRow(mask, row), loadVectors(values[std::ptrdiff_t(row) * LeafVoxel::kDim].asPointer()),
+                  Vector8{});
 }
 /// A row of one value.
 VDBLIC_INLINE NumberRow rowOf(float value)
