@@ -170,7 +170,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
     try {
         const bool isSparse = vdblic::isSparse(file.metadata);
         const auto usable = [&](const openvdb::FloatGrid::Ptr& grid) {
-            const bool isCoarse = bool(CoarseScalar::of(*grid, *texture));
+            const bool isCoarse = isSparse && CoarseScalar::of(*grid, *texture);
             return isCoarse ? grid : resampledOn(grid, *texture);
         };
         const auto color = storedColor ? usable(storedColor) : texture;

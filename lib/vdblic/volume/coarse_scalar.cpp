@@ -74,30 +74,4 @@ std::optional<std::array<float, 2>> CoarseScalar::copy(const Piece& piece, float
     return any ? std::optional(range) : std::nullopt;
 }
 
-std::size_t CoarseScalar::removeNotFinite(const openvdb::Coord& origin, Domain::Mask& mask) const
-{
-    std::size_t removed = 0;
-    const openvdb::Coord last = origin.offsetBy(LeafVoxel::kDim - 1);
-    const openvdb::CoordBBox leaf(origin, last);
-    openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(mTree);
-    for (const openvdb::Coord& coarse :
-         openvdb::CoordBBox(mRefinement.coarse({origin}).at, mRefinement.coarse({last}).at)) {
-        float value = 0;
-        if (!accessor.probeValue(coarse, value) || std::isfinite(value)) continue;
-        openvdb::CoordBBox voxels;
-        for (int axis = 0; axis < 3; ++axis) {
-            const int factor = mRefinement.factors[std::size_t(axis)];
-            voxels.min()[axis] = coarse[axis] * factor;
-            voxels.max()[axis] = coarse[axis] * factor + factor - 1;
-        }
-        voxels.intersect(leaf);
-        for (const openvdb::Coord& voxel : voxels) {
-            const openvdb::Index offset = openvdb::FloatTree::LeafNodeType::coordToOffset(voxel);
-            removed += mask.isOn(offset) ? 1 : 0;
-            mask.setOff(offset);
-        }
-    }
-    return removed;
-}
-
 } // namespace vdblic

@@ -1,12 +1,10 @@
 #pragma once
 
-#include "vdblic/field/domain.h"
 #include "vdblic/field/refinement.h"
 
 #include <openvdb/openvdb.h>
 
 #include <array>
-#include <cstddef>
 #include <optional>
 
 namespace vdblic {
@@ -40,10 +38,6 @@ class CoarseScalar {
     /// @param values receives dim() numbers, x slowest
     /// @return least and largest of the active values; nothing if there is none
     [[nodiscard]] std::optional<std::array<float, 2>> copy(const Piece& piece, float* values) const;
-
-    /// Remove the voxels of a leaf of the texture that lie in active voxels without a finite value. @return their
-    /// number
-    std::size_t removeNotFinite(const openvdb::Coord& origin, Domain::Mask& mask) const;
 
   private:
     CoarseScalar(const openvdb::FloatGrid& scalar, const Refinement& refinement)

@@ -39,10 +39,11 @@ void checkTransforms(const openvdb::FloatGrid& texture, const openvdb::FloatGrid
                                  texture.getName(), scalar.getName()));
 }
 
-/// A scalar on coarser voxels than the texture's; nothing if both have the same voxels.
-std::optional<CoarseScalar> coarseScalar(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar)
+/// A scalar on coarser voxels than a sparse texture; nothing if both have the same voxels.
+std::optional<CoarseScalar> coarseScalar(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& scalar,
+                                         bool isSparse)
 {
-    std::optional<CoarseScalar> coarse = CoarseScalar::of(scalar, texture);
+    std::optional<CoarseScalar> coarse = isSparse ? CoarseScalar::of(scalar, texture) : std::nullopt;
     if (!coarse) checkTransforms(texture, scalar);
     return coarse;
 }
@@ -76,7 +77,7 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
                     affineMatrix(texture.transform(), "grid " + texture.getName())),
       mWorldToIndex(glm::inverse(mIndexToWorld)), mIsSparse(use.isSparse)
 {
-    const std::optional<CoarseScalar> coarse = coarseScalar(texture, driver);
+    const std::optional<CoarseScalar> coarse = coarseScalar(texture, driver, mIsSparse);
     mDomain = std::make_shared<const Domain>(
         std::make_shared<openvdb::MaskTree>(texture.tree(), false, true, openvdb::TopologyCopy()),
         use.share ? use.share->ranks() : 1);
@@ -111,8 +112,7 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
                 mRanges[leaf].highDriver = range ? (*range)[1] : -kInfinity;
             }
             mShown[leaf] = domain().mask(domain().local()[leaf]);
-            std::size_t found = block->removeInactive(mShown[leaf]);
-            if (coarse && !mIsSparse) found += coarse->removeNotFinite(origin(leaf), mShown[leaf]);
+            const std::size_t found = block->removeInactive(mShown[leaf]);
             if (found > 0 && isOwn(leaf)) unusable += found;
             // Lanes of the ray caster that have no ray read the first leaf.
             mHasRecords[leaf] = leaf == 0 || !use.look || use.look->contributes(mRanges[leaf]);
@@ -146,7 +146,7 @@ void TextureVolume::copyLeaf(const openvdb::FloatGrid& texture, const openvdb::F
 
 void TextureVolume::addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors)
 {
-    const std::optional<CoarseScalar> coarse = coarseScalar(texture, colors);
+    const std::optional<CoarseScalar> coarse = coarseScalar(texture, colors, mIsSparse);
     const std::size_t leaves = leafCount();
     mColors.emplace(leaves, coarse);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {

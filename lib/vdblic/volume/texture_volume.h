@@ -48,8 +48,8 @@ class TextureVolume {
     /// @param driver the scalar that opacity and, unless there is addColors(), colour follow; may be the texture itself
     /// @param stretch factors along the axes from the grids' world space to the volume's
     /// @param use     what it leaves out must not be read; samples() and addLines() need the records of all leaves
-    /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ; the texture's
-    ///         may refine the driver's
+    /// @throws InputError naming the grid if a transform is not affine, or the two transforms differ; that of a sparse
+    ///         texture may refine the driver's
     TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
                   const glm::dvec3& stretch = glm::dvec3(1), const RecordUse& use = {});
 

@@ -62,22 +62,6 @@ TEST(SparseTexture, AScalarOnCoarserVoxelsIsInterpolatedAsResampled)
     }
 }
 
-TEST(TextureVolume, HidesVoxelsWhoseCoarserScalarIsNoNumber)
-{
-    SparseScene scene;
-    scene.scalar->tree().setValue({1, 1, 3}, std::nanf(""));
-    scene.texture->tree().fill({{0, 0, 0}, {23, 23, 23}}, 0.5f);
-    scene.texture->tree().voxelizeActiveTiles();
-    const TextureVolume volume(*scene.texture, *scene.scalar);
-    ASSERT_TRUE(volume.drivers().isCoarse());
-    EXPECT_EQ(volume.unusableVoxels(), std::size_t(kFiner) * kFiner * kFiner);
-    for (const Coord& c : openvdb::CoordBBox({0, 0, 8}, {11, 11, 19})) {
-        const Int4 voxel{c[0], c[1], c[2]};
-        const bool isShown = volume.shown(std::size_t(volume.domain().findLeaf(voxel))).isOn(Domain::offset(voxel));
-        EXPECT_EQ(isShown, Coord(c[0] / kFiner, c[1] / kFiner, c[2] / kFiner) != Coord(1, 1, 3)) << c;
-    }
-}
-
 TEST(SparseTexture, AScalarOnOtherVoxelsIsNotCoarse)
 {
     const SparseScene scene;
