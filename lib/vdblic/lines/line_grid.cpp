@@ -1,9 +1,9 @@
 #include "vdblic/lines/line_grid.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/lines/point_values.h"
 
 #include <fmt/format.h>
-#include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointDataGrid.h>
 #include <tbb/blocked_range.h>
@@ -35,16 +35,6 @@ constexpr const char *kAge = "age", *kSource = "source";
 using HalfCodec = openvdb::points::TruncateCodec;
 using UnitCodec = openvdb::points::FixedPointCodec<true, openvdb::points::UnitRange>;
 
-template<typename T, typename Codec = openvdb::points::NullCodec>
-void append(PointDataGrid& grid, const PointIndexGrid& index, const std::string& name, const std::vector<T>& values)
-{
-    using Values = openvdb::points::PointAttributeVector<T>;
-    openvdb::points::appendAttribute<T, Codec>(grid.tree(), name);
-    const Values wrapped(values);
-    openvdb::points::populateAttribute<PointDataTree, openvdb::tools::PointIndexTree, Values>(grid.tree(), index.tree(),
-                                                                                              name, wrapped);
-}
-
 /// Append a scalar as halfs, or as floats if one is too large for that.
 void appendScalar(PointDataGrid& grid, const PointIndexGrid& index, const std::string& name,
                   const std::vector<float>& values)
@@ -52,7 +42,7 @@ void appendScalar(PointDataGrid& grid, const PointIndexGrid& index, const std::s
     constexpr float kLargestHalf = 65504;
     const bool fits =
         std::none_of(values.begin(), values.end(), [](float value) { return std::abs(value) > kLargestHalf; });
-    fits ? append<float, HalfCodec>(grid, index, name, values) : append(grid, index, name, values);
+    fits ? appendValues<float, HalfCodec>(grid, index, name, values) : appendValues(grid, index, name, values);
 }
 
 /// The values of an attribute at the points of a leaf. @throws InputError
@@ -168,12 +158,12 @@ openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transfo
     const auto grid = openvdb::points::createPointDataGrid<PositionCodec, PointDataGrid>(*index, positions, *voxels);
     grid->setTransform(transform.copy());
     grid->setName(kLineGrid);
-    append(*grid, *index, kId, ids);
-    append(*grid, *index, kOrder, orders);
+    appendValues(*grid, *index, kId, ids);
+    appendValues(*grid, *index, kOrder, orders);
     appendScalar(*grid, *index, kRadius, lines.radii);
-    append<float, UnitCodec>(*grid, *index, kOpacity, lines.opacities);
-    append(*grid, *index, kAge, lines.ages);
-    if (hasSources) append(*grid, *index, kSource, sources);
+    appendValues<float, UnitCodec>(*grid, *index, kOpacity, lines.opacities);
+    appendValues(*grid, *index, kAge, lines.ages);
+    if (hasSources) appendValues(*grid, *index, kSource, sources);
     for (const Lines::Scalar& scalar : lines.scalars)
         appendScalar(*grid, *index, scalar.name, scalar.values);
     return grid;

@@ -66,12 +66,11 @@ Parameters parametersOf(AdvectParams& params)
                   params.flow.velocity.nonFinite, {.option = "--nonfinite", .words = "WHAT"}),
         parameter("carry", "Other grids of the files to copy into the outputs.", params.flow.velocity.carry,
                   {.words = "NAME,NAME"}),
-        parameter(
-            "derived",
-            "Further grids beside the texture: vorticity (|curl v|, 1/s), q (Q criterion, 1/s2), velocity: the "
-            "grid vel, world units per second, for motion blur; hits: the values that each voxel received in the "
-            "step, with auflic, auflic-2004 and uflic; streaks: with that method, the streaks as lines of points.",
-            params.derived, {.option = "--with", .words = "NAME,NAME"}),
+        parameter("derived",
+                  "Further grids beside the texture: vorticity (|curl v|, 1/s), q (Q criterion, 1/s2), velocity: the "
+                  "grid vel, world units per second, for motion blur; hits: the values that each voxel received in the "
+                  "step, with auflic, auflic-2004 and uflic; streaks: the lines of that method, as points.",
+                  params.derived, {.option = "--with", .words = "NAME,NAME"}),
         parameter("texture_name", "Name of the texture grid.", params.textureName, {.words = "NAME"}),
     };
     const Parameters run = {

@@ -131,6 +131,14 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
         mLow[axis] = box.min()[axis] - 0.5;
         mHigh[axis] = box.max()[axis] + 0.5;
     }
+    constexpr double kFarthest = 1e17; // cameras stand farther off, and squares of distances are single precision
+    for (const glm::dvec3& corner : corners()) {
+        const double farthest = std::max({std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+        if (farthest <= kFarthest) continue;
+        throw InputError(fmt::format("grid {}: its voxels reach to {:.3g} in world space, and {} at most can be "
+                                     "rendered: give its transform another unit of length",
+                                     texture.getName(), farthest, kFarthest));
+    }
 }
 
 void TextureVolume::copyLeaf(const openvdb::FloatGrid& texture, const openvdb::FloatGrid* scalar,

@@ -208,6 +208,15 @@ TEST(TextureVolume, RefusesTransformsItCannotRender)
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("speed"), std::string::npos) << error.what();
     }
+    const auto far = grid->deepCopy();
+    far->setTransform(openvdb::math::Transform::createLinearTransform(1e17));
+    try {
+        const TextureVolume volume(*far, *far);
+        FAIL() << "a box of 4e17 was taken";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("fog: its voxels reach to 3.5e+17"), std::string::npos)
+            << error.what();
+    }
     grid->setTransform(
         openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(Vec3d(0), Vec3d(9)), 0.5, 10, 0.1));
     try {

@@ -32,7 +32,8 @@ def main(version, words):
     tool.add("-o", "--output", metavar="TEXT", required=True,
              help="What to write: lic_%%04d.vti, .vtp, .npz, .vdb, or flow.usda.")  # fmt: skip
     tool.sequence()
-    tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default.")
+    tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default, into a "
+             ".usda the streaks alone where they are lines.")  # fmt: skip
     levels.add_options(tool)
     add_options(tool)
     return tool.run(words, lambda options, console, stop: run(options, console, stop, version))

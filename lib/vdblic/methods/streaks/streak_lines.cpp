@@ -188,8 +188,8 @@ float worldRadius(const StreakShape& shape, const openvdb::math::Transform& tran
 
 } // namespace
 
-Lines linesOf(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain, double time,
-              const openvdb::math::Transform& transform)
+Lines streakLines(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain, double time,
+                  const openvdb::math::Transform& transform)
 {
     const TailSampler sampler(shape, domain, time);
     std::vector<std::vector<Samples>> tails(streaks.size());

@@ -18,7 +18,7 @@ namespace vdblic {
 /// @param time      of the heads [frames since the run began]
 /// @param transform of the velocity, for the radii
 /// Computed in parallel; the result does not depend on the number of threads.
-[[nodiscard]] Lines linesOf(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain,
-                            double time, const openvdb::math::Transform& transform);
+[[nodiscard]] Lines streakLines(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain,
+                                double time, const openvdb::math::Transform& transform);
 
 } // namespace vdblic

@@ -2,9 +2,9 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/lines/point_values.h"
 
 #include <fmt/format.h>
-#include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointDataGrid.h>
 
@@ -56,17 +56,6 @@ Points pointsOf(const std::vector<Streak>& streaks)
 }
 
 template<typename T>
-void append(PointDataGrid& grid, const openvdb::tools::PointIndexGrid& index, const char* name,
-            const std::vector<T>& values)
-{
-    openvdb::points::appendAttribute<T>(grid.tree(), name);
-    const openvdb::points::PointAttributeVector<T> wrapped(values);
-    openvdb::points::populateAttribute<openvdb::points::PointDataTree, openvdb::tools::PointIndexTree,
-                                       openvdb::points::PointAttributeVector<T>>(grid.tree(), index.tree(), name,
-                                                                                 wrapped);
-}
-
-template<typename T>
 void take(const PointLeaf& leaf, const char* name, std::vector<T>& values)
 {
     const openvdb::points::AttributeArray* const array = leaf.attributeSet().getConst(name);
@@ -110,13 +99,13 @@ openvdb::GridBase::Ptr streakGrid(const std::vector<Streak>& streaks, const Stre
     const auto grid =
         openvdb::points::createPointDataGrid<openvdb::points::NullCodec, PointDataGrid>(*index, positions, *transform);
     grid->setName(kGrid);
-    append(*grid, *index, kNode, points.node);
-    append(*grid, *index, kSlope, points.slope);
-    append(*grid, *index, kTime, points.time);
-    append(*grid, *index, kId, points.id);
-    append(*grid, *index, kBorn, points.born);
-    append(*grid, *index, kRetired, points.retired);
-    append(*grid, *index, kKind, points.kind);
+    appendValues(*grid, *index, kNode, points.node);
+    appendValues(*grid, *index, kSlope, points.slope);
+    appendValues(*grid, *index, kTime, points.time);
+    appendValues(*grid, *index, kId, points.id);
+    appendValues(*grid, *index, kBorn, points.born);
+    appendValues(*grid, *index, kRetired, points.retired);
+    appendValues(*grid, *index, kKind, points.kind);
     const auto& [x, y, z] = shape.spacing;
     const auto& [nx, ny, nz] = shape.refinement.factors;
     grid->insertMeta(kSpacing, openvdb::Vec3SMetadata(Vec3f(x, y, z)));

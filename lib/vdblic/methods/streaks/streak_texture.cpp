@@ -97,7 +97,7 @@ TextureFrame StreakTexture::advance(const FlowStep& step)
     if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
         const double time = double(mStep) / substeps;
-        if (step.withLines) result.lines = linesOf(mStreaks, mShape, domain, time, step.start.values->transform());
+        if (step.withLines) result.lines = streakLines(mStreaks, mShape, domain, time, step.start.values->transform());
         const DrawnStreaks drawn = drawStreaks(mStreaks, mShape, domain, time, !mParams.sources.empty());
         result.domain = drawnDomain(*drawn.texture, step.owners);
         result.texture = LeafValues<float>(*result.domain, drawn.texture);

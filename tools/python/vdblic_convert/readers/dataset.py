@@ -84,22 +84,21 @@ def _variables(path):
         needed("netCDF4")
     else:
         needed("zarr" if read == _zarr else "cfgrib")
-    try:
-        return read(xarray, path)
-    except InputError:
-        raise
-    except Exception as error:  # pylint: disable=broad-except  # the libraries raise any kind
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(
-            f"{path}: cannot be read as {form}: {type(error).__name__ if not str(reason) else reason}"
-        ) from None
+    with Parsing(path, f"{form}'s library", read == _netcdf):
+        try:
+            return read(xarray, path)
+        except InputError:
+            raise
+        except Exception as error:  # pylint: disable=broad-except  # the libraries raise any kind
+            reason = str(getattr(error, "strerror", None) or error) or type(error).__name__
+        # Here the error is gone, and with it the open file, which a library closes, and so parses once more.
+    raise InputError(f"{path}: cannot be read as {form}: {reason}")
 
 
 def _netcdf(xarray, path):
     """The variables of all groups; a name that several groups have gets the group's name before it."""
     found, attributes, groups = {}, {}, [""]
-    library = needed("netCDF4")
-    with Parsing(path, "NetCDF's library", True), library.Dataset(path) as data:
+    with needed("netCDF4").Dataset(path) as data:
         stack = list(data.groups.values())
         while stack:
             group = stack.pop(0)
