@@ -38,6 +38,7 @@ print(json.dumps({
     "widths": list(curves.GetWidthsAttr().Get(frame)), "widths_at": curves.GetWidthsInterpolation(),
     "extent": [list(corner) for corner in extent],
     "primvars": {p.GetPrimvarName(): [p.GetInterpolation(), len(p.Get(frame))] for p in api.GetPrimvars()},
+    "without": sum(value != value for value in api.GetPrimvar("heat").Get(frame)),
     "rate": stage.GetTimeCodesPerSecond()}))
 """
 
@@ -168,7 +169,7 @@ class Lines(ToolTest):
     def test_openusd_reads_the_lines(self):
         if USD is None:
             self.skipTest("usd-core is missing: tests/peers.sh gets it")
-        sources = self.advect(*self.rotation(), "--with", "streaks", "--frames", "2-4")
+        sources = self.advect(*self.rotation(hole=numpy.nan), "--carry", "heat", "--with", "streaks", "--frames", "2-4")
         (path,) = self.outputs("vdblic_export", "s.%04d.vdb", "-o", "flow.usda")
         box = 32
         for frame, source in zip((2, 3, 4), sources):
@@ -182,9 +183,9 @@ class Lines(ToolTest):
             points = len(lines["points"])
             self.assertEqual(
                 told["primvars"],
-                {name: ["vertex", points] for name in ("displayColor", "displayOpacity", "age", "magnitude", "widths")
-                 if name != "widths"} | {"id": ["uniform", len(lines["counts"])]},
+                {name: ["vertex", points] for name in ("displayColor", "displayOpacity", "age", "heat", "magnitude")} | {"id": ["uniform", len(lines["counts"])]},
             )
+            self.assertEqual(told["without"], points)  # a scalar without values is not 0
             low, high = told["extent"]
             self.assertTrue((lines["points"] > low).all() and (lines["points"] < high).all())
             # The particles' velocity by their path, in units a second of the time codes.

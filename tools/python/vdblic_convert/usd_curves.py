@@ -43,7 +43,7 @@ def curves(name, files, settings, stop):
         "float[] primvars:age": of(lambda m: _numbers(m["age"])),
     }
     for scalar in dict.fromkeys(name for m in moments.values() for name in m["scalars"]):
-        values = of(lambda m, scalar=scalar: _numbers(numpy.nan_to_num(_scalar(m, scalar))))
+        values = of(lambda m, scalar=scalar: _numbers(_scalar(m, scalar)))
         vertex[f"float[] primvars:{identifier(scalar, taken)}"] = values
     uniform = {"int[] primvars:id": of(lambda m: _numbers(m["id"], "%d"))}
     if any(m["source"].any() for m in moments.values()):
@@ -66,8 +66,8 @@ def curves(name, files, settings, stop):
 
 
 def _scalar(moment, name):
-    """A scalar of a moment; 0 where its file lacks it."""
-    return moment["scalars"].get(name, numpy.zeros(len(moment["points"]), numpy.float32))
+    """A scalar of a moment; NaN where it has no value, and where its file lacks it."""
+    return moment["scalars"].get(name, numpy.full(len(moment["points"]), numpy.nan, numpy.float32))
 
 
 def _box(moment):
