@@ -103,7 +103,8 @@ class TailSampler {
 
     [[nodiscard]] static openvdb::Vec3f placeAt(const StreakNode& a, const StreakNode& b, double time)
     {
-        return openvdb::Vec3f(positionBetween(a, b, float((time - a.time) / (b.time - a.time))).data());
+        const auto at = positionBetween(a, b, float((time - a.time) / (b.time - a.time)));
+        return {at[0], at[1], at[2]};
     }
 
     /// In how many parts a curve between two nodes is straight: a parabola deviates by h²/8 of its second derivative.
