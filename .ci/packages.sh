@@ -30,6 +30,7 @@ libpng-dev              header  png.h
 libcairo2-dev           header  cairo/cairo.h
 libfontconfig-dev       header  fontconfig/fontconfig.h
 libassimp-dev           header  assimp/Importer.hpp
+libembree-dev           header  embree3/rtcore.h
 fonts-dejavu-core       file    /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 libboost-math-dev       header  boost/math/distributions/students_t.hpp
 libglm-dev              header  glm/glm.hpp

@@ -13,6 +13,7 @@ find_dependency(TBB)
 find_dependency(OpenEXR CONFIG) # not by the module that OpenVDB ships, which leaves out Imath
 find_dependency(PNG)
 find_dependency(assimp)
+find_dependency(embree 3.13)
 find_dependency(glm)
 find_dependency(fmt)
 find_dependency(nlohmann_json)

@@ -34,9 +34,9 @@ Image Renderer::of(const VdbFile& volume, std::int64_t frame)
         std::make_shared<const LoadedTexture>(loadFrame(plan, volume, {frame, volume.path}, mView ? &*mView : nullptr));
     if (!mView) {
         const glm::ivec2 size = plan.size;
-        if (loaded->volume.empty())
+        if (loaded->empty())
             return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, plan.background)};
-        mView = chooseView(plan, {&loaded, 1}, loaded->volume.corners(), {}, mAlone);
+        mView = chooseView(plan, {&loaded, 1}, loaded->box().corners(), {}, mAlone);
     }
     std::shared_ptr<const Solid> solid;
     if (!plan.solid.empty())

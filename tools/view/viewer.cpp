@@ -209,7 +209,7 @@ std::shared_ptr<const Viewer::Basis> Viewer::basisFor(const PicturePlan& plan, b
     if (settle) return settledBasis(plan);
     const ViewSource known = source(plan.stretch);
     const FrameCache::Frame first = loadSoon(plan, known.lookFrames.front());
-    if (first->volume.empty()) return settledBasis(plan);
+    if (first->empty()) return settledBasis(plan);
     auto basis = std::make_shared<Basis>();
     OneProcess alone;
     basis->look.add(*first, alone);
@@ -239,7 +239,7 @@ std::shared_ptr<const Viewer::Basis> Viewer::settledBasis(const PicturePlan& pla
     for (const FrameFile& file : known.lookFrames) {
         try {
             const FrameCache::Frame frame = load(plan, file);
-            if (frame->volume.empty()) continue;
+            if (frame->empty()) continue;
             basis->look.add(*frame, alone);
             basis->frames.push_back(file);
         } catch (const InputError&) { // is reported at the frame's turn

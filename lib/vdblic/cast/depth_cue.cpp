@@ -2,7 +2,7 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/look/look.h"
-#include "vdblic/volume/texture_volume.h"
+#include "vdblic/volume/placed_box.h"
 
 #include <glm/vec4.hpp>
 
@@ -11,10 +11,10 @@
 
 namespace vdblic {
 
-DepthCue::DepthCue(const TextureVolume& volume, const Look& look, const Camera& camera)
+DepthCue::DepthCue(const PlacedBox& box, const Look& look, const Camera& camera)
 {
     double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
-    for (const glm::dvec3& corner : volume.corners()) {
+    for (const glm::dvec3& corner : box.corners()) {
         const double depth = (camera.worldToCamera() * glm::dvec4(corner, 1)).z;
         nearest = std::min(nearest, std::max(depth, 0.0));
         farthest = std::max(farthest, depth);

@@ -1,5 +1,6 @@
 #include "vdblic/cast/extinction_grid.h"
 
+#include "vdblic/cast/tube_tree.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/volume/leaf_extinctions.h"
@@ -37,15 +38,38 @@ ExtinctionGrid::ExtinctionGrid(const TextureVolume& volume, const Look& look, Ex
     for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf)
         box.expand(openvdb::CoordBBox::createCube(volume.domain().origin(leaf), LeafVoxel::kDim));
     if (box.empty()) box = {openvdb::Coord(0), openvdb::Coord(0)};
-    mOrigin = box.min();
+    cover(box);
+    sum(volume, look, exchange);
+}
+
+ExtinctionGrid::ExtinctionGrid(const TubeTree& tree)
+{
+    const Tubes& tubes = tree.tubes();
+    const auto voxel = [](const glm::dvec3& at) { return openvdb::Coord::round(openvdb::Vec3d(at.x, at.y, at.z)); };
+    cover({voxel(tubes.low() + 0.5), voxel(tubes.high() - 0.5)});
+    std::vector<std::uint64_t> sums(index(mDim - openvdb::Coord(1)) + 1);
+    // What a tube covers it dims once, however thick it is.
+    tubes.forPieces(tree.cones(), [&](const Tubes::Piece& piece) {
+        const double share = double(tree.alpha(piece.driver, piece.opacity));
+        openvdb::Coord cell = voxel(piece.place) - mOrigin;
+        for (int axis = 0; axis < 3; ++axis)
+            cell[axis] = std::clamp(cell[axis] / mCell, 0, mDim[axis] - 1);
+        sums[index(cell)] += std::uint64_t(share * piece.area * double(kSumUnits));
+    });
+    setValues(sums);
+}
+
+/// Set the cells. @param voxels that they cover, not empty
+void ExtinctionGrid::cover(const openvdb::CoordBBox& voxels)
+{
+    mOrigin = voxels.min();
     const auto cells = [&] {
         for (int axis = 0; axis < 3; ++axis)
-            mDim[axis] = std::max((box.max()[axis] - mOrigin[axis]) / mCell + 1, 2);
+            mDim[axis] = std::max((voxels.max()[axis] - mOrigin[axis]) / mCell + 1, 2);
         return double(mDim[0]) * mDim[1] * mDim[2];
     };
     while (cells() > double(kMostCells))
         mCell *= 2;
-    sum(volume, look, exchange);
 }
 
 /// Sums are of integers, so their order does not matter.
@@ -65,6 +89,12 @@ void ExtinctionGrid::sum(const TextureVolume& volume, const Look& look, Exchange
             addLeaf(leaf);
     }
     exchange.sum(sums);
+    setValues(sums);
+}
+
+/// @param sums over the voxels of the cells [1/kSumUnits]
+void ExtinctionGrid::setValues(const std::vector<std::uint64_t>& sums)
+{
     const double perSum = 1 / (double(kSumUnits) * mCell * mCell * mCell);
     mValues.reserve(sums.size());
     for (const std::uint64_t sum : sums)

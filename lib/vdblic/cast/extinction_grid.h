@@ -3,12 +3,14 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vdblic {
 
 class Exchange;
 class TextureVolume;
+class TubeTree;
 struct Look;
 
 /// The extinction of a volume's visible voxels under a look, on a coarse grid over the volume's bounds.
@@ -20,6 +22,8 @@ class ExtinctionGrid {
   public:
     /// @param exchange of the ranks that share the volume: collective
     ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange);
+    /// Of tubes, as fine as if each were cut into pieces that are spread through their cells.
+    explicit ExtinctionGrid(const TubeTree& tree);
 
     [[nodiscard]] const openvdb::Coord& origin() const { return mOrigin; } ///< first voxel of the first cell
     [[nodiscard]] const openvdb::Coord& dim() const { return mDim; }       ///< number of cells, at least 2
@@ -33,6 +37,8 @@ class ExtinctionGrid {
     [[nodiscard]] const std::vector<float>& values() const { return mValues; } ///< by x, then y, then z
 
   private:
+    void cover(const openvdb::CoordBBox& voxels);
+    void setValues(const std::vector<std::uint64_t>& sums);
     void sum(const TextureVolume& volume, const Look& look, Exchange& exchange);
 
     openvdb::Coord mOrigin{0}, mDim{2};

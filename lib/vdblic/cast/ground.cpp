@@ -32,11 +32,10 @@ glm::vec3 lightened(const glm::vec3& color)
 
 } // namespace
 
-void Ground::addTo(SurfacePicture& picture, const TextureVolume& volume, const Look& look, const Camera& camera,
-                   int ray) const
+void Ground::addTo(SurfacePicture& picture, const PlacedBox& box, const Look& look, const Camera& camera, int ray) const
 {
     const PixelRays rays(camera, ray);
-    const DepthCue cue(volume, look, camera);
+    const DepthCue cue(box, look, camera);
     const std::vector<glm::vec3> background = look.backgroundRows(camera.size().y);
     const auto exposure = float(std::exp2(look.exposure)); // colours are as asked for at any exposure
     const PictureArea& area = camera.area();

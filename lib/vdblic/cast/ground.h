@@ -8,7 +8,7 @@
 namespace vdblic {
 
 class Camera;
-class TextureVolume;
+class PlacedBox;
 struct Look;
 struct SurfacePicture;
 
@@ -23,8 +23,7 @@ class Ground {
     }
 
     /// Add the visible ground to pixels that show no surface. @param ray index among each pixel's rays
-    void addTo(SurfacePicture& picture, const TextureVolume& volume, const Look& look, const Camera& camera,
-               int ray) const;
+    void addTo(SurfacePicture& picture, const PlacedBox& box, const Look& look, const Camera& camera, int ray) const;
 
   private:
     GroundPlane mPlane;

@@ -4,7 +4,7 @@
 #include "vdblic/cast/extinction_grid.h"
 #include "vdblic/cast/lanes.h"
 #include "vdblic/cast/solid.h"
-#include "vdblic/volume/texture_volume.h"
+#include "vdblic/volume/placed_box.h"
 
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
@@ -154,7 +154,7 @@ Medium mediumOf(const ShadowCasters& casters)
             CoarseCells(grid.origin(), grid.dim(), grid.cell()),
             glm::dvec3(grid.origin()[0], grid.origin()[1], grid.origin()[2]) - 0.5,
             glm::dvec3(end[0], end[1], end[2]) - 0.5,
-            casters.volume.worldToIndex(),
+            casters.box.worldToIndex(),
             casters.cuts,
             double(grid.cell()),
             false};
@@ -231,7 +231,7 @@ GroundLight::GroundLight(const GroundPlane& plane, const ShadowCasters& casters,
     double edges = 1;
     const glm::dvec3 extent = media[0].high - media[0].low;
     for (int axis = 0; axis < 3; ++axis)
-        edges *= extent[axis] * glm::length(glm::dmat3(casters.volume.indexToWorld())[axis]);
+        edges *= extent[axis] * glm::length(glm::dmat3(casters.box.indexToWorld())[axis]);
     const double reach = kReach * std::cbrt(edges);
     struct Bundle {
         std::vector<LightWays> through; // the media, one behind the other

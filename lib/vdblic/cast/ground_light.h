@@ -12,13 +12,13 @@
 namespace vdblic {
 
 class ExtinctionGrid;
-class TextureVolume;
+class PlacedBox;
 struct Solid;
 
 /// The volume and the solid that cast shadows on a ground.
 struct ShadowCasters {
     const ExtinctionGrid& visible;
-    const TextureVolume& volume;       ///< whose extinctions `visible` are
+    const PlacedBox& box;              ///< whose extinctions `visible` are
     std::span<const ClipPlane> cuts{}; ///< of the volume, in world space
     const Solid* solid = nullptr;
 };

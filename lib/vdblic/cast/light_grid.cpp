@@ -5,7 +5,7 @@
 #include "vdblic/cast/optical_depths.h"
 #include "vdblic/cast/solid.h"
 #include "vdblic/look/look.h"
-#include "vdblic/volume/texture_volume.h"
+#include "vdblic/volume/placed_box.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -33,13 +33,13 @@ glm::dvec3 keyLight(const Look& look, const Camera& camera)
     return toWorld * glm::dvec3(-0.5, 0.8, -0.35);
 }
 
-LightGrid::LightGrid(const ExtinctionGrid& visible, const AmbientLight& ambient, const TextureVolume& volume,
-                     const Look& look, const glm::dvec3& towardsLight)
+LightGrid::LightGrid(const ExtinctionGrid& visible, const AmbientLight& ambient, const PlacedBox& box, const Look& look,
+                     const glm::dvec3& towardsLight)
     : mCell(visible.cell()), mCells(visible.origin(), visible.dim(), mCell), mFactors(ambient.factors())
 {
     if (!(look.shadows > 0)) return;
     constexpr double kWithoutEnd = std::numeric_limits<double>::infinity();
-    const glm::dmat3 toIndex(volume.worldToIndex());
+    const glm::dmat3 toIndex(box.worldToIndex());
     const std::vector<float> depths =
         opticalDepths(visible, ambient.extinctions(), toIndex * towardsLight, kWithoutEnd, true);
     const auto strength = double(look.shadows);
@@ -53,18 +53,17 @@ float LightGrid::at(const glm::dvec3& position) const
     return at(all)[0];
 }
 
-AmbientLight::AmbientLight(const ExtinctionGrid& visible, const TextureVolume& volume, const Look& look,
-                           const Solid* solid)
+AmbientLight::AmbientLight(const ExtinctionGrid& visible, const PlacedBox& box, const Look& look, const Solid* solid)
     : mExtinctions(visible.values()), mFactors(mExtinctions.size(), 1)
 {
-    if (solid) addSolid(volume, *solid, visible);
+    if (solid) addSolid(box, *solid, visible);
     if (look.occlusion > 0) occlude(visible, double(look.occlusion));
 }
 
-void AmbientLight::addSolid(const TextureVolume& volume, const Solid& solid, const ExtinctionGrid& grid)
+void AmbientLight::addSolid(const PlacedBox& box, const Solid& solid, const ExtinctionGrid& grid)
 {
     const openvdb::Coord &origin = grid.origin(), &dim = grid.dim();
-    const glm::dmat4 toSolid = solid.worldToIndex * volume.indexToWorld();
+    const glm::dmat4 toSolid = solid.worldToIndex * box.indexToWorld();
     tbb::parallel_for(0, dim[0], [&](int x) {
         const auto values = solid.levelSet->getConstAccessor();
         for (int y = 0; y < dim[1]; ++y) {

@@ -11,7 +11,7 @@ namespace vdblic {
 
 class Camera;
 class ExtinctionGrid;
-class TextureVolume;
+class PlacedBox;
 struct Look;
 struct Solid;
 
@@ -26,8 +26,7 @@ class AmbientLight {
     /// @param visible extinctions of the volume
     /// @param look    with the strength of occlusion
     /// @param solid   occludes too; or null
-    AmbientLight(const ExtinctionGrid& visible, const TextureVolume& volume, const Look& look,
-                 const Solid* solid = nullptr);
+    AmbientLight(const ExtinctionGrid& visible, const PlacedBox& box, const Look& look, const Solid* solid = nullptr);
 
     /// Extinctions of volume and solid, by cell [1/voxel].
     [[nodiscard]] const std::vector<float>& extinctions() const { return mExtinctions; }
@@ -35,7 +34,7 @@ class AmbientLight {
     [[nodiscard]] const std::vector<float>& factors() const { return mFactors; }
 
   private:
-    void addSolid(const TextureVolume& volume, const Solid& solid, const ExtinctionGrid& grid);
+    void addSolid(const PlacedBox& box, const Solid& solid, const ExtinctionGrid& grid);
     void occlude(const ExtinctionGrid& grid, double strength);
 
     std::vector<float> mExtinctions, mFactors;
@@ -53,7 +52,7 @@ class LightGrid {
     /// @param ambient      of the same grid
     /// @param look         with the strength of shadows
     /// @param towardsLight world space, any length but 0
-    LightGrid(const ExtinctionGrid& visible, const AmbientLight& ambient, const TextureVolume& volume, const Look& look,
+    LightGrid(const ExtinctionGrid& visible, const AmbientLight& ambient, const PlacedBox& box, const Look& look,
               const glm::dvec3& towardsLight);
 
     /// Factors on the light: 1 − shadows · (1 − transmittance), times that of occlusion.

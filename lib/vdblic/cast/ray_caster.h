@@ -1,8 +1,7 @@
 #pragma once
 
+#include "vdblic/cast/surface_picture.h"
 #include "vdblic/image/image.h"
-
-#include <glm/vec3.hpp>
 
 #include <cstdint>
 #include <stop_token>
@@ -10,21 +9,10 @@
 namespace vdblic {
 
 class Camera;
-class Ground;
-class LightGrid;
 class TextureVolume;
 class VisibleSpace;
 struct Look;
 struct RayCastParams;
-struct Solid;
-
-/// Solid, ground and light of a picture.
-struct Scenery {
-    const Solid* solid = nullptr;
-    glm::vec3 solidColor{0}; ///< linear light
-    const LightGrid* light = nullptr;
-    const Ground* ground = nullptr;
-};
 
 /// Cast a ray through each pixel's centre, front to back, with early termination.
 ///

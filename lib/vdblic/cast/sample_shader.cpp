@@ -48,38 +48,11 @@ VDBLIC_INLINE const Float4& asFloat4(const TransferFunction::Entry& entry)
 SampleShader::SampleShader(const TextureVolume& volume, const Look& look, const Camera& camera,
                            const RayCastParams& params, const glm::vec3& origin, const LightGrid* light)
     : mVolume(volume), mLook(look), mStep(float(params.step)), mLayers(params.layers), mIsCubic(params.isCubic()),
-      mCue(volume, look, camera), mOrigin(origin), mLightGrid(light)
+      mCue(volume, look, camera), mOrigin(origin), mLightGrid(light), mLighting(look.shading)
 {
-    for (const DirectionalLight& distant : look.shading.lights)
-        mLights.emplace_back(glm::vec3(glm::normalize(distant.direction)), float(distant.intensity));
 }
 
-/// Schlick's approximation of cosine^shininess (Graphics Gems IV, 1994).
-VDBLIC_INLINE Float8 SampleShader::highlight(Float8 cosine) const
-{
-    const float power = mLook.shading.shininess;
-    const Float8 c = clamped(cosine);
-    return c / (power - power * c + c + 1e-20f);
-}
-
-/// @param normal of length 1, towards the eye
-VDBLIC_INLINE SampleShader::Light SampleShader::lightSurface(const Float8* normal, const Float8* view) const
-{
-    const Shading& shading = mLook.shading;
-    const Float8 facing = -(normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2]);
-    Float8 diffuse = facing * shading.headLight;
-    Float8 specular = highlight(2 * facing * facing - 1) * shading.headLight;
-    for (const glm::vec4& light : mLights) {
-        const Float8 cosine = positive(normal[0] * light.x + normal[1] * light.y + normal[2] * light.z);
-        const Float8 across = view[0] * light.x + view[1] * light.y + view[2] * light.z;
-        diffuse += cosine * light.w;
-        // Only a side that faces the light has a highlight.
-        specular += (cosine > 0 ? highlight(2 * cosine * facing + across) : Float8{}) * light.w;
-    }
-    return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
-}
-
-VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queue, const Float8* view) const
+VDBLIC_INLINE Light SampleShader::lightLine(const ShadeQueue& queue, const Float8* view) const
 {
     const SamplePlaces places(queue);
     const Cells cells(places.position);
@@ -105,14 +78,14 @@ VDBLIC_INLINE SampleShader::Light SampleShader::lightLine(const ShadeQueue& queu
     const Float8 viewCosine = viewed[0] * view[0] + viewed[1] * view[1] + viewed[2] * view[2];
     const Float8 viewSine = squareSine(viewCosine);
     Float8 diffuse = viewSine * viewSine * shading.headLight;
-    Float8 specular = highlight(viewSine - viewCosine) * shading.headLight;
-    for (const glm::vec4& light : mLights) {
+    Float8 specular = mLighting.highlight(viewSine - viewCosine) * shading.headLight;
+    for (const glm::vec4& light : mLighting.lights()) {
         Float8 lighted[3];
         along(light.x, light.y, light.z, lighted);
         const Float8 sine = squareSine(lighted[0] * light.x + lighted[1] * light.y + lighted[2] * light.z);
         const Float8 both = -(viewed[0] * light.x + viewed[1] * light.y + viewed[2] * light.z);
         diffuse += sine * sine * light.w;
-        specular += highlight(squareRoots(sine * viewSine) - both) * light.w;
+        specular += mLighting.highlight(squareRoots(sine * viewSine) - both) * light.w;
     }
     return {shading.ambient + shading.diffuse * diffuse, shading.specular * specular};
 }
@@ -188,7 +161,7 @@ void SampleShader::shade(const ShadeQueue& queue, const RayTask* tasks, RaySum* 
     }
     Light light{broadcast8(1), Float8{}};
     if (surfaces) {
-        const Light full = lightSurface(normal, view);
+        const Light full = mLighting.surface(normal, view);
         light = {1 + surface * (full.lit - 1), surface * full.white};
     } else if (mLook.shading.model == ShadingModel::kLine) {
         light = lightLine(queue, view);
@@ -245,7 +218,7 @@ void SampleShader::lightFaces(const Float4* outward, RayTask* tasks, int count) 
         Float8 normal[4], view[4];
         transpose(normals, normal);
         transpose(views, view);
-        const Light light = lightSurface(normal, view);
+        const Light light = mLighting.surface(normal, view);
         const bool lit = mLook.shading.model != ShadingModel::kNone;
         for (int i = 0; i < end; ++i) {
             tasks[first + i].shading[kFaceLit] = lit && normal[3][i] > 0 ? light.lit[i] : -1;

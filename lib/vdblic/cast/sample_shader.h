@@ -1,13 +1,11 @@
 #pragma once
 
 #include "vdblic/cast/depth_cue.h"
+#include "vdblic/cast/lighting.h"
 #include "vdblic/cast/ray_task.h"
 #include "vdblic/field/vector.h"
 
 #include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
-
-#include <vector>
 
 namespace vdblic {
 
@@ -34,13 +32,8 @@ class SampleShader {
     void lightFaces(const Float4* outward, RayTask* tasks, int count) const;
 
   private:
-    struct Light {
-        Float8 lit, white; // factor on the colour, and light added to it
-    };
-    Light lightSurface(const Float8* normal, const Float8* view) const;
     Light lightLine(const ShadeQueue& queue, const Float8* view) const;
     Float8 arrivingLight(const ShadeQueue& queue, const RayTask* tasks) const;
-    Float8 highlight(Float8 cosine) const;
     void addLayers(const ShadeQueue& queue, const Float8* normal, Float8 surface, Float8 depth, RaySum* sums) const;
 
     const TextureVolume& mVolume;
@@ -50,7 +43,7 @@ class SampleShader {
     DepthCue mCue;
     glm::vec3 mOrigin;
     const LightGrid* mLightGrid;
-    std::vector<glm::vec4> mLights; // direction of length 1, intensity
+    Lighting mLighting;
 };
 
 } // namespace vdblic

@@ -1,11 +1,7 @@
 #include "vdblic/cast/supersampling.h"
 
 #include "vdblic/camera/camera.h"
-#include "vdblic/cast/ray_cast_params.h"
-#include "vdblic/cast/ray_caster.h"
 #include "vdblic/cast/ray_setup.h"
-#include "vdblic/look/look.h"
-#include "vdblic/volume/texture_volume.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -106,18 +102,12 @@ std::vector<std::uint8_t> pixelsToRefine(const Image& first, const Image& sum, c
 
 } // namespace
 
-SampleSum::SampleSum(const TextureVolume& volume, const Look& look, const VisibleSpace& visible, const Camera& camera,
-                     const RayCastParams& params, const Scenery& scenery)
-    : mVolume(volume), mLook(look), mVisible(visible), mCamera(camera), mParams(params), mScenery(scenery)
-{
-}
-
 void SampleSum::add(const std::stop_token& stop)
 {
     constexpr glm::dvec2 kStep(0.7548776662466927, 0.5698402909980532); // inverse powers of the plastic number
     const glm::dvec2 offset = glm::fract(0.5 + double(mCount) * kStep) - 0.5;
     const std::uint8_t* const only = mCount < kRaysOfAll ? nullptr : mRefined.data();
-    Image image = castRays(mVolume, mLook, mCamera.shifted(offset), mParams, mVisible, mCount, mScenery, only, stop);
+    Image image = mCast(mCamera.shifted(offset), mCount, only, stop);
     if (mCount++ == 0) {
         mFirst = {image.size, image.pixels};
         mSum = std::move(image);
@@ -125,7 +115,7 @@ void SampleSum::add(const std::stop_token& stop)
     }
     if (mCount == 2) weighLayers(mSum);
     for (std::size_t i = 0; i < mSum.pixels.size(); ++i) {
-        if (mParams.layers) addLayers(mSum.layers[i], image.layers[i], image.pixels[i].a);
+        if (!image.layers.empty()) addLayers(mSum.layers[i], image.layers[i], image.pixels[i].a);
         mSum.pixels[i] += image.pixels[i];
     }
     if (mCount != kRaysOfAll) return;
@@ -140,7 +130,7 @@ Image SampleSum::mean() const
     Image result = mSum;
     if (mCount == 1) return result;
     for (std::size_t i = 0; i < result.pixels.size(); ++i) {
-        if (mParams.layers) divideLayers(result.layers[i], result.pixels[i].a);
+        if (!result.layers.empty()) divideLayers(result.layers[i], result.pixels[i].a);
         const int rays = mCount <= kRaysOfAll || mRefined[i] ? mCount : kRaysOfAll;
         result.pixels[i] /= float(rays);
     }

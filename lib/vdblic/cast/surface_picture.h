@@ -3,9 +3,27 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace vdblic {
+
+class Camera;
+class Ground;
+class LightGrid;
+class PlacedBox;
+struct Image;
+struct Look;
+struct Solid;
+
+/// Solid, ground and light of a picture.
+struct Scenery {
+    const Solid* solid = nullptr;
+    glm::vec3 solidColor{0}; ///< linear light
+    const LightGrid* light = nullptr;
+    const Ground* ground = nullptr;
+};
 
 /// The surface behind each pixel's centre, without the volume.
 struct SurfacePicture {
@@ -13,5 +31,14 @@ struct SurfacePicture {
     std::vector<glm::vec4> colors;  ///< linear light, lit; premultiplied by alpha
     std::vector<glm::vec3> normals; ///< world space, of length 1
 };
+
+/// The solid and the ground that each pixel's ray meets first; nothing if there is neither. Thread-safe.
+/// @param box of what stands before them  @param ray index among each pixel's rays
+[[nodiscard]] std::optional<SurfacePicture> castSurfaces(const Scenery& scenery, const PlacedBox& box, const Look& look,
+                                                         const Camera& camera, int ray);
+
+/// Blend surfaces behind the cast pixels of an image.
+/// @param only by pixel: whether it was cast; null: all were
+void addBehind(const SurfacePicture& surfaces, const std::uint8_t* only, Image& image);
 
 } // namespace vdblic

@@ -29,7 +29,7 @@ using openvdb::tools::PointIndexGrid;
 using PointLeaf = PointDataTree::LeafNodeType;
 
 constexpr const char *kPosition = "P", *kId = "id", *kOrder = "order", *kRadius = "pscale", *kOpacity = "Alpha";
-constexpr const char *kAge = "age", *kSource = "source";
+constexpr const char* kSource = "source";
 
 /// A float in 16 bits, and one between 0 and 1 in 8.
 using HalfCodec = openvdb::points::TruncateCodec;
@@ -92,7 +92,7 @@ void read(const PointLeaf& leaf, StoredPoints& points)
     const auto id = attributeOf<std::int32_t>(leaf, kId);
     const auto order = attributeOf<std::int32_t>(leaf, kOrder);
     const auto radius = attributeOf<float>(leaf, kRadius), opacity = attributeOf<float>(leaf, kOpacity);
-    const auto age = attributeOf<float>(leaf, kAge);
+    const auto age = attributeOf<float>(leaf, kLineAge);
     for (auto point = leaf.beginIndexAll(); point; ++point) {
         const Vec3f place = position.get(*point) + Vec3f(point.getCoord().asVec3s());
         for (int axis = 0; axis < 3; ++axis)
@@ -102,7 +102,7 @@ void read(const PointLeaf& leaf, StoredPoints& points)
         points.order.push_back(order.get(*point));
         points.values.radii.push_back(finite(radius.get(*point), kRadius));
         points.values.opacities.push_back(finite(opacity.get(*point), kOpacity));
-        points.values.ages.push_back(finite(age.get(*point), kAge));
+        points.values.ages.push_back(finite(age.get(*point), kLineAge));
     }
     if (leaf.hasAttribute(kSource)) {
         const auto source = attributeOf<std::int32_t>(leaf, kSource);
@@ -162,7 +162,7 @@ openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transfo
     appendValues(*grid, *index, kOrder, orders);
     appendScalar(*grid, *index, kRadius, lines.radii);
     appendValues<float, UnitCodec>(*grid, *index, kOpacity, lines.opacities);
-    appendValues(*grid, *index, kAge, lines.ages);
+    appendValues(*grid, *index, kLineAge, lines.ages);
     if (hasSources) appendValues(*grid, *index, kSource, sources);
     for (const Lines::Scalar& scalar : lines.scalars)
         appendScalar(*grid, *index, scalar.name, scalar.values);

@@ -17,9 +17,11 @@ namespace vdblic {
 
 inline constexpr const char* kLineGrid = "streaks";
 
+inline constexpr const char* kLineAge = "age"; ///< attribute of Lines::ages
+
 /// The attributes that every grid of lines has, except `source`, which it has if a line has a source.
 inline constexpr auto kLineAttributes =
-    std::to_array<std::string_view>({"P", "id", "order", "pscale", "Alpha", "age", "source"});
+    std::to_array<std::string_view>({"P", "id", "order", "pscale", "Alpha", kLineAge, "source"});
 
 /// The grid of lines. Positions have 16 bits a coordinate within a voxel, scalars the 16 bits of a half unless their
 /// values exceed its range. Computed in parallel; the bytes do not depend on the number of threads.

@@ -89,6 +89,16 @@ void TextureHistograms::add(const openvdb::FloatGrid& textures, const openvdb::F
     }
 }
 
+void TextureHistograms::add(const VolumeSamples& samples)
+{
+    const std::vector<float>& colors = samples.color.empty() ? samples.driver : samples.color;
+    for (std::size_t i = 0; i < samples.texture.size(); ++i) {
+        texture.add(double(samples.texture[i]));
+        color.add(double(colors[i]));
+        opacity.add(double(samples.driver[i]));
+    }
+}
+
 void TextureHistograms::add(const TextureHistograms& other)
 {
     texture.add(other.texture);

@@ -38,6 +38,8 @@ struct TextureHistograms {
     explicit TextureHistograms(const Look& look);
     /// Count every active voxel of a texture and its scalars; voxels with a number that is not finite are left out.
     void add(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& color, const openvdb::FloatGrid& opacity);
+    /// Count samples. @param samples all finite
+    void add(const VolumeSamples& samples);
     void add(const TextureHistograms& other);
 };
 

@@ -170,7 +170,7 @@ bool Look::contributes(const LeafRange& range) const
            (texture.density(stretched) + halo.density(texture, stretched))[0] > 0;
 }
 
-Look chooseLook(const LookParams& params, const VolumeSamples& samples, double thickness)
+Look chooseLook(const LookParams& params, const VolumeSamples& samples, double thickness, bool ofLines)
 {
     params.validate();
     if (samples.texture.empty())
@@ -184,7 +184,8 @@ Look chooseLook(const LookParams& params, const VolumeSamples& samples, double t
     if (one) still = transfer.range ? (*transfer.range)[0] : 0;
     if (!transfer.range) transfer.range = rangeOf(one ? samples.driver : samples.color, transfer.colorScale);
     if (!one && !transfer.opacityRange) transfer.opacityRange = opacityRangeOf(samples.driver, opacityScale);
-    const TextureModulation texture = stretch(samples.texture, params);
+    const TextureModulation texture =
+        ofLines ? TextureModulation{.limbDarkening = 0, .foot = 0} : stretch(samples.texture, params);
     const double voxelDepth = params.opticalDepth / thickness;
     if (transfer.opacity.empty() && one && !transfer.kinds.empty()) {
         transfer.opacity = opacityOfKinds(samples, voxelDepth, texture, transfer.kinds.size());

@@ -121,8 +121,10 @@ struct Look {
 /// bright as their colour in the colour bar or brighter. It is an estimate from samples and look, up to three stops,
 /// and depends neither on the camera nor on the frame.
 /// @param samples   of one frame or of several
-/// @param thickness [voxels]
+/// @param thickness [voxels], of lines the tubes that are met
+/// @param ofLines   whether the texture is the opacity of lines, which nothing stretches
 /// @throws ParameterError; InputError if there is no sample
-[[nodiscard]] Look chooseLook(const LookParams& params, const VolumeSamples& samples, double thickness);
+[[nodiscard]] Look chooseLook(const LookParams& params, const VolumeSamples& samples, double thickness,
+                              bool ofLines = false);
 
 } // namespace vdblic

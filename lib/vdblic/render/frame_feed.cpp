@@ -58,9 +58,9 @@ void FrameFeed::take(FrameTask& task)
     if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
     if (!mView) {
         task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mPlan.picture, *file));
-        if (!task.loaded->volume.empty()) {
+        if (!task.loaded->empty()) {
             OneProcess alone;
-            mView = chooseView(mPlan.picture, {&task.loaded, 1}, task.loaded->volume.corners(), {}, alone);
+            mView = chooseView(mPlan.picture, {&task.loaded, 1}, task.loaded->box().corners(), {}, alone);
         }
     }
     task.view = view();

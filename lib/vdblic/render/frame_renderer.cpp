@@ -58,12 +58,10 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
         loaded = std::make_shared<const LoadedTexture>(loadFrame(plan, file, view, share ? &share->leaves : nullptr));
     }
     frame.hasColor = loaded->hasColor;
-    frame.unusableVoxels = loaded->volume.unusableVoxels();
+    frame.unusableVoxels = loaded->unusable();
     if (!mPlan.outputs.histogram.empty() && view) {
         frame.histograms.emplace(view->look);
-        const auto color = loaded->onTexture(loaded->color);
-        const auto opacity = loaded->opacity == loaded->color ? color : loaded->onTexture(loaded->opacity);
-        frame.histograms->add(*loaded->texture, *color, *opacity);
+        loaded->addTo(*frame.histograms);
     }
     if (mPlan.outputs.images.empty() && mPlan.outputs.film.empty()) return {};
     const glm::ivec2 size = plan.size;

@@ -6,6 +6,8 @@
 #include "vdblic/field/resample.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/io/vdb_header.h"
+#include "vdblic/lines/line_grid.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/sequence_bounds.h"
 #include "vdblic/render/view.h"
@@ -15,11 +17,15 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
 #include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace vdblic {
@@ -63,10 +69,9 @@ std::string unitOf(const openvdb::FloatGrid& scalar, const std::string& lengthUn
     return lengthUnit + "/s";
 }
 
-/// Names of the values of a scalar that tells the sources of streaks apart; empty for others.
-std::vector<std::string> kindsOf(const openvdb::FloatGrid& scalar, const openvdb::MetaMap& metadata)
+/// Names of the sources of streaks, the first for particles without one; empty if the file names none.
+std::vector<std::string> kindsOf(const openvdb::MetaMap& metadata)
 {
-    if (scalar.getName() != kSourceGrid) return {};
     std::vector<std::string> kinds = sourceNames(metadata);
     if (!kinds.empty()) kinds.insert(kinds.begin(), "no source");
     return kinds;
@@ -101,10 +106,17 @@ constexpr double kLeafBytes =
 
 openvdb::FloatGrid::ConstPtr LoadedTexture::domain() const
 {
+    if (!flowVoxels && tubes) {
+        throw InputError(fmt::format("{}: `solid` domain needs the flow's voxels beside the lines; make them with "
+                                     "vdblic_advect --with {}",
+                                     file.path.string(), kSpeedGrid));
+    }
     if (!flowVoxels) return texture;
     constexpr int kFine = 4; // voxels: a level set rounds its edges over about one
     Refinement refinement;
-    if (const auto ofTexture = Refinement::between(flowVoxels->transform(), texture->transform())) {
+    if (tubes) refinement.factors.fill(kFine);
+    const auto ofTexture = tubes ? std::nullopt : Refinement::between(flowVoxels->transform(), texture->transform());
+    if (ofTexture) {
         for (std::size_t axis = 0; axis < 3; ++axis)
             refinement.factors[axis] = std::min(ofTexture->factors[axis], kFine);
     }
@@ -116,10 +128,16 @@ openvdb::FloatGrid::ConstPtr LoadedTexture::domain() const
     return finer;
 }
 
-openvdb::FloatGrid::ConstPtr LoadedTexture::onTexture(const openvdb::FloatGrid::Ptr& scalar) const
+void LoadedTexture::addTo(TextureHistograms& histograms) const
 {
+    if (tubes) {
+        const VolumeSamples samples = tubes->samples();
+        histograms.add(samples);
+        return;
+    }
     try {
-        return resampledOn(scalar, *texture);
+        const auto onTexture = resampledOn(color, *texture);
+        histograms.add(*texture, *onTexture, opacity == color ? *onTexture : *resampledOn(opacity, *texture));
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", file.path.string(), error.what()));
     }
@@ -127,7 +145,7 @@ openvdb::FloatGrid::ConstPtr LoadedTexture::onTexture(const openvdb::FloatGrid::
 
 double LoadedTexture::bytes() const
 {
-    return double(volume.leafCount()) * (kLeafBytes + volume.bytesPerLeaf());
+    return tubes ? tubes->bytes() : double(volume->leafCount()) * (kLeafBytes + volume->bytesPerLeaf());
 }
 
 double bytesPerVoxel(const PicturePlan& plan)
@@ -138,8 +156,101 @@ double bytesPerVoxel(const PicturePlan& plan)
     return (kLeafBytes + records) / LeafVoxel::kCount;
 }
 
+namespace {
+
+/// The values of a scalar of lines, one a point. @throws InputError naming the file
+std::vector<float> scalarOf(const Lines& lines, const std::string& name, const VdbFile& file, const char* option)
+{
+    if (name == kSourceGrid) {
+        std::vector<float> values(lines.pointCount());
+        for (const Lines::Line& line : lines.lines)
+            std::fill(values.begin() + line.begin, values.begin() + line.end, float(line.source));
+        return values;
+    }
+    if (name == kLineAge) return lines.ages;
+    std::vector<std::string> names{kLineAge, kSourceGrid};
+    for (const Lines::Scalar& scalar : lines.scalars) {
+        if (scalar.name == name) return scalar.values;
+        names.push_back(scalar.name);
+    }
+    throw InputError(fmt::format("{}: its lines have no scalar '{}', but {}; choose with {}, or make it with "
+                                 "vdblic_advect --with {}",
+                                 file.path.string(), name, fmt::join(names, ", "), option, name));
+}
+
+/// The first of some scalars that lines have; the first of all if they have none.
+std::string chosenScalar(const Lines& lines, const std::vector<std::string>& names)
+{
+    const auto has = [&](const std::string& name) {
+        return name == kSourceGrid || name == kLineAge ||
+               std::ranges::any_of(lines.scalars, [&](const Lines::Scalar& scalar) { return scalar.name == name; });
+    };
+    const auto found = std::ranges::find_if(names, has);
+    return found == names.end() ? names.front() : *found;
+}
+
+/// The unit of a scalar of lines, which they keep where grids do: that of the grid of its name beside them.
+std::string unitOf(const VdbFile& file, const std::string& scalar, const std::string& lengthUnit)
+{
+    const auto grid = file.find<openvdb::FloatGrid>(scalar);
+    return grid ? unitOf(*grid, lengthUnit) : "";
+}
+
+LoadedTexture loadLines(const PicturePlan& plan, const VdbFile& file, const openvdb::GridBase& grid,
+                        const FrameFile& frame, const View* view)
+{
+    const Lines lines = linesOf(grid);
+    std::vector<std::string> opacityBy = plan.opacityBy;
+    if (view && !opacityBy.empty()) opacityBy = {view->opacityBy};
+    const std::string driver = opacityBy.empty() ? plan.colorBy : chosenScalar(lines, opacityBy);
+    const bool two = driver != plan.colorBy || !plan.look.transfer.sharesRange();
+    Tubes::Values values{scalarOf(lines, driver, file, opacityBy.empty() ? "`by`" : "`opacity_by`"), {}};
+    if (two) values.color = scalarOf(lines, plan.colorBy, file, "`color_by`");
+    std::optional<FrameDomain> region;
+    if (!plan.region.empty() || plan.regionBox) {
+        const auto voxels = std::make_shared<openvdb::MaskTree>();
+        for (const openvdb::Vec3f& point : lines.positions)
+            voxels->setValueOn(openvdb::Coord::round(openvdb::Vec3d(point)));
+        const DomainParams params{.mask = plan.region, .worldBox = plan.regionBox};
+        region = makeDomain(voxels, grid.transform(), params, frame.frame);
+    }
+    const auto isShown = [&](const openvdb::Coord& voxel) {
+        return !region || region->texture->topology().isValueOn(voxel);
+    };
+    const std::string lengthUnit = textOf(file.metadata, "length_unit");
+    std::vector<std::string> kinds;
+    if (plan.colorBy == kSourceGrid) kinds = kindsOf(file.metadata);
+    return LoadedTexture{
+        .file = frame,
+        .name = grid.getName(),
+        .opacityBy = driver,
+        .tubes = std::optional<Tubes>(std::in_place, lines, std::move(values), grid.transform(), plan.stretch, isShown),
+        .clock = clockOf(file.metadata),
+        .colorUnit = unitOf(file, plan.colorBy, lengthUnit),
+        .opacityUnit = unitOf(file, driver, lengthUnit),
+        .lengthUnit = lengthUnit,
+        .kinds = std::move(kinds),
+        .isSparse = true,
+        .flowVoxels = file.find<openvdb::FloatGrid>(kSpeedGrid)};
+}
+
+/// Whether what is shown of a file are lines.
+bool hasLines(const FrameFile& frame, const std::string& name)
+{
+    const VdbHeader header = readVdbHeader(frame.path);
+    const std::string texture = textureName(header.metadata, name);
+    return std::ranges::any_of(header.grids, [&](const openvdb::GridBase::Ptr& grid) {
+        return grid->getName() == texture && grid->isType<openvdb::points::PointDataGrid>();
+    });
+}
+
+} // namespace
+
 LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const View* view, const LeafShare* share)
 {
+    // Lines need no voxel's value; each rank has all of them.
+    const auto noValues = [](const openvdb::GridBase&, const openvdb::Coord&) { return false; };
+    if (hasLines(frame, plan.texture)) return loadFrame(plan, readVdb(frame.path, noValues), frame, view);
     if (!share) return loadFrame(plan, readVdb(frame.path), frame, view);
     const std::optional<GridHeader> header = textureHeader(frame, plan.texture);
     // Records hold a voxel more on all sides, and their gradients another one. Other grids are to be resampled.
@@ -159,7 +270,17 @@ LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const V
 LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame, const View* view,
                         const LeafShare* share)
 {
-    const auto texture = file.get<openvdb::FloatGrid>(textureName(file.metadata, plan.texture), "`texture`");
+    const std::string name = textureName(file.metadata, plan.texture);
+    if (const auto lines = file.find<openvdb::points::PointDataGrid>(name)) {
+        try {
+            return loadLines(plan, file, *lines, frame, view);
+        } catch (const InputError& error) {
+            const std::string path = frame.path.string();
+            const bool isNamed = std::string_view(error.what()).starts_with(path);
+            throw isNamed ? error : InputError(fmt::format("{}: {}", path, error.what()));
+        }
+    }
+    const auto texture = file.get<openvdb::FloatGrid>(name, "`texture`");
     std::vector<std::string> opacityBy = plan.opacityBy;
     if (view && !opacityBy.empty()) opacityBy = {view->opacityBy};
     const auto storedColor = findScalar(file, {plan.colorBy});
@@ -182,27 +303,28 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
                             .share = share,
                             .rim = rimOf(plan),
                             .isSparse = isSparse};
-        LoadedTexture loaded{frame,
-                             texture,
-                             color,
-                             opacity,
-                             bool(storedColor),
-                             storedOpacity ? storedOpacity->getName() : plan.colorBy,
-                             TextureVolume(*texture, *opacity, plan.stretch, use),
-                             clockOf(file.metadata),
-                             unitOf(*color, lengthUnit),
-                             unitOf(*opacity, lengthUnit),
-                             lengthUnit,
-                             kindsOf(*color, file.metadata),
-                             isSparse,
-                             isSparse ? flowVoxelsOf(file, storedColor) : nullptr};
-        if (opacity != color || !plan.look.transfer.sharesRange()) loaded.volume.addColors(*texture, *color);
+        LoadedTexture loaded{.file = frame,
+                             .name = name,
+                             .texture = texture,
+                             .color = color,
+                             .opacity = opacity,
+                             .hasColor = bool(storedColor),
+                             .opacityBy = storedOpacity ? storedOpacity->getName() : plan.colorBy,
+                             .volume = TextureVolume(*texture, *opacity, plan.stretch, use),
+                             .clock = clockOf(file.metadata),
+                             .colorUnit = unitOf(*color, lengthUnit),
+                             .opacityUnit = unitOf(*opacity, lengthUnit),
+                             .lengthUnit = lengthUnit,
+                             .isSparse = isSparse,
+                             .flowVoxels = isSparse ? flowVoxelsOf(file, storedColor) : nullptr};
+        if (color->getName() == kSourceGrid) loaded.kinds = kindsOf(file.metadata);
+        if (opacity != color || !plan.look.transfer.sharesRange()) loaded.volume->addColors(*texture, *color);
         if (!plan.region.empty() || plan.regionBox) {
-            const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume.domain().topology());
+            const auto topology = std::make_shared<openvdb::MaskTree>(loaded.volume->domain().topology());
             const DomainParams region{.mask = plan.region, .worldBox = plan.regionBox};
-            loaded.volume.cut(*makeDomain(topology, texture->transform(), region, frame.frame).texture);
+            loaded.volume->cut(*makeDomain(topology, texture->transform(), region, frame.frame).texture);
         }
-        if (hasLines) loaded.volume.addLines();
+        if (hasLines) loaded.volume->addLines();
         return loaded;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", frame.path.string(), error.what()));

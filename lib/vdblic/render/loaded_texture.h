@@ -1,11 +1,15 @@
 #pragma once
 
+#include "vdblic/cast/tubes.h"
 #include "vdblic/io/sequence.h"
+#include "vdblic/look/histogram.h"
 #include "vdblic/render/annotation_texts.h"
 #include "vdblic/volume/texture_volume.h"
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,21 +23,30 @@ struct View;
 /// A frame that was read.
 struct LoadedTexture {
     FrameFile file;
-    openvdb::FloatGrid::Ptr texture, color, opacity; ///< colour and opacity follow two grids or one
-    bool hasColor;                                   ///< if not, the texture colours
-    std::string opacityBy;                           ///< name of the grid that opacity follows
-    TextureVolume volume;
-    FrameClock clock;                                 ///< of the file's metadata
-    std::string colorUnit, opacityUnit, lengthUnit{}; ///< of the scalars and of the world; empty: unknown
-    std::vector<std::string> kinds{};                 ///< as TransferParams has them, where sources colour
-    bool isSparse = false;                            ///< whether inactive voxels are empty
-    openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture: a grid whose active voxels are the flow's
+    std::string name; ///< of the grid that is shown
+    openvdb::FloatGrid::Ptr texture{}, color{},
+        opacity{};                         ///< colour and opacity follow two grids or one; null for lines
+    bool hasColor = true;                  ///< if not, the texture colours
+    std::string opacityBy{};               ///< name of the scalar that opacity follows
+    std::optional<TextureVolume> volume{}; ///< voxels, or
+    std::optional<Tubes> tubes{};          ///< lines
+    FrameClock clock{};                    ///< of the file's metadata
+    std::string colorUnit{}, opacityUnit{}, lengthUnit{}; ///< of the scalars and of the world; empty: unknown
+    std::vector<std::string> kinds{};                     ///< as TransferParams has them, where sources colour
+    bool isSparse = false;                                ///< whether inactive voxels are empty
+    openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture or lines: a grid whose active voxels are the flow's
+
+    [[nodiscard]] bool empty() const { return tubes ? tubes->empty() : volume->empty(); }
+    [[nodiscard]] const PlacedBox& box() const { return tubes ? static_cast<const PlacedBox&>(*tubes) : *volume; }
+    /// Voxels, or parts of lines, that are left out because a value is not a finite number.
+    [[nodiscard]] std::size_t unusable() const { return tubes ? tubes->unusable() : volume->unusableVoxels(); }
 
     /// A grid whose active voxels are the flow's, fine enough for the faces of solids.
+    /// @throws InputError naming the file if lines come without one
     [[nodiscard]] openvdb::FloatGrid::ConstPtr domain() const;
 
-    /// One of the scalars on the texture's voxels. @throws InputError naming the file
-    [[nodiscard]] openvdb::FloatGrid::ConstPtr onTexture(const openvdb::FloatGrid::Ptr& scalar) const;
+    /// Count the voxels, or places along the lines. @throws InputError naming the file
+    void addTo(TextureHistograms& histograms) const;
 
     [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
 };

@@ -39,21 +39,24 @@ std::string textOf(const glm::dvec3& v)
 
 } // namespace
 
-std::string whyNothingIsSeen(const TextureVolume& volume, const Look& look, const Camera& camera,
+std::string whyNothingIsSeen(const LoadedTexture& frame, const Look& look, const Camera& camera,
                              const RayCastParams& rays, Exchange& exchange)
 {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     double ends[] = {-kInfinity, -kInfinity, 0}; // the low end's negative, the high end, and whether there are any
-    for (std::size_t leaf = 0; leaf < volume.leafCount(); ++leaf) {
-        if (volume.shown(leaf).isOff()) continue;
-        ends[0] = std::max(ends[0], -double(volume.leafRange(leaf).lowDriver));
-        ends[1] = std::max(ends[1], double(volume.leafRange(leaf).highDriver));
+    const auto add = [&](const LeafRange& range) {
+        ends[0] = std::max(ends[0], -double(range.lowDriver));
+        ends[1] = std::max(ends[1], double(range.highDriver));
         ends[2] = 1;
+    };
+    for (std::size_t leaf = 0; frame.volume && leaf < frame.volume->leafCount(); ++leaf) {
+        if (!frame.volume->shown(leaf).isOff()) add(frame.volume->leafRange(leaf));
     }
+    if (frame.tubes && !frame.empty()) add(frame.tubes->range());
     exchange.max(ends);
     const double low = -ends[0], high = ends[1];
     if (ends[2] == 0) return "no active voxel is left to show; check the grid, `roi` and `roi_box`";
-    const Corners box = volume.corners();
+    const Corners box = frame.box().corners();
     if (isCutAway(box, rays.clip.allPlanes())) {
         return fmt::format("`clip_box` or `clip_plane` cut everything away, which lies from {} to {}",
                            textOf(box.front()), textOf(box.back()));

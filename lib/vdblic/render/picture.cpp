@@ -2,6 +2,8 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/cast/ground_plane.h"
+#include "vdblic/cast/ray_caster.h"
+#include "vdblic/cast/tube_caster.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/image/vector_text.h"
@@ -20,6 +22,7 @@
 #include <array>
 #include <cctype>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -140,11 +143,11 @@ ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera&
 const glm::dvec3 kSolidColor{0.7, 0.72, 0.75}; // as displayed
 
 /// Cubic where linear interpolation would be seen as a pattern of voxels. One choice for all frames of a film.
-Interpolation interpolationFor(const View& view, const TextureVolume& volume)
+Interpolation interpolationFor(const View& view, const PlacedBox& box)
 {
     constexpr double kWidePixels = 3;
     const double pixel = view.cameras.first().pixelSize(middleOf(view.box));
-    return volume.voxelSize() > kWidePixels * pixel ? Interpolation::kCubic : Interpolation::kLinear;
+    return box.voxelSize() > kWidePixels * pixel ? Interpolation::kCubic : Interpolation::kLinear;
 }
 
 } // namespace
@@ -155,24 +158,29 @@ Picture::Picture(const PicturePlan& plan, const View& view, std::shared_ptr<cons
       mRays(plan.rays), mCamera(view.cameras.at(mShown->frame().file.frame))
 {
     mRays.clip = plan.rays.clip.stretched(plan.stretch);
-    if (!mRays.interpolation) mRays.interpolation = interpolationFor(view, mShown->volume());
+    if (!mRays.interpolation) mRays.interpolation = interpolationFor(view, mShown->frame().box());
     const Look& look = view.look;
-    const TextureVolume& volume = mShown->volume();
+    const LoadedTexture& frame = mShown->frame();
     const Solid* const solid = mShown->solid();
     const glm::dvec3 light = keyLight(look, mCamera);
-    if (mShown->ambient()) mLight.emplace(*mShown->extinctions(), *mShown->ambient(), volume, look, light);
+    if (mShown->ambient()) mLight.emplace(*mShown->extinctions(), *mShown->ambient(), frame.box(), look, light);
     if (plan.ground != GroundSide::kNone) {
         const std::vector<ClipPlane> cuts = mRays.clip.allPlanes();
         // Automatic cameras may look along up and then have another one.
         const glm::dvec3 up = plan.motion.keys.empty() ? plan.camera.up.value_or(glm::dvec3(0, 0, 1)) : mCamera.up();
         const GroundPlane plane = groundPlane(plan.ground, up, view.box, solid);
-        mGround.emplace(plane, ShadowCasters{*mShown->extinctions(), volume, cuts, solid}, light);
+        mGround.emplace(plane, ShadowCasters{*mShown->extinctions(), frame.box(), cuts, solid}, light);
     }
     const Scenery scenery{.solid = solid,
                           .solidColor = glm::vec3(linearFromDisplay(kSolidColor)),
                           .light = mLight ? &*mLight : nullptr,
                           .ground = mGround ? &*mGround : nullptr};
-    mSum.emplace(volume, look, mShown->visible(), share ? mCamera.cropped(share->area()) : mCamera, mRays, scenery);
+    const auto cast = [&frame, &look, visible = mShown->visible(), tree = mShown->tree(), this,
+                       scenery](const Camera& camera, int ray, const std::uint8_t* only, const std::stop_token& stop) {
+        return tree ? castTubes(*tree, look, camera, mRays, ray, scenery, only, stop)
+                    : castRays(*frame.volume, look, camera, mRays, *visible, ray, scenery, only, stop);
+    };
+    mSum.emplace(cast, share ? mCamera.cropped(share->area()) : mCamera);
 }
 
 Image Picture::image() const
@@ -182,7 +190,7 @@ Image Picture::image() const
     if (mShare) mShare->assemble(image);
     if (mPlan.annotations.any() && mExchange.isFirst()) {
         const auto shown = [&](const std::string& name) { // the texture stands in for the speed
-            return !frame.hasColor && name == mPlan.colorBy ? frame.texture->getName() : name;
+            return !frame.hasColor && name == mPlan.colorBy ? frame.name : name;
         };
         FrameClock clock = frame.clock;
         clock.longest = mView.longest;
@@ -205,7 +213,7 @@ Image Picture::image() const
 ImageHeader Picture::header() const
 {
     PicturePlan plan = mPlan;
-    plan.texture = mShown->frame().texture->getName();
+    plan.texture = mShown->frame().name;
     if (!plan.opacityBy.empty()) plan.opacityBy = {mView.opacityBy};
     plan.rays.interpolation = mRays.interpolation;
     return imageHeader(plan, mView.look, mCamera, mShown->frame().file);
@@ -216,7 +224,7 @@ std::string Picture::whyNothingIsSeen(const Image& image)
     const auto isSeen = [](const glm::vec4& pixel) { return pixel.a > 0; };
     const bool anySeen = std::any_of(image.pixels.begin(), image.pixels.end(), isSeen);
     if (mExchange.any(anySeen)) return {};
-    return vdblic::whyNothingIsSeen(mShown->volume(), mView.look, mCamera, mRays, mExchange);
+    return vdblic::whyNothingIsSeen(mShown->frame(), mView.look, mCamera, mRays, mExchange);
 }
 
 } // namespace vdblic

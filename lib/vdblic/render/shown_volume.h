@@ -3,6 +3,7 @@
 #include "vdblic/cast/extinction_grid.h"
 #include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/solid.h"
+#include "vdblic/cast/tube_tree.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/view.h"
@@ -24,9 +25,11 @@ class ShownVolume {
                 std::shared_ptr<const Solid> solid, Exchange& exchange);
 
     [[nodiscard]] const LoadedTexture& frame() const { return *mFrame; }
-    [[nodiscard]] const TextureVolume& volume() const { return mFrame->volume; }
     [[nodiscard]] const Solid* solid() const { return mSolid.get(); }
-    [[nodiscard]] const VisibleSpace& visible() const { return mVisible; }
+    /// Of voxels; null for lines.
+    [[nodiscard]] const VisibleSpace* visible() const { return mVisible ? &*mVisible : nullptr; }
+    /// Of lines; null for voxels.
+    [[nodiscard]] const TubeTree* tree() const { return mTree ? &*mTree : nullptr; }
     /// Null if nothing casts a shadow or occludes.
     [[nodiscard]] const ExtinctionGrid* extinctions() const { return mExtinctions ? &*mExtinctions : nullptr; }
     /// Null if the look has neither shadows nor occlusion.
@@ -35,7 +38,8 @@ class ShownVolume {
   private:
     std::shared_ptr<const LoadedTexture> mFrame;
     std::shared_ptr<const Solid> mSolid;
-    VisibleSpace mVisible;
+    std::optional<VisibleSpace> mVisible;
+    std::optional<TubeTree> mTree;
     std::optional<ExtinctionGrid> mExtinctions;
     std::optional<AmbientLight> mAmbient;
 };

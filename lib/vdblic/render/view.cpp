@@ -1,7 +1,10 @@
 #include "vdblic/render/view.h"
 
+#include "vdblic/cast/extinction_grid.h"
 #include "vdblic/cast/ground_plane.h"
 #include "vdblic/cast/solid.h"
+#include "vdblic/cast/tube_extent.h"
+#include "vdblic/cast/tube_tree.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/extent.h"
@@ -27,17 +30,7 @@ namespace vdblic {
 
 void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
 {
-    VolumeSamples more = frame.volume.samples();
-    more = {exchange.join(more.texture), exchange.join(more.driver), exchange.join(more.color)};
-    samples.append(more);
-    const auto active = double(frame.volume.domain().voxelCount());
-    openvdb::CoordBBox box;
-    frame.volume.domain().topology().evalActiveVoxelBoundingBox(box);
-    // Of a sparse texture a ray meets its share of the box.
-    const double share = frame.isSparse ? active / voxelsOf(box) : 1;
-    voxels = std::max(voxels, active * share * share);
-    const std::array<std::int64_t, 3> extent = extentOf(box);
-    narrowest = std::max(narrowest, share * double(*std::min_element(extent.begin(), extent.end())));
+    frame.tubes ? addTubes(*frame.tubes) : addVolume(*frame.volume, frame.isSparse, exchange);
     volumeBytes = std::max(volumeBytes, frame.bytes());
     lastFrame = std::max(lastFrame, frame.file.frame);
     longest = std::max(longest, std::abs(frame.clock.time.value_or(0)));
@@ -47,13 +40,37 @@ void LookBasis::add(const LoadedTexture& frame, Exchange& exchange)
     kinds = frame.kinds;
 }
 
+void LookBasis::addVolume(const TextureVolume& volume, bool isSparse, Exchange& exchange)
+{
+    VolumeSamples more = volume.samples();
+    more = {exchange.join(more.texture), exchange.join(more.driver), exchange.join(more.color)};
+    samples.append(more);
+    const auto active = double(volume.domain().voxelCount());
+    openvdb::CoordBBox box;
+    volume.domain().topology().evalActiveVoxelBoundingBox(box);
+    // Of a sparse texture a ray meets its share of the box.
+    const double share = isSparse ? active / voxelsOf(box) : 1;
+    constexpr double kOblique = 2; // how much longer a path through a plate may be than the plate is thick
+    const std::array<std::int64_t, 3> extent = extentOf(box);
+    const double narrowest = share * double(*std::min_element(extent.begin(), extent.end()));
+    thickness = std::max(thickness, std::min(std::cbrt(active * share * share), kOblique * narrowest));
+}
+
+/// Tubes are clear: a path through them may be this much deeper.
+void LookBasis::addTubes(const Tubes& tubes)
+{
+    constexpr double kClear = 4;
+    samples.append(tubes.samples());
+    thickness = std::max(thickness, tubes.crossings() / kClear);
+    ofLines = true;
+}
+
 Look LookBasis::choose(const PicturePlan& plan) const
 {
     try {
-        constexpr double kOblique = 2; // how much longer a path through a plate may be than the plate is thick
         LookParams open = plan.look;
         open.transfer.kinds = kinds;
-        Look look = chooseLook(open, samples, std::min(std::cbrt(voxels), kOblique * narrowest));
+        Look look = chooseLook(open, samples, thickness, ofLines);
         look.background = plan.background;
         return look;
     } catch (const InputError& error) {
@@ -79,6 +96,14 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
     return points;
 }
 
+/// Points around what a look shows of a frame.
+std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& look, const ClipParams& clip,
+                                      Exchange& exchange)
+{
+    if (frame.volume) return visibleExtent(*frame.volume, look, clip, exchange);
+    return visibleExtent(*frame.tubes, ExtinctionGrid(TubeTree(*frame.tubes, look)), clip);
+}
+
 /// Add the points of the ground that lie below the points of a subject, where most of its shadow falls.
 void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::dvec3>& subject)
 {
@@ -102,7 +127,7 @@ std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
     } else {
         if (!plan.solid.empty()) subject = solidPoints(plan, frames);
         for (const auto& frame : frames) {
-            const auto more = visibleExtent(frame->volume, look, plan.rays.clip.stretched(plan.stretch), exchange);
+            const auto more = visiblePoints(*frame, look, plan.rays.clip.stretched(plan.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());
         }
         if (plan.ground != GroundSide::kNone) addOnGround(plan, box, subject);
@@ -184,7 +209,7 @@ std::optional<SequenceView> viewOfSequence(const RenderPlan& plan, Exchange& exc
             if (first && !plan.keepGoing) throw;
         }
     }
-    std::erase_if(frames, [](const auto& frame) { return frame->volume.empty(); });
+    std::erase_if(frames, [](const auto& frame) { return frame->empty(); });
     if (frames.empty()) return std::nullopt;
     SequenceView result{chooseView(plan.picture, frames, source->box, source->span, exchange), nullptr};
     if (source->frameCount == 1 && exchange.isAlone()) result.onlyFrame = frames.front();

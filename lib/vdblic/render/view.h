@@ -26,19 +26,24 @@ struct RenderPlan;
 /// Samples of a few frames of a sequence, from which its look is chosen.
 struct LookBasis {
     VolumeSamples samples;
-    double voxels = 0, volumeBytes = 0; ///< the most of a frame
-    double narrowest = 0;               ///< the shortest side of a frame's voxels [voxels]; the most of a frame
-    std::string opacityBy;              ///< name of the grid that opacity follows
-    std::vector<std::string> kinds;     ///< of the first frame
-    std::filesystem::path first;        ///< of the files
-    std::int64_t lastFrame = 0;         ///< the largest number of a frame
-    double longest = 0;                 ///< FrameClock::longest
+    double volumeBytes = 0; ///< the most of a frame
+    double thickness = 0;   ///< of a path through a frame [voxels, or tubes met]; the most of a frame
+    bool ofLines = false;
+    std::string opacityBy;          ///< name of the grid that opacity follows
+    std::vector<std::string> kinds; ///< of the first frame
+    std::filesystem::path first;    ///< of the files
+    std::int64_t lastFrame = 0;     ///< the largest number of a frame
+    double longest = 0;             ///< FrameClock::longest
 
     /// @param frame    not empty
     /// @param exchange of the ranks that share it: collective
     void add(const LoadedTexture& frame, Exchange& exchange);
     /// @throws ParameterError, InputError naming the first file
     [[nodiscard]] Look choose(const PicturePlan& plan) const;
+
+  private:
+    void addVolume(const TextureVolume& volume, bool isSparse, Exchange& exchange);
+    void addTubes(const Tubes& tubes);
 };
 
 /// The points that fill the picture: of the visible cells and the solids of frames, or of the box if that is in the

@@ -73,9 +73,8 @@ std::uint64_t numberOf(const openvdb::Coord& origin)
 
 TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& driver,
                              const glm::dvec3& stretch, const RecordUse& use)
-    : mIndexToWorld(glm::scale(glm::dmat4(1), stretch) *
-                    affineMatrix(texture.transform(), "grid " + texture.getName())),
-      mWorldToIndex(glm::inverse(mIndexToWorld)), mIsSparse(use.isSparse)
+    : PlacedBox(glm::scale(glm::dmat4(1), stretch) * affineMatrix(texture.transform(), "grid " + texture.getName())),
+      mIsSparse(use.isSparse)
 {
     const std::optional<CoarseScalar> coarse = coarseScalar(texture, driver, mIsSparse);
     mDomain = std::make_shared<const Domain>(
@@ -96,7 +95,7 @@ TextureVolume::TextureVolume(const openvdb::FloatGrid& texture, const openvdb::F
     mDrivers = ScalarRecords(leaves, coarse);
 
     // Gradients are covectors. The factor makes them independent of the unit of length.
-    mGradientToWorld = glm::mat3(glm::transpose(glm::inverse(glm::dmat3(mIndexToWorld))) * voxelSize());
+    mGradientToWorld = glm::mat3(glm::transpose(glm::inverse(glm::dmat3(indexToWorld()))) * voxelSize());
 
     std::atomic<std::size_t> unusable{0};
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves), [&](const tbb::blocked_range<std::size_t>& some) {
@@ -205,21 +204,6 @@ int TextureVolume::findLeaf(const openvdb::Coord& voxel) const
     if (found < 0 || domain().isWhole()) return found;
     const Domain::Leaves all = domain().local();
     return int(std::lower_bound(all.begin(), all.end(), std::uint32_t(found)) - all.begin());
-}
-
-double TextureVolume::voxelSize() const
-{
-    return std::cbrt(std::abs(glm::determinant(glm::dmat3(mIndexToWorld))));
-}
-
-Corners TextureVolume::corners() const
-{
-    Corners result;
-    for (unsigned i = 0; i < 8; ++i) {
-        const glm::dvec3 corner(i & 1 ? mHigh.x : mLow.x, i & 2 ? mHigh.y : mLow.y, i & 4 ? mHigh.z : mLow.z);
-        result[i] = glm::dvec3(mIndexToWorld * glm::dvec4(corner, 1));
-    }
-    return result;
 }
 
 VolumeSamples TextureVolume::samples() const

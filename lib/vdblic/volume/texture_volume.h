@@ -1,14 +1,13 @@
 #pragma once
 
-#include "vdblic/camera/camera.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/look/volume_values.h"
+#include "vdblic/volume/placed_box.h"
 #include "vdblic/volume/record_sampling.h"
 #include "vdblic/volume/scalar_records.h"
 #include "vdblic/volume/texture_records.h"
 
 #include <glm/mat3x3.hpp>
-#include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
 
@@ -40,8 +39,9 @@ struct RecordUse {
 /// Each leaf has records of the texture and of scalars (texture_records.h). Past the rim a texture goes on linearly for
 /// two voxels, so that gradients there are those of inner voxels; scalars go on with their nearest neighbours'
 /// mean. Of a sparse texture inactive voxels hold 0. Gradients are central differences of these values, taken where
-/// they are asked for. Any number of threads may read; cut() and add…() must not run beside readers.
-class TextureVolume {
+/// they are asked for. Any number of threads may read; cut() and add…() must not run beside readers. Its box has the
+/// bounds of the active voxels, faces included.
+class TextureVolume : public PlacedBox {
   public:
     using Mask = Domain::Mask;
 
@@ -103,17 +103,6 @@ class TextureVolume {
     /// @throws InputError naming the grid if its transform differs from the texture's, but as the driver's may
     void addColors(const openvdb::FloatGrid& texture, const openvdb::FloatGrid& colors);
 
-    /// Bounds of the active voxels, faces included, in index space.
-    [[nodiscard]] const glm::dvec3& low() const { return mLow; }
-    [[nodiscard]] const glm::dvec3& high() const { return mHigh; }
-    /// The corners of that box in world space.
-    [[nodiscard]] Corners corners() const;
-
-    [[nodiscard]] const glm::dmat4& indexToWorld() const { return mIndexToWorld; }
-    [[nodiscard]] const glm::dmat4& worldToIndex() const { return mWorldToIndex; }
-    /// The cube root of a voxel's volume [world].
-    [[nodiscard]] double voxelSize() const;
-
     /// Number of active voxels of own leaves that are left out because texture or driver is not a finite number.
     [[nodiscard]] std::size_t unusableVoxels() const { return mUnusable; }
 
@@ -136,8 +125,6 @@ class TextureVolume {
     std::vector<Mask> mShown;
     std::vector<LeafRange> mRanges;
     std::vector<std::uint8_t> mHasRecords; // by leaf; 0: hidden by RecordUse::look
-    glm::dvec3 mLow{0}, mHigh{0};
-    glm::dmat4 mIndexToWorld{1}, mWorldToIndex{1};
     glm::mat3 mGradientToWorld{1};
     std::size_t mUnusable = 0;
     bool mIsSparse, mIsCut = false;

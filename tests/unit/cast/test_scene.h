@@ -103,7 +103,11 @@ inline Image castSamples(const TextureVolume& volume, const Look& look, const Ca
                          const RayCastParams& params, int samples, const Scenery& scenery = {})
 {
     const VisibleSpace visible(volume, look);
-    SampleSum sum(volume, look, visible, camera, params, scenery);
+    SampleSum sum(
+        [&](const Camera& shifted, int ray, const std::uint8_t* only, const std::stop_token& stop) {
+            return castRays(volume, look, shifted, params, visible, ray, scenery, only, stop);
+        },
+        camera);
     for (int sample = 0; sample < samples; ++sample)
         sum.add();
     return sum.mean();

@@ -34,6 +34,7 @@ class Vdblic(CMakePackage):
     depends_on("cairo")
     depends_on("fontconfig")
     depends_on("assimp")
+    depends_on("embree@3.13:3")
     depends_on("glm")
     depends_on("fmt@9:")
     depends_on("nlohmann-json")

@@ -1,0 +1,117 @@
+#pragma once
+
+#include "vdblic/lines/lines.h"
+#include "vdblic/look/volume_values.h"
+#include "vdblic/volume/placed_box.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <openvdb/openvdb.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+namespace vdblic {
+
+/// Lines as tubes: between two points of a line lies the hull of two spheres, a round cone. Immutable; any number of
+/// threads may read.
+class Tubes : public PlacedBox {
+  public:
+    /// The values of the scalars that opacity and colour follow, one a point; NaN where there is none.
+    struct Values {
+        std::vector<float> driver, color; ///< colour is empty if the driver colours
+    };
+
+    /// @param transform of the lines' index space
+    /// @param stretch   factors along the axes from the lines' world space to the picture's
+    /// @param isShown   whether the parts of lines in a voxel of that index space are shown
+    Tubes(const Lines& lines, Values values, const openvdb::math::Transform& transform, const glm::dvec3& stretch,
+          const std::function<bool(const openvdb::Coord&)>& isShown);
+
+    [[nodiscard]] bool empty() const { return mCones.empty(); }
+    /// Cones that are left out because a scalar is not a finite number.
+    [[nodiscard]] std::size_t unusable() const { return mUnusable; }
+    /// Estimate of the memory that this takes.
+    [[nodiscard]] double bytes() const;
+
+    /// Values at places that are evenly spread along all lines, a few hundred thousand; the texture is the opacity that
+    /// the lines have there.
+    [[nodiscard]] VolumeSamples samples() const;
+    /// How many tubes a straight line through the box meets, in the mean over all lines (Cauchy's formula 1841).
+    [[nodiscard]] double crossings() const;
+    /// The least and the greatest value of the scalar that opacity follows.
+    [[nodiscard]] LeafRange range() const;
+
+    /// A part of a tube that is so short that all of it has the same values.
+    struct Piece {
+        glm::dvec3 place; ///< index space of the box
+        float driver, opacity;
+        double area; ///< of its shadow, in the mean over all directions [faces of a voxel]
+    };
+    /// Call a function for pieces of some tubes, each no longer than two voxels of the box, in order.
+    /// @param cones their numbers
+    template<typename Use>
+    void forPieces(const std::vector<std::uint32_t>& cones, const Use& use) const;
+
+    /// From the picture's world to the tubes' own space, whose unit is about a voxel.
+    [[nodiscard]] const glm::dmat4& worldToTubes() const { return mWorldToTubes; }
+    [[nodiscard]] double unitsPerWorld() const { return mUnitsPerWorld; }
+    /// A value on a cone. @param values one a point; a NaN at one end gives way to the other end
+    [[nodiscard]] static float valueAt(const std::vector<float>& values, std::uint32_t first, float share);
+    [[nodiscard]] const std::vector<float>& drivers() const { return mValues.driver; }
+    [[nodiscard]] const std::vector<float>& colors() const { return mValues.color; }
+    [[nodiscard]] const std::vector<float>& opacities() const { return mOpacities; }
+
+    struct Point {
+        float x, y, z, radius; ///< the tubes' own space
+    };
+    /// Between two consecutive points.
+    struct Cone {
+        std::uint32_t first; ///< of its points
+        bool hasPrevious, hasNext;
+    };
+    /// The two points of a cone, between those of its line.
+    [[nodiscard]] const Point* points(std::uint32_t cone) const { return mPoints.data() + mCones[cone].first; }
+    [[nodiscard]] const std::vector<Cone>& cones() const { return mCones; }
+
+  private:
+    void place(const Lines& lines, double perRadius);
+    [[nodiscard]] double length(std::uint32_t cone) const; // in the tubes' own space
+
+    std::vector<Point> mPoints;
+    std::vector<float> mOpacities;
+    Values mValues;
+    std::vector<Cone> mCones;
+    std::size_t mUnusable = 0;
+    glm::dmat4 mWorldToTubes{1};
+    double mUnitsPerWorld = 1;
+};
+
+template<typename Use>
+void Tubes::forPieces(const std::vector<std::uint32_t>& cones, const Use& use) const
+{
+    constexpr double kLongest = 2;
+    const double voxel = voxelSize() * mUnitsPerWorld;
+    const glm::dmat4 toIndex = worldToIndex() * glm::inverse(mWorldToTubes);
+    for (const std::uint32_t cone : cones) {
+        const Point* const ends = points(cone);
+        const double all = length(cone);
+        const int pieces = int(std::ceil(all / (kLongest * voxel)));
+        for (int i = 0; i < pieces; ++i) {
+            const float share = (float(i) + 0.5f) / float(pieces);
+            const auto mix = [share](float a, float b) { return a + (b - a) * share; };
+            const glm::dvec3 at(mix(ends[0].x, ends[1].x), mix(ends[0].y, ends[1].y), mix(ends[0].z, ends[1].z));
+            const double width = 2 * double(mix(ends[0].radius, ends[1].radius)); // × π/4: of the mean shadow
+            const std::uint32_t first = mCones[cone].first;
+            use(Piece{glm::dvec3(toIndex * glm::dvec4(at, 1)), valueAt(mValues.driver, first, share),
+                      valueAt(mOpacities, first, share),
+                      std::numbers::pi / 4 * width * all / (pieces * voxel * voxel)});
+        }
+    }
+}
+
+} // namespace vdblic
