@@ -54,7 +54,7 @@ class Mutations(ToolTest):
         cls.whole = pathlib.Path(folder.name)
         for command in (("vdblic_synth", "abc", "-o", "flow.%04d.vdb", "--size", 12, 10, 8, "--frames", "1-3"),
                         ("vdblic_advect", "flow.%04d.vdb", "-o", "lic.%04d.vdb", "--frames", "1-2", "--preroll", 0),
-                        ("vdblic_advect", "flow.0001.vdb", "-o", "streaks.vdb", "--method", "streaks", "--with", "streaks"),
+                        ("vdblic_advect", "flow.0001.vdb", "-o", "streaks.vdb", "--method", "streaks", "--draw", "lines"),
                         ("vdblic_advect", "flow.%04d.vdb", "-o", "c.%04d.vdb", "--frames", "1-2", "--preroll", 0,
                          "--keep-checkpoint")):
             subprocess.run([BIN / command[0], *map(str, command[1:])], cwd=folder.name, check=True, capture_output=True)

@@ -65,8 +65,8 @@ std::optional<float> enterSphere(const Vec3& from, const Vec3& direction, float 
 
 /// Where a line enters a round cone: its mantle, or one of its spheres. The mantle touches the spheres and holds them,
 /// so a line that misses it misses all (the quadratic equation as Quilez has it, "Rounded cone", 2018).
-/// @param from from the first sphere's centre to the ray's origin  @param hasStart whether the first sphere is met
-std::optional<Entry> enter(const RoundCone& cone, const Vec3& from, const Vec3& direction, bool hasStart)
+/// @param from from the first sphere's centre to the ray's origin
+std::optional<Entry> enter(const RoundCone& cone, const Vec3& from, const Vec3& direction)
 {
     const float square = cone.square - cone.shrink * cone.shrink;
     if (square > 0) {
@@ -78,7 +78,7 @@ std::optional<Entry> enter(const RoundCone& cone, const Vec3& from, const Vec3& 
         const float discriminant = b * b - a * c;
         if (!(discriminant >= 0)) return std::nullopt;
         constexpr float kParallel = 1e-6f;
-        if (a > kParallel * square) {
+        if (std::abs(a) > kParallel * square) {
             const float distance = (-b - std::sqrt(discriminant)) / a;
             const float height = start - cone.radius * cone.shrink + distance * along;
             if (height >= 0 && height <= square) {
@@ -93,7 +93,7 @@ std::optional<Entry> enter(const RoundCone& cone, const Vec3& from, const Vec3& 
         if (!distance || (best && best->distance <= *distance)) return;
         best = Entry{*distance, share, (fromCentre + direction * *distance) / radius};
     };
-    if (hasStart) meet(from, cone.radius, 0);
+    meet(from, cone.radius, 0);
     meet(from - cone.axis, cone.radius - cone.shrink, 1);
     return best;
 }
@@ -164,8 +164,8 @@ void intersect(const RTCIntersectFunctionNArguments* arguments)
     // From the point of the ray that is nearest to the cone, so that distant rays keep their digits.
     const float middle = glm::dot(body.a + body.axis * 0.5f - origin, direction);
     const Vec3 near = origin + direction * middle;
-    const std::optional<Entry> entry = enter(body, near - body.a, direction, !cone.hasPrevious);
-    if (!entry) return;
+    const std::optional<Entry> entry = enter(body, near - body.a, direction);
+    if (!entry || (cone.hasPrevious && entry->share == 0)) return; // the first sphere is the previous cone's
     TubeTree::Hit hit{
         entry->distance + middle, number, entry->share, 0, {entry->normal.x, entry->normal.y, entry->normal.z}};
     if (!(hit.distance > 0) || hit.distance > ray.tfar || (query.after && !isBefore(*query.after, hit))) return;

@@ -207,16 +207,10 @@ class FilmPlanner {
         refinement.isGiven = true;
         refinement.factors = refinedBy(std::round(mPixels / kVoxel));
         const double leaves = 1.5 * double(mVelocity.voxels) / double(Domain::kLeafVoxels);
-        const auto bytes = [&] {
-            const StreakShape shape = streakShape(streaks, refinement, mVelocity.voxels, mGrid.box, mMoves);
-            return streakCost(shape, double(mVelocity.voxels), leaves, mGrid.box).bytes;
-        };
-        constexpr double kMostBytes = 4e9; // on every machine: another one makes the same film
-        while (bytes() > kMostBytes && coarsen(refinement.factors)) {
-        }
-        mPlan.textureVoxels = double(mVelocity.voxels) * refinement.voxels();
-        mPlan.textureBytes = bytes();
+        const StreakShape shape = streakShape(streaks, refinement, mVelocity.voxels, mGrid.box, mMoves);
+        mPlan.textureBytes = streakCost(shape, StreakForm::kLines, double(mVelocity.voxels), leaves, mGrid.box).bytes;
         mPlan.advect["method"] = {"streaks"};
+        mPlan.advect["draw"] = {"lines"};
         mPlan.advect["spacing"] = {shortNumber(spacing)};
         mPlan.advect["tail"] = {shortNumber(std::min(tail * spacing / mMoves, 24.0))};
         mPlan.advect["refine"] = wordsOfFactors(refinement.factors);

@@ -18,7 +18,6 @@ struct FlowStep {
     const FlowStep* whole = nullptr;       ///< the interval that the step is a part of; null if it is all of it
     bool isShown = true;                   ///< whether its texture is written, and does not only prepare others
     bool withHits = false;                 ///< whether TextureFrame::hits is asked for; of methods that scatter
-    bool withLines = false;                ///< whether TextureFrame::lines is asked for; of streaks
 
     [[nodiscard]] double seconds() const { return interval / substeps; }
 

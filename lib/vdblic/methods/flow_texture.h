@@ -43,7 +43,7 @@ struct TextureFrame {
     openvdb::MetaMap metadata{};            ///< choices of the method, for the file's metadata
     LeafValues<float> source{};             ///< of streaks with sources: the numbers of those; else no tree
     LeafValues<std::int32_t> hits{};        ///< if asked for: the values that own voxels received; else no tree
-    std::optional<Lines> lines{};           ///< if asked for: the streaks, without scalars
+    std::optional<Lines> lines{};           ///< streaks drawn as such, without scalars, in place of `texture`
 
     [[nodiscard]] openvdb::math::Transform::Ptr transform() const ///< of the texture
     {

@@ -52,7 +52,7 @@ void RunReport::add(const RenderedFrame& frame, const Exchange& exchange)
     }
     if (frame.unusableVoxels > 0) {
         mReporter.warn(
-            fmt::format("{}: {} voxels are not finite numbers and are left out", path, frame.unusableVoxels));
+            fmt::format("{}: {} values are not finite numbers and are left out", path, frame.unusableVoxels));
     }
     if (frame.histograms) {
         if (!mHistograms) mHistograms.emplace(frame.view->look);

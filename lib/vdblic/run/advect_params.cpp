@@ -110,7 +110,7 @@ void AdvectParams::validate() const
         if (flow.domain.refinement.interpolation == Interpolation::kCubic)
             throw ParameterError("`interpolation` cubic: streaks interpolate linearly between voxels");
     } else if (streaks.areGiven()) {
-        throw ParameterError("`spacing`, `tail`, `emit`, `emit_box` and `source` are of `method` streaks");
+        throw ParameterError("`spacing`, `tail`, `draw`, `emit`, `emit_box` and `source` are of `method` streaks");
     }
     if (resume && restart) throw ParameterError("`resume` and `restart` exclude each other");
     if (flow.input.steadyFrames > 1 && method().isSteady) {
@@ -125,7 +125,7 @@ void AdvectParams::validate() const
     }
     const std::vector<std::string> scalars = derivedScalars();
     checkDerivedNames(scalars);
-    for (const std::string_view name : {kVelocityName, std::string_view(kHitsGrid), std::string_view(kLineGrid)}) {
+    for (const std::string_view name : {kVelocityName, std::string_view(kHitsGrid)}) {
         if (std::count(derived.begin(), derived.end(), name) > 1)
             throw ParameterError(fmt::format("'{}' is asked for twice", name));
     }
@@ -134,10 +134,10 @@ void AdvectParams::validate() const
                                          "auflic, auflic-2004 or uflic, or leave hits out",
                                          method().name));
     }
-    if (writesLines() && !method().isSparse) {
-        throw ParameterError(
-            fmt::format("`derived` streaks: `method` {} draws no lines; take streaks, or leave it out", method().name));
-    }
+    if (writesLines() && textureName != AdvectParams{}.textureName)
+        throw ParameterError(fmt::format("`texture_name`: lines are the grid '{}'; leave it out", kLineGrid));
+    if (writesLines() && format.scalars == ScalarVoxels::kTexture)
+        throw ParameterError("`scalars` texture: lines have no voxels; leave it out, their points have all scalars");
     const auto isOutput = [&](const std::string& name) {
         return name == "magnitude" || std::find(scalars.begin(), scalars.end(), name) != scalars.end() ||
                (writesVelocity() && name == kVelocityGrid) || (writesHits() && name == kHitsGrid) ||
@@ -167,7 +167,7 @@ bool AdvectParams::writesHits() const
 
 bool AdvectParams::writesLines() const
 {
-    return std::find(derived.begin(), derived.end(), kLineGrid) != derived.end();
+    return streaks.draw == StreakForm::kLines;
 }
 
 std::vector<std::string> AdvectParams::derivedScalars() const
@@ -175,7 +175,6 @@ std::vector<std::string> AdvectParams::derivedScalars() const
     std::vector<std::string> scalars = derived;
     std::erase(scalars, kVelocityName);
     std::erase(scalars, kHitsGrid);
-    std::erase(scalars, kLineGrid);
     return scalars;
 }
 

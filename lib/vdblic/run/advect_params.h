@@ -27,7 +27,7 @@ struct AdvectParams : MethodParams {
     /// [voxels].
     std::optional<double> voxelsPerFrame{};
     std::string textureName = "density";
-    std::vector<std::string> derived{}; ///< further grids: of kDerivedNames, kVelocityName, kHitsGrid, kLineGrid
+    std::vector<std::string> derived{}; ///< further grids: of kDerivedNames, kVelocityName, kHitsGrid
     TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
     bool resume = false;                  ///< go on from the checkpoint that an earlier run left, if there is one
@@ -40,7 +40,7 @@ struct AdvectParams : MethodParams {
     [[nodiscard]] const TextureMethod& method() const { return *texture.method; }
     [[nodiscard]] bool writesVelocity() const;                     ///< whether `derived` asks for the velocity
     [[nodiscard]] bool writesHits() const;                         ///< whether `derived` asks for the hits
-    [[nodiscard]] bool writesLines() const;                        ///< whether `derived` asks for the streaks as lines
+    [[nodiscard]] bool writesLines() const;                        ///< whether streaks are drawn as lines
     [[nodiscard]] std::vector<std::string> derivedScalars() const; ///< the other names of `derived`
 };
 [[nodiscard]] Parameters parametersOf(AdvectParams& params);

@@ -267,7 +267,7 @@ void estimateStreaks(const SequenceInfoParams& params, const SequenceInfo& info,
     const StreakShape shape = streakShape(streaks, refinement, velocity.voxels, box, moves);
     const auto voxels = double(velocity.voxels);
     const double leaves = std::max(voxels, memory / (3 * sizeof(float))) / Domain::kLeafVoxels;
-    const StreakCost cost = streakCost(shape, voxels, leaves, box);
+    const StreakCost cost = streakCost(shape, StreakForm::kVoxels, voxels, leaves, box);
     velocity.streaks = {.spacing = shape.spacing,
                         .refine = shape.refinement.factors,
                         .memory = cost.bytes,

@@ -72,7 +72,7 @@ openvdb::Int32Grid::Ptr hitsGrid(const openvdb::Int32Tree::Ptr& tree, const open
 openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& scalars, TextureFrame& made)
 {
     if (!made.frame.domain.velocity->isWhole())
-        throw ParameterError("`derived` streaks: only a run by one process writes them; use vdblic_advect");
+        throw ParameterError("`draw` lines: only a run by one process draws them; use vdblic_advect");
     const openvdb::math::Transform& transform = made.frame.values->transform();
     Lines lines = *std::exchange(made.lines, std::nullopt);
     const auto add = [&](const openvdb::FloatGrid& scalar) {
@@ -98,7 +98,7 @@ openvdb::MetaMap parameterMetadata(const AdvectPlan& plan, const Refinement& ref
 {
     const AdvectParams& params = plan.params;
     openvdb::MetaMap metadata;
-    metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.textureName));
+    metadata.insertMeta(kTextureKey, openvdb::StringMetadata(params.writesLines() ? kLineGrid : params.textureName));
     const TextureParams& texture = params.texture;
     metadata.insertMeta("method", openvdb::StringMetadata(std::string(texture.method->name)));
     texture.method->describe(params, metadata);
@@ -130,8 +130,12 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
     const FromStored<Space::kWorld, Per::kSecond> toWorldPerSecond = frame.toWorldPerSecond(made.interval);
     const openvdb::math::Transform::Ptr ofTexture = made.transform();
     const openvdb::math::Transform& transform = *ofTexture;
-    const openvdb::FloatTree::Ptr texture = finish(frame, made.interval, std::move(made.texture), {plan.finish}).tree();
-    const openvdb::FloatGrid::Ptr textureGrid = fogVolume(texture, params.textureName, transform);
+    openvdb::FloatTree::Ptr texture;
+    openvdb::FloatGrid::Ptr textureGrid;
+    if (!params.writesLines()) {
+        texture = finish(frame, made.interval, std::move(made.texture), {plan.finish}).tree();
+        textureGrid = fogVolume(texture, params.textureName, transform);
+    }
     std::vector<openvdb::FloatGrid::Ptr> scalars =
         derivedGrids(params.derivedScalars(), *frame.domain.velocity, *frame.values, toWorldPerSecond);
     scalars.insert(scalars.begin(),
@@ -158,13 +162,13 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
     if (lines) carried.insert(carried.begin(), lines);
     if (made.source.tree()) scalars.insert(scalars.begin(), fogVolume(made.source.tree(), kSourceGrid, transform));
     if (params.format.precision == GridPrecision::kHalf) {
-        textureGrid->setSaveFloatAsHalf(true);
+        if (textureGrid) textureGrid->setSaveFloatAsHalf(true);
         for (const openvdb::FloatGrid::Ptr& scalar : scalars)
             saveAsHalf(*scalar);
     }
 
     TextureFile file;
-    file.grids = {textureGrid};
+    if (textureGrid) file.grids = {textureGrid};
     if (made.hits.tree()) file.grids.push_back(hitsGrid(made.hits.tree(), transform));
     file.grids.insert(file.grids.end(), scalars.begin(), scalars.end());
     file.computed = file.grids.size();

@@ -269,8 +269,7 @@ TextureFrame TextureRun::makeStep(const VelocityFrame& start, const VelocityFram
                                            .owners = *owners,
                                            .whole = &whole,
                                            .isShown = isShown,
-                                           .withHits = isShown && mPlan.params.writesHits(),
-                                           .withLines = isShown && mPlan.params.writesLines()});
+                                           .withHits = isShown && mPlan.params.writesHits()});
     ++mSteps;
     return made;
 }

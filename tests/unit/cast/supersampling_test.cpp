@@ -57,7 +57,7 @@ TEST(Supersampling, AStopKeepsTheRaysSoFar)
     const Look look = plainLook(0.1);
     const Camera camera({}, volume.corners(), {16, 16});
     const VisibleSpace visible(volume, look);
-    SampleSum sum(volume, look, visible, camera, {.layers = true}, {});
+    SampleSum sum(castOf(volume, look, visible, {.layers = true}), camera);
     sum.add();
     std::stop_source stopped;
     stopped.request_stop();

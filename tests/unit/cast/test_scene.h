@@ -98,16 +98,21 @@ inline Image castRays(const TextureVolume& volume, const Look& look, const Camer
     return castRays(volume, look, camera, params, VisibleSpace(volume, look));
 }
 
+/// How SampleSum casts a volume's rays. @param volume, look, visible must outlive the result
+inline SampleSum::Cast castOf(const TextureVolume& volume, const Look& look, const VisibleSpace& visible,
+                              const RayCastParams& params, const Scenery& scenery = {})
+{
+    return [&, params, scenery](const Camera& camera, int ray, const std::uint8_t* only, const std::stop_token& stop) {
+        return castRays(volume, look, camera, params, visible, ray, scenery, only, stop);
+    };
+}
+
 /// The same with several rays a pixel, as SampleSum adds them.
 inline Image castSamples(const TextureVolume& volume, const Look& look, const Camera& camera,
                          const RayCastParams& params, int samples, const Scenery& scenery = {})
 {
     const VisibleSpace visible(volume, look);
-    SampleSum sum(
-        [&](const Camera& shifted, int ray, const std::uint8_t* only, const std::stop_token& stop) {
-            return castRays(volume, look, shifted, params, visible, ray, scenery, only, stop);
-        },
-        camera);
+    SampleSum sum(castOf(volume, look, visible, params, scenery), camera);
     for (int sample = 0; sample < samples; ++sample)
         sum.add();
     return sum.mean();

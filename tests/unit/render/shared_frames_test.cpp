@@ -136,7 +136,7 @@ TEST_F(SharedFrames, TheFirstRankTellsWhatOneProcessTells)
     Told alone;
     OneProcess one;
     render("x.exr", alone, one);
-    EXPECT_NE(alone.text.find("1 voxels are not finite"), std::string::npos) << alone.text;
+    EXPECT_NE(alone.text.find("1 values are not finite"), std::string::npos) << alone.text;
     EXPECT_NE(alone.text.find("sees nothing"), std::string::npos) << alone.text;
     std::string told;
     test::ThreadRanks(3).run([&](Exchange& exchange) {
@@ -153,21 +153,21 @@ TEST_F(SharedFrames, RanksReadTheirPartsOnly)
     const auto file = FrameFile{1, mFolder / "t.vdb"};
     mParams.picture.texture = "density";
     const PicturePlan plan = resolve(mParams.picture, {});
-    const Corners box = LoadedTexture(loadFrame(plan, file)).volume.corners();
+    const Corners box = LoadedTexture(loadFrame(plan, file)).box().corners();
     const Camera camera({.projection = Projection::kOrthographic}, box, {160, 160});
     const PictureCuts cuts(camera, box, 4);
     std::size_t owned = 0, had = 0, whole = 0;
     for (int rank = 0; rank < 4; ++rank) {
         const ViewShare share(cuts, rank, glm::dmat4(1));
         const LoadedTexture part = loadFrame(plan, file, nullptr, &share);
-        whole = part.volume.domain().leafCount();
-        had += part.volume.leafCount();
+        whole = part.volume->domain().leafCount();
+        had += part.volume->leafCount();
         std::size_t values = 0;
         for (auto leaf = part.texture->tree().cbeginLeaf(); leaf; ++leaf)
             values += !leaf->buffer().empty();
         EXPECT_LT(values, whole);
-        for (std::size_t leaf = 0; leaf < part.volume.leafCount(); ++leaf)
-            owned += part.volume.isOwn(leaf);
+        for (std::size_t leaf = 0; leaf < part.volume->leafCount(); ++leaf)
+            owned += part.volume->isOwn(leaf);
     }
     EXPECT_EQ(owned, whole);
     EXPECT_LT(had, 3 * whole);

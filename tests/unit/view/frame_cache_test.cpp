@@ -18,7 +18,8 @@ namespace {
 LoadedTexture texture(int leaves = 1)
 {
     const auto grid = boxGrid("density", boxOf(8 * leaves, 8, 8), scattered);
-    return {{1, "lic.vdb"}, grid, grid, grid, false, "density", TextureVolume(*grid, *grid), {}};
+    return {
+        .file = {1, "lic.vdb"}, .texture = grid, .color = grid, .opacity = grid, .volume = TextureVolume(*grid, *grid)};
 }
 
 const double kSize = texture().bytes();

@@ -47,6 +47,11 @@ Parameters parametersOf(StreakParams& params)
                   "How far back a streak shows its path. By default the faster half of the flow has tails of six "
                   "spacings.",
                   params.tail, {.unit = "frames", .limits = {0, kMostTail, true}}),
+        parameter(
+            "draw",
+            "What streaks are drawn as: voxels, for programs that know volumes alone, or lines: OpenVDB points, crisp "
+            "from near, a tenth of the size.",
+            params.draw, {.words = "FORM"}),
         parameter("emit",
                   "Release streaks only where a grid is above 0 (a level set: below), as smoke in a wind tunnel.",
                   params.emit, {.words = "FILE[:GRID]"}),
@@ -61,7 +66,7 @@ Parameters parametersOf(StreakParams& params)
 
 bool StreakParams::areGiven() const
 {
-    return spacing || tail || emits() || !sources.empty();
+    return spacing || tail || draw != StreakForm{} || emits() || !sources.empty();
 }
 
 void StreakParams::validate() const

@@ -97,11 +97,14 @@ TextureFrame StreakTexture::advance(const FlowStep& step)
     if (step.isShown) {
         const auto stage = clock.enter(&StageTimes::convolve);
         const double time = double(mStep) / substeps;
-        if (step.withLines) result.lines = streakLines(mStreaks, mShape, domain, time, step.start.values->transform());
-        const DrawnStreaks drawn = drawStreaks(mStreaks, mShape, domain, time, !mParams.sources.empty());
-        result.domain = drawnDomain(*drawn.texture, step.owners);
-        result.texture = LeafValues<float>(*result.domain, drawn.texture);
-        if (drawn.source) result.source = LeafValues<float>(*result.domain, drawn.source);
+        if (mParams.draw == StreakForm::kLines) {
+            result.lines = streakLines(mStreaks, mShape, domain, time, step.start.values->transform());
+        } else {
+            const DrawnStreaks drawn = drawStreaks(mStreaks, mShape, domain, time, !mParams.sources.empty());
+            result.domain = drawnDomain(*drawn.texture, step.owners);
+            result.texture = LeafValues<float>(*result.domain, drawn.texture);
+            if (drawn.source) result.source = LeafValues<float>(*result.domain, drawn.source);
+        }
     }
     result.times = clock.times();
     ++mStep;

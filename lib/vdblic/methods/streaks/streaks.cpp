@@ -28,7 +28,7 @@ double streakBytes(const MethodParams& params, const FrameDomain& first, const R
     (void)first.velocity->topology().evalActiveVoxelBoundingBox(box);
     const StreakShape shape = streakShape(params.streaks, given, *first.velocity, 0);
     const auto leaves = double(first.velocity->local().size());
-    return streakCost(shape, double(first.velocity->voxelCount()), leaves, box).bytes;
+    return streakCost(shape, params.streaks.draw, double(first.velocity->voxelCount()), leaves, box).bytes;
 }
 
 } // namespace
@@ -46,18 +46,21 @@ constinit const TextureMethod kStreaks{
     .bytes = streakBytes,
 };
 
-StreakCost streakCost(const StreakShape& shape, double voxels, double leaves, const openvdb::CoordBBox& box)
+StreakCost streakCost(const StreakShape& shape, StreakForm form, double voxels, double leaves,
+                      const openvdb::CoordBBox& box)
 {
-    constexpr double kDrawn = 90, kSeconds = 1.86e-7; // for the square of the texture voxels in a spacing, a streak
+    constexpr double kDrawn = 90, kSeconds = 1.86e-7;   // for the square of the texture voxels in a spacing, a streak
+    constexpr double kLine = 4000, kLineSeconds = 1e-5; // a streak
     double cells = voxels, inCell = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double spacing = std::min(double(shape.spacing[axis]), double(extentOf(box)[axis]));
         cells /= spacing;
         inCell *= spacing * shape.refinement.factors[axis];
     }
+    const double before = kProcessBytes + (kVelocityBytes * Domain::kLeafVoxels + kVelocityBrickBytes) * leaves;
+    if (form == StreakForm::kLines) return {before + kLine * cells, kLineSeconds * cells};
     const double drawn = cells * std::pow(inCell, 2.0 / 3);
-    return {kProcessBytes + (kVelocityBytes * Domain::kLeafVoxels + kVelocityBrickBytes) * leaves + kDrawn * drawn,
-            kSeconds * drawn};
+    return {before + kDrawn * drawn, kSeconds * drawn};
 }
 
 } // namespace vdblic

@@ -18,7 +18,7 @@ struct StreakCost {
     double secondsPerFrame; ///< of processor time
 };
 /// @param voxels of the velocity, in `box`  @param leaves of the velocity
-[[nodiscard]] StreakCost streakCost(const StreakShape& shape, double voxels, double leaves,
+[[nodiscard]] StreakCost streakCost(const StreakShape& shape, StreakForm form, double voxels, double leaves,
                                     const openvdb::CoordBBox& box);
 
 } // namespace vdblic
