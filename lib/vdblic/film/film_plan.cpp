@@ -211,6 +211,7 @@ class FilmPlanner {
         mPlan.textureBytes = streakCost(shape, StreakForm::kLines, double(mVelocity.voxels), leaves, mGrid.box).bytes;
         mPlan.advect["method"] = {"streaks"};
         mPlan.advect["draw"] = {"lines"};
+        mPlan.render["samples"] = {"2"};
         mPlan.advect["spacing"] = {shortNumber(spacing)};
         mPlan.advect["tail"] = {shortNumber(std::min(tail * spacing / mMoves, 24.0))};
         mPlan.advect["refine"] = wordsOfFactors(refinement.factors);
