@@ -17,14 +17,14 @@ look=(--look vortex --solid domain --ground below --size 960 540)
     "$tools/vdblic_render" - -o "$out/wake.%04d.exr" "${look[@]}" >"$out/images.txt"
 "$tools/vdblic_render" "$out/lic.%04d.vdb" -o "$out/wake.%04d.png" "${look[@]}" >>"$out/images.txt"
 # The same flow as streaks, which show its direction: one picture, frame 12.
-"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/streaks.%04d.vdb" --method streaks --spacing 1.5 --tail 3 \
-    --refine 8 --with q --frames 1-12 --restart >"$out/streaks.txt"
+"$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/streaks.%04d.vdb" --method streaks --draw lines \
+    --spacing 1.5 --tail 3 --with q --frames 1-12 --restart >"$out/streaks.txt"
 "$tools/vdblic_render" "$out/streaks.0012.vdb" -o "$out/streaks.%04d.png" --opacity-by q --solid domain --ground below \
     --size 960 540 --samples 4 >>"$out/images.txt"
 
 echo
 echo "flow textures: $out/lic.0001.vdb ... (density, magnitude, vorticity, q; open them in Blender or Houdini)"
-echo "streaks:       $out/streaks.0001.vdb ... (density, magnitude, q)"
+echo "streaks:       $out/streaks.0001.vdb ... (lines, magnitude, q)"
 echo "images:        $out/wake.0001.exr ..., $out/wake.0001.png ... and $out/streaks.0012.png"
 if command -v ffmpeg >/dev/null 2>&1; then
     ffmpeg -loglevel error -y -framerate 12 -i "$out/wake.%04d.png" -vf format=yuv420p -c:v libx264 -crf 18 "$out/wake.mp4"

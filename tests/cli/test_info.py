@@ -53,7 +53,7 @@ class Info(ToolTest):
         self.assertAlmostEqual(velocity["mean_displacement"], 17 / 5 * 0.25 / 0.5, places=5)
         self.assertIn("v.%04d.vdb: 5 frames, 1-3,5-6; ", text)
         self.assertIn("frame 4 is missing; --frames 1-3,5-6 selects the others", info["advice"])
-        self.assertIn("4096 voxels are few for streaks: --refine 6", " ".join(info["advice"]))
+        self.assertIn("4096 voxels make a coarse texture: --refine 6", " ".join(info["advice"]))
 
     def test_headers_alone(self):
         self.write(1, self.constant(1), dt=0.1)

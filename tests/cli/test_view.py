@@ -54,16 +54,18 @@ class Pictures(ViewerTest):
     def test_streaks_have_their_look(self):
         """As in vdblic_render, unless a state names another one."""
         self.outputs("vdblic_synth", "abc", "-o", "v.vdb", "--size", 24, 16, 12, "--frames", 1)
-        self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--dt", 0.04, "--spacing", 3,
-                     "--refine", 4)
-        self.start("s.vdb")
-        for state, look in ({}, "streaks"), ({"look": "smoke"}, "smoke"):
-            state = {"size": [64, 40], **state}
-            self.assertEqual(self.ask("scene", {"state": state, "frame": 1})["look"], look)
-            _, *words = shlex.split(self.ask("command", {"state": state})["command"])
-            words[words.index("-o") + 1] = "image.png"
-            self.outputs("vdblic_render", *words)
-            self.assertEqual(self.contents("image.png"), self.picture(state, 1))
+        for form in "voxels", "lines":
+            self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--draw", form, "--dt", 0.04, "--spacing", 3,
+                         "--refine", 4)
+            self.start("s.vdb")
+            for state, look in ({}, "streaks"), ({"look": "smoke"}, "smoke"):
+                state = {"size": [64, 40], **state}
+                self.assertEqual(self.ask("scene", {"state": state, "frame": 1})["look"], look)
+                _, *words = shlex.split(self.ask("command", {"state": state})["command"])
+                words[words.index("-o") + 1] = "image.png"
+                self.outputs("vdblic_render", *words)
+                self.assertEqual(self.contents("image.png"), self.picture(state, 1))
+            self.stop()
 
     @unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "sanitizers hold more memory than there is")
     def test_a_texture_larger_than_the_memory(self):

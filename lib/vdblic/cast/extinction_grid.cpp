@@ -49,7 +49,7 @@ ExtinctionGrid::ExtinctionGrid(const TubeTree& tree)
     cover({voxel(tubes.low() + 0.5), voxel(tubes.high() - 0.5)});
     std::vector<std::uint64_t> sums(index(mDim - openvdb::Coord(1)) + 1);
     // What a tube covers it dims once, however thick it is.
-    tubes.forPieces(tree.cones(), [&](const Tubes::Piece& piece) {
+    tubes.forPieces(tree.cones(), mCell, [&](const Tubes::Piece& piece) {
         const double share = double(tree.alpha(piece.driver, piece.opacity));
         openvdb::Coord cell = voxel(piece.place) - mOrigin;
         for (int axis = 0; axis < 3; ++axis)

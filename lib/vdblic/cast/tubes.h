@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -52,10 +53,11 @@ class Tubes : public PlacedBox {
         float driver, opacity;
         double area; ///< of its shadow, in the mean over all directions [faces of a voxel]
     };
-    /// Call a function for pieces of some tubes, each no longer than two voxels of the box, in order.
-    /// @param cones their numbers
+    /// Call a function for pieces of some tubes, in order: as long as a cell of the light at most, but for very long
+    /// cones.
+    /// @param cones their numbers  @param cell edge of a cell [voxels of the box]
     template<typename Use>
-    void forPieces(const std::vector<std::uint32_t>& cones, const Use& use) const;
+    void forPieces(const std::vector<std::uint32_t>& cones, int cell, const Use& use) const;
 
     /// From the picture's world to the tubes' own space, whose unit is about a voxel.
     [[nodiscard]] const glm::dmat4& worldToTubes() const { return mWorldToTubes; }
@@ -92,15 +94,15 @@ class Tubes : public PlacedBox {
 };
 
 template<typename Use>
-void Tubes::forPieces(const std::vector<std::uint32_t>& cones, const Use& use) const
+void Tubes::forPieces(const std::vector<std::uint32_t>& cones, int cell, const Use& use) const
 {
-    constexpr double kLongest = 2;
+    constexpr double kMostPieces = 1000;
     const double voxel = voxelSize() * mUnitsPerWorld;
     const glm::dmat4 toIndex = worldToIndex() * glm::inverse(mWorldToTubes);
     for (const std::uint32_t cone : cones) {
         const Point* const ends = points(cone);
         const double all = length(cone);
-        const int pieces = int(std::ceil(all / (kLongest * voxel)));
+        const int pieces = int(std::min(std::ceil(all / (cell * voxel)), kMostPieces));
         for (int i = 0; i < pieces; ++i) {
             const float share = (float(i) + 0.5f) / float(pieces);
             const auto mix = [share](float a, float b) { return a + (b - a) * share; };

@@ -40,7 +40,7 @@ void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vec
     const int layer = grid && !grid->box.empty() ? layerAxis(grid->box) : -1;
     if (layer < 0) {
         const double factor = std::clamp(std::round(std::cbrt(kGoodVolume / voxels)), 2.0, 16.0);
-        advice.push_back(fmt::format("{} voxels are few for streaks: `refine` {} gives {:.3g} million texture voxels",
+        advice.push_back(fmt::format("{} voxels make a coarse texture: `refine` {} gives {:.3g} million texture voxels",
                                      velocity.voxels, factor, voxels * std::pow(factor, 3) / 1e6));
         return;
     }
@@ -48,8 +48,9 @@ void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vec
     if (factor < 2) return;
     std::array<double, 3> factors{factor, factor, factor};
     factors[std::size_t(layer)] = 1;
-    advice.push_back(fmt::format("{} voxels are few for streaks: `refine` {} {} {} gives {:.3g} million texture voxels",
-                                 velocity.voxels, factors[0], factors[1], factors[2], voxels * factor * factor / 1e6));
+    advice.push_back(
+        fmt::format("{} voxels make a coarse texture: `refine` {} {} {} gives {:.3g} million texture voxels",
+                    velocity.voxels, factors[0], factors[1], factors[2], voxels * factor * factor / 1e6));
 }
 
 openvdb::Vec3d worldSize(const GridInfo& grid)

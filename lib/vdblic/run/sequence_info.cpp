@@ -268,10 +268,14 @@ void estimateStreaks(const SequenceInfoParams& params, const SequenceInfo& info,
     const auto voxels = double(velocity.voxels);
     const double leaves = std::max(voxels, memory / (3 * sizeof(float))) / Domain::kLeafVoxels;
     const StreakCost cost = streakCost(shape, StreakForm::kVoxels, voxels, leaves, box);
+    const StreakCost ofLines = streakCost(shape, StreakForm::kLines, voxels, leaves, box);
+    const double traced = double(frames) + kSettling;
     velocity.streaks = {.spacing = shape.spacing,
                         .refine = shape.refinement.factors,
                         .memory = cost.bytes,
-                        .seconds = (double(frames) + kSettling) * cost.secondsPerFrame};
+                        .seconds = traced * cost.secondsPerFrame,
+                        .lineMemory = ofLines.bytes,
+                        .lineSeconds = traced * ofLines.secondsPerFrame};
     if (moves > 0) velocity.streaks->tail = shape.tail;
 }
 

@@ -61,8 +61,9 @@ struct MotionInfo {
 struct StreaksInfo {
     std::array<float, 3> spacing{}; ///< [voxels of the velocity]
     std::array<int, 3> refine{};
-    std::optional<float> tail{};    ///< [frames], from the values
-    double memory = 0, seconds = 0; ///< as VelocityInfo has them
+    std::optional<float> tail{};            ///< [frames], from the values
+    double memory = 0, seconds = 0;         ///< as VelocityInfo has them, drawn as voxels
+    double lineMemory = 0, lineSeconds = 0; ///< drawn as lines
 };
 
 /// Estimates of a method other than the default.

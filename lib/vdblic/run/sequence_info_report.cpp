@@ -68,9 +68,10 @@ void addVelocity(const VelocityInfo& velocity, std::vector<std::string>& lines)
     if (!velocity.streaks) return;
     const StreaksInfo& streaks = *velocity.streaks;
     const std::string tail = streaks.tail ? fmt::format(" `tail` {}", *streaks.tail) : "";
-    lines.push_back(fmt::format(
-        "    vdblic_advect `method` streaks `spacing` {}{} `refine` {} takes about {} and {:.2g} s",
-        shortText(streaks.spacing), tail, shortText(streaks.refine), memoryText(streaks.memory), streaks.seconds));
+    lines.push_back(fmt::format("    vdblic_advect `method` streaks `spacing` {}{} `refine` {} takes about {} and "
+                                "{:.2g} s, with `draw` lines {} and {:.2g} s",
+                                shortText(streaks.spacing), tail, shortText(streaks.refine), memoryText(streaks.memory),
+                                streaks.seconds, memoryText(streaks.lineMemory), streaks.lineSeconds));
 }
 
 nlohmann::json ofGrid(const GridInfo& grid)
@@ -109,10 +110,12 @@ nlohmann::json ofVelocity(const VelocityInfo& velocity)
         result[std::string(cost.method)] = {{"memory", cost.memory}, {"processor_seconds", cost.seconds}};
     if (velocity.streaks) {
         const StreaksInfo& streaks = *velocity.streaks;
-        result["streaks"] = {{"spacing", streaks.spacing},
-                             {"refine", streaks.refine},
-                             {"memory", streaks.memory},
-                             {"processor_seconds", streaks.seconds}};
+        result["streaks"] = {
+            {"spacing", streaks.spacing},
+            {"refine", streaks.refine},
+            {"memory", streaks.memory},
+            {"processor_seconds", streaks.seconds},
+            {"as_lines", {{"memory", streaks.lineMemory}, {"processor_seconds", streaks.lineSeconds}}}};
         if (streaks.tail) result["streaks"]["tail"] = *streaks.tail;
     }
     if (velocity.motion) {
