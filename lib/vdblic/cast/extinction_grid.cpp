@@ -50,7 +50,7 @@ ExtinctionGrid::ExtinctionGrid(const TubeTree& tree)
     std::vector<std::uint64_t> sums(index(mDim - openvdb::Coord(1)) + 1);
     // What a tube covers it dims once, however thick it is.
     tubes.forPieces(tree.cones(), mCell, [&](const Tubes::Piece& piece) {
-        const double share = double(tree.alpha(piece.driver, piece.opacity));
+        const auto share = double(tree.alpha(piece.driver, piece.opacity));
         openvdb::Coord cell = voxel(piece.place) - mOrigin;
         for (int axis = 0; axis < 3; ++axis)
             cell[axis] = std::clamp(cell[axis] / mCell, 0, mDim[axis] - 1);

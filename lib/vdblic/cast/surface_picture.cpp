@@ -64,7 +64,7 @@ SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const Place
     const std::vector<glm::vec3> background = look.backgroundRows(size.y);
     tbb::parallel_for(
         tbb::blocked_range<int>(camera.area().low.y, camera.area().high.y), [&](const tbb::blocked_range<int>& rows) {
-            auto intersector = prototype; // it has a cache of its own
+            auto intersector = prototype; // NOLINT(performance-unnecessary-copy-initialization): it has a cache
             for (int y = rows.begin(); y < rows.end(); ++y) {
                 for (int x = camera.area().low.x; x < camera.area().high.x; ++x) {
                     const auto [origin, direction] = rays.at(x, y);

@@ -126,9 +126,10 @@ VolumeSamples Tubes::samples() const
     double next = 0.5; // place [spacings from the cone's first point]
     for (std::uint32_t cone = 0; all > 0 && cone < mCones.size(); ++cone) {
         const double places = length(cone) * kMost / all;
-        for (; next < places; ++next) {
+        while (next < places) {
             const std::uint32_t first = mCones[cone].first;
             const auto share = float(next / places);
+            next += 1;
             samples.texture.push_back(valueAt(mOpacities, first, share));
             samples.driver.push_back(valueAt(mValues.driver, first, share));
             if (!mValues.color.empty()) samples.color.push_back(valueAt(mValues.color, first, share));

@@ -124,9 +124,9 @@ TEST(Tubes, RaysEnterBentTubesWhereTheirSpheresBegin)
     std::uniform_real_distribution<float> place(-6, 6), radius(0.2f, 0.9f);
     Lines lines;
     for (int line = 0; line < 9; ++line) {
-        std::vector<Place> places;
-        for (int i = 0; i < 3; ++i)
-            places.push_back({place(random), place(random), place(random), radius(random)});
+        std::vector<Place> places(3);
+        for (Place& one : places)
+            one = {place(random), place(random), place(random), radius(random)};
         add(lines, places);
     }
     const Tubes tubes = tubesOf(lines);
@@ -142,7 +142,8 @@ TEST(Tubes, RaysEnterBentTubesWhereTheirSpheresBegin)
         for (const Lines::Line& line : lines.lines) {
             constexpr double kStep = 0.02, kGraze = 0.03;
             double before = 1, nearest = 1;
-            for (double t = 15; t < 50; t += kStep) {
+            for (int step = 0; step < 1750; ++step) {
+                const double t = 15 + step * kStep;
                 const double distance = distanceTo(lines, line, origin + direction * t);
                 if (distance < 0 && before >= 0) ++entries;
                 nearest = std::min(nearest, std::abs(distance));
