@@ -295,7 +295,7 @@ class Advect(ToolTest):
         program = f"""import resource, sys; sys.path[:] = {sys.path}
 import numpy, vdblic
 resource.setrlimit(resource.RLIMIT_DATA, (400 << 20,) * 2)
-next(iter(vdblic.advect(numpy.ones((2, 128, 128, 128, 3), numpy.float32), refine=2)))"""
+next(iter(vdblic.advect([numpy.ones((128, 128, 128, 3), numpy.float32)] * 2, refine=2)))"""
         done = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, check=False)
         self.assertRegex(done.stderr, "InputError: .* lower `refine`, .* or let vdblic_advect do it, which takes a scratch file")
         self.assertNotIn("max_memory", done.stderr)

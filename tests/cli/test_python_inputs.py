@@ -51,7 +51,7 @@ class Masked(ToolTest):
         for frames in (
                 [masked] * 3, [(k / 24, masked) for k in range(3)], numpy.ma.stack([masked] * 3),
                 [vdblic.Grid(masked, name="velocity")] * 3):
-            texture = list(vdblic.advect(frames))[-1]
+            texture = list(vdblic.advect(frames, layout="txyz"))[-1]
             for name in expected:
                 numpy.testing.assert_array_equal(texture[name].active, active)
                 numpy.testing.assert_array_equal(texture[name].values, expected[name].values)

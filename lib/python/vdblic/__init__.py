@@ -10,9 +10,10 @@ cannot be written; their messages name parameters by these keywords.
 
 from ._core import __version__
 from .flow import advect, synth
+from .grids import Grid, Volume
 from .measures import coherence, diff
 from .pictures import Picture, Renderer, displayed
-from .volumes import Grid, Volume, as_volume, read, write
+from .volumes import as_volume, read, write
 
 __all__ = [
     "Grid",

@@ -5,15 +5,16 @@ from __future__ import annotations
 import logging
 import os
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy
 
-from . import _core
+from . import _core, layouts
+from .grids import Grid, Volume
 from .labelled import clock, is_labelled, moments
 from .parameters import checked, described
-from .volumes import Grid, Volume, as_dictionaries, as_volume, lengths_of
+from .volumes import as_dictionaries, as_volume, lengths_of
 
 _LOG = logging.getLogger("vdblic")
 
@@ -22,7 +23,12 @@ _OF_FILES = "frames", "clamp_frames", "lead_in"
 
 
 def advect(
-    velocities: str | os.PathLike | Iterable[Frame], /, *, voxel_size: float | Sequence[float] = 1.0, **parameters: Any
+    velocities: str | os.PathLike[str] | Iterable[Frame],
+    /,
+    *,
+    voxel_size: float | Sequence[float] = 1.0,
+    layout: str | None = None,
+    **parameters: Any,
 ) -> Iterator[Volume]:
     """Yield the flow texture of every frame as it is finished: a Volume with `density`, `magnitude` and metadata.
 
@@ -31,8 +37,11 @@ def advect(
     velocities     the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities in world units
                    per second: arrays (x, y, z, 3), Grids, Volumes, data of xarray and VTK (as_volume() tells which), or
                    pairs of a time in seconds or a date, and one of these. An iterable is read one frame ahead; frames
-                   count from 1. One of these by itself is one frame, and data of xarray have a frame for each time
+                   count from 1. One of these by itself is one frame; data of xarray have a frame for each time, and
+                   so has an array with an axis for it
     voxel_size     of arrays without coordinates: one length or three
+    layout         order of the axes of arrays by the letters t, x, y, z and c (components, last unless they are named):
+                   'zyx', 'tzyx', 'cxyz'. By default (x, y, z, 3); an array over time must tell
     parameters     of `vdblic_advect`; a list may stand for a text with commas: frames=[1, 2, 5]. Those of output files
                    and checkpoints are left out:
 
@@ -49,7 +58,7 @@ def advect(
     else:
         if given := [key for key in _OF_FILES if key in options]:
             raise ValueError(f"`{given[0]}` selects files; leave it out, and give the frames that are to be used")
-        frames = _members(_frames(velocities), lengths)
+        frames = _members(_frames(velocities, layouts.checked(layout)), lengths, layout)
     return _textures(_core.Textures(options, frames, _tell))
 
 
@@ -69,19 +78,22 @@ def _tell(kind, message):
         _LOG.info(message)
 
 
-def _frames(velocities):
+def _frames(velocities, layout):
     """The frames of velocities of any kind."""
     if is_labelled(velocities):
         return moments(velocities)
-    if isinstance(velocities, (Volume, Grid)) or getattr(velocities, "ndim", 0) == 4:
+    axes = getattr(velocities, "ndim", 0)
+    if isinstance(velocities, (Mapping, Grid)) or axes == 4:
         return iter([velocities])
+    if axes == 5:
+        return layouts.times(velocities, layout)
     try:
         return iter(velocities)
     except TypeError:
         raise TypeError(f"`velocities` cannot be {velocities!r}; it is a name of files or an iterable") from None
 
 
-def _members(frames, voxel_size):
+def _members(frames, voxel_size, layout):
     """The grids and the metadata of each frame, as the library's side takes them."""
     first = None
     for number, frame in enumerate(frames, 1):
@@ -90,7 +102,7 @@ def _members(frames, voxel_size):
             time, frame = frame
             first = time if number == 1 else first
         try:
-            volume = as_volume(frame, voxel_size=voxel_size)
+            volume = as_volume(frame, voxel_size=voxel_size, layout=layout)
             of_time = {} if time is None else clock(time, first)
         except ValueError as error:
             raise ValueError(f"frame {number}: {error}") from None

@@ -86,7 +86,7 @@ def _of_xarray(data, voxel_size):
 def _has_lengths(array):
     """Whether the coordinates along x, y and z are lengths, or say nothing else."""
     units = [str(array.coords[name].attrs.get("units", "")) for name in _axes(array).values() if name in array.coords]
-    return all(unit in ("", "1") or _by_the_reader("units").measures(unit, "m") for unit in units)
+    return all(unit in ("", "1", "m") or _by_the_reader("units").measures(unit, "m") for unit in units)
 
 
 def _by_the_reader(module):
@@ -184,6 +184,8 @@ def _moment(data, name):
 
 
 def _converted(values, unit, wanted, what):
+    if unit == wanted:
+        return values
     try:
         return _by_the_reader("units").converted(values, unit, wanted)
     except ValueError:

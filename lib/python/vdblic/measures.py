@@ -7,8 +7,9 @@ import os
 from typing import Any
 
 from . import _core
+from .grids import Volume
 from .parameters import checked, described
-from .volumes import Volume, as_dictionaries, path_of
+from .volumes import as_dictionaries, path_of
 
 Source = str | os.PathLike | Volume
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy
 
 from . import _core
+from .grids import Grid, Volume
 from .parameters import checked, described
-from .volumes import Grid, Volume, as_dictionaries, as_volume
+from .volumes import as_dictionaries, as_volume
 
 
 class Picture(numpy.ndarray):
