@@ -23,12 +23,15 @@ def is_labelled(data: Any) -> bool:
     return _is_xarray(data) or all(hasattr(data, name) for name in ("GetPointData", "GetFieldData", "IsA"))
 
 
-def moments(data: Any) -> Iterator[Any]:
-    """Labelled data one time after the other, as pairs (time, data) if the times are known."""
+def moments(data: Any) -> tuple[Iterator[Any], int]:
+    """Labelled data one time after the other, as pairs (time, data) if the times are known, and the number of times."""
     time = _time_of(data) if _is_xarray(data) else None
     if time is None or time not in data.dims:
-        yield data
-        return
+        return iter([data]), 1
+    return _moments(data, time), data.sizes[time]
+
+
+def _moments(data, time):
     for index in range(data.sizes[time]):
         part = data.isel({time: index})
         yield (_moment(part, time), part) if time in part.coords else part

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy
@@ -35,8 +36,8 @@ def field(values: numpy.ndarray, layout: str | None) -> numpy.ndarray:
     raise ValueError(f"{what}; {told or 'a field is numbers (x, y, z) or (x, y, z, 3)'}")
 
 
-def times(values: Any, layout: str | None) -> Any:
-    """The fields of an array with a time axis, one after the other. Raises ValueError if nothing tells the axis."""
+def times(values: Any, layout: str | None) -> tuple[Iterator[Any], int]:
+    """The fields of an array with a time axis, one after the other, and their number. Raises ValueError if nothing tells the axis."""
     if layout is None:
         raise ValueError(
             f"nothing tells the order of the axes of an array of the shape {values.shape}; "
@@ -46,7 +47,8 @@ def times(values: Any, layout: str | None) -> Any:
     if "t" not in order:
         raise ValueError(f"an array of the shape {values.shape} has more axes than the layout '{layout}'")
     axis = order.index("t")
-    return (values[(slice(None),) * axis + (index,)] for index in range(values.shape[axis]))
+    count = values.shape[axis]
+    return (values[(slice(None),) * axis + (index,)] for index in range(count)), count
 
 
 def _told(first, second):

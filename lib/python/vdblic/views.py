@@ -23,7 +23,7 @@ def slices(grid: Any, title: str) -> str:
     """A grid as HTML: its title, and the slices across z, y and x through the middle, of vectors their lengths."""
     if grid.ndim not in (3, 4) or 0 in grid.shape:
         return heading(title)
-    cuts = []
+    cuts: list[Any] = []
     for across in 2, 1, 0:
         right, up = (axis for axis in range(3) if axis != across)
         index: list[Any] = [slice(None, None, 1 + size // _LARGEST) for size in grid.shape[:3]]
@@ -32,7 +32,7 @@ def slices(grid: Any, title: str) -> str:
         cuts.append(("xyz"[right], "xyz"[up], *_cut(grid, tuple(index)), lengths[right], lengths[up]))
     finite = numpy.concatenate([values[shown] for _, _, values, shown, _, _ in cuts])
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
-    figures = "".join(_figure(*cut, low, high) for cut in cuts)
+    figures = "".join(_figure(cut, low, high) for cut in cuts)
     return f"{heading(f'{title} {low:.4g} to {high:.4g}')}<div>{figures}</div>"
 
 
@@ -49,7 +49,8 @@ def _cut(grid, index):
     return values.T[::-1], shown.T[::-1]
 
 
-def _figure(right, up, values, shown, width, height, low, high):
+def _figure(cut, low, high):
+    right, up, values, shown, width, height = cut
     share = (numpy.where(shown, values, low) - low) / (high - low or 1)
     colors = _core.colors_of("viridis", share.ravel()).reshape(*share.shape, 3)
     picture = numpy.concatenate([colors, numpy.ones((*share.shape, 1))], axis=2) * shown[..., None]

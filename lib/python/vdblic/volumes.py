@@ -5,13 +5,15 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Union
 
 import numpy
 
 from . import _core, layouts
 from .grids import Array, Grid, Volume
 from .labelled import is_labelled, members
+
+Lengths = Union[float, Sequence[float], Array]
 
 
 def read(path: str | os.PathLike) -> Volume:
@@ -28,7 +30,7 @@ def write(
     data: Any,
     metadata: Mapping[str, Any] | None = None,
     *,
-    voxel_size: float | Sequence[float] = 1.0,
+    voxel_size: Lengths = 1.0,
     layout: str | None = None,
     compression: str = "blosc",
     half: bool = False,
@@ -46,7 +48,7 @@ def write(
     )
 
 
-def as_volume(data: Any, *, voxel_size: float | Sequence[float] = 1.0, layout: str | None = None) -> Volume:
+def as_volume(data: Any, *, voxel_size: Lengths = 1.0, layout: str | None = None) -> Volume:
     """A volume of any data that hold fields: what advect(), Renderer, Grid and write() make of them.
 
     Volume, Grid   as they are; a list of Grids is a volume of them
@@ -113,7 +115,7 @@ def path_of(path: str | os.PathLike) -> bytes:
     return name
 
 
-def lengths_of(voxel_size: float | Sequence[float] | Array) -> Array:
+def lengths_of(voxel_size: Lengths) -> Array:
     """The voxel's lengths along the three axes."""
     try:
         lengths = numpy.broadcast_to(numpy.asarray(voxel_size, float), 3)
