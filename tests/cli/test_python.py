@@ -232,7 +232,7 @@ class Advect(ToolTest):
         options = {"refine": 2, "dt": 0.5, "steady_frames": 2}
         expected = list(vdblic.advect(FLOW, **options))
         for lenient in ({"refine": 2.0}, {"refine": (2.0, 2, numpy.float32(2))}, {"dt": numpy.timedelta64(500, "ms")},
-                        {"dt": numpy.timedelta64(500_000_000, "ns")}, {"dt": datetime.timedelta(seconds=0.5)},
+                        {"dt": numpy.timedelta64(500_000_000, "ns")}, {"dt": None, "fps": 2}, {"dt": datetime.timedelta(seconds=0.5)},
                         {"steady_frames": 2.0}):
             for texture, known in zip(vdblic.advect(FLOW, **options | lenient), expected):
                 numpy.testing.assert_array_equal(texture["density"], known["density"])

@@ -175,6 +175,14 @@ class Films(ToolTest):
                 (([numpy.zeros((3, 3))],), {}, "frame 1: ")):
             with self.subTest(words), self.assertRaisesRegex((ValueError, OSError), words):
                 vdblic.film(*arguments, **options)
+        broken = fields(1)[0][1].copy()
+        broken[1, 2, 3] = numpy.nan
+        for call, words in (
+                (lambda: vdblic.film([fields(1)[0][1], broken]), "^frame 2: velocity 2: grid velocity: .* give `nonfinite` zero$"),
+                (lambda: vdblic.film({"p": broken[..., 0], "q": broken[..., 1]}), "^velocity: holds no velocity"),
+                (lambda: vdblic.coherence(fields(2), vdblic.advect(fields(3))), "^texture 3: |^velocity 3: the velocity of frame 3 is missing")):
+            with self.subTest(words), self.assertRaisesRegex(ValueError, words):
+                call()
         with self.assertRaisesRegex(TypeError, r"film\(\) has no parameter 'sice'; 'size' is one"):
             vdblic.film(fields(1), sice=64)
         self.assertEqual(self.files(), [])

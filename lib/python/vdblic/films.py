@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import datetime
 import os
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy
 
 from . import _core
-from .frames import Frame, Frames, is_path, seconds_of, stored
+from .frames import Frame, Frames, is_path, seconds_of, stored, waiting
 from .parameters import checked, described
 from .progress import Progress, Teller
 from .volumes import Lengths, path_of
@@ -82,12 +81,12 @@ def film(
             _core.check_extension(path_of(target), [".mp4", ".png"])
             _core.check_output(path_of(target))
         folder = None if target is None else target.parent
-        with tempfile.TemporaryDirectory(prefix=".vdblic-film-", dir=folder) as waiting:
+        with waiting(teller, folder) as place:
             pattern = velocities
             if not is_path(velocities):
                 frames = Frames(velocities, voxel_size, layout)
-                pattern = stored(frames, waiting, "velocity", dt=None if dt is None else seconds_of(dt))
-            made = Path(waiting) / f"film{kind}"
+                pattern = stored(frames, place, "velocity", dt=None if dt is None else seconds_of(dt))
+            made = Path(place) / f"film{kind}"
             _core.film(path_of(pattern), path_of(made), given, teller)  # type: ignore[arg-type]
             data = made.read_bytes()
             if target is not None:

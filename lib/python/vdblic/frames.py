@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ import numpy
 from . import layouts
 from .grids import Grid, Volume
 from .labelled import clock, is_labelled, moments
+from .progress import Teller, without_files
 from .volumes import Lengths, as_volume, lengths_of, write
 
 Frame = Any  # what as_volume() takes, or (time, of it)
@@ -73,6 +76,17 @@ def _of(velocities, layout):
 def is_path(data: Any) -> bool:
     """Whether data are the name of files."""
     return isinstance(data, (str, os.PathLike))
+
+
+@contextlib.contextmanager
+def waiting(teller: Teller, parent: Path | None = None) -> Iterator[str]:
+    """A folder in which frames wait as files, which messages do not name."""
+    with tempfile.TemporaryDirectory(prefix=".vdblic-", dir=parent) as folder:
+        teller.folder = folder
+        try:
+            yield folder
+        except ValueError as error:
+            raise type(error)(without_files(str(error), folder)) from None
 
 
 def stored(

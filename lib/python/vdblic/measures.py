@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _core
-from .frames import Frame, Frames, is_path, stored
+from .frames import Frame, Frames, is_path, stored, waiting
 from .grids import Volume
 from .parameters import checked, described
 from .progress import Progress, Teller
@@ -57,7 +56,7 @@ def coherence(
 {parameters}
     """
     given = checked("coherence", options, COHERENCE_OPTIONS)
-    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder, Teller(progress, "coherence", "frames") as teller:
+    with Teller(progress, "coherence", "frames") as teller, waiting(teller) as folder:
         if not is_path(velocities):
             velocities = stored(Frames(velocities, voxel_size, layout), folder, "velocity")
         if not is_path(textures):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import sys
 import warnings
 from collections.abc import Callable
@@ -21,6 +22,7 @@ class Teller:
     def __init__(self, progress: Progress, title: str, unit: str = "steps", stacklevel: int = 3) -> None:
         """@param stacklevel  of warnings: the caller of the function that computes"""
         self._stacklevel = stacklevel
+        self.folder = ""  # of frames that wait as files
         self._tell = progress if callable(progress) else None
         self._bar: Any = None
         if not callable(progress) and (progress or progress is None and _is_watched()):
@@ -28,9 +30,9 @@ class Teller:
 
     def __call__(self, kind: str, *told: Any) -> None:
         if kind == "warned":
-            warnings.warn(told[0], stacklevel=self._stacklevel)
+            warnings.warn(without_files(told[0], self.folder), stacklevel=self._stacklevel)
         elif kind == "said":
-            _LOG.info(told[0])
+            _LOG.info(without_files(told[0], self.folder))
         else:
             self._show(told[0], told[1] or None)
 
@@ -51,6 +53,12 @@ class Teller:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+
+def without_files(message: str, folder: str) -> str:
+    """A message with numbers in place of the files in which frames wait: `velocity 2`, or `velocity` for all."""
+    files = rf"{re.escape(folder)}/(\w+)\.(?:0*(\d+)|%06d)\.vdb"
+    return re.sub(files, lambda file: " ".join(filter(None, file.groups())), message) if folder else message
 
 
 def _is_watched():
