@@ -2,6 +2,7 @@
 
 #include "bindings.h"
 #include "grid_arrays.h"
+#include "options.h"
 #include "text.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/extent.h"
@@ -243,7 +244,8 @@ py::dict readBox(const std::filesystem::path& reference)
 /// Raise an error of the module. What quotes a file need not be UTF-8, which Python wants.
 void raiseAs(const char* type, const Error& error)
 {
-    PyErr_SetString(py::module_::import("vdblic._core").attr(type).ptr(), printable(error.what()).c_str());
+    PyErr_SetString(py::module_::import("vdblic._core").attr(type).ptr(),
+                    printable(withKeywords(error.what())).c_str());
 }
 
 } // namespace

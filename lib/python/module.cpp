@@ -1,4 +1,5 @@
 #include "bindings.h"
+#include "caller.h"
 #include "grid_arrays.h"
 #include "options.h"
 #include "renderer.h"
@@ -11,10 +12,12 @@
 #include "vdblic/core/crash_guard.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/hazard.h"
+#include "vdblic/core/nearest_name.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/core/version.h"
 #include "vdblic/field/box_domain.h"
 #include "vdblic/field/synth.h"
+#include "vdblic/film/film.h"
 #include "vdblic/image/image_file.h"
 #include "vdblic/io/vdb_file.h"
 
@@ -123,6 +126,20 @@ py::bytes png(const Pixels& pixels, const std::vector<double>& background)
     return file;
 }
 
+/// The bytes of an .exr file. The pixels are over their background.
+py::bytes exr(const Pixels& pixels, const std::string& precision)
+{
+    const Image image = imageOf(pixels);
+    ExrParams params{.precision = precision};
+    params.validate();
+    std::string file;
+    {
+        const py::gil_scoped_release release;
+        file = encodeExr(image, {}, {}, params);
+    }
+    return file;
+}
+
 py::array_t<std::uint8_t> displayed(const Pixels& pixels, const std::vector<double>& background)
 {
     const Image image = imageOf(pixels);
@@ -161,13 +178,13 @@ py::object synth(const std::string& flow, const BoxSize& size, double time, doub
     return toDictionary(*grid);
 }
 
-std::string diff(const std::string& a, const std::string& b, const py::dict& keywords)
+std::string diff(const std::string& a, const std::string& b, const py::dict& keywords, const py::function& tell)
 {
     CompareSequencesParams params{a, b, "", "", false, "", {}};
     setFrom(keywords, parametersOf(params));
+    Caller caller(tell);
     const py::gil_scoped_release release;
-    Reporter silent;
-    return toJson(compareSequences(params, silent), params.compare);
+    return toJson(compareSequences(params, caller), params.compare);
 }
 
 /// A volume to compare, which is a path or a pair of grids and metadata.
@@ -194,18 +211,30 @@ std::string diffOfVolumes(const py::object& sourceA, const py::object& sourceB, 
     return toJson({files.pathA, files.pathB, {{1, true, true, files}}, false}, params.compare);
 }
 
-std::string coherence(const std::string& velocity, const std::string& texture, const py::dict& keywords)
+std::string coherence(const std::string& velocity, const std::string& texture, const py::dict& keywords,
+                      const py::function& tell)
 {
     SequenceCoherenceParams params;
     params.flow.input.pattern = velocity;
     params.texture = texture;
     setFrom(keywords, parametersOf(params));
+    Caller caller(tell);
     const py::gil_scoped_release release;
-    Reporter silent;
-    return toJson(coherenceOfSequence(params, silent), params);
+    return toJson(coherenceOfSequence(params, caller), params);
 }
 
-/// The keyword arguments of a function. @param function advect, picture, render, diff or coherence
+void film(const std::string& velocity, const std::string& output, const py::dict& keywords, const py::function& tell)
+{
+    FilmParams params;
+    params.input.pattern = velocity;
+    params.output = output;
+    setFrom(keywords, parametersOf(params));
+    Caller caller(tell);
+    const py::gil_scoped_release release;
+    makeFilm(params, caller);
+}
+
+/// The keyword arguments of a function. @param function advect, picture, render, film, diff or coherence
 py::list parametersOfFunction(const std::string& function)
 {
     AdvectParams run;
@@ -213,7 +242,9 @@ py::list parametersOfFunction(const std::string& function)
     PictureParams picture;
     CompareSequencesParams compared;
     SequenceCoherenceParams measured;
+    FilmParams filmed;
     return described(function == "advect"    ? advectParameters(run)
+                     : function == "film"    ? parametersOf(filmed)
                      : function == "picture" ? parametersOf(picture)
                      : function == "render"  ? parametersOf(render)
                      : function == "diff"    ? parametersOf(compared)
@@ -281,13 +312,17 @@ PYBIND11_MODULE(_core, module)
     module.def("diff", &diff);
     module.def("diff_volumes", &diffOfVolumes);
     module.def("png", &png);
+    module.def("exr", &exr);
     module.def("displayed", &displayed);
     module.def("coherence", &coherence);
+    module.def("film", &film);
+    module.def("nearest_name", &nearestName);
     module.def("parameters", &parametersOfFunction);
     py::class_<Textures>(module, "Textures")
-        .def(py::init([](const py::dict& options, py::object frames, py::function tell) {
-            return std::make_unique<Textures>(options, std::move(frames), std::move(tell));
+        .def(py::init([](const py::dict& options, py::object frames, std::size_t count, py::function tell) {
+            return std::make_unique<Textures>(options, std::move(frames), count, std::move(tell));
         }))
+        .def_property_readonly("needed", &Textures::needed)
         .def("next", &Textures::next);
     py::class_<Renderer>(module, "Picture")
         .def(py::init([](const py::dict& options) { return std::make_unique<Renderer>(options); }))

@@ -3,7 +3,6 @@
 #include "grid_arrays.h"
 #include "options.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/core/printable.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/run/run_outputs.h"
 #include "vdblic/run/texture_file.h"
@@ -41,16 +40,15 @@ Parameters advectParameters(AdvectParams& params)
 {
     Parameters parameters = parametersOf(params);
     std::erase_if(parameters, [](const Parameter& parameter) {
-        static constexpr std::array<std::string_view, 9> kOfFiles = {
-            "output",           "json",        "resume", "restart", "keep_checkpoint",
-            "checkpoint_every", "compression", "fps",    "renumber"};
+        static constexpr std::array<std::string_view, 8> kOfFiles = {
+            "output", "json", "resume", "restart", "keep_checkpoint", "checkpoint_every", "compression", "renumber"};
         return std::find(kOfFiles.begin(), kOfFiles.end(), parameter.key) != kOfFiles.end();
     });
     return parameters;
 }
 
-Textures::Textures(const py::dict& keywords, py::object frames, py::function tell)
-    : mFrames(std::move(frames)), mTell(std::move(tell))
+Textures::Textures(const py::dict& keywords, py::object frames, std::size_t count, py::function tell)
+    : mFrames(std::move(frames)), mCaller(std::move(tell)), mCount(count)
 {
     AdvectParams params;
     setFrom(keywords, advectParameters(params));
@@ -62,8 +60,8 @@ Textures::Textures(const py::dict& keywords, py::object frames, py::function tel
     if (!mFrames.is_none()) params.flow.input = {.pattern = "frames", .steadyFrames = params.flow.input.steadyFrames};
     const FramesAround around = mFrames.is_none() ? framesAround(params.flow.input) : FramesAround{};
     mPlan.emplace(resolve(std::move(params), around));
-    if (const std::string leadIn = leadInText(*mPlan); !leadIn.empty()) say(leadIn);
-    mRun.emplace(*mPlan, source(), static_cast<Reporter&>(*this), mAlone, static_cast<RunObserver&>(*this));
+    if (const std::string leadIn = leadInText(*mPlan); !leadIn.empty()) mCaller.say(leadIn);
+    mRun.emplace(*mPlan, source(), mCaller, mAlone, static_cast<RunObserver&>(*this));
 }
 
 void Textures::frameRead(const VelocityFrame& frame)
@@ -76,10 +74,11 @@ FrameSource Textures::source()
     const int steadyFrames = mPlan->input.steadyFrames;
     if (!mFrames.is_none()) {
         FrameSource source = [this] { return nextFrame(); };
-        return steadyFrames > 1 ? steadySource(std::move(source), steadyFrames) : source;
+        if (steadyFrames == 1) return source;
+        mCount = std::size_t(steadyFrames);
+        return steadySource(std::move(source), steadyFrames);
     }
-    std::size_t total = 0;
-    return openSequence(mPlan->input, mNoLines, total);
+    return openSequence(mPlan->input, mNoLines, mCount);
 }
 
 /// A frame of the iterator, whose errors become the caller's.
@@ -108,6 +107,7 @@ py::object Textures::next()
             TextureFrame& made = **mNext;
             const std::int64_t frame = made.frame.file.frame;
             file = makeTextureFile(*mPlan, made, textureNumber(*mFirst, frame, mPlan->substeps(), made.substep));
+            if (mRun->isDone()) tellSteps(mRun->steps());
         }
     }
     if (!file) return py::none();
@@ -121,17 +121,15 @@ py::object Textures::next()
     return py::make_tuple(grids, toDictionary(file->metadata));
 }
 
-bool Textures::stopRequested() const
+void Textures::stepDone(const RunPosition& position, const VelocityFrame& /*next*/)
 {
-    const py::gil_scoped_acquire acquire;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    return false;
+    tellSteps(position.steps);
 }
 
-void Textures::tell(const char* kind, std::string_view message)
+void Textures::tellSteps(std::uint64_t done)
 {
-    const py::gil_scoped_acquire acquire;
-    mTell(kind, printable(message));
+    const std::size_t steps = mCount == 0 ? 0 : (mCount - 1) * std::size_t(mPlan->substeps()) + 1;
+    mCaller.progress(done, steps == 0 ? 0 : steps + mPlan->prerollSteps());
 }
 
 } // namespace vdblic::python

@@ -59,14 +59,22 @@ class Parameters(ToolTest):
         sys.path.insert(0, str(module))
         import vdblic  # pylint: disable=import-outside-toplevel
 
-        files = {"input", "output", "json", "resume", "restart", "keep_checkpoint", "checkpoint_every", "compression",
-                 "fps", "renumber"}
-        self.assertEqual(set(vdblic.flow.PARAMETERS), {p["key"] for p in self.listed("advect")} - files)
-        outputs = {"input", "frames", "clamp_frames", "renumber", "output", "skip_existing", "keep_going", "aov",
+        def keywords(tool):
+            """The names of the tool's options, as Python spells them."""
+            listed = self.listed(tool)
+            options = [p["option"].rpartition("--")[2].replace("-", "_") for p in listed if p["option"].startswith("-")]
+            return {{"with": "with_"}.get(option, option) for option in options}
+
+        files = {"output", "json", "resume", "restart", "keep_checkpoint", "checkpoint_every", "compression", "renumber"}
+        self.assertEqual(set(vdblic.flow.PARAMETERS), keywords("advect") - files)
+        self.assertEqual(set(vdblic.films.OPTIONS), keywords("film") - {"output"})
+        self.assertEqual(set(vdblic.measures.DIFF_OPTIONS), keywords("diff") - {"output", "skip_existing", "json"})
+        self.assertEqual(set(vdblic.measures.COHERENCE_OPTIONS), keywords("coherence") - {"output", "json"})
+        outputs = {"frames", "clamp_frames", "renumber", "output", "skip_existing", "keep_going", "aov",
                    "precision", "histogram", "transfer_out", "film", "fps"}
-        self.assertEqual(set(vdblic.pictures.OPTIONS), {p["key"] for p in self.listed("render")} - outputs)
+        self.assertEqual(set(vdblic.pictures.OPTIONS), keywords("render") - outputs)
         left_out, = re.findall(r"are left out:\s+([\w,\s]+)\.", vdblic.Renderer.__doc__)
-        self.assertEqual(set(left_out.replace(",", " ").split()), outputs)
+        self.assertEqual(set(left_out.replace(",", " ").split()), outputs | {"input"})
         for function, names in (vdblic.advect, vdblic.flow.PARAMETERS), (vdblic.Renderer, vdblic.pictures.OPTIONS):
             for name in names:
                 self.assertRegex(function.__doc__, rf"\n    {name} ")

@@ -1,5 +1,6 @@
 """The Python module against the tools: the same textures, pictures and reports; errors, interruptions and threads."""
 
+import datetime
 import json
 import os
 import pathlib
@@ -18,7 +19,7 @@ import numpy
 import pyopenvdb as vdb
 
 import flows
-from support import BIN, ToolTest, skip
+from support import BIN, ToolTest, peer, skip
 
 MODULE = BIN.parent / "python"
 SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
@@ -160,13 +161,13 @@ class Advect(ToolTest):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *SIZE, "--frames", "1-5")
         paths = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb", "--refine", 2, "--substeps", 2,
                              "--seed", 3, "--with", "q,hits")
-        options = {"refine": 2, "substeps": 2, "seed": 3, "derived": ["q", "hits"]}
+        options = {"refine": 2, "substeps": 2, "seed": 3, "with_": ["q", "hits"]}
         self.assert_equal(list(vdblic.advect(f"{self.folder}/v.%04d.vdb", **options)), paths)
         self.assert_equal(list(vdblic.advect(fields(5), voxel_size=0.1, **options)), paths)
         self.assert_equal(list(vdblic.advect(vdblic.synth("abc", SIZE, range(1, 6)), **options)), paths)
         film = self.outputs("vdblic_advect", "v.0001.vdb", "-o", "film.%04d.vdb", "--steady-frames", 3, "--voxels-per-frame", 2,
                             "--dt", 0.5)
-        still = {"steady_frames": 3, "voxels_per_frame": 2, "frame_spacing": 0.5}
+        still = {"steady_frames": 3, "voxels_per_frame": 2, "dt": 0.5}
         self.assert_equal(list(vdblic.advect(f"{self.folder}/v.0001.vdb", **still)), film)
         self.assert_equal(list(vdblic.advect(fields(1), voxel_size=0.1, **still)), film)
         lic = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "steady.%04d.vdb", "--method", "lic", "--dt", 0.5)
@@ -174,7 +175,7 @@ class Advect(ToolTest):
         for frames in "1,2,4", [1, 2, 4], numpy.array([1, 2, 4]):
             self.assert_equal(list(vdblic.advect(f"{self.folder}/v.%04d.vdb", frames=frames)), part)
         arrays = [values for _, values in fields(5)]
-        self.assert_equal(list(vdblic.advect(arrays, frame_spacing=0.5, voxel_size=0.1, method="lic")), lic)
+        self.assert_equal(list(vdblic.advect(arrays, dt=0.5, voxel_size=0.1, method="lic")), lic)
 
     def test_errors(self):
         def broken():
@@ -186,12 +187,12 @@ class Advect(ToolTest):
             list(run)
         for error, words, arguments, options in (
                 (ValueError, "frame 1 has the shape", ([numpy.zeros((4, 4, 4))],), {}),
-                (ValueError, "`life_span`|life", (fields(1),), {"life_span": 0}),
+                (ValueError, "^`life` cannot be 0; it is a whole number from 1 to 1000$", (fields(1),), {"life": 0}),
                 (ValueError, "^`refine` cannot be x; it is 1 to 3 whole numbers from 1 to 16$", (fields(1),), {"refine": "x"}),
                 (ValueError, "^`refine` cannot be 1.5; it is 1 to 3 whole numbers from 1 to 16$", (fields(1),), {"refine": 1.5}),
-                (ValueError, "^`refine` cannot be 2.5 1.0 1.0; it is 1 to 3 whole", (fields(1),), {"refine": numpy.array([2.5, 1, 1])}),
+                (ValueError, "^`refine` cannot be 2.5 1 1; it is 1 to 3 whole", (fields(1),), {"refine": numpy.array([2.5, 1, 1])}),
                 (ValueError, "^`seed` cannot be 0.5; it is a whole number", (fields(1),), {"seed": numpy.float32(0.5)}),
-                (ValueError, "^`life_span` cannot be 1j; it is a whole number", (fields(1),), {"life_span": 1j}),
+                (ValueError, "^`life` cannot be 1j; it is a whole number", (fields(1),), {"life": 1j}),
                 (ValueError, "^`mask` cannot be array.*; it is FILE", (fields(1),), {"mask": numpy.ones(SIZE, bool)}),
                 (ValueError, "`frames` selects files", (fields(1),), {"frames": "1-2"}),
                 (TypeError, "`velocities` cannot be 5", (5,), {}),
@@ -212,7 +213,11 @@ class Advect(ToolTest):
                 (ValueError, "no such file", (f"{self.folder}/none.vdb",), {}),
                 (ValueError, "paths on standard input are for the tools", ("-",), {}),
                 (ValueError, "`steady_frames` 3 repeats a single frame|steady_frames", (fields(2),), {"steady_frames": 3}),
-                (TypeError, "no parameter 'life'", (fields(1),), {"life": 3}),
+                (ValueError, "^`with_` hits: with `method` lic no values", (fields(1),), {"with_": "hits", "method": "lic"}),
+                (ValueError, "`voxels_per_frame` and `motion` exclude each other", (fields(1),), {"motion": 2, "voxels_per_frame": 2}),
+                (ValueError, "`dt` cannot be 0", (fields(1),), {"dt": 0}),
+                (TypeError, r"^advect\(\) has no parameter 'refin'; 'refine' is one$", (fields(1),), {"refin": 3}),
+                (TypeError, r"^advect\(\) has no parameter 'life_span'; help\(vdblic.advect\) lists them$", (fields(1),), {"life_span": 3}),
                 (ValueError, "no frame to compute$", ([],), {})):
             with self.subTest(words), self.assertRaisesRegex(error, words):
                 list(vdblic.advect(*arguments, **options))
@@ -222,6 +227,28 @@ class Advect(ToolTest):
             vdblic.advect(fields(1), refine=1.5)
         with self.assertRaisesRegex(ValueError, "no such file"):
             vdblic.advect(f"{self.folder}/none.vdb")
+
+    def test_what_is_harmless_is_taken(self):
+        options = {"refine": 2, "dt": 0.5, "steady_frames": 2}
+        expected = list(vdblic.advect(FLOW, **options))
+        for lenient in ({"refine": 2.0}, {"refine": (2.0, 2, numpy.float32(2))}, {"dt": numpy.timedelta64(500, "ms")},
+                        {"dt": numpy.timedelta64(500_000_000, "ns")}, {"dt": None, "fps": 2}, {"dt": datetime.timedelta(seconds=0.5)},
+                        {"steady_frames": 2.0}):
+            for texture, known in zip(vdblic.advect(FLOW, **options | lenient), expected):
+                numpy.testing.assert_array_equal(texture["density"], known["density"])
+                self.assertEqual(texture.metadata["dt"], 0.5)
+        for wrong, words in (({"life": numpy.timedelta64(4, "s")}, "`life` cannot be .*; it is a whole number"),
+                             ({"dt": numpy.timedelta64("NaT")}, "`dt` cannot be nan"),
+                             ({"dt": numpy.datetime64("2000-01-01")}, "`dt` cannot be numpy.datetime64.*; it is a number"),
+                             ({"refine": float("inf")}, "`refine` cannot be inf"), ({"seed": True}, "`seed` cannot be true")):
+            with self.subTest(wrong), self.assertRaisesRegex(ValueError, words):
+                vdblic.advect(FLOW, **wrong)
+        cube = next(vdblic.synth("abc", numpy.float64(8), [1], dt=numpy.timedelta64(250, "ms")))["velocity"]
+        self.assertEqual((cube.shape, cube.metadata["dt"]), ((8, 8, 8, 3), 0.25))
+        with self.assertRaisesRegex(ValueError, r"`size` cannot be \(8, 8, 8.5\); it is whole numbers"):
+            next(vdblic.synth("abc", (8, 8, 8.5), [1]))
+        sizes = [vdblic.Renderer(size=size)(FLOW[..., 0]).shape for size in (64, 64.0, (64.0, 64), numpy.array([64.0, 64]))]
+        self.assertEqual(sizes, [(64, 64, 3)] * 4)
 
     def test_numbers_of_numpy_are_numbers(self):
         expected, = vdblic.advect([FLOW], refine=2, sharpen=0.5)
@@ -295,7 +322,7 @@ class Advect(ToolTest):
         program = f"""import resource, sys; sys.path[:] = {sys.path}
 import numpy, vdblic
 resource.setrlimit(resource.RLIMIT_DATA, (400 << 20,) * 2)
-next(iter(vdblic.advect(numpy.ones((2, 128, 128, 128, 3), numpy.float32), refine=2)))"""
+next(iter(vdblic.advect([numpy.ones((128, 128, 128, 3), numpy.float32)] * 2, refine=2)))"""
         done = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, check=False)
         self.assertRegex(done.stderr, "InputError: .* lower `refine`, .* or let vdblic_advect do it, which takes a scratch file")
         self.assertNotIn("max_memory", done.stderr)
@@ -310,12 +337,10 @@ class Pictures(ToolTest):
                      stdin="\n".join(map(str, paths)))
         render = vdblic.Renderer(size=(48, 32), samples=2, eye=(8, 9, 7), shadows=0.5)
         for frame, path in enumerate(paths, 1):
-            picture = render(vdblic.read(path))
+            picture = render(vdblic.read(path)).linear
             self.assertEqual((picture.shape, picture.dtype), ((32, 48, 4), numpy.float32))
             self.assertGreater(picture[..., 3].max(), 0.3)
             numpy.testing.assert_array_equal(picture, self.pixels(f"i.{frame:04}.exr", (32, 48)))
-        shown = vdblic.displayed(picture)
-        self.assertEqual((shown.shape, shown.dtype), ((32, 48, 3), numpy.uint8))
 
     def texture(self):
         self.outputs("vdblic_synth", "ring", "-o", "v.vdb", "--size", *SIZE, "--frames", 1)
@@ -326,9 +351,9 @@ class Pictures(ToolTest):
         self.outputs("vdblic_synth", "ring", "-o", "v.vdb", "--size", *SIZE, "--frames", 1)
         self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--spacing", 3, "--refine", 4)
         texture = vdblic.read(self.folder / "s.vdb")
-        picture = vdblic.Renderer(size=(48, 32))(texture)
-        numpy.testing.assert_array_equal(picture, vdblic.Renderer(size=(48, 32), look="streaks")(texture))
-        self.assertGreater(abs(picture - vdblic.Renderer(size=(48, 32), look="flow")(texture)).max(), 0.01)
+        picture = vdblic.Renderer(size=(48, 32))(texture).linear
+        numpy.testing.assert_array_equal(picture, vdblic.Renderer(size=(48, 32), look="streaks")(texture).linear)
+        self.assertGreater(abs(picture - vdblic.Renderer(size=(48, 32), look="flow")(texture).linear).max(), 0.01)
 
     def test_a_picture_shows_itself_in_a_notebook(self):
         texture = self.texture()
@@ -342,25 +367,59 @@ class Pictures(ToolTest):
             bytes_of = [subprocess.run(["oiiotool", self.folder / name, "-o", self.folder / "raw.ppm"], check=True) and
                         numpy.frombuffer(self.contents("raw.ppm")[-48 * 32 * 3:], numpy.uint8) for name in ("i.png", "self.png")]
             numpy.testing.assert_allclose(*map(numpy.int64, bytes_of), atol=1)
-            numpy.testing.assert_array_equal(vdblic.displayed(picture).ravel(), bytes_of[1])
-        # It is an array as any other.
-        self.assertIsInstance(picture, numpy.ndarray)
-        self.assertIs(type(picture[..., :3] * 2), numpy.ndarray)
-        self.assertIs(type(picture > 0), numpy.ndarray)
-        self.assertIs(type(picture.max()), numpy.float32)
-        self.assertEqual(f"{picture.max():.1f}", f"{numpy.asarray(picture).max():.1f}")
-        self.assertIsNotNone(picture[4:20, ::2]._repr_png_())
-        self.assertIsNone(picture[..., 3]._repr_png_())
+            shown = numpy.asarray(picture)
+            self.assertEqual((shown.shape, shown.dtype, picture.shape), ((32, 48, 3), numpy.uint8, (32, 48, 3)))
+            numpy.testing.assert_array_equal(shown.ravel(), bytes_of[1])
+        self.assertEqual(repr(picture), "<vdblic.Picture 48 × 32>")
+        self.assertEqual(numpy.array(picture, float).dtype, float)
+
+    def test_a_picture_is_saved_as_the_tool_saves_it(self):
+        picture = vdblic.Renderer(size=(48, 32))(self.texture())
+        self.outputs("vdblic_render", "lic.vdb", "-o", "i.exr", "--size", 48, 32, "--precision", "float")
+        picture.save(self.folder / "p.exr", precision="float")
+        numpy.testing.assert_array_equal(self.pixels("p.exr", (32, 48)), self.pixels("i.exr", (32, 48)))
+        picture.save(str(self.folder / "half.exr"))
+        self.assertLess(len(self.contents("half.exr")), len(self.contents("p.exr")))
+        picture.save(self.folder / "p.png")
+        self.assertEqual(self.contents("p.png"), picture._repr_png_())
+        for path, words in (("p.jpg", "p.jpg"), ("no/p.png", "make it first|no/p.png")):
+            with self.assertRaisesRegex((ValueError, OSError), words):
+                picture.save(self.folder / path)
+        with self.assertRaisesRegex(ValueError, "double"):
+            picture.save(self.folder / "q.exr", precision="double")
+        with self.assertRaisesRegex(ValueError, r"`linear` has the shape \(2, 3\); a picture has \(height, width, 4\)"):
+            vdblic.Picture(numpy.zeros((2, 3)))
+
+    def test_matplotlib_shows_it_as_a_screen_does(self):
+        python = peer("numpy", "matplotlib")
+        if python is None:
+            self.skipTest("Matplotlib is missing: tests/peers.sh gets it")
+        program = ("import matplotlib; matplotlib.use('agg'); import numpy, vdblic, matplotlib.pyplot as plt\n"
+                   "linear = numpy.random.default_rng(1).random((5, 7, 4)); linear[..., :3] *= linear[..., 3:]\n"
+                   "picture = vdblic.Picture(linear)\n"
+                   "image = plt.imshow(picture)\n"
+                   "print((image.get_array() == numpy.asarray(picture)).all(), image.get_array().dtype)\n")
+        done = subprocess.run([python, "-B", "-c", program], env=os.environ | {"PYTHONPATH": str(MODULE)}, text=True,
+                              capture_output=True, check=True)
+        self.assertEqual(done.stdout, "True uint8\n")
+
+    def test_a_renderer_shows_its_options_and_frees_its_memory(self):
+        texture = self.texture()
+        with vdblic.Renderer(size=48, look="ink", eye=(1, 2, 3)) as render:
+            self.assertEqual(repr(render), "vdblic.Renderer(size=48, look='ink', eye=(1, 2, 3))")
+            self.assertEqual(render(texture).shape, (48, 48, 3))
+        with self.assertRaisesRegex(ValueError, "the renderer is closed"):
+            render(texture)
 
     def test_a_background_and_annotations_are_in_the_picture(self):
         texture = self.texture()
-        plain = vdblic.Renderer(size=(48, 32), background=(1, 0, 0), background_alpha=0)(texture)
-        behind = vdblic.Renderer(size=(48, 32), background=(1, 0, 0))(texture)
+        plain = vdblic.Renderer(size=(48, 32), background=(1, 0, 0), background_alpha=0)(texture).linear
+        behind = vdblic.Renderer(size=(48, 32), background=(1, 0, 0))(texture).linear
         numpy.testing.assert_allclose(behind, plain + (1 - plain[..., 3:]) * [1, 0, 0, 1], atol=1e-6)
         self.outputs("vdblic_render", "lic.vdb", "-o", "i.exr", "--size", 48, 32, "--precision", "float", "--background",
                      1, 0, 0)
         numpy.testing.assert_array_equal(behind, self.pixels("i.exr", (32, 48)))
-        self.assertGreater(abs(vdblic.Renderer(size=(48, 32), background=(1, 0, 0), annotate="box")(texture) - behind).max(), 0.2)
+        self.assertGreater(abs(vdblic.Renderer(size=(48, 32), background=(1, 0, 0), annotate="box")(texture).linear - behind).max(), 0.2)
 
     def test_lists_stand_for_texts(self):
         texture = self.texture()
@@ -371,10 +430,10 @@ class Pictures(ToolTest):
                                                      numpy.array([[0, 0], [0.5, 0.1], [1, 0.75]])]),
                 ({"annotate": "box,axes"}, [["box", "axes"], ("box", "axes")])):
             (key, value), = text.items()
-            expected = vdblic.Renderer(size=(48, 32), **text)(texture)
+            expected = vdblic.Renderer(size=(48, 32), **text)(texture).linear
             for given in lists:
                 with self.subTest(given):
-                    numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32), **{key: given})(texture), expected)
+                    numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32), **{key: given})(texture).linear, expected)
         for options, words in (
                 ({"colors": [(0, (1, 0, 0))]}, "`colors` cannot be .*; it is POSITION:#RRGGBB,..."),
                 ({"colors": {0: "#000000"}}, "`colors` cannot be .*; it is POSITION:#RRGGBB,..."),
@@ -385,11 +444,11 @@ class Pictures(ToolTest):
 
     def test_arrays_and_grids_are_textures(self):
         values = self.texture()["density"].values
-        expected = vdblic.Renderer(size=(48, 32))(vdblic.Volume([vdblic.Grid(values)]))
+        expected = vdblic.Renderer(size=(48, 32))(vdblic.Volume([vdblic.Grid(values)])).linear
         self.assertGreater(expected[..., 3].max(), 0.1)
         for texture in values, values.astype(float), vdblic.Grid(values), vdblic.Grid(values, name="any"):
-            numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32))(texture), expected)
-        numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32), texture="mine")(values), expected)
+            numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32))(texture).linear, expected)
+        numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32), texture="mine")(values).linear, expected)
         for bad, words in ((FLOW, r"the texture has the shape \(24, 20, 16, 3\); a texture has \(x, y, z\)"),
                            (values[0], "is no field"), ("lic.vdb", "'lic.vdb' is no field")):
             with self.subTest(words), self.assertRaisesRegex(ValueError, words):
@@ -413,8 +472,9 @@ class Pictures(ToolTest):
         return numpy.array(rows)
 
     def test_mistakes(self):
-        with self.assertRaisesRegex(TypeError, "no parameter 'width'"):
-            vdblic.Renderer(width=3)
+        for wrong, words in (("width", r"help\(vdblic.Renderer\) lists them"), ("colour_map", "'colormap' is one"), ("backg", "'background' is one")):
+            with self.assertRaisesRegex(TypeError, rf"^Renderer\(\) has no parameter '{wrong}'; {words}$"):
+                vdblic.Renderer(**{wrong: 3})
         with self.assertRaisesRegex(ValueError, "flow, vortex"):
             vdblic.Renderer(look="nice")
         with self.assertRaisesRegex(ValueError, r"^the texture: no float grid 'density'; present: p \(float\); choose"):
@@ -455,12 +515,16 @@ class Packaged(ToolTest):
         return done.stdout
 
     def test_samples(self):
-        for name in "field_to_picture.py", "import_to_film.py":
+        for name in "field_to_picture.py", "import_to_film.py", "solver_stream.py":
             self.assertIn("usage: " + name, self.run_python(SOURCE / "samples/python" / name, "--help"))
         self.assertEqual(self.files(), [])
-        self.run_python(SOURCE / "samples/python/field_to_picture.py", "picture.ppm")
-        picture = numpy.frombuffer(self.contents("picture.ppm")[15:], numpy.uint8).reshape(400, 640, 3)
-        self.assertGreater(picture.std(), 10)
+        self.run_python(SOURCE / "samples/python/field_to_picture.py", "picture.png")
+        self.run_python(SOURCE / "samples/python/solver_stream.py", "flow.%04d.png", "--size", 16, "--steps", 4)
+        self.assertEqual([name for name in self.files() if name.startswith("flow.")], [f"flow.{k:04}.png" for k in range(1, 5)])
+        for name, size in ("picture.png", (400, 640)), ("flow.0004.png", (480, 480)):
+            subprocess.run(["oiiotool", self.folder / name, "-o", self.folder / "raw.ppm"], check=True)
+            picture = numpy.frombuffer(self.contents("raw.ppm")[15:], numpy.uint8).reshape(*size, 3)
+            self.assertGreater(picture.std(), 10)
         flows.write_foam(self.folder / "case", [0, 0.1])
         self.run_python(SOURCE / "samples/python/import_to_film.py", "case", "film.mp4", "--size", 8, 6, 4)
         self.assertGreater(len(self.contents("film.mp4")), 1000)

@@ -29,14 +29,14 @@ vdblic.write("numbers.vdb", vdblic.Grid(velocity, metadata=numbers, name="veloci
 stored = vdblic.read("numbers.vdb")["velocity"]
 with open(sys.argv[1], "wb") as file:
     file.write(texture["density"].values.tobytes())
-    file.write(numpy.ascontiguousarray(picture).tobytes())
+    file.write(picture.linear.tobytes())
     file.write(picture._repr_png_())
-    file.write(vdblic.displayed(picture).tobytes())
+    file.write(numpy.asarray(picture).tobytes())
     file.write(stored.values.tobytes())
     for name in numbers:
         value = stored.metadata[name]
         file.write(f"{name} {numpy.asarray(value).dtype} {numpy.asarray(value).tolist()}\\n".encode())
-print(numpy.__version__.split(".")[0], int(picture[..., :3].max() > picture[..., :3].min()), repr(stored))
+print(numpy.__version__.split(".")[0], int(picture.linear[..., :3].max() > picture.linear[..., :3].min()), repr(stored))
 """
 
 

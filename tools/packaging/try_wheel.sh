@@ -36,7 +36,7 @@ import vdblic
 
 field = numpy.zeros((24, 20, 16, 3), numpy.float32)
 field[..., 0] = 1
-textures = list(vdblic.advect([field] * 3, voxel_size=0.1, frame_spacing=1 / 24))
+textures = list(vdblic.advect([field] * 3, voxel_size=0.1, dt=1 / 24))
 picture = vdblic.Renderer(size=(160, 90))(textures[-1])
 print(vdblic.__version__, vdblic.__file__, picture.shape)
 END

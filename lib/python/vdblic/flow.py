@@ -2,28 +2,71 @@
 
 from __future__ import annotations
 
-import logging
+import collections
+import dataclasses
+import datetime
 import os
-import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy
 
 from . import _core
-from .labelled import clock, is_labelled, moments
+from .frames import Frame, FrameReader, Frames, is_path, seconds_of
+from .grids import Grid, Volume
 from .parameters import checked, described
-from .volumes import Grid, Volume, as_dictionaries, as_volume, lengths_of
+from .progress import Progress, Teller
+from .volumes import Lengths, as_dictionaries
 
-_LOG = logging.getLogger("vdblic")
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
-Frame = Any  # what as_volume() takes, or (time, of it)
+    from ._options import AdvectOptions, FlowOptions
+
 _OF_FILES = "frames", "clamp_frames", "lead_in"
 
 
+class Textures(Iterator[Volume]):
+    """The textures of a run, one after the other. Closing it, as `with` does, ends the run and frees its memory."""
+
+    def __init__(self, run: Any, teller: Teller) -> None:
+        self._run, self._teller = run, teller
+
+    def __next__(self) -> Volume:
+        if self._run is None:
+            raise StopIteration
+        try:
+            made = self._run.next()
+        except BaseException:
+            self.close()
+            raise
+        if made is None:
+            self.close()
+            raise StopIteration
+        grids, metadata = made
+        return Volume((Grid(**grid) for grid in grids), metadata)
+
+    def close(self) -> None:
+        """End the run."""
+        self._run = None
+        self._teller.close()
+
+    def __enter__(self) -> Textures:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+
 def advect(
-    velocities: str | os.PathLike | Iterable[Frame], /, *, voxel_size: float | Sequence[float] = 1.0, **parameters: Any
-) -> Iterator[Volume]:
+    velocities: str | os.PathLike[str] | Iterable[Frame],
+    /,
+    *,
+    voxel_size: Lengths = 1.0,
+    layout: str | None = None,
+    progress: Progress = None,
+    **parameters: Unpack[AdvectOptions],
+) -> Textures:
     """Yield the flow texture of every frame as it is finished: a Volume with `density`, `magnitude` and metadata.
 
     The textures are those of `vdblic_advect`, bit for bit.
@@ -31,84 +74,173 @@ def advect(
     velocities     the name of a file or a pattern such as 'v.%04d.vdb'; or any iterable of velocities in world units
                    per second: arrays (x, y, z, 3), Grids, Volumes, data of xarray and VTK (as_volume() tells which), or
                    pairs of a time in seconds or a date, and one of these. An iterable is read one frame ahead; frames
-                   count from 1. One of these by itself is one frame, and data of xarray have a frame for each time
+                   count from 1. One of these by itself is one frame; data of xarray have a frame for each time, and
+                   so has an array with an axis for it
     voxel_size     of arrays without coordinates: one length or three
-    parameters     of `vdblic_advect`; a list may stand for a text with commas: frames=[1, 2, 5]. Those of output files
-                   and checkpoints are left out:
+    layout         order of the axes of arrays by the letters t, x, y, z and c (components, last unless they are named):
+                   'zyx', 'tzyx', 'cxyz'. By default (x, y, z, 3); an array over time must tell
+    progress       a function that is called with the steps done and their number, which is None where it is unknown;
+                   True or False for a bar of tqdm, by default in notebooks and terminals if tqdm is installed
+    parameters     of `vdblic_advect`, by the names of its options; a list may stand for a text with commas:
+                   frames=[1, 2, 5]; a duration for seconds. Those of output files and checkpoints are left out:
 
 {parameters}
     Errors in parameters are raised at once, those in a frame when it is taken, with its number. Closing the iterator
     ends the run; Ctrl-C ends it before the next step. Warnings are Python's, messages go to the logger `vdblic`.
     Any number of runs may go on at a time.
+
+    >>> still = numpy.ones((8, 8, 8, 3))
+    >>> [texture.time for texture in advect([still] * 3, dt=0.5)]
+    [0.0, 0.5, 1.0]
     """
-    lengths = lengths_of(voxel_size)
+    frames = None if is_path(velocities) else Frames(velocities, voxel_size, layout)
     options = checked("advect", parameters, PARAMETERS)
-    frames = None
-    if isinstance(velocities, (str, os.PathLike)):
-        options["input"] = os.fspath(velocities)
+    volumes = None
+    if frames is None:
+        options["input"] = os.fspath(velocities)  # type: ignore[arg-type]
     else:
         if given := [key for key in _OF_FILES if key in options]:
             raise ValueError(f"`{given[0]}` selects files; leave it out, and give the frames that are to be used")
-        frames = _members(_frames(velocities), lengths)
-    return _textures(_core.Textures(options, frames, _tell))
+        volumes = _members(frames)
+    teller = Teller(progress, "advect")
+    try:
+        return Textures(_core.Textures(options, volumes, frames.count if frames else 0, teller), teller)
+    except BaseException:
+        teller.close()
+        raise
 
 
 PARAMETERS = described(advect, _core.parameters("advect"), without=("input",))
 
 
-def _textures(textures):
-    while (texture := textures.next()) is not None:
-        grids, metadata = texture
-        yield Volume((Grid(**grid) for grid in grids), metadata)
+class Flow:
+    """The textures of a flow that is still being computed: frames go in as a solver makes them, and none is stored.
 
+    It takes `voxel_size`, `layout`, `progress` and parameters of advect(), and makes the same textures. Two frames are
+    in memory. A texture shows the flow from its frame to the next one, so it is finished when that comes, and the last
+    one when the flow is closed:
 
-def _tell(kind, message):
-    if kind == "warned":
-        warnings.warn(message, stacklevel=3)
-    else:
-        _LOG.info(message)
+    >>> flow = Flow(voxel_size=0.1, method="auflic")
+    >>> for step in range(3):
+    ...     velocity = numpy.full((8, 8, 8, 3), 1.0 + step)
+    ...     for texture in flow.push(velocity, time=step / 24):
+    ...         print(texture.frame)
+    1
+    2
+    >>> [texture.frame for texture in flow.close()]
+    [3]
 
+    `with` frees the memory however the loop ends. The parameters:
 
-def _frames(velocities):
-    """The frames of velocities of any kind."""
-    if is_labelled(velocities):
-        return moments(velocities)
-    if isinstance(velocities, (Volume, Grid)) or getattr(velocities, "ndim", 0) == 4:
-        return iter([velocities])
-    try:
-        return iter(velocities)
-    except TypeError:
-        raise TypeError(f"`velocities` cannot be {velocities!r}; it is a name of files or an iterable") from None
+{parameters}"""
 
+    def __init__(
+        self,
+        *,
+        voxel_size: Lengths = 1.0,
+        layout: str | None = None,
+        progress: Progress = None,
+        **parameters: Unpack[FlowOptions],
+    ) -> None:
+        options = checked("Flow", parameters, FLOW_PARAMETERS)
+        self._read = FrameReader(voxel_size, layout)
+        self._waiting: collections.deque[Volume] = collections.deque()
+        teller = Teller(progress, "flow", stacklevel=5)
+        self._run: Any = _core.Textures(options, _members(_taken(self._waiting)), 0, teller)
+        self._textures = Textures(self._run, teller)
 
-def _members(frames, voxel_size):
-    """The grids and the metadata of each frame, as the library's side takes them."""
-    first = None
-    for number, frame in enumerate(frames, 1):
-        time = None
-        if isinstance(frame, tuple) and len(frame) == 2:
-            time, frame = frame
-            first = time if number == 1 else first
+    def push(self, velocity: Any, time: Any = None) -> list[Volume]:
+        """Take the velocity of the next frame, and return the textures that it finishes: none for the first frame, then
+        one, or as many as there are `substeps`.
+
+        velocity   what advect() takes as a frame. It may be overwritten afterwards
+        time       in seconds or a date; by default `dt` after the frame before
+        """
+        if self._run is None:
+            raise ValueError("the flow is closed")
+        self._waiting.append(self._read(velocity, time))
+        made = []
+        while self._run is not None and len(self._waiting) >= self._run.needed:
+            made += self._next()
+        if self._waiting:  # the first frame, which is read when the second comes
+            self._waiting.append(_copied(self._waiting.pop()))
+        return made
+
+    def close(self) -> list[Volume]:
+        """End the flow, free its memory, and return the textures that were waiting for another frame."""
+        made = []
+        while self._run is not None and (part := self._next()):
+            made += part
+        self._end()
+        return made
+
+    def _next(self):
         try:
-            volume = as_volume(frame, voxel_size=voxel_size)
-            of_time = {} if time is None else clock(time, first)
-        except ValueError as error:
-            raise ValueError(f"frame {number}: {error}") from None
-        shapes = [numpy.shape(grid.values) for grid in volume.grids]
-        if len(shapes) == 1 and len(shapes[0]) == 3:
-            raise ValueError(f"frame {number} has the shape {shapes[0]}; a velocity has (x, y, z, 3)")
-        yield as_dictionaries(volume.grids), volume.metadata | of_time
+            return [next(self._textures)]
+        except StopIteration:
+            return []
+        except BaseException:
+            self._end()
+            raise
+
+    def _end(self):
+        self._run = None
+        self._waiting.clear()
+        self._textures.close()
+
+    def __enter__(self) -> Flow:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._end()
+
+
+FLOW_PARAMETERS = described(Flow, _core.parameters("advect"), without=("input", "steady_frames", *_OF_FILES))
+
+
+def _members(volumes):
+    """Volumes as the library's side takes them."""
+    for volume in volumes:
+        yield as_dictionaries(volume.grids), volume.metadata
+
+
+def _taken(waiting):
+    """What waits in a queue, until it is empty."""
+    while waiting:
+        yield waiting.popleft()
+
+
+def _copied(volume):
+    """A volume whose arrays are nobody else's."""
+    grids = (
+        dataclasses.replace(grid, values=grid.values.copy(), active=None if grid.active is None else grid.active.copy())
+        for grid in volume.grids
+    )
+    return Volume(grids, volume.metadata)
 
 
 def synth(
-    flow: str, size: Sequence[int], frames: Iterable[int], *, dt: float = 1 / 24, voxel_size: float = 0.1
+    flow: str,
+    size: int | Sequence[int],
+    frames: Iterable[int],
+    *,
+    dt: float | datetime.timedelta | numpy.timedelta64 = 1 / 24,
+    voxel_size: float = 0.1,
 ) -> Iterator[Volume]:
     """Yield the velocity of an analytic, unsteady flow for each frame number, as `vdblic_synth` writes it.
 
-    Frame 1 is at time 0. A name that does not exist gives a ValueError with all names.
+    Frame 1 is at time 0. One number is the `size` of a cube. A name that does not exist gives a ValueError with all
+    names.
+
+    >>> next(synth("tornado", 8, [1]))
+    <vdblic.Volume: velocity (8, 8, 8, 3); frame 1; time 0 s>
     """
+    voxels = numpy.broadcast_to(numpy.asarray(size), 3)
+    if not (voxels == voxels.astype(int)).all():
+        raise ValueError(f"`size` cannot be {size!r:.100}; it is whole numbers of voxels")
+    seconds = seconds_of(dt)
     for frame in frames:
-        time = (frame - 1) * dt
-        grid = Grid(**_core.synth(flow, tuple(size), time, voxel_size))
-        grid.metadata |= {"frame": frame, "time": time, "dt": dt}
+        time = (int(frame) - 1) * seconds
+        grid = Grid(**_core.synth(flow, tuple(voxels.astype(int).tolist()), time, float(voxel_size)))
+        grid.metadata |= {"frame": int(frame), "time": time, "dt": seconds}
         yield Volume([grid])

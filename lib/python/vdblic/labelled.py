@@ -23,12 +23,15 @@ def is_labelled(data: Any) -> bool:
     return _is_xarray(data) or all(hasattr(data, name) for name in ("GetPointData", "GetFieldData", "IsA"))
 
 
-def moments(data: Any) -> Iterator[Any]:
-    """Labelled data one time after the other, as pairs (time, data) if the times are known."""
+def moments(data: Any) -> tuple[Iterator[Any], int]:
+    """Labelled data one time after the other, as pairs (time, data) if the times are known, and the number of times."""
     time = _time_of(data) if _is_xarray(data) else None
     if time is None or time not in data.dims:
-        yield data
-        return
+        return iter([data]), 1
+    return _moments(data, time), data.sizes[time]
+
+
+def _moments(data, time):
     for index in range(data.sizes[time]):
         part = data.isel({time: index})
         yield (_moment(part, time), part) if time in part.coords else part
@@ -86,7 +89,7 @@ def _of_xarray(data, voxel_size):
 def _has_lengths(array):
     """Whether the coordinates along x, y and z are lengths, or say nothing else."""
     units = [str(array.coords[name].attrs.get("units", "")) for name in _axes(array).values() if name in array.coords]
-    return all(unit in ("", "1") or _by_the_reader("units").measures(unit, "m") for unit in units)
+    return all(unit in ("", "1", "m") or _by_the_reader("units").measures(unit, "m") for unit in units)
 
 
 def _by_the_reader(module):
@@ -184,6 +187,8 @@ def _moment(data, name):
 
 
 def _converted(values, unit, wanted, what):
+    if unit == wanted:
+        return values
     try:
         return _by_the_reader("units").converted(values, unit, wanted)
     except ValueError:

@@ -4,36 +4,71 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Union
 
 from . import _core
+from .frames import Frame, Frames, is_path, stored, waiting
+from .grids import Volume
 from .parameters import checked, described
-from .volumes import Volume, as_dictionaries, path_of
+from .progress import Progress, Teller
+from .volumes import Lengths, as_dictionaries, as_volume, path_of
 
-Source = str | os.PathLike | Volume
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import CoherenceOptions, DiffOptions
+
+Source = Union[str, os.PathLike[str], Volume]
 
 
-def diff(a: Source, b: Source, /, **options: Any) -> dict[str, Any]:
+def diff(a: Source, b: Source, /, *, progress: Progress = None, **options: Unpack[DiffOptions]) -> dict[str, Any]:
     """Compare two files, patterns or volumes as `vdblic_diff` does; a volume with a volume or with one file.
 
     Returns its report (docs/measure.md), in which volumes are called a and b; report["verdict"] is same, warning or
-    different. Raises ValueError for what cannot be read or compared.
+    different. Raises ValueError for what cannot be read or compared. `progress` is that of advect().
 
 {parameters}
     """
-    options = checked("diff", options, DIFF_OPTIONS)
-    compare = _core.diff_volumes if isinstance(a, Volume) or isinstance(b, Volume) else _core.diff
-    return json.loads(compare(_source(a), _source(b), options))
+    given = checked("diff", options, DIFF_OPTIONS)
+    if isinstance(a, Volume) or isinstance(b, Volume):
+        return json.loads(_core.diff_volumes(_source(a), _source(b), given))  # type: ignore[no-any-return]
+    with Teller(progress, "diff", "frames") as teller:
+        return json.loads(_core.diff(path_of(a), path_of(b), given, teller))  # type: ignore[no-any-return]
 
 
-def coherence(velocity: str | os.PathLike, texture: str | os.PathLike, /, **options: Any) -> dict[str, Any]:
+def coherence(
+    velocities: str | os.PathLike[str] | Iterable[Frame],
+    textures: str | os.PathLike[str] | Iterable[Any],
+    /,
+    *,
+    voxel_size: Lengths = 1.0,
+    layout: str | None = None,
+    progress: Progress = None,
+    **options: Unpack[CoherenceOptions],
+) -> dict[str, Any]:
     """Measure how a texture sequence moves with its flow, as `vdblic_coherence` does. Returns its report
     (docs/measure.md).
 
+    velocities, voxel_size, layout, progress   those of advect()
+    textures       those of advect(), or names of files. Both sequences in memory are written to a temporary folder
+
 {parameters}
     """
-    options = checked("coherence", options, COHERENCE_OPTIONS)
-    return json.loads(_core.coherence(path_of(velocity), path_of(texture), options))
+    given = checked("coherence", options, COHERENCE_OPTIONS)
+    with Teller(progress, "coherence", "frames") as teller, waiting(teller) as folder:
+        if not is_path(velocities):
+            velocities = stored(Frames(velocities, voxel_size, layout), folder, "velocity")
+        if not is_path(textures):
+            given_textures = [textures] if isinstance(textures, Volume) else textures
+            textures = stored(
+                (as_volume(texture, voxel_size=voxel_size, layout=layout) for texture in given_textures),  # type: ignore
+                folder,
+                "texture",
+                by_frame=True,
+            )
+        report = _core.coherence(path_of(velocities), path_of(textures), given, teller)  # type: ignore[arg-type]
+    return json.loads(report)  # type: ignore[no-any-return]
 
 
 def _source(source):
@@ -42,6 +77,4 @@ def _source(source):
 
 
 DIFF_OPTIONS = described(diff, _core.parameters("diff"), without=("a", "b", "output", "skip_existing", "json"))
-COHERENCE_OPTIONS = described(
-    coherence, _core.parameters("coherence"), without=("input", "texture", "json", "plot", "fps")
-)
+COHERENCE_OPTIONS = described(coherence, _core.parameters("coherence"), without=("input", "textures", "json", "output"))

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import inspect
 import textwrap
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from . import _core
 
 
 def described(
-    function, parameters: list[dict], without: tuple[str, ...] = (), others: list[dict] | None = None
+    function: Any, parameters: list[dict[str, Any]], without: Iterable[str] = (), others: list[dict[str, Any]] | None = None
 ) -> frozenset[str]:
-    """List the library's parameters in a docstring in place of {parameters}. Returns their names.
+    """List the library's parameters in a docstring in place of {parameters}, and in the signature. Returns their names.
 
     others   all parameters of the tool; the names of those that are not listed are put in place of {others}
     """
@@ -23,12 +28,29 @@ def described(
     left_out = textwrap.fill(", ".join(p["key"] for p in others or [] if p["key"] not in names), 118)
     text = (function.__doc__ or "").replace("{parameters}", "\n".join(lines) + "\n")
     function.__doc__ = text.replace("{others}", left_out.replace("\n", "\n    "))
+    called = vars(function)["__init__"] if isinstance(function, type) else function
+    signature = inspect.signature(called)
+    own = [p for p in signature.parameters.values() if p.kind != p.VAR_KEYWORD]
+    more = [inspect.Parameter(p["key"], inspect.Parameter.KEYWORD_ONLY, default=_default(p)) for p in listed]
+    called.__signature__ = signature.replace(parameters=own + more)
     return names
 
 
-def checked(name: str, given: dict, known: frozenset[str]) -> dict:
+def _default(parameter):
+    """The default of a parameter as a value; None where it depends on the data."""
+    text = parameter["default"]
+    if parameter["type"] == "text" or not text:
+        return text or None
+    kind = {"flag": lambda word: word == "true", "integer": int, "number": float}[parameter["type"]]
+    words = tuple(map(kind, text.split()))
+    return words if len(words) > 1 else words[0]
+
+
+def checked(name: str, given: Mapping[str, Any], known: frozenset[str]) -> dict[str, Any]:
     """The arguments that are not None. Raises TypeError for one that the library does not have."""
     for key in given:
         if key not in known:
-            raise TypeError(f"{name}() has no parameter '{key}'; it has {', '.join(sorted(known))}")
+            near = _core.nearest_name(key, sorted(known))
+            advice = f"'{near}' is one" if near else f"help(vdblic.{name}) lists them"
+            raise TypeError(f"{name}() has no parameter '{key}'; {advice}")
     return {key: value for key, value in given.items() if value is not None}

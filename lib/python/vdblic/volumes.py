@@ -1,110 +1,19 @@
-"""Volumes: grids as arrays, and their files."""
+"""Volumes of data, and of files."""
 
 from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Union
 
 import numpy
 
-from . import _core
+from . import _core, layouts
+from .grids import Array, Grid, Volume
 from .labelled import is_labelled, members
 
-Array = numpy.ndarray
-
-
-@dataclasses.dataclass(repr=False)
-class Grid:
-    """A scalar or vector field on voxels."""
-
-    values: Array
-    """(x, y, z), or (x, y, z, 3) for vectors; single precision is stored. Voxels with a masked value (numpy.ma) are
-    inactive. A DataArray of xarray or an image of VTK with one array gives the transform too (as_volume())."""
-    active: Array | None = None
-    """(x, y, z): the voxels that have a value; None for all."""
-    transform: Array = None  # type: ignore[assignment]
-    """4 × 4: voxel index (i, j, k, 1) to world space. Voxel centres are at whole indices. By default of length 1."""
-    origin: tuple[int, int, int] = (0, 0, 0)
-    """Index of the voxel values[0, 0, 0]."""
-    name: str = "density"
-    metadata: dict = dataclasses.field(default_factory=dict)
-    """Texts, numbers, truth values and tuples of 2 to 4 numbers. A number of Python is stored in 64 bits, one of NumPy
-    in its own type, whole numbers of tuples in 32 bits. read() gives what write() stores in the file's types."""
-    staggered: bool = False
-    """Whether the components of a vector lie on the faces of its voxel, half a voxel below its centre."""
-
-    def __post_init__(self) -> None:
-        if is_labelled(self.values):
-            self._take(*members(self.values, numpy.ones(3))[0])
-        if self.transform is None:
-            self.transform = numpy.eye(4)
-
-    def _take(self, first: dict, *more: dict) -> None:
-        """Fill in from labelled data whatever is not given."""
-        if more:
-            names = ", ".join(grid["name"] for grid in (first, *more))
-            raise ValueError(f"`values` are several grids: {names}; as_volume() takes them all")
-        self.values = first["values"]
-        if self.active is None:
-            self.active = first["active"]
-        if self.transform is None:
-            self.transform, self.origin = first["transform"], first.get("origin", self.origin)
-
-    def __repr__(self) -> str:
-        shape = numpy.shape(self.values)
-        sides = ", ".join(f"{axis}: {length}" for axis, length in zip("xyz", shape))
-        vector = ", 3" if len(shape) == 4 else ""
-        size = ", ".join(f"{length:.6g}" for length in dict.fromkeys(self.voxel_size))
-        return f"<vdblic.Grid '{self.name}' ({sides}{vector}) {numpy.asarray(self.values).dtype}, voxel size {size}>"
-
-    def positions(self) -> Array:
-        """The world positions of the voxels' centres, (x, y, z, 3)."""
-        indices = numpy.stack(tuple(numpy.indices(self.values.shape[:3])), axis=-1) + self.origin
-        return indices @ self.transform[:3, :3].T + self.transform[:3, 3]
-
-    @property
-    def voxel_size(self) -> Array:
-        """The voxel's lengths along its axes, in world units."""
-        return numpy.linalg.norm(self.transform[:3, :3], axis=0)
-
-
-class Volume(Mapping[str, Grid]):
-    """Grids by name, and the metadata of their file. Several grids of one name: the first."""
-
-    def __init__(self, grids: Iterable[Grid], metadata: Mapping | None = None):
-        self.grids = list(grids)
-        self.metadata = dict(metadata or {})
-
-    def __getitem__(self, name: str) -> Grid:
-        for grid in self.grids:
-            if grid.name == name:
-                return grid
-        raise KeyError(f"no grid '{name}'; the volume holds {', '.join(grid.name for grid in self.grids) or 'none'}")
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(dict.fromkeys(grid.name for grid in self.grids))
-
-    def __len__(self) -> int:
-        return len({grid.name for grid in self.grids})
-
-    def __repr__(self) -> str:
-        shapes = ", ".join(f"{grid.name} {grid.values.shape}" for grid in self.grids)
-        return f"Volume({shapes})"
-
-    @property
-    def frame(self) -> int | None:
-        """The number of the frame, if the file has one."""
-        return self._of_file_or_grid("frame")
-
-    @property
-    def time(self) -> float | None:
-        """The time in seconds, if the file has one."""
-        return self._of_file_or_grid("time")
-
-    def _of_file_or_grid(self, key):
-        return next((data[key] for data in (self.metadata, *(g.metadata for g in self.grids)) if key in data), None)
+Lengths = Union[float, Sequence[float], Array]
 
 
 def read(path: str | os.PathLike) -> Volume:
@@ -117,30 +26,36 @@ def read(path: str | os.PathLike) -> Volume:
 
 
 def write(
-    path: str | os.PathLike,
-    grids: Volume | Grid | Iterable[Grid],
-    metadata: Mapping | None = None,
+    path: str | os.PathLike[str],
+    data: Any,
+    metadata: Mapping[str, Any] | None = None,
     *,
+    voxel_size: Lengths = 1.0,
+    layout: str | None = None,
     compression: str = "blosc",
     half: bool = False,
 ) -> None:
     """Write a .vdb file with checksums. It appears complete or not at all. Raises OSError if it cannot be written.
 
-    Arrays of single precision in C order are not copied. `compression` is blosc or none; `half` stores numbers in half
-    precision.
+        vdblic.write("flow.vdb", {"velocity": array}, voxel_size=0.1)
+
+    `data`, `voxel_size` and `layout` are those of as_volume(). Arrays of single precision in C order are not copied.
+    `compression` is blosc or none; `half` stores numbers in half precision.
     """
-    volume = grids if isinstance(grids, Volume) else Volume([grids] if isinstance(grids, Grid) else grids)
+    volume = as_volume(data, voxel_size=voxel_size, layout=layout)
     _core.write(
         path_of(path), as_dictionaries(volume.grids), volume.metadata | dict(metadata or {}), compression, half
     )
 
 
-def as_volume(data: Any, *, voxel_size: float | Sequence[float] = 1.0) -> Volume:
-    """A volume of any data that hold fields: what advect(), Renderer and Grid make of them.
+def as_volume(data: Any, *, voxel_size: Lengths = 1.0, layout: str | None = None) -> Volume:
+    """A volume of any data that hold fields: what advect(), Renderer, Grid and write() make of them.
 
-    Volume, Grid   as they are
+    Volume, Grid   as they are; a list of Grids is a volume of them
     arrays         (x, y, z) is a grid `density`, (x, y, z, 3) a grid `velocity`, on voxels of `voxel_size`: one length
-                   or three. Voxels with a masked value (numpy.ma) are inactive
+                   or three. `layout` tells another order of the axes by the letters x, y, z and c (components, last
+                   unless they are named): 'zyx', 'cxyz'. Voxels with a masked value (numpy.ma) are inactive
+    {name: data}   a grid of each: {"velocity": array}, {"u": u, "v": v, "w": w}
     xarray         A DataArray is one grid, of vectors if it has a further dimension of 3 components. Of a Dataset each
                    variable over x, y and z is a grid, so that u, v and w are a velocity. The dimensions are x, y and z
                    by their names or by the attribute `axis` of their coordinates, in any order. Coordinates are the
@@ -151,25 +66,45 @@ def as_volume(data: Any, *, voxel_size: float | Sequence[float] = 1.0) -> Volume
                    the middles of the cells. What vtkGhostType hides is inactive. `TimeValue` of the field data is the
                    time
 
+    >>> as_volume({"velocity": numpy.ones((5, 6, 7, 3))}, layout="zyx")
+    <vdblic.Volume: velocity (7, 6, 5, 3)>
+
     Raises ValueError for other data, and naming what is missing or uneven.
     """
     lengths = lengths_of(voxel_size)
+    layouts.checked(layout)
     if isinstance(data, Volume):
         return data
     if isinstance(data, Grid):
         return Volume([data])
+    if isinstance(data, list) and data and all(isinstance(item, Grid) for item in data):
+        return Volume(data)
     if is_labelled(data):
         grids, metadata = members(data, lengths)
         return Volume((Grid(**grid) for grid in grids), metadata)
+    if isinstance(data, Mapping):
+        return Volume(_named(name, item, lengths, layout) for name, item in data.items())
     try:
         values = numpy.asanyarray(data)
     except ValueError:
         values = numpy.array(None)  # lists that are no array
-    if not (values.ndim == 3 or values.ndim == 4 and values.shape[3] == 3) or values.dtype.kind not in "biuf":
+    if values.dtype.kind not in "biuf":
         what = f"an array of {values.dtype} of the shape {values.shape}" if values.ndim else f"{data!r:.100}"
         raise ValueError(f"{what} is no field; a field is numbers (x, y, z) or (x, y, z, 3)")
+    values = layouts.field(values, layout)
     name = "density" if values.ndim == 3 else "velocity"
     return Volume([Grid(values, transform=numpy.diag([*lengths, 1.0]), name=name)])
+
+
+def _named(name, data, lengths, layout):
+    """The grid of a name's data. Raises ValueError naming it."""
+    try:
+        grids = as_volume(data, voxel_size=lengths, layout=layout).grids
+        if len(grids) != 1:
+            raise ValueError(f"the data are several grids: {', '.join(grid.name for grid in grids)}")
+    except ValueError as error:
+        raise ValueError(f"'{name}': {error}") from None
+    return dataclasses.replace(grids[0], name=name)
 
 
 def path_of(path: str | os.PathLike) -> bytes:
@@ -180,7 +115,7 @@ def path_of(path: str | os.PathLike) -> bytes:
     return name
 
 
-def lengths_of(voxel_size: float | Sequence[float]) -> Array:
+def lengths_of(voxel_size: Lengths) -> Array:
     """The voxel's lengths along the three axes."""
     try:
         lengths = numpy.broadcast_to(numpy.asarray(voxel_size, float), 3)

@@ -32,10 +32,10 @@ Parameters parametersOf(SequenceCoherenceParams& params)
                      "Velocity sequence: one file, or a pattern: name.%04d.vdb, also ####, @@@@, $F4, <F4>.");
     std::erase_if(input, [](const Parameter& parameter) { return parameter.key == "renumber"; });
     const Parameters own = {
-        parameter("texture", "The textures made from it; frames are matched by number.", params.texture,
+        parameter("textures", "The textures made from it; frames are matched by number.", params.texture,
                   {.option = "TEXTURE", .isRequired = true}),
-        parameter("texture_name", "Name of the texture grid; by default that of vdblic_advect.", params.textureName,
-                  {.option = "--texture", .words = "NAME"}),
+        parameter("texture", "Name of the texture grid; by default that of vdblic_advect.", params.textureName,
+                  {.words = "NAME"}),
         parameter("json", "File to write every figure to.", params.json, {.words = "FILE"}),
         parameter("plot", "SVG file to plot the autocorrelations to.", params.plot,
                   {.option = "-o,--output", .words = "FILE"}),

@@ -75,6 +75,9 @@ class TextureRun {
     [[nodiscard]] Iterator begin();
     [[nodiscard]] static std::default_sentinel_t end() { return {}; }
 
+    /// Whether the next texture takes a frame that is not read yet, if there is one.
+    [[nodiscard]] bool needsFrame() const { return mNext && mSubstep == mPlan.substeps(); }
+    [[nodiscard]] bool isDone() const { return mIsDone; }        ///< whether the texture made is the last
     [[nodiscard]] std::uint64_t steps() const { return mSteps; } ///< made, preroll included
     [[nodiscard]] const FlowTexture& texture() const { return *mTexture; }
     [[nodiscard]] const SharedRun& shared() const { return mShared; }

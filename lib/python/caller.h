@@ -1,0 +1,32 @@
+#pragma once
+
+#include "vdblic/core/reporter.h"
+
+#include <pybind11/pybind11.h>
+
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
+namespace vdblic::python {
+
+/// Who called from Python: gets progress and messages, and ends a computation by Ctrl-C. May be used without Python's
+/// lock.
+class __attribute__((visibility("hidden"))) Caller : public Reporter { // as the function it holds
+  public:
+    /// @param tell called with `said` or `warned` and a message, or with `progress`, what is done, and of how much
+    explicit Caller(pybind11::function tell) : mTell(std::move(tell)) {}
+
+    void progress(std::size_t done, std::size_t total) override;
+    void say(std::string_view message) override { tell("said", message); }
+    void warn(std::string_view message) override { tell("warned", message); }
+    /// @throws pybind11::error_already_set of what a signal raised
+    [[nodiscard]] bool stopRequested() const override;
+
+  private:
+    void tell(const char* kind, std::string_view message);
+
+    pybind11::function mTell;
+};
+
+} // namespace vdblic::python

@@ -1,0 +1,114 @@
+"""Velocities of any kind as frames, one after the other."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy
+
+from . import layouts
+from .grids import Grid, Volume
+from .labelled import clock, is_labelled, moments
+from .progress import Teller, without_files
+from .volumes import Lengths, as_volume, lengths_of, write
+
+Frame = Any  # what as_volume() takes, or (time, of it)
+
+
+class Frames:
+    """The frames of velocities as volumes, numbered from 1. It is passed through once.
+
+    `count` is how many there are, 0 if that is unknown.
+    """
+
+    def __init__(self, velocities: Any, voxel_size: Lengths, layout: str | None) -> None:
+        self._frames, self.count = _of(velocities, layouts.checked(layout))
+        self._of_one = FrameReader(voxel_size, layout)
+
+    def __iter__(self) -> Iterator[Volume]:
+        for frame in self._frames:
+            is_timed = isinstance(frame, tuple) and len(frame) == 2
+            yield self._of_one(*reversed(frame)) if is_timed else self._of_one(frame)
+
+
+class FrameReader:
+    """Makes volumes of velocities and their times, one by one. Errors name the frame's number."""
+
+    def __init__(self, voxel_size: Lengths, layout: str | None) -> None:
+        self._lengths, self._layout = lengths_of(voxel_size), layouts.checked(layout)
+        self._number, self._first = 0, None
+
+    def __call__(self, velocity: Any, time: Any = None) -> Volume:
+        self._number += 1
+        if self._number == 1:
+            self._first = time
+        try:
+            volume = as_volume(velocity, voxel_size=self._lengths, layout=self._layout)
+            of_time = {} if time is None else clock(time, self._first)
+        except ValueError as error:
+            raise ValueError(f"frame {self._number}: {error}") from None
+        shapes = [grid.shape for grid in volume.grids]
+        if len(shapes) == 1 and len(shapes[0]) == 3:
+            raise ValueError(f"frame {self._number} has the shape {shapes[0]}; a velocity has (x, y, z, 3)")
+        return Volume(volume.grids, volume.metadata | of_time)
+
+
+def _of(velocities, layout):
+    """An iterator over the frames, and their number."""
+    if is_labelled(velocities):
+        return moments(velocities)
+    axes = getattr(velocities, "ndim", 0)
+    if isinstance(velocities, (Mapping, Grid)) or axes == 4:
+        return iter([velocities]), 1
+    if axes == 5:
+        return layouts.times(velocities, layout)
+    try:
+        return iter(velocities), len(velocities) if hasattr(velocities, "__len__") else 0
+    except TypeError:
+        raise TypeError(f"`velocities` cannot be {velocities!r}; it is a name of files or an iterable") from None
+
+
+def is_path(data: Any) -> bool:
+    """Whether data are the name of files."""
+    return isinstance(data, (str, os.PathLike))
+
+
+@contextlib.contextmanager
+def waiting(teller: Teller, parent: Path | None = None) -> Iterator[str]:
+    """A folder in which frames wait as files, which messages do not name."""
+    with tempfile.TemporaryDirectory(prefix=".vdblic-", dir=parent) as folder:
+        teller.folder = folder
+        try:
+            yield folder
+        except ValueError as error:
+            raise type(error)(without_files(str(error), folder)) from None
+
+
+def stored(
+    volumes: Iterable[Volume], folder: str, name: str, *, dt: float | None = None, by_frame: bool = False
+) -> str:
+    """Write volumes into a folder. Returns the pattern. Raises ValueError if there are none.
+
+    dt         seconds between frames without a time
+    by_frame   whether their frames number them, if they have any; else they count from 1
+    """
+    pattern, number = str(Path(folder) / f"{name}.%06d.vdb"), 0
+    for number, volume in enumerate(volumes, 1):
+        frame = volume.frame if by_frame and volume.frame is not None else number
+        time = {} if dt is None or volume.time is not None else {"time": (number - 1) * dt}
+        write(pattern % frame, volume, time)
+    if number == 0:
+        raise ValueError(f"there is no {name}")
+    return pattern
+
+
+def seconds_of(duration: Any) -> float:
+    """A duration of Python or NumPy, or a number of seconds. Raises ValueError."""
+    if hasattr(duration, "total_seconds"):
+        return float(duration.total_seconds())
+    return float(clock(numpy.asarray(duration)[()])["time"])
