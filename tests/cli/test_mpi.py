@@ -217,6 +217,22 @@ class Ranks(ToolTest):
         self.outputs("vdblic_advect", WAKE, "--frames", 1, "-o", "one.%04d.vdb")
         self.assert_same("s")
 
+    def test_each_option_at_one_rank(self):
+        advect = ("vdblic_advect_mpi", WAKE, "-o", "s.%04d.vdb"), (
+            ("--frames", "1-2"), ("--refine", 2), ("--method", "lic"), ("--with", "vorticity"), ("--mask", "n.vdb"),
+            ("--noise", "n.vdb"), ("--dt", 3), ("--bbox", 0, 0, 0, 5, 5, 5), ("--resume",), ("--keep-checkpoint",),
+            ("--checkpoint-every", 1), ("--json", "r.json"), ("--precision", "float"), ("--carry", "velocity"),
+            ("--nonfinite", "zero"), ("--voxels-per-frame", 2), ("--steady-frames", 3), ("--preroll", 0))
+        render = ("vdblic_render_mpi", "t.%04d.vdb", "-o", "t.%04d.png"), (
+            ("--look", "ink"), ("--samples", 2), ("--size", 20, 10), ("--shadows", 0.3), ("--solid", "domain"),
+            ("--aov", "depth"), ("--keep-going",), ("--skip-existing",), ("--range", 0, 1), ("--transfer", "t.json"))
+        for command, each in advect, render:
+            for options in each[::often(9, 1)]:
+                with self.subTest(options):
+                    run = self.by_two(*command, one=(), other=options)
+                    self.assert_failed(run, 2, f"{options[0]} is '", "' at rank 1 and '", "give all ranks the same options")
+                    self.assertEqual(self.files(), [])
+
     def test_a_mistake_at_one_rank(self):
         """No rank waits for one that has ended."""
         own = WAKE, "--frames", 1, "-o", "s.%04d.vdb"
