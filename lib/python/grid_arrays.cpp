@@ -5,6 +5,7 @@
 #include "vdblic/core/extent.h"
 #include "vdblic/core/memory.h"
 #include "vdblic/io/affine_rows.h"
+#include "vdblic/io/invertible.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Dense.h>
@@ -124,10 +125,12 @@ openvdb::math::Transform::Ptr transformOf(const py::object& matrix)
         for (int j = 0; j < 4; ++j)
             rows(j, i) = numbers.at(i, j);
     try {
-        return openvdb::math::Transform::createLinearTransform(rows);
+        openvdb::math::Transform::Ptr transform = openvdb::math::Transform::createLinearTransform(rows);
+        if (isInvertible(*transform)) return transform;
     } catch (const openvdb::Exception& error) {
         throw ParameterError(fmt::format("`transform` cannot be used: {}", error.what()));
     }
+    throw ParameterError("`transform` flattens space, or is not finite; give the voxels a size");
 }
 
 /// A member of a grid's dictionary. @param kind what it must be
@@ -197,7 +200,10 @@ openvdb::GridBase::Ptr gridOf(const py::dict& dictionary)
     }
     grid->setName(name);
     grid->setTransform(transformOf(dictionary["transform"]));
-    if (memberOf<bool>(dictionary, "staggered", "true or false")) grid->setGridClass(openvdb::GRID_STAGGERED);
+    if (memberOf<bool>(dictionary, "staggered", "true or false")) {
+        grid->removeMeta(openvdb::GridBase::META_GRID_CLASS); // may be of another type
+        grid->setGridClass(openvdb::GRID_STAGGERED);
+    }
     return grid;
 }
 

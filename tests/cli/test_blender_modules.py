@@ -69,6 +69,14 @@ class Modules(ToolTest):
             with self.assertRaisesRegex(headers.DamagedFile, "cut.vdb: this is no whole .vdb file"):
                 headers.read_header(self.folder / "cut.vdb")
 
+    def test_a_dt_that_is_no_time(self):
+        grid = vdb.FloatGrid()
+        for told in 0.0, -1.0, float("nan"), float("inf"), 0, True, "1/24 s", (1, 2, 3):
+            vdb.write(str(self.folder / "odd.vdb"), grids=[grid], metadata={"dt": told})
+            self.assertIsNone(headers.read_header(self.folder / "odd.vdb").dt, told)
+        vdb.write(str(self.folder / "odd.vdb"), grids=[grid], metadata={"dt": 0.25})
+        self.assertEqual(headers.read_header(self.folder / "odd.vdb").dt, 0.25)
+
     def test_our_textures(self):
         self.outputs("vdblic_synth", "ring", "-o", "v.vdb", "--size", 12, 12, 12, "--frames", 1)
         for name, *options in ("lic", "--refine", 2), ("s", "--method", "streaks", "--spacing", 3, "--refine", 3):

@@ -3,6 +3,7 @@
 import math
 import os
 import pathlib
+import re
 import unittest
 
 import numpy
@@ -134,23 +135,46 @@ class Conventions(ToolTest):
         self.assertEqual(spacing("dt"), 0.125)
         self.assertAlmostEqual(spacing("none"), 1 / 24)
         self.assertIn("24 frames a second", self.advect("none")[1])
-        for dt in 0.0, -1.0, float("nan"):
-            grid = vector_grid(swirl(1) * 0.01)
-            grid["dt"] = dt
-            self.write("odd.0001.vdb", grid)
-            self.write("odd.0002.vdb", grid)
-            for tool in ("vdblic_advect", "odd.%04d.vdb", "-o", "odd-lic.%04d.vdb"), ("vdblic_info", "odd.%04d.vdb"):
-                said = self.run_tool(*tool).stderr
-                self.assertIn("24 frames a second", said)
-                self.assertRegex(said, f"the dt of grid velocity is {dt:g}, which is no time between frames.*--dt|"
-                                       "because the files' dt is no time")
-                self.assertNotIn("no time or dt", said)
         # Selecting fewer frames lengthens the time step.
         self.assertEqual(spacing("dt", "--frames", "1-3x2"), 0.25)
         self.assertEqual(spacing("both", "--frames", "1-3x2"), 2.0)
         # Frames with different intervals.
         dts = [vdb.readMetadata(str(p))["dt"] for p in self.advect("both")[0]]
         self.assertEqual(dts, [0.5, 1.5, 1.5])
+
+    def test_a_dt_that_is_no_time(self):
+        """Every tool that reads it says so once, with file, grid, value and mend."""
+        for value, words in ((0.0, "dt 0,"), (-1.0, "dt -1,"), (float("nan"), "dt nan,"), (float("inf"), "dt inf,"), (0, "dt 0,"),
+                             (1e300, r"dt 1e\+300,"), ("1/25 s\x1b", r"dt (?:1/25 s\\x1b|nan),"), (True, "dt (?:true|nan),")):
+            grid = vector_grid(swirl(1) * 0.01)
+            grid["dt"] = value
+            for frame in 1, 2, 3:
+                self.write(f"odd.{frame:04}.vdb", grid)
+            tools = (("vdblic_advect", "odd.%04d.vdb", "-o", "odd-lic.%04d.vdb"), ("vdblic_info", "odd.%04d.vdb"),
+                     ("vdblic_coherence", "odd.%04d.vdb", "odd-lic.%04d.vdb", "--samples", 100),
+                     ("vdblic_film", "odd.%04d.vdb", "-o", "odd.png", "--size", 24, 16))
+            for tool in tools if value == -1 else tools[:3]:
+                with self.subTest(value=value, tool=tool):
+                    done = self.run_tool(*tool)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    said = re.findall(f".*odd.000[12].vdb: grid 'velocity' has the {words} which is no number of seconds.*",
+                                      done.stderr)
+                    self.assertEqual(len(said), 1, done.stderr)
+                    self.assertRegex(said[0], "24 frames a second|taking 0.0416667 s")
+                    self.assertRegex(said[0], "(give|takes) --dt")
+                    self.assertNotIn("no time or dt", done.stderr)
+                    self.assertNotIn("\x1b", done.stderr)
+            for path in self.folder.glob("odd*"):
+                path.unlink()
+
+    def test_times_that_do_not_rise(self):
+        for frame, time in (1, 2.0), (2, 2.0):
+            grid = vector_grid(swirl(frame) * 0.01)
+            grid["time"] = time
+            self.write(f"still.{frame:04}.vdb", grid)
+        words = "still.0002.vdb: its time 2 does not come after the time 2 of the frame before; give the frame spacing"
+        self.assertIn(words, self.fails(3, "vdblic_advect", "still.%04d.vdb", "-o", "out.%04d.vdb"))
+        self.assertIn(words[:-18], self.run_tool("vdblic_info", "still.%04d.vdb").stderr)
 
     def test_a_flow_of_many_voxels_a_step_is_warned_of(self):
         self.write_swirls("fast", lambda array: [vector_grid(array)])

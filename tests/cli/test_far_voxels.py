@@ -1,14 +1,19 @@
 """Volumes whose voxels are as far apart as indices can be: every tool refuses them, or tells their true size."""
 
+import itertools
+import struct
 import sys
 import unittest
 
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+import far_files
+import vdb_bytes
+from support import BIN, ToolTest, often
 
 MODULE = BIN.parent / "python"
+HAS_CONVERTERS = (BIN / "vdblic_export").exists()
 LAST = 2**31 - 1
 SMALL = ("--size", 24, 16)
 
@@ -52,6 +57,67 @@ class FarVoxels(ToolTest):
                     self.assertRegex(message, "fog_|flow_")
                     self.assertNotRegex(message, r"\bnan\b|\binf\b| -[0-9]+ x")
                     self.assertEqual(self.files(), before)
+
+    def check(self, path, commands):
+        """Each ends soon with status 0, or with 3 and one message that names the file."""
+        for command in commands:
+            before = self.files()
+            with self.subTest(path, command=command):
+                done = self.run_tool(*command, timeout=60)
+                said = done.stdout + done.stderr
+                self.assertIn(done.returncode, (0, 3), said)
+                self.assertNotRegex(said, r"\bnan\b|\binf\b| -[0-9]+ x| -[\d.]+ (B|KiB|MiB)\b|Traceback")
+                if done.returncode == 0:
+                    for name in set(self.files()) - set(before):
+                        (self.folder / name).unlink()
+                    continue
+                self.assertEqual(said.count("error: "), 1, said)
+                self.assertRegex(said, f"{path}|check the grid, --roi")
+                self.assertEqual(self.files(), before)
+
+    def test_other_types_of_grids(self):
+        """At the last indices, and at the farthest that are taken."""
+        for number, (kind, corners) in enumerate(itertools.product(far_files.TYPES, ((-LAST - 1, LAST), (-10**9, 10**9)))):
+            name = "velocity" if kind.startswith("vec") else "density"
+            far = f"{kind}_{number}.vdb"
+            (self.folder / far).write_bytes(far_files.far_file(kind, name, [(corner,) * 3 for corner in corners]))
+            commands = [
+                ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--mask", far),
+                ("vdblic_render", far, "-o", "out.png", *SMALL), ("vdblic_info", far, "--values"),
+                ("vdblic_render", "fog.vdb", "-o", "out.png", "--solid", far, *SMALL),
+                ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--method", "streaks", "--emit", far),
+                ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--method", "streaks", "--source", f"it={far}"),
+                ("vdblic_render", "fog.vdb", "-o", "out.png", "--roi", far, *SMALL), ("vdblic_info", far, "--json", "-"),
+                ("vdblic_noise", "-o", "out.vdb", "--like", far), ("vdblic_diff", far, far, "-o", "out.vdb"),
+                ("vdblic_coherence", "flow.vdb", far), ("vdblic_advect", "flow.vdb", "-o", "out.vdb", "--noise", far)]
+            if name == "velocity":
+                methods = "auflic", "uflic", "lic", "streaks", "ibfv", "lea", "ufac"
+                commands = [("vdblic_advect", far, "-o", "out.vdb", "--method", method) for method in methods]
+                commands += [("vdblic_film", far, "-o", "out.png", "--preview"), ("vdblic_coherence", far, "fog.vdb"),
+                             ("vdblic_noise", "-o", "out.vdb", "--like", far), ("vdblic_diff", far, far),
+                             ("vdblic_info", far, "--values")]
+            if HAS_CONVERTERS:
+                commands += [("vdblic_export", far, "-o", f"out{suffix}") for suffix in (".npz", ".vti", ".usda", ".vtp")]
+            step = often(6, 1)
+            self.check(far, commands[number % step::step])
+            (self.folder / far).unlink()
+
+    def test_points(self):
+        self.outputs("vdblic_advect", "flow.vdb", "-o", "lines.vdb", "--method", "streaks", "--with", "streaks")
+        data = self.contents("lines.vdb")
+        walk = vdb_bytes.Walk(data)
+        begin, end = walk.grids[walk.kinds.index("Tree_ptdataidx32_5_4_3")]
+        places = [at for what, at, _ in walk.fields if what == "place of a child" and begin <= at < end]
+        for corner in -LAST - 1, LAST - 4095, -10**9 & ~4095:
+            far = bytearray(data)
+            for at in places:
+                struct.pack_into("<i", far, at, corner)
+            (self.folder / "points.vdb").write_bytes(vdb_bytes.sealed(bytes(far)))
+            commands = [("vdblic_render", "points.vdb", "-o", "out.png", *SMALL), ("vdblic_info", "points.vdb", "--values"),
+                        ("vdblic_diff", "points.vdb", "points.vdb"), ("vdblic_noise", "-o", "out.vdb", "--like", "points.vdb")]
+            if HAS_CONVERTERS:
+                commands += [("vdblic_export", "points.vdb", "-o", f"out{suffix}") for suffix in (".vtp", ".usda", ".npz")]
+            self.check("points.vdb", commands)
 
     def test_what_info_tells(self):
         done = self.run_tool("vdblic_info", "flow_all.vdb", "--spacing", 2)

@@ -156,6 +156,10 @@ class ForeignTexts(ToolTest):
                 ("surrogates", {}, {"note": "\ud800"}), ("surrogates", {}, {"\ud800": 1}),
                 ("surrogates", {"name": "\ud800"}, {}), ("`name` has", {"name": "a\x1eb"}, {}),
                 ("`name` has", {"name": "x" * 5000}, {}),
+                *(("`transform` (flattens|cannot be used)", {"transform": matrix}, {}) for matrix in (
+                    numpy.eye(4) * numpy.nan, numpy.diag([1e200] * 3 + [1]), numpy.diag([1, 1, 0, 1.0]),
+                    numpy.array([[1, 1e16, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]]),
+                    numpy.where(numpy.eye(4, k=3) > 0, numpy.nan, numpy.eye(4)))),
                 ("`origin` 2147483640 0 0 puts voxels", {"origin": (2**31 - 8, 0, 0)}, {}),
                 ("`origin` 0 -2147483648 0 puts voxels", {"origin": (0, -2**31, 0)}, {}),
                 ("`origin` 0 0 999999998 puts voxels", {"origin": (0, 0, 999999998)}, {})):
@@ -186,13 +190,13 @@ class ForeignTexts(ToolTest):
         sys.path.insert(0, str(MODULE))
         import vdblic
 
-        own = "vector_type", "file_bbox_min", "file_compression", "file_delayed_load", "file_mem_bytes", "name"
+        own = "class", "vector_type", "file_bbox_min", "file_compression", "file_delayed_load", "file_mem_bytes", "name"
         values = numpy.ones((4, 4, 4, 3), numpy.float32)
         for value in 5, "text", (1, 2, 3):
-            grid = vdblic.Grid(values, name="velocity", metadata=dict.fromkeys(own, value))
+            grid = vdblic.Grid(values, name="velocity", staggered=True, metadata=dict.fromkeys(own, value))
             with self.subTest(value):
                 vdblic.write(self.folder / "own.vdb", grid)
-                numpy.testing.assert_equal(vdblic.read(self.folder / "own.vdb")["velocity"].values, values)
+                self.assertTrue(vdblic.read(self.folder / "own.vdb")["velocity"].staggered)
 
 
 def shown_like(text, name):

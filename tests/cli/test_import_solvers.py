@@ -64,6 +64,23 @@ class Amrex(ImportHere):
         self.assertEqual([(path.name, vdb.readMetadata(str(path))["time"]) for path in paths],
                          [("v.0003.vdb", 1.5), ("v.0004.vdb", 2.0)])
 
+    def test_folders_by_a_pattern(self):
+        """In the order of their numbers, and so of their times."""
+        for number in 9, 100000, 20, 10:
+            self.write(f"plt{number:05}", [self.COARSE], time=number / 2)
+        self.write("plt00010.old.0003", [self.COARSE])  # as AMReX renames what it replaces
+        (self.folder / "plt11").write_bytes(b"no folder")
+        for options, numbers in ((), (9, 10, 20, 100000)), (("--frames", "10-20x10"), (10, 20)):
+            for pattern in "plt*", "./plt*", self.folder / "plt*":
+                with self.subTest(pattern, options=options):
+                    paths = self.imports(pattern, "-o", "v.%04d.vdb", *options)
+                    self.assertEqual([(path.name, vdb.readMetadata(str(path))["time"]) for path in paths],
+                                     [(f"v.{number:04}.vdb", number / 2) for number in numbers])
+        self.assertIn("frame 15 is missing", self.refuses(3, "plt*", "-o", "v.%04d.vdb", "--frames", "15"))
+        self.write("plt010", [self.COARSE])
+        self.assertRegex(self.refuses(3, "plt*", "-o", "v.%04d.vdb"), "its number is that of .*; move one of the two away")
+        self.assertIn("'*' is no frame field", self.refuses(2, "other*", "-o", "v.%04d.vdb"))
+
     def test_damage(self):
         for part in "Header", "Level_0/Cell_H", "Level_1/Cell_H", "Level_0/Cell_D_00000", "Level_1/Cell_D_00000":
             self.write("plt00010")

@@ -11,7 +11,7 @@ import unittest
 
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest, skip
+from support import BIN, ToolTest, often, skip
 
 if not (BIN / "vdblic_advect_mpi").exists():
     skip("built without MPI")
@@ -216,6 +216,82 @@ class Ranks(ToolTest):
         self.assertEqual((run.returncode, self.files()), (0, ["s.0001.vdb"]), run.stderr)
         self.outputs("vdblic_advect", WAKE, "--frames", 1, "-o", "one.%04d.vdb")
         self.assert_same("s")
+
+    def test_each_option_at_one_rank(self):
+        advect = ("vdblic_advect_mpi", WAKE, "-o", "s.%04d.vdb"), (
+            ("--frames", "1-2"), ("--refine", 2), ("--method", "lic"), ("--with", "vorticity"), ("--mask", "n.vdb"),
+            ("--noise", "n.vdb"), ("--dt", 3), ("--bbox", 0, 0, 0, 5, 5, 5), ("--resume",), ("--keep-checkpoint",),
+            ("--checkpoint-every", 1), ("--json", "r.json"), ("--precision", "float"), ("--carry", "velocity"),
+            ("--nonfinite", "zero"), ("--voxels-per-frame", 2), ("--steady-frames", 3), ("--preroll", 0))
+        render = ("vdblic_render_mpi", "t.%04d.vdb", "-o", "t.%04d.png"), (
+            ("--look", "ink"), ("--samples", 2), ("--size", 20, 10), ("--shadows", 0.3), ("--solid", "domain"),
+            ("--aov", "depth"), ("--keep-going",), ("--skip-existing",), ("--range", 0, 1), ("--transfer", "t.json"))
+        for command, each in advect, render:
+            for options in each[::often(9, 1)]:
+                with self.subTest(options):
+                    run = self.by_two(*command, one=(), other=options)
+                    self.assert_failed(run, 2, f"{options[0]} is '", "' at rank 1 and '", "give all ranks the same options")
+                    self.assertEqual(self.files(), [])
+
+    def test_a_mistake_at_one_rank(self):
+        """No rank waits for one that has ended."""
+        own = WAKE, "--frames", 1, "-o", "s.%04d.vdb"
+        cases = ((("--nonsense",), "rank 1: .*--nonsense"), (("--version",), "rank 1: it was asked for"),
+                 (("--help",), "rank 1: it was asked for help"), (("--threads", 0), "rank 1: --threads"),
+                 (("--scratch", "none"), "--scratch none: no such folder"), (("--parameters",), "rank 1: it was asked for"),
+                 (("--max-memory", "1K"), "--max-memory .* is too little"), (("--life", "x"), "--life cannot be x"),
+                 (("--scratch", "."), "--scratch is of a single process"))
+        for options, words in cases[::often(2, 1)]:
+            with self.subTest(options):
+                run = self.by_two("vdblic_advect_mpi", *own, one=(), other=options)
+                self.assertRegex(run.stderr, f"vdblic_advect_mpi: error: {words}")
+                self.assert_failed(run, 2)
+                self.assertEqual(self.files(), [])
+        for options in (("--nonsense",), ("--threads", 0)):  # at rank 0, or at both
+            for other in (), options:
+                run = self.by_two("vdblic_render_mpi", "t.vdb", "-o", "t.png", one=options, other=other)
+                self.assertEqual(run.returncode, 2, run.stderr)
+                self.assertEqual(run.stderr.count("--help lists the options"), 1, run.stderr)
+
+    def in_folders(self, lacking, what, tool, *arguments):
+        """Three ranks with folders of their own, whose files are those of self.folder; one rank's lacks some."""
+        command = ["mpirun", "--oversubscribe", "--bind-to", "none"]
+        for rank in range(3):
+            own = self.folder / f"rank{rank}"
+            shutil.rmtree(own, ignore_errors=True)
+            own.mkdir()
+            for path in self.folder.glob("*.vdb"):
+                shutil.copy2(path, own)
+            (own / "out").mkdir()
+            if rank == lacking:
+                what(own)
+            command += [*([":"] if rank else []), "-n", "1", "-wdir", own, BIN / tool, "--threads", 1, *arguments]
+        return subprocess.run(list(map(str, command)), text=True, capture_output=True, cwd=self.folder, env=ENVIRONMENT,
+                              timeout=120, check=False)
+
+    def test_what_one_rank_does_not_see(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 10, 10, 10, "--frames", "1-3")
+        self.outputs("vdblic_noise", "--like", "v.0001.vdb", "-o", "n.vdb")
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "t.%04d.vdb")
+        advect, render = ("vdblic_advect_mpi", "v.%04d.vdb", "-o", "out/o.%04d.vdb"), ("vdblic_render_mpi", "--size", 24, 16)
+        without = lambda name: (lambda folder: (folder / name).unlink())
+        half = lambda name: (lambda folder: os.truncate(folder / name, 3000))
+        cases = ((without("v.0001.vdb"), advect, "the ranks do not see the same frames"),
+                 (without("v.0003.vdb"), advect, "the ranks do not see the same frames"),
+                 (half("v.0002.vdb"), advect, "v.0002.vdb: .*truncated"),
+                 (without("n.vdb"), (*advect, "--mask", "n.vdb"), "n.vdb: no such file"),
+                 (without("n.vdb"), (*advect, "--noise", "n.vdb"), "n.vdb: no such file"),
+                 (without("t.0002.vdb"), (*render, "t.%04d.vdb", "-o", "out/p.%04d.png"), "frame 2: of the ranks 0 and [12] one"),
+                 (half("t.0001.vdb"), (*render, "t.0001.vdb", "-o", "out/p.png"), "t.0001.vdb: .*truncated"))
+        for rank in often((1,), (0, 1, 2)):
+            for what, command, words in cases:
+                with self.subTest(rank=rank, command=command, words=words):
+                    run = self.in_folders(rank, what, *command)
+                    self.assertRegex(run.stderr, words)
+                    self.assert_failed(run, 3)
+            for command in (*advect, "--frames", "1-2"), (*render, "t.%04d.vdb", "-o", "out/p.%04d.png"):
+                run = self.in_folders(rank, lambda folder: (folder / "out").rmdir(), *command)
+                self.assert_failed(run, 4, "out")
 
     def test_two_runs_do_not_mix(self):
         lock = self.folder / ".checkpoint.in.lock"

@@ -1,7 +1,8 @@
 """Damaged files of every kind through the tools and the module that read them: status 0 or 3, one message, no output.
 
-A few of each kind for every push; at night (tests/nightly.sh) a thousand. The files are the same in every run. Volumes have no
-checksums, which would refuse nearly all of them before they are parsed.
+Bytes change anywhere, or one number that tells how to read the rest. A few of each kind for every push; at night
+(tests/nightly.sh) two thousand. The files are the same in every run. Volumes have no checksums, which would refuse nearly all
+of them before they are parsed.
 """
 
 import json
@@ -16,13 +17,14 @@ import unittest
 
 import numpy
 
+from fields import misplaced
 from support import BIN, ToolTest, often
+from vdb_bytes import IDENTITY
 
-FILES = often(4, 1000)
+FILES, MISPLACED = often(4, 1000), often(3, 1000)
 MODULE = BIN.parent / "python"
 HAS_MODULE = list(MODULE.glob("vdblic/_core*.so")) and os.environ.get("VDBLIC_SANITIZED") != "1"
 SMALL = ("--size", 12, 8)
-IDENTITY = slice(21, 57)  # of a .vdb file; another one tells that the checksums are not its own
 READ = ("import sys; sys.path.insert(0, sys.argv[1]); import vdblic\n"
         "try: vdblic.read(sys.argv[2])\n"
         "except ValueError as error: sys.exit(f'python: error: {error}'[:1000])\n")
@@ -60,7 +62,7 @@ class Mutations(ToolTest):
             subprocess.run([BIN / command[0], *map(str, command[1:])], cwd=folder.name, check=True, capture_output=True)
         for path in cls.whole.glob("*.vdb"):
             data = bytearray(path.read_bytes())
-            data[IDENTITY] = b"00000000-0000-4000-8000-000000000000"
+            data[IDENTITY] = b"00000000-0000-4000-8000-000000000000"  # then the checksums are not its own
             path.write_bytes(data)
         (cls.whole / "transfer.json").write_text(json.dumps(
             {"range": [0, 2], "colors": [[0, 0, 0, 1], [1, 1, 0, 0]], "opacity": [[0, 0], [1, 1]], "unit": "m/s"}))
@@ -73,12 +75,15 @@ class Mutations(ToolTest):
     def check(self, name, *commands, status=(0, 3)):
         """Give damaged copies of a file to commands, in turn."""
         whole = (self.whole / name).read_bytes()
-        for number in range(FILES):
+        for number in range(FILES + (0 if name.endswith(".json") else MISPLACED)):
             command = commands[number % len(commands)]
-            with self.subTest(name, number=number, command=command), tempfile.TemporaryDirectory() as folder:
+            what, data = "bytes", mutated(whole, f"{name} {number}")
+            if number >= FILES:
+                what, data = misplaced(whole, random.Random(f"{name} {number}"))
+            with self.subTest(name, number=number, what=what, command=command), tempfile.TemporaryDirectory() as folder:
                 shutil.copytree(self.whole, folder, dirs_exist_ok=True)
                 bad = pathlib.Path(folder) / name
-                bad.write_bytes(mutated(whole, f"{name} {number}"))
+                bad.write_bytes(data)
                 before = {path.name for path in bad.parent.iterdir()}
                 done = subprocess.run([command[0] if command[0] == sys.executable else BIN / command[0],
                                        *map(str, command[1:])], cwd=folder, capture_output=True, timeout=120)
@@ -131,16 +136,17 @@ class Mutations(ToolTest):
     def test_netcdf(self):
         import netCDF4
 
-        with netCDF4.Dataset(self.whole / "wind.nc", "w") as data:
-            for axis, count in ("z", 4), ("y", 5), ("x", 6):
-                data.createDimension(axis, count)
-                places = data.createVariable(axis, "f8", (axis,))
-                places[:] = numpy.arange(count)
-                places.units = "m"
-                places.axis = axis.upper()
-            for name in "uvw":
-                data.createVariable(name, "f4", ("z", "y", "x"))[:] = 1
-        self.check("wind.nc", ("vdblic_import", "wind.nc", "-o", "out.vdb"))
+        for name, form in ("wind.nc", "NETCDF4"), ("old.nc", "NETCDF3_CLASSIC"), ("wide.nc", "NETCDF3_64BIT_DATA"):
+            with netCDF4.Dataset(self.whole / name, "w", format=form) as data:
+                for axis, count in ("z", 4), ("y", 5), ("x", 6):
+                    data.createDimension(axis, count)
+                    places = data.createVariable(axis, "f8", (axis,))
+                    places[:] = numpy.arange(count)
+                    places.units = "m"
+                    places.axis = axis.upper()
+                for component in "uvw":
+                    data.createVariable(component, "f4", ("z", "y", "x"))[:] = 1
+            self.check(name, ("vdblic_import", name, "-o", "out.vdb"))
 
     @unittest.skipUnless(HAS_MODULE, "the module is not built, or a sanitized one")
     def test_export_and_module(self):

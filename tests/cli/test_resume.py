@@ -7,6 +7,7 @@ import re
 import resource
 import shutil
 import signal
+import struct
 import subprocess
 import tempfile
 import time
@@ -15,6 +16,7 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
+import vdb_bytes
 from support import BIN, LinePipe, ToolTest, often
 
 SANITIZED = os.environ.get("VDBLIC_SANITIZED") == "1"
@@ -440,6 +442,54 @@ class Resume(ToolTest):
         self.assertIn("is no checkpoint of vdblic_advect", self.refused(3, self.flow()))
         (self.folder / CHECKPOINT).unlink()
         self.assertIn("starting from the beginning", self.finish(self.whole(self.flow()), self.flow()))
+
+    def test_forged_checkpoints(self):
+        """Their checksums are right, as an attacker's would be: what contradicts itself is refused, and stays as it is."""
+        self.tool("vdblic_synth", "abc", "-o", self.shared / "other.%04d.vdb", "--size", 9, 9, 9, "--frames", "1-4")
+        self.tool("vdblic_advect", self.shared / "other.%04d.vdb", "-o", "other.%04d.vdb", "--keep-checkpoint")
+        other = self.contents("checkpoint.other.vdb")
+        self.clear()
+        self.interrupted(self.flow())
+        good = self.contents(CHECKPOINT)
+        own = vdb_bytes.pairs(good)
+        whole, real = (lambda number: struct.pack("<q", number)), (lambda number: struct.pack("<d", number))
+        said = "tells of a place where no run is"
+        cases = [(3, "was written by VDBLIC 0.9.0, this is VDBLIC", {"creator": b"VDBLIC 0.9.0"}),
+                 (2, "had --seed 2, this one has --seed 1", {"seed": b"2"}),
+                 (2, "had no --life, this one has --life 4", {"life_span": None}),
+                 (2, "had no --life, this one has --life 4", {"life_span": ("bool", b"\1")}),
+                 (3, "tells that lic.[0-9]+.vdb was finished, but it is not there", {"steps": whole(1000)}),
+                 (3, "lists 0 inputs, fewer than it has frames done", {"input 000000": None}),
+                 (3, "lists 1 inputs, fewer than it has frames done", {"input 000001": ("hexagon", b"\1" * 7)}),
+                 (3, "differs from what the interrupted run read", {"input 000001": own["input 000002"][1]}),
+                 *((3, said, {"steps": whole(number)}) for number in (-1, -2**63)),
+                 *((3, said, {name: real(number)}) for name in ("interval", "scaled_motion") for number in (
+                     0, -1, numpy.nan, numpy.inf, 1e300, 5e-324)),
+                 *((3, said, {"time": real(number)}) for number in (numpy.nan, numpy.inf, -1e300)),
+                 *((3, said, {"number_spacing": whole(number)}) for number in (-1, -2**63)),
+                 *((3, "lists its parts wrongly|needs .*, which is not there|is no checkpoint|does not belong|cannot be read",
+                    {"part 000000": ("string", part)}) for part in (
+                     b"", b"../x", b"0 0 0 8 8 8 none.vdb", b"0 0 0 8 8 8 ../lic.0001.vdb", b"0 0 0 8 8 8 lic.0001.vdb",
+                     b"9 9 9 0 0 0 notes", b"-2147483648 0 0 2147483647 8 8 " + CHECKPOINT.encode()) if part),
+                 *((3, "is no checkpoint of vdblic_advect", {name: value}) for name in (
+                     "steps", "interval", "time", "number_spacing", "scaled_motion") for value in (
+                         None, ("bool", b"\1"), ("string", b"7"), ("hexagon", b"\1" * 7))),
+                 (3, "is no checkpoint of vdblic_advect", {"creator": None}),
+                 (3, "is no checkpoint of vdblic_advect", {"creator": b"notes"})]
+        (self.folder / "notes").write_bytes(b"notes of a year")
+        for status, words, values in cases:
+            with self.subTest(words, values=values):
+                (self.folder / CHECKPOINT).write_bytes(vdb_bytes.changed(good, **values))
+                self.assertRegex(self.refused(status, self.flow()), words)
+        (self.folder / CHECKPOINT).write_bytes(vdb_bytes.changed(other, **own))  # the state of another domain
+        self.assertRegex(self.refused(3, self.flow()), f"{CHECKPOINT}: .*copy it again")
+        foreign = vdb_bytes.changed(good, steps=("string", b"of a dance"))
+        (self.folder / CHECKPOINT).write_bytes(foreign)
+        self.assertIn("move it away", self.fails(2, "vdblic_advect", self.flow(), "-o", OUTPUTS, "--restart"))
+        self.assertEqual(self.contents(CHECKPOINT), foreign)
+        (self.folder / CHECKPOINT).write_bytes(good)
+        (self.folder / "notes").unlink()
+        self.finish(self.whole(self.flow()), self.flow())
 
     def test_missing_outputs(self):
         self.interrupted(self.flow())

@@ -26,11 +26,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <optional>
 #include <string_view>
 #include <sys/resource.h>
 #include <system_error>
+#include <vector>
 
 namespace vdblic::cli {
 namespace {
@@ -283,15 +285,44 @@ std::optional<int> Tool::parse(int argc, char** argv)
         checkOptions(mApp, argc, argv);
         mApp.parse(argc, argv);
     } catch (const CLI::Success& asked) { // --help, --version
+        mRefusal = "it was asked for help, or for another answer";
         return tell(asked);
     } catch (const CLI::ParseError& error) {
         const std::string expanded = expandedPattern();
+        mRefusal = printable(expanded.empty() ? error.what() : expanded);
         if (!mPrints) return status(ExitStatus::kUsage);
-        printMessage(fmt::format("{}: {}\n{} --help lists the options.\n", mApp.get_name(),
-                                 printable(expanded.empty() ? error.what() : expanded), mApp.get_name()));
+        printMessage(fmt::format("{}: {}\n{} --help lists the options.\n", mApp.get_name(), mRefusal, mApp.get_name()));
         return status(ExitStatus::kUsage);
     }
     return std::nullopt;
+}
+
+/// Let no rank begin while another's command line asks for no job, or has a mistake. @param told of this rank's
+/// @return the status to end with. @throws ParameterError at rank 0, which prints
+std::optional<int> Tool::agreed(std::optional<int> told)
+{
+    if (!mExchange || !mExchange->any(told.has_value())) return told;
+    const std::vector<Exchange::Bytes> refusals = mExchange->gather(told ? mRefusal : "");
+    if (told || !mPrints) return told.value_or(status(ExitStatus::kUsage));
+    const auto found = std::find_if_not(refusals.begin(), refusals.end(), std::mem_fn(&Exchange::Bytes::empty));
+    throw ParameterError(fmt::format("rank {}: {}; give all ranks the same options", found - refusals.begin(), *found));
+}
+
+/// Take what the options common to all tools say.
+void Tool::prepare(Console& console) const
+{
+    limitMemory();
+    // For ever: at its end TBB would start the threads that it was denied.
+    static const auto* const kThreads =
+        new tbb::global_control(tbb::global_control::max_allowed_parallelism, threadsToUse(console));
+    (void)kThreads;
+    limitArenas(threadCount());
+    offerScratch();
+    if (mInputs) {
+        for (const SequenceParams& input : mInputs())
+            warnOfOtherNumbers(input, console);
+    }
+    if (mVerify) verify(console);
 }
 
 int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>& job)
@@ -305,22 +336,12 @@ int Tool::run(int argc, char** argv, const std::function<ExitStatus(Reporter&)>&
     Console console(mApp.get_name(), mPrints ? Console::Level::kNormal : Console::Level::kSilent,
                     mOptions->parameters());
     try {
-        if (const std::optional<int> told = parse(argc, argv)) return *told;
+        if (const std::optional<int> told = agreed(parse(argc, argv))) return *told;
         if (mPrints && mQuiet) console.setLevel(Console::Level::kQuiet);
         if (mPrints && mVerbose) console.setLevel(Console::Level::kVerbose);
         apply();
-        limitMemory();
-        // For ever: at its end TBB would start the threads that it was denied.
-        static const auto* const kThreads =
-            new tbb::global_control(tbb::global_control::max_allowed_parallelism, threadsToUse(console));
-        (void)kThreads;
-        limitArenas(threadCount());
-        offerScratch();
-        if (mInputs) {
-            for (const SequenceParams& input : mInputs())
-                warnOfOtherNumbers(input, console);
-        }
-        if (mVerify) verify(console);
+        const auto begin = [&] { prepare(console); };
+        mExchange ? mExchange->together(begin) : begin();
         return status(job(console));
     } catch (const ClosedPipe&) {
         return endBy(stopSignal() != 0 ? stopSignal() : SIGPIPE);

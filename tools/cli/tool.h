@@ -64,7 +64,9 @@ class Tool {
     void verify(Reporter& reporter) const;
     [[nodiscard]] std::string expandedPattern() const;
     [[nodiscard]] std::optional<int> parse(int argc, char** argv);
+    [[nodiscard]] std::optional<int> agreed(std::optional<int> told);
     void apply();
+    void prepare(Console& console) const;
     [[nodiscard]] int endBy(int signal) const;
     [[nodiscard]] int tell(const CLI::Success& asked) const;
 
@@ -75,7 +77,7 @@ class Tool {
     int mThreads = 0, mProcesses = 1; // processes on this machine
     bool mIsShared = false, mPrints = true;
     Exchange* mExchange = nullptr; ///< with the ranks that share the job
-    std::string mMaxMemory, mScratch, mAnswer;
+    std::string mMaxMemory, mScratch, mAnswer, mRefusal;
     double mInFiles = 0; // 0: without a scratch file
     std::function<std::string()> mOutput;
     bool mQuiet = false, mVerbose = false, mVerify = false;

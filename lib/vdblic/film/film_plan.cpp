@@ -107,6 +107,11 @@ class FilmPlanner {
 
     FilmPlan plan()
     {
+        if (!mVelocity.intervalFault.empty()) {
+            mPlan.notes.push_back(fmt::format("{}: taking {:.6g} s; the first of the commands takes --dt where it is "
+                                              "another",
+                                              mVelocity.intervalFault, mVelocity.interval));
+        }
         mPlan.advect["input"] = {mInfo.pattern};
         const std::vector<std::int64_t> frames = chooseFrames(chooseMotion());
         const bool isAll = mInfo.missing.empty() && frames == mInfo.frames;

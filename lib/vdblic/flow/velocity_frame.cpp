@@ -19,6 +19,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -148,7 +149,10 @@ FrameTimes timesOf(const openvdb::GridBase& grid, const openvdb::MetaMap& file)
         const auto ofGrid = numericMetadata(grid, key);
         return ofGrid ? ofGrid : numericMetadata(file, key);
     };
-    return {of("time"), of("dt")};
+    FrameTimes times{of("time"), of("dt")};
+    const bool hasOther = !times.dt && (grid["dt"] || file["dt"]); // a text, say
+    if (hasOther) times.dt = std::numeric_limits<double>::quiet_NaN();
+    return times;
 }
 
 FromStored<Space::kWorld, Per::kSecond> VelocityFrame::toWorldPerSecond(double interval) const

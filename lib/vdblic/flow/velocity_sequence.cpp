@@ -1,6 +1,7 @@
 #include "vdblic/flow/velocity_sequence.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/flow/frame_halo.h"
 #include "vdblic/io/file_stamp.h"
@@ -22,6 +23,20 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
     if (domain.mask.empty()) return stamp;
     const FramePattern mask(parseGridReference(domain.mask).path.string());
     return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame - file.repeats)));
+}
+
+/// Why a frame's metadata do not tell the time to the next frame.
+std::string missingTime(const VelocityFrame& frame)
+{
+    const openvdb::MetaMap& metadata = *frame.values;
+    const openvdb::Metadata::ConstPtr dt = metadata["dt"], time = metadata["time"];
+    const auto said = [&](const char* key, const std::string& value) {
+        return fmt::format("{}: grid '{}' has the {} {:.60}, which is no number of seconds", frame.file.path.string(),
+                           frame.gridName, key, value);
+    };
+    if (frame.dt) return said("dt", dt ? printable(dt->str()) : fmt::format("{}", *frame.dt));
+    if (time && !frame.time) return said("time", printable(time->str()));
+    return "no time or dt in the files";
 }
 
 } // namespace
@@ -87,12 +102,9 @@ FrameInterval VelocitySequence::intervalAfter(const VelocityFrame& current, cons
                                      "frame spacing with `frame_spacing`",
                                      next->file.path.string(), *next->time, *current.time));
     }
-    if (interval->isAssumed) {
-        sayOnce(current.dt
-                    ? fmt::format("the dt of grid {} is {}, which is no time between frames: taking 24 frames a "
-                                  "second; give `frame_spacing` if it is another",
-                                  current.gridName, *current.dt)
-                    : "no time or dt in the files: taking 24 frames a second; give `frame_spacing` if it is another");
+    if (interval->isAssumed && !std::exchange(mSaidInterval, true)) {
+        mReporter.say(
+            fmt::format("{}: taking 24 frames a second; give `frame_spacing` if it is another", missingTime(current)));
     }
     return *interval;
 }

@@ -82,7 +82,7 @@ class VelocitySequence {
     FrameDomain mLastDomain;
     std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
-    bool mStarted = false;
+    bool mStarted = false, mSaidInterval = false;
     std::future<std::optional<FrameFile>> mAhead; // the next file; last member: its thread uses the others
 };
 

@@ -4,8 +4,6 @@
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/vdb_header.h"
 
-#include <algorithm>
-#include <array>
 #include <system_error>
 
 namespace vdblic {
@@ -17,8 +15,13 @@ bool isCheckpoint(const std::filesystem::path& path)
     try {
         const openvdb::MetaMap metadata = readVdbHeader(path).metadata;
         using Keys = CheckpointKeys;
-        constexpr std::array keys = {Keys::kSteps, Keys::kInterval, Keys::kTime, Keys::kSpacing, Keys::kMotion};
-        return std::all_of(keys.begin(), keys.end(), [&](const char* key) { return bool(metadata[key]); });
+        const auto creator = metadata.getMetadata<openvdb::StringMetadata>("creator");
+        return creator && creator->value().starts_with("VDBLIC ") &&
+               metadata.getMetadata<openvdb::Int64Metadata>(Keys::kSteps) &&
+               metadata.getMetadata<openvdb::DoubleMetadata>(Keys::kInterval) &&
+               metadata.getMetadata<openvdb::DoubleMetadata>(Keys::kTime) &&
+               metadata.getMetadata<openvdb::Int64Metadata>(Keys::kSpacing) &&
+               metadata.getMetadata<openvdb::DoubleMetadata>(Keys::kMotion);
     } catch (const InputError&) {
         return false;
     }

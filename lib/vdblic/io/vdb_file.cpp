@@ -11,6 +11,7 @@
 #include "vdblic/io/checksum.h"
 #include "vdblic/io/guarded_buffer.h"
 #include "vdblic/io/input_file.h"
+#include "vdblic/io/invertible.h"
 #include "vdblic/io/vdb_assembly.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/io/vdb_layout.h"
@@ -58,23 +59,14 @@ std::uint32_t compressionFlags(VdbCompression compression)
     return io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC : io::COMPRESS_NONE);
 }
 
-/// Whether each place in world space is at one place in index space.
-bool isInvertible(const openvdb::math::Transform& transform)
-{
-    constexpr double kFlat = 1e-12; // shares of the longest side, and of the sides' product
-    const openvdb::Vec3d sides = transform.voxelSize();
-    const double longest = std::max({sides[0], sides[1], sides[2]}), volume = transform.baseMap()->determinant();
-    return std::isfinite(longest) && std::min({sides[0], sides[1], sides[2]}) > kFlat * longest &&
-           std::abs(volume) > kFlat * sides[0] * sides[1] * sides[2];
-}
-
-/// Refuse transforms that flatten space, and voxels whose distances to others no integer of 32 bits holds, as all
+/// Refuse transforms that cannot be inverted, and voxels whose distances to others no integer of 32 bits holds, as all
 /// indices of OpenVDB are.
 void checkPlaces(const VdbFile& file)
 {
     for (const openvdb::GridBase::Ptr& grid : file.grids) {
         if (!grid->transform().isLinear() || isInvertible(grid->transform())) continue;
-        throw InputError(fmt::format("{}: grid '{}' has a transform that flattens space; give its voxels a size",
+        throw InputError(fmt::format("{}: grid '{}' has a transform that flattens space, or is not finite; give its "
+                                     "voxels a size",
                                      file.path.string(), grid->getName()));
     }
     const openvdb::CoordBBox all(openvdb::Coord(-kFarthestIndex), openvdb::Coord(kFarthestIndex));

@@ -12,11 +12,33 @@
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <string>
 #include <vector>
 
 namespace vdblic {
+namespace {
+
+/// Collective. @throws InputError if a rank sees other frames than rank 0
+void checkSameFrames(const std::vector<FrameFile>& files, Exchange& exchange)
+{
+    std::vector<std::int64_t> own, differing;
+    for (const FrameFile& file : files)
+        own.push_back(file.frame);
+    const std::vector<std::int64_t> first = exchange.join(exchange.isFirst() ? own : std::vector<std::int64_t>{});
+    std::set_symmetric_difference(own.begin(), own.end(), first.begin(), first.end(), std::back_inserter(differing));
+    if (differing.empty()) return;
+    throw InputError(fmt::format("frame {}: of the ranks 0 and {} one does not see its file: run again when the file "
+                                 "system shows the sequence to all machines",
+                                 differing.front(), exchange.rank()));
+}
+
+} // namespace
 
 double frameBytes(const PicturePlan& plan, const FrameFile& file)
 {
@@ -54,6 +76,7 @@ bool ranksShareFrames(const RenderPlan& plan, Exchange& exchange)
     exchange.together([&] {
         if (exchange.isAlone() || plan.input.pattern == "-") return;
         const std::vector<FrameFile> files = selectFrames(plan.input);
+        checkSameFrames(files, exchange);
         double most = 0;
         for (const FrameFile& file : files)
             most = std::max(most, frameBytes(plan.picture, file));

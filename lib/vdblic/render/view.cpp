@@ -80,10 +80,11 @@ Look LookBasis::choose(const PicturePlan& plan) const
 
 namespace {
 
-/// Points around the solids of the frames.
+/// Points around the solids of the frames. @throws InputError if no camera can show one and the volume in a box
 std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
-                                    std::span<const std::shared_ptr<const LoadedTexture>> frames)
+                                    std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box)
 {
+    constexpr double kMost = 1e6; // diagonals of the box
     std::vector<glm::dvec3> points;
     for (const auto& frame :
          frames.first(solidChanges(plan.solid) ? frames.size() : std::min<std::size_t>(1, frames.size()))) {
@@ -92,6 +93,13 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
             points.insert(points.end(), more.begin(), more.end());
         } catch (const InputError&) { // is reported at the frame's turn
         }
+    }
+    for (const glm::dvec3& point : points) {
+        const double away = glm::length(point - box[0]) / glm::length(box[7] - box[0]);
+        if (!(away > kMost)) continue;
+        throw InputError(fmt::format("{}: the solid reaches {:.3g} times as far as the texture: cut it, or check its "
+                                     "transform",
+                                     plan.solid, away));
     }
     return points;
 }
@@ -125,7 +133,7 @@ std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
     if (annotations.box || annotations.axes) {
         subject.assign(box.begin(), box.end());
     } else {
-        if (!plan.solid.empty()) subject = solidPoints(plan, frames);
+        if (!plan.solid.empty()) subject = solidPoints(plan, frames, box);
         for (const auto& frame : frames) {
             const auto more = visiblePoints(*frame, look, plan.rays.clip.stretched(plan.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());

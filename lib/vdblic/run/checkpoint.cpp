@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdint>
 #include <sstream>
 #include <system_error>
 
@@ -58,6 +60,20 @@ class PositionReader {
     const std::filesystem::path& mPath;
     const openvdb::MetaMap& mMetadata;
 };
+
+/// Refuse numbers that no run writes.
+void checkPosition(const std::filesystem::path& path, const RunPosition& position)
+{
+    constexpr double kLeast = 1e-18, kMost = 1e18;
+    const auto isPositive = [](double number) { return number >= kLeast && number <= kMost; };
+    if (std::int64_t(position.steps) >= 0 && position.frameSpacing >= 0 && std::abs(position.time) <= kMost &&
+        isPositive(position.interval) && isPositive(position.motion))
+        return;
+    refuseCheckpoint(path, fmt::format("tells of a place where no run is: {} steps, {} s between frames, time {} s, "
+                                       "frame numbers {} apart, motion {}: copy it again",
+                                       std::int64_t(position.steps), position.interval, position.time,
+                                       position.frameSpacing, position.motion));
+}
 
 /// @param text the box's corners, and the name of a file beside the checkpoint
 CheckpointPart partOf(const std::filesystem::path& checkpoint, const std::string& text)
@@ -120,6 +136,7 @@ Checkpoint readCheckpoint(const std::filesystem::path& path, const ParameterText
     checkpoint.position.time = position.get<double>(Keys::kTime);
     checkpoint.position.frameSpacing = position.get<std::int64_t>(Keys::kSpacing);
     checkpoint.position.motion = position.get<double>(Keys::kMotion);
+    checkPosition(path, checkpoint.position);
     if (const std::string creator = textMetadata(metadata, "creator"); creator != kCreator) {
         refuseCheckpoint(path,
                          fmt::format("was written by {}, this is {}: go on with that version", creator, kCreator));

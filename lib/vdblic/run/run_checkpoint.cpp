@@ -103,6 +103,10 @@ std::vector<std::filesystem::path> RunCheckpoint::passOver(const Checkpoint& che
     const std::uint64_t frames = mPlan.framesDone(checkpoint.position.steps);
     std::vector<std::filesystem::path> outputs;
     for (std::uint64_t i = 0; i < frames; ++i) {
+        if (i >= mExpected.size()) {
+            refuseCheckpoint(mOutputs.checkpoint(),
+                             fmt::format("lists {} inputs, fewer than it has frames done: copy it again", i));
+        }
         const std::optional<FrameFile> file = flow.skip();
         if (!file) {
             mReporter.checkStop();

@@ -166,9 +166,18 @@ void setInterval(const SequenceInfoParams& params, const std::vector<FrameFile>&
     const double skipped =
         isOne ? 1 : double(files[1].frame - files[0].frame) / double(frameSpacing(params.flow.input));
     auto interval = frameInterval(params.flow.frameSpacing, times[0], isOne ? nullptr : &times[1], skipped);
-    if (!interval) interval = frameInterval(params.flow.frameSpacing, {{}, times[0].dt}, nullptr, skipped);
+    if (!interval) {
+        velocity.intervalFault = fmt::format("{}: its time {} does not come after the time {} of the frame before",
+                                             files[1].path.string(), *times[1].time, *times[0].time);
+        interval = frameInterval(params.flow.frameSpacing, {{}, times[0].dt}, nullptr, skipped);
+    } else if (interval->isAssumed && times[0].dt) {
+        velocity.intervalFault = fmt::format("{}: grid '{}' has the dt {}, which is no number of seconds",
+                                             files[0].path.string(), velocity.grid, *times[0].dt);
+    }
     velocity.interval = interval->seconds;
     velocity.intervalSource = interval->source;
+    if (!velocity.intervalFault.empty())
+        velocity.intervalSource += fmt::format(", because {}; give `frame_spacing`", velocity.intervalFault);
 }
 
 double meanLength(const openvdb::Vec3SGrid& grid, const openvdb::Mat3s& matrix)

@@ -80,6 +80,7 @@ struct VelocityInfo {
     double scale = 1;
     double interval = 0;                   ///< seconds between frames
     std::string intervalSource;            ///< "by the files' times"
+    std::string intervalFault;             ///< why it is not by the files' times or dt, if they are wrong
     std::uint64_t voxels = 0;              ///< in the largest frame
     double memory = 0, seconds = 0;        ///< estimates: bytes, and seconds of processor time
     std::vector<MethodCost> lookingBack{}; ///< the same with the methods that look back

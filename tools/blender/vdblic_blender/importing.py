@@ -129,7 +129,7 @@ def import_volume(context, path, up="AUTO", half=True, domain=None):
         # Blender's second is that of the scene, in which a frame may stand for an hour of the flow.
         rate = context.scene.render.fps / context.scene.render.fps_base
         data.velocity_unit = "SECOND"  # Blender finds the grid by its name when it loads the file
-        data.velocity_scale = float(headers[0].metadata.get("dt", 1 / rate)) * rate
+        data.velocity_scale = (headers[0].dt or 1 / rate) * rate
     return volume, headers[0], warnings
 
 

@@ -5,6 +5,7 @@ a file is better looked at before Blender opens it: a damaged one ends Blender.
 """
 
 import dataclasses
+import math
 import os
 import struct
 
@@ -78,6 +79,12 @@ class Header:
         """The name of a grid of velocities, for motion blur."""
         vectors = {grid.name for grid in self.grids if grid.kind.startswith("Tree_vec3")}
         return next((name for name in ("vel", "velocity", "v") if name in vectors), None)
+
+    @property
+    def dt(self):
+        """Seconds between the frames; None if the file tells none."""
+        told = self.metadata.get("dt")
+        return told if type(told) in (int, float) and 0 < told < math.inf else None
 
     @property
     def is_y_up(self):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import pathlib
+import re
 
 from vdblic._core import FramePattern, InputPaths, files_of, frame_of_name, parse_frames
 
@@ -69,8 +70,8 @@ class Series:
             raise ParameterError(
                 "--renumber is for paths on standard input and for files of several steps; a pattern has the numbers"
             )
-        elif pathlib.Path(text).is_dir():
-            self.frames = self._select([self._files[0][0]])
+        elif pathlib.Path(self._files[0][1][0]).is_dir():
+            self.frames = self._select([frame for frame, _ in self._files])
         else:
             self.frames = [frame for frame, _ in files_of(text, self._options.frames, self._options.clamp_frames)]
         self.count = 0 if self._options.times else len(self.frames)
@@ -183,9 +184,26 @@ def _files_of(text):
     path = pathlib.Path(text)
     if path.is_dir():
         return {frame_of_name(path) or 1: path}
+    if found := _folders_of(path):
+        return found
     pattern = FramePattern(text)
     found = {frame: pattern.path(frame) for frame in pattern.frames_on_disk()} if pattern.has_field else {}
     return found or dict(files_of(text, "", False))  # raises an error that names the missing part
+
+
+def _folders_of(pattern):
+    """The numbered folders that a path such as `plt*` names, as those of AMReX: number → path, in order."""
+    before, star, after = pattern.name.partition("*")
+    name, found = re.compile(f"{re.escape(before)}([0-9]+){re.escape(after)}"), {}
+    for folder in pattern.parent.iterdir() if star and pattern.parent.is_dir() else ():
+        match = name.fullmatch(folder.name)
+        if not match or not folder.is_dir():
+            continue
+        number = int(match[1])
+        if number in found:
+            raise InputError(f"{folder}: its number is that of {found[number]}; move one of the two away")
+        found[number] = folder
+    return dict(sorted(found.items()))
 
 
 def _numbered(path, number, taken):
