@@ -34,7 +34,9 @@ def place(volume, index, grid="density"):
 
 
 class AddonTest(ToolTest):
-    """Scripts with the add-on; a subclass says in which Blender."""
+    """Scripts with the add-on and `helpers`; a subclass says in which Blender."""
+
+    helpers = PLACE
 
     def command(self, *words):
         raise NotImplementedError
@@ -46,10 +48,10 @@ class AddonTest(ToolTest):
         cls.home = home.name
 
     def drive(self, script, tools=BIN, status=0, **options):
-        """What a script tells, by name."""
+        """What a script tells, by name; `output` has all that Blender prints."""
         path = self.folder / "script.py"
         path.write_text(
-            f"import sys\nsys.path.insert(0, {str(HERE / 'blender')!r})\n{PLACE}\n{textwrap.dedent(script)}",
+            f"import sys\nsys.path.insert(0, {str(HERE / 'blender')!r})\n{self.helpers}\n{textwrap.dedent(script)}",
             encoding="utf-8",
         )
         words = self.command(HERE / "blender/drive_addon.py", "--", ADDON, tools, path)
@@ -58,6 +60,7 @@ class AddonTest(ToolTest):
             list(map(str, words)), text=True, capture_output=True, timeout=300, env=environment, **options
         )
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        self.output = done.stdout
         lines = [json.loads(line[5:]) for line in done.stdout.splitlines() if line.startswith("tell ")]
         return dict(lines)
 
@@ -86,6 +89,22 @@ class AddonTest(ToolTest):
             0,
             *options,
         )
+
+
+@unittest.skipUnless(shutil.which("blender"), "Blender is missing")
+class InDebiansBlender(AddonTest):
+    bakes = True
+
+    def command(self, script, *words):
+        return ["blender", "-b", "--factory-startup", "-t", "1", "--python-exit-code", "9", "--python", script, *words]
+
+
+@unittest.skipIf(BPY is None, "bpy is missing: tests/peers.sh gets it")
+class InCurrentBlender(AddonTest):
+    bakes = False  # smoke_domain.py says why
+
+    def command(self, script, *words):
+        return [BPY, script, *words]
 
 
 class Both:
@@ -422,20 +441,12 @@ class Both:
         return pathlib.Path(Both.baked_cache.name)
 
 
-@unittest.skipUnless(shutil.which("blender"), "Blender is missing")
-class DebiansBlender(Both, AddonTest):
-    bakes = True
-
-    def command(self, script, *words):
-        return ["blender", "-b", "--factory-startup", "-t", "1", "--python-exit-code", "9", "--python", script, *words]
+class DebiansBlender(Both, InDebiansBlender):
+    pass
 
 
-@unittest.skipIf(BPY is None, "bpy is missing: tests/peers.sh gets it")
-class CurrentBlender(Both, AddonTest):
-    bakes = False  # smoke_domain.py says why
-
-    def command(self, script, *words):
-        return [BPY, script, *words]
+class CurrentBlender(Both, InCurrentBlender):
+    pass
 
 
 if __name__ == "__main__":
