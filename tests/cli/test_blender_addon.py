@@ -90,6 +90,36 @@ class AddonTest(ToolTest):
             *options,
         )
 
+    baked_cache = None
+
+    def baked(self):
+        """A smoke cache baked by Debian's Blender, once."""
+        if AddonTest.baked_cache is None:
+            if not shutil.which("blender"):
+                self.skipTest("Blender is missing, whose package bakes the smoke")
+            folder = tempfile.TemporaryDirectory(prefix="vdblic-cache-")
+            AddonTest.baked_cache = folder
+            subprocess.run(
+                [
+                    "blender",
+                    "-b",
+                    "--factory-startup",
+                    "-t",
+                    "1",
+                    "--python-exit-code",
+                    "9",
+                    "--python",
+                    HERE / "blender/bake_smoke.py",
+                    "--",
+                    folder.name,
+                    "20",
+                    "6",
+                ],
+                check=True,
+                capture_output=True,
+            )
+        return pathlib.Path(AddonTest.baked_cache.name)
+
 
 @unittest.skipUnless(shutil.which("blender"), "Blender is missing")
 class InDebiansBlender(AddonTest):
@@ -409,36 +439,6 @@ class Both:
             message, volumes = told[name]
             self.assertIn(words, message, name)
             self.assertEqual((message.count("\n"), volumes), (0, 0), message)
-
-    baked_cache = None
-
-    def baked(self):
-        """A smoke cache baked by Debian's Blender, once."""
-        if Both.baked_cache is None:
-            if not shutil.which("blender"):
-                self.skipTest("Blender is missing, whose package bakes the smoke")
-            folder = tempfile.TemporaryDirectory(prefix="vdblic-cache-")
-            Both.baked_cache = folder
-            subprocess.run(
-                [
-                    "blender",
-                    "-b",
-                    "--factory-startup",
-                    "-t",
-                    "1",
-                    "--python-exit-code",
-                    "9",
-                    "--python",
-                    HERE / "blender/bake_smoke.py",
-                    "--",
-                    folder.name,
-                    "20",
-                    "6",
-                ],
-                check=True,
-                capture_output=True,
-            )
-        return pathlib.Path(Both.baked_cache.name)
 
 
 class DebiansBlender(Both, InDebiansBlender):
