@@ -194,12 +194,17 @@ class Both:
         mirrored = vdb.read(str(file), "density")
         mirrored.transform = vdb.createLinearTransform([[-0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [0, 0, 0, 1]])
         vdb.write(str(self.folder / "mirrored.vdb"), grids=[mirrored])
+        arrows = vdb.Vec3SGrid()
+        arrows.name = "streaks"
+        arrows.fill((0, 0, 0), (4, 4, 4), (1, 0, 0))
+        vdb.write(str(self.folder / "lines.vdb"), grids=[arrows], metadata={"texture": "streaks"})
         (self.folder / "cut.vdb").write_bytes(file.read_bytes()[:2000])
         (self.folder / "empty.vdb").write_bytes(b"")
         wrong = {
             "gap.0002.vdb": "frame 3 is missing",
             "mixed.02.vdb": "numbers of different widths",
             "mirrored.vdb": "is mirrored, which Blender draws blank",
+            "lines.vdb": "'streaks' has no voxels of numbers; if it has lines, import the layer",
             "cut.vdb": "no whole .vdb file",
             "empty.vdb": "no whole .vdb file",
             "none.vdb": "no such file",

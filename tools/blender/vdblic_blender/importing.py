@@ -37,6 +37,11 @@ def check(headers):
             there = ", ".join(grid.name or "without a name" for grid in header.grids) or "none"
             raise UnshowableError(f"{header.path}: no grid of numbers with a name to show; grids: {there}")
         grid = header.grid(texture)
+        if not grid.kind.startswith("Tree_float"):
+            raise UnshowableError(
+                f"{header.path}: '{texture}' has no voxels of numbers; if it has lines, import the layer that "
+                "vdblic_export -o flow.usda makes of them"
+            )
         if grid.matrix is None:
             raise UnshowableError(
                 f"{header.path}: grid '{texture}' has a frustum, which Blender draws blank; resample it "
@@ -90,18 +95,19 @@ def drawn_apart(texture, other):
 
 
 def placement(header, up="AUTO", half=True, domain=None, lines=False):
-    """The matrix of the object of a volume, or of its lines.
+    """The matrix of the object of a volume, or of lines, whose speed is on the velocity's voxels.
 
     Its values lie where OpenVDB has them. On a Mantaflow domain they lie in the domain, whose cells begin at its
     corner.
     """
-    grid = header.grid(header.texture)
+    grid = header.grid("magnitude" if lines else header.texture)
     shift = -drawn_beside(grid) if (half or domain) and not lines else Vector()
     base = Matrix.Identity(4)
     if domain:
         turn = domain.matrix_world.to_quaternion().to_matrix().to_4x4()
         base = Matrix.Translation(domain.matrix_world @ Vector(domain.bound_box[0])) @ turn
-        coarse = [Vector(axis) * count for axis, count in zip(grid.matrix[:3], header.refinement)]
+        counts = (1, 1, 1) if lines else header.refinement
+        coarse = [Vector(axis) * count for axis, count in zip(grid.matrix[:3], counts)]
         shift += sum(coarse, Vector()) / 2
     elif up == "Y" or up == "AUTO" and header.is_y_up:
         base = Matrix.Rotation(math.pi / 2, 4, "X")
