@@ -34,7 +34,9 @@ def place(volume, index, grid="density"):
 
 
 class AddonTest(ToolTest):
-    """Scripts with the add-on; a subclass says in which Blender."""
+    """Scripts with the add-on and `helpers`; a subclass says in which Blender."""
+
+    helpers = PLACE
 
     def command(self, *words):
         raise NotImplementedError
@@ -46,10 +48,10 @@ class AddonTest(ToolTest):
         cls.home = home.name
 
     def drive(self, script, tools=BIN, status=0, **options):
-        """What a script tells, by name."""
+        """What a script tells, by name; `output` has all that Blender prints."""
         path = self.folder / "script.py"
         path.write_text(
-            f"import sys\nsys.path.insert(0, {str(HERE / 'blender')!r})\n{PLACE}\n{textwrap.dedent(script)}",
+            f"import sys\nsys.path.insert(0, {str(HERE / 'blender')!r})\n{self.helpers}\n{textwrap.dedent(script)}",
             encoding="utf-8",
         )
         words = self.command(HERE / "blender/drive_addon.py", "--", ADDON, tools, path)
@@ -58,6 +60,7 @@ class AddonTest(ToolTest):
             list(map(str, words)), text=True, capture_output=True, timeout=300, env=environment, **options
         )
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        self.output = done.stdout
         lines = [json.loads(line[5:]) for line in done.stdout.splitlines() if line.startswith("tell ")]
         return dict(lines)
 
@@ -86,6 +89,52 @@ class AddonTest(ToolTest):
             0,
             *options,
         )
+
+    baked_cache = None
+
+    def baked(self):
+        """A smoke cache baked by Debian's Blender, once."""
+        if AddonTest.baked_cache is None:
+            if not shutil.which("blender"):
+                self.skipTest("Blender is missing, whose package bakes the smoke")
+            folder = tempfile.TemporaryDirectory(prefix="vdblic-cache-")
+            AddonTest.baked_cache = folder
+            subprocess.run(
+                [
+                    "blender",
+                    "-b",
+                    "--factory-startup",
+                    "-t",
+                    "1",
+                    "--python-exit-code",
+                    "9",
+                    "--python",
+                    HERE / "blender/bake_smoke.py",
+                    "--",
+                    folder.name,
+                    "20",
+                    "6",
+                ],
+                check=True,
+                capture_output=True,
+            )
+        return pathlib.Path(AddonTest.baked_cache.name)
+
+
+@unittest.skipUnless(shutil.which("blender"), "Blender is missing")
+class InDebiansBlender(AddonTest):
+    bakes = True
+
+    def command(self, script, *words):
+        return ["blender", "-b", "--factory-startup", "-t", "1", "--python-exit-code", "9", "--python", script, *words]
+
+
+@unittest.skipIf(BPY is None, "bpy is missing: tests/peers.sh gets it")
+class InCurrentBlender(AddonTest):
+    bakes = False  # smoke_domain.py says why
+
+    def command(self, script, *words):
+        return [BPY, script, *words]
 
 
 class Both:
@@ -145,12 +194,17 @@ class Both:
         mirrored = vdb.read(str(file), "density")
         mirrored.transform = vdb.createLinearTransform([[-0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [0, 0, 0, 1]])
         vdb.write(str(self.folder / "mirrored.vdb"), grids=[mirrored])
+        arrows = vdb.Vec3SGrid()
+        arrows.name = "streaks"
+        arrows.fill((0, 0, 0), (4, 4, 4), (1, 0, 0))
+        vdb.write(str(self.folder / "lines.vdb"), grids=[arrows], metadata={"texture": "streaks"})
         (self.folder / "cut.vdb").write_bytes(file.read_bytes()[:2000])
         (self.folder / "empty.vdb").write_bytes(b"")
         wrong = {
             "gap.0002.vdb": "frame 3 is missing",
             "mixed.02.vdb": "numbers of different widths",
             "mirrored.vdb": "is mirrored, which Blender draws blank",
+            "lines.vdb": "'streaks' has no voxels of numbers; if it has lines, import the layer",
             "cut.vdb": "no whole .vdb file",
             "empty.vdb": "no whole .vdb file",
             "none.vdb": "no such file",
@@ -391,51 +445,13 @@ class Both:
             self.assertIn(words, message, name)
             self.assertEqual((message.count("\n"), volumes), (0, 0), message)
 
-    baked_cache = None
 
-    def baked(self):
-        """A smoke cache baked by Debian's Blender, once."""
-        if Both.baked_cache is None:
-            if not shutil.which("blender"):
-                self.skipTest("Blender is missing, whose package bakes the smoke")
-            folder = tempfile.TemporaryDirectory(prefix="vdblic-cache-")
-            Both.baked_cache = folder
-            subprocess.run(
-                [
-                    "blender",
-                    "-b",
-                    "--factory-startup",
-                    "-t",
-                    "1",
-                    "--python-exit-code",
-                    "9",
-                    "--python",
-                    HERE / "blender/bake_smoke.py",
-                    "--",
-                    folder.name,
-                    "20",
-                    "6",
-                ],
-                check=True,
-                capture_output=True,
-            )
-        return pathlib.Path(Both.baked_cache.name)
+class DebiansBlender(Both, InDebiansBlender):
+    pass
 
 
-@unittest.skipUnless(shutil.which("blender"), "Blender is missing")
-class DebiansBlender(Both, AddonTest):
-    bakes = True
-
-    def command(self, script, *words):
-        return ["blender", "-b", "--factory-startup", "-t", "1", "--python-exit-code", "9", "--python", script, *words]
-
-
-@unittest.skipIf(BPY is None, "bpy is missing: tests/peers.sh gets it")
-class CurrentBlender(Both, AddonTest):
-    bakes = False  # smoke_domain.py says why
-
-    def command(self, script, *words):
-        return [BPY, script, *words]
+class CurrentBlender(Both, InCurrentBlender):
+    pass
 
 
 if __name__ == "__main__":

@@ -20,9 +20,9 @@ FOLDER = SOURCE / "tools/blender/vdblic_blender"
 package = types.ModuleType("vdblic_blender")  # whose own __init__ needs Blender
 package.__path__ = [str(FOLDER)]
 sys.modules["vdblic_blender"] = package
-headers, sequences, commands, jobs, tools, mantaflow, looks = (
+headers, sequences, commands, jobs, tools, mantaflow, looks, usd_lines = (
     importlib.import_module(f"vdblic_blender.{name}")
-    for name in ("vdb_header", "sequences", "commands", "jobs", "tools", "mantaflow", "looks")
+    for name in ("vdb_header", "sequences", "commands", "jobs", "tools", "mantaflow", "looks", "usd_lines")
 )
 
 
@@ -166,8 +166,42 @@ class Modules(ToolTest):
         self.assertTrue(dense[0].memory < dense[1].memory < 8 * dense[0].memory)
         thin, thick = (commands.estimate(commands.Recipe(pattern, "", "STREAKS", n), str(BIN)) for n in (2, 6))
         self.assertGreater(thin.seconds, thick.seconds)
+        self.assertRegex(str(thick), "^3 frames, about 60 streaks: ")  # of 24³ voxels, each 6³
         with self.assertRaisesRegex(tools.ToolError, "no file matches"):
             commands.estimate(commands.Recipe(str(self.folder / "none.%04d.vdb"), ""), str(BIN))
+
+    def test_lines_of_a_layer(self):
+        """What a layer has is read frame by frame; what is no layer of lines is told."""
+        if os.environ["VDBLIC_SANITIZED"] == "1" or not (BIN / "vdblic_export").exists():
+            self.skipTest("vdblic_export is not built, or sanitized, which needs a sanitized Python")
+        sys.path.insert(0, str(BIN.parent / "python"))
+        from vdblic._core import read_lines
+
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 24, 24, 24, "--frames", "1-3")
+        recipe = commands.Recipe(str(self.folder / "v.%04d.vdb"), str(self.folder), "STREAKS", 4, 3, "1-3", lines=True)
+        files = self.outputs("vdblic_advect", *recipe.command())
+        self.outputs("vdblic_export", *recipe.export(), "--stretch", 1, 1, 2)
+        layer = usd_lines.Layer(recipe.layer)
+        self.assertEqual((layer.frames, layer.span, layer.is_y_up, layer.scale), ([1, 2, 3], (1, 3), False, (1, 1, 2)))
+        self.assertEqual([layer.sample_at(frame) for frame in (-5, 1, 2, 7)], [1, 1, 2, 3])
+        for frame, file in enumerate(files, 1):
+            moment, truth = layer.moment(frame), read_lines(file)[0]
+            numpy.testing.assert_array_equal(moment.counts, truth["counts"])
+            numpy.testing.assert_allclose(moment.points, truth["points"], rtol=1e-6)
+            numpy.testing.assert_allclose(moment.radius, truth["radius"], rtol=1e-5)
+            numpy.testing.assert_allclose(moment.scalars["q"], truth["scalars"]["q"], rtol=1e-5)
+            numpy.testing.assert_allclose(moment.scalars["displayOpacity"], truth["opacity"], atol=1e-6)
+        self.outputs("vdblic_export", "lines.0002.vdb", "-o", "one.usda", "--up", "y")
+        one = usd_lines.Layer(self.folder / "one.usda")
+        self.assertEqual((one.frames, one.span[0], one.is_y_up), ([], 2, True))
+        self.assertEqual(len(one.moment(one.sample_at(9)).counts), len(layer.moment(2).counts))
+        text = (self.folder / "one.usda").read_text()
+        for change, told in (("points = ", "no lines"), ("widths = ", "no 'widths'"), ("[(", "do not have the points")):
+            by = "[(0, 0, 0), (" if change == "[(" else f"x{change}"
+            (self.folder / "wrong.usda").write_text(text.replace(change, by))
+            with self.assertRaisesRegex(usd_lines.LayerError, f"wrong.usda: .*{told}"):
+                wrong = usd_lines.Layer(self.folder / "wrong.usda")
+                wrong.moment(wrong.sample_at(2))
 
     def wait(self, job):
         while job.state == jobs.RUNNING:
@@ -179,27 +213,27 @@ class Modules(ToolTest):
         folder = self.folder / "out"
         recipe = commands.Recipe(str(self.folder / "v.%04d.vdb"), str(folder), "DENSE", refine=2)
         command = [str(BIN / "vdblic_advect"), *recipe.command()]
-        job = jobs.Job.start(folder, command, 8, recipe.output)
+        job = jobs.Job.start(folder, [command], 8, recipe.output)
         with self.assertRaisesRegex(jobs.JobError, "already going on"):
-            jobs.Job.start(folder, command, 8, recipe.output)
+            jobs.Job.start(folder, [command], 8, recipe.output)
         while len(job.finished) < 2:
             time.sleep(0.01)
         jobs.Job(folder).cancel()
         self.assertEqual(self.wait(jobs.Job(folder)), jobs.STOPPED)
         self.assertTrue((folder / "checkpoint.lic.vdb").is_file())
         first = self.contents("out/lic.0001.vdb")
-        job = jobs.Job.start(folder, command, 8, recipe.output)
+        job = jobs.Job.start(folder, [command], 8, recipe.output)
         self.assertEqual(self.wait(job), jobs.DONE)
         self.assertEqual((len(job.finished), self.contents("out/lic.0001.vdb")), (8, first))
         self.assertFalse(jobs.Job(self.folder).is_known)
 
     def test_what_fails_is_told_once(self):
-        job = jobs.Job.start(self.folder / "out", [str(BIN / "vdblic_advect"), "none.vdb", "-o", "x.vdb"], 1, "x.vdb")
+        job = jobs.Job.start(self.folder / "out", [[str(BIN / "vdblic_advect"), "none.vdb", "-o", "x.vdb"]], 1, "x.vdb")
         self.assertEqual(self.wait(job), jobs.FAILED)
         self.assertRegex(job.message, "^vdblic_advect: none.vdb: no such file")
         (self.folder / "file").touch()
         with self.assertRaisesRegex(jobs.JobError, "a run cannot be begun"):
-            jobs.Job.start(self.folder / "file", ["true"], 1, "x.vdb")
+            jobs.Job.start(self.folder / "file", [["true"]], 1, "x.vdb")
         with self.assertRaisesRegex(tools.ToolError, "not found in"):
             tools.check_tools(str(self.folder))
         self.assertIn("1.0.0, in", tools.check_tools(str(BIN)))

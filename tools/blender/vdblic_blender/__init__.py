@@ -17,9 +17,9 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import PointerProperty
 
-from . import importing, making, panels, preferences, showing
+from . import importing, lines, making, panels, preferences, showing
 
-CLASSES = [cls for module in (preferences, importing, showing, making, panels) for cls in module.CLASSES]
+CLASSES = [cls for module in (preferences, importing, lines, showing, making, panels) for cls in module.CLASSES]
 
 
 @persistent
@@ -32,7 +32,9 @@ def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Scene.vdblic = PointerProperty(type=making.VDBLIC_Settings)
-    bpy.types.TOPBAR_MT_file_import.append(importing.menu)
+    for module in importing, lines:
+        bpy.types.TOPBAR_MT_file_import.append(module.menu)
+    bpy.app.handlers.frame_change_pre.append(lines.follow)
     bpy.app.handlers.load_post.append(_look_again)
 
 
@@ -40,7 +42,9 @@ def unregister():
     if bpy.app.timers.is_registered(making.watch):
         bpy.app.timers.unregister(making.watch)
     bpy.app.handlers.load_post.remove(_look_again)
-    bpy.types.TOPBAR_MT_file_import.remove(importing.menu)
+    bpy.app.handlers.frame_change_pre.remove(lines.follow)
+    for module in importing, lines:
+        bpy.types.TOPBAR_MT_file_import.remove(module.menu)
     del bpy.types.Scene.vdblic
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -25,17 +25,27 @@ class Recipe:
     derived: tuple = ()
     about_velocity: tuple = ()  # options that the files do not tell: rate, time scale
     further: tuple = ()
+    lines: bool = False  # streaks as curves
 
     @property
     def output(self):
-        name = "streaks" if self.method == STREAKS else "lic"
+        name = "lic" if self.method != STREAKS else "lines" if self.lines else "streaks"
         return str(pathlib.Path(self.folder) / f"{name}.%04d.vdb")
+
+    @property
+    def layer(self):
+        """The layer of USD of the lines; nothing where there are none."""
+        return str(pathlib.Path(self.folder) / "lines.usda") if self.lines and self.method == STREAKS else ""
+
+    def export(self):
+        """The words after vdblic_export, which make the layer."""
+        return [self.output, "-o", self.layer, *(["--frames", self.frames, "--clamp-frames"] if self.frames else [])]
 
     def command(self):
         """The words after vdblic_advect. They go on where an earlier run ended."""
         words = [self.velocity, "-o", self.output, "--resume"]
         if self.method == STREAKS:
-            words += ["--method", "streaks"]
+            words += ["--method", "streaks", *(["--draw", "lines"] if self.layer else [])]
             words += ["--spacing", f"{self.spacing:g}"] if self.spacing else []
         words += ["--refine", str(self.refine)] if self.refine else []
         if self.method == DENSE and self.refine > 1:
@@ -43,7 +53,8 @@ class Recipe:
         words += ["--frames", self.frames, "--clamp-frames"] if self.frames else []
         words += ["--mask", self.mask] if self.mask else []
         words += ["--bbox-world", *(f"{x:.9g}" for x in self.box)] if self.box and not self.mask else []
-        words += ["--with", ",".join(self.derived)] if self.derived else []
+        derived = dict.fromkeys((*self.derived, *(("q",) if self.layer else ())))
+        words += ["--with", ",".join(derived)] if derived else []
         return [*words, *self.about_velocity, *self.further]
 
 
@@ -52,7 +63,7 @@ class Estimate:
     """What vdblic_info tells: memory [bytes] and processor time [s] of all frames, and its choice for streaks."""
 
     frames: int
-    voxels: int
+    voxels: int  # of the texture; of streaks those of the velocity
     memory: float
     seconds: float
     spacing: float = 0
@@ -61,9 +72,9 @@ class Estimate:
     def __str__(self):
         size = f"{self.memory / 2**30:.1f} GiB" if self.memory >= 2**30 else f"{self.memory / 2**20:.0f} MiB"
         time = f"{self.seconds / 60:.0f} min" if self.seconds >= 120 else f"{self.seconds:.1f} s"
-        return (
-            f"{self.frames} frames, {self.voxels / 1e6:.2g} million voxels: {size} of memory, {time} of processor time"
-        )
+        streaks = float(f"{self.voxels / self.spacing**3:.1g}") if self.spacing else 0
+        content = f"about {streaks:,.0f} streaks" if streaks else f"{self.voxels / 1e6:.2g} million voxels"
+        return f"{self.frames} frames, {content}: {size} of memory, {time} of processor time"
 
 
 def estimate(recipe, tools=""):

@@ -1,5 +1,6 @@
 """A sequence of volumes into the scene: right frames, place and orientation."""
 
+import itertools
 import math
 import pathlib
 
@@ -8,6 +9,8 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProp
 from bpy_extras.io_utils import ImportHelper
 from mathutils import Matrix, Vector
 
+from .framing import select_only, stage
+from .materials import forget_materials
 from .sequences import SequenceError, sequence_of
 from .showing import show
 from .vdb_header import DamagedFile, headers_of
@@ -34,6 +37,11 @@ def check(headers):
             there = ", ".join(grid.name or "without a name" for grid in header.grids) or "none"
             raise UnshowableError(f"{header.path}: no grid of numbers with a name to show; grids: {there}")
         grid = header.grid(texture)
+        if not grid.kind.startswith("Tree_float"):
+            raise UnshowableError(
+                f"{header.path}: '{texture}' has no voxels of numbers; if it has lines, import the layer that "
+                "vdblic_export -o flow.usda makes of them"
+            )
         if grid.matrix is None:
             raise UnshowableError(
                 f"{header.path}: grid '{texture}' has a frustum, which Blender draws blank; resample it "
@@ -86,30 +94,32 @@ def drawn_apart(texture, other):
     return (drawn_beside(other) - drawn_beside(texture)).length / size if size else 0
 
 
-def placement(header, up="AUTO", half=True, domain=None):
-    """The matrix of the object of a volume.
+def placement(header, up="AUTO", half=True, domain=None, lines=False):
+    """The matrix of the object of a volume, or of lines, whose speed is on the velocity's voxels.
 
     Its values lie where OpenVDB has them. On a Mantaflow domain they lie in the domain, whose cells begin at its
     corner.
     """
-    grid = header.grid(header.texture)
-    shift = -drawn_beside(grid) if half or domain else Vector()
+    grid = header.grid("magnitude" if lines else header.texture)
+    shift = -drawn_beside(grid) if (half or domain) and not lines else Vector()
     base = Matrix.Identity(4)
     if domain:
         turn = domain.matrix_world.to_quaternion().to_matrix().to_4x4()
         base = Matrix.Translation(domain.matrix_world @ Vector(domain.bound_box[0])) @ turn
-        coarse = [Vector(axis) * count for axis, count in zip(grid.matrix[:3], header.refinement)]
+        counts = (1, 1, 1) if lines else header.refinement
+        coarse = [Vector(axis) * count for axis, count in zip(grid.matrix[:3], counts)]
         shift += sum(coarse, Vector()) / 2
     elif up == "Y" or up == "AUTO" and header.is_y_up:
         base = Matrix.Rotation(math.pi / 2, 4, "X")
     return base @ Matrix.Translation(shift)
 
 
-def import_volume(context, path, up="AUTO", half=True, domain=None):
+def import_volume(context, path, up="AUTO", half=True, domain=None, again=None):
     """Add a file's sequence to the scene, each file at the frame of its number.
 
-    Nothing is added unless all is well. Returns the object, the first file's header, and warnings.
+    Nothing is added unless all is well. Returns the object, the first file's header, what was added, and warnings.
     Raises SequenceError, DamagedFile, UnshowableError, OSError.
+    @param again  an object that shows it in place of what it shows
     """
     sequence = sequence_of(path)
     headers = headers_of(sequence.files)
@@ -121,8 +131,17 @@ def import_volume(context, path, up="AUTO", half=True, domain=None):
         data.is_sequence = True
         data.frame_duration = len(sequence.files)
         data.frame_start, data.frame_offset = sequence.first, sequence.first - 1
-    volume = bpy.data.objects.new(name, data)
-    context.collection.objects.link(volume)
+    if again:
+        forget_materials(again)
+        old, volume = again.data, again
+        again.data = data
+        if not old.users:
+            bpy.data.volumes.remove(old)
+        if bpy.app.version >= (5, 0, 0):
+            warnings.append(f"{path}: this Blender shows the voxels that it first read from a file until it is started anew")
+    else:
+        volume = bpy.data.objects.new(name, data)
+        context.collection.objects.link(volume)
     volume.matrix_world = placement(headers[0], up, half, domain)
     data["vdblic"] = headers[0].texture
     if headers[0].velocity:
@@ -130,14 +149,19 @@ def import_volume(context, path, up="AUTO", half=True, domain=None):
         rate = context.scene.render.fps / context.scene.render.fps_base
         data.velocity_unit = "SECOND"  # Blender finds the grid by its name when it loads the file
         data.velocity_scale = (headers[0].dt or 1 / rate) * rate
-    return volume, headers[0], warnings
+    told = ""
+    if not again:
+        grids = [header.grid(header.texture) for header in headers]
+        corners = [volume.matrix_world @ Vector(grid.to_world(corner)) for grid in grids for corner in corners_of(grid)]
+        frames = (sequence.first, sequence.last) if data.is_sequence else ()
+        told, hidden = stage(context, volume, corners or [volume.matrix_world.translation], *frames, domain=domain)
+        warnings += hidden
+    return volume, headers[0], told, warnings
 
 
-def select_only(context, thing):
-    for other in context.view_layer.objects:
-        other.select_set(False)
-    thing.select_set(True)
-    context.view_layer.objects.active = thing
+def corners_of(grid):
+    """The corners of a grid's box in index space; none where it has no voxels."""
+    return list(itertools.product(*zip(*grid.box))) if grid.box else []
 
 
 class VDBLIC_OT_import_sequence(bpy.types.Operator, ImportHelper):
@@ -173,7 +197,7 @@ class VDBLIC_OT_import_sequence(bpy.types.Operator, ImportHelper):
         if self.files and self.files[0].name:
             path = str(pathlib.Path(self.directory) / self.files[0].name)
         try:
-            volume, header, warnings = import_volume(context, path, self.up, self.half, domain)
+            volume, header, told, warnings = import_volume(context, path, self.up, self.half, domain)
         except (SequenceError, DamagedFile, UnshowableError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -186,6 +210,7 @@ class VDBLIC_OT_import_sequence(bpy.types.Operator, ImportHelper):
             )
         if self.material:
             warnings += show(context, volume, header)
+        self.report({"INFO"}, told)
         for warning in warnings:
             self.report({"WARNING"}, warning)
         return {"FINISHED"}

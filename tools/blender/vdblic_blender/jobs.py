@@ -8,14 +8,15 @@ one after a file was opened, finds it again.
 import json
 import os
 import pathlib
+import shlex
 import signal
 import subprocess
 
 from .tools import last_error
 
 RUNNING, DONE, STOPPED, FAILED = "RUNNING", "DONE", "STOPPED", "FAILED"
-# The shell waits for the tool, which gets the signals of the group itself, and leaves its status.
-_SHELL = 'trap : TERM; status=$1; shift; "$@"; echo $? > "$status"'
+# The shell waits for the tools, which get the signals of the group itself, and leaves its status.
+_SHELL = 'trap : TERM; eval "$2"; echo $? > "$1"'
 _children = []
 
 
@@ -32,8 +33,12 @@ class Job:
             self._told = {}
 
     @classmethod
-    def start(cls, folder, command, total, output):
-        """Begin a run. @param command  tool and words  @param total  number of frames  Raises JobError."""
+    def start(cls, folder, commands, total, output, layer=""):
+        """Begin a run. Raises JobError.
+
+        @param commands  each a tool and words: the one that tells its files, and those that follow it
+        @param total  number of frames  @param output, layer  what is shown at its end: a pattern, a layer of lines
+        """
         job = cls(folder)
         if job.state == RUNNING:
             raise JobError(f"{folder}: a run is already going on there; cancel it or choose another folder")
@@ -41,10 +46,12 @@ class Job:
             job.folder.mkdir(parents=True, exist_ok=True)
             for name in "status", "paths":
                 job._file(name).unlink(missing_ok=True)
-            told = {"command": command, "total": total, "output": output}
+            first, *others = map(shlex.join, commands)
+            script = " && ".join([first, *(f"{other} >&2" for other in others)])
+            told = {"command": script, "total": total, "output": output, "layer": layer}
             job._write(told | {"process": 0, "born": 0})
             with open(job._file("paths"), "wb") as paths, open(job._file("log"), "wb") as log:
-                shell = ["/bin/sh", "-c", _SHELL, "sh", str(job._file("status")), *command]
+                shell = ["/bin/sh", "-c", _SHELL, "sh", str(job._file("status")), script]
                 child = subprocess.Popen(
                     shell, stdin=subprocess.DEVNULL, stdout=paths, stderr=log, start_new_session=True
                 )
@@ -66,12 +73,17 @@ class Job:
         return self._told.get("output", "")
 
     @property
+    def layer(self):
+        """The layer of the lines, or nothing."""
+        return self._told.get("layer", "")
+
+    @property
     def total(self):
         return self._told.get("total", 0)
 
     @property
     def command(self):
-        return self._told.get("command", [])
+        return self._told.get("command", "")
 
     @property
     def log(self):

@@ -38,6 +38,7 @@ LOOKS = {
     "SMOKE": Look(GRAY, 0.05, (0.004, 0.006, 0.010)),
     "XRAY": Look(ICE, 0.8, (0.004, 0.006, 0.010), 0.3),
 }
+LOOK_ITEMS = tuple((name, name.title(), f"Colours and light of the look {name.lower()}") for name in LOOKS)
 
 
 def linear(color):

@@ -7,17 +7,21 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 from .blend_paths import absolute
 from .commands import Recipe, estimate
-from .importing import UnshowableError, import_volume, select_only
+from .framing import select_only
+from .importing import import_volume, placement
 from .jobs import DONE, FAILED, RUNNING, STOPPED, Job, JobError
+from .lines import import_lines
 from .mantaflow import NotBaked, cache_of
-from .masks import MaskError, mask_of
+from .masks import mask_of
 from .preferences import tools_folder
 from .sequences import SequenceError, frames_of, pattern_of
-from .showing import LOOK_ITEMS, prepare_render, show
+from .looks import LOOK_ITEMS
+from .showing import prepare_render, show
 from .tools import ToolError, check_tools, find_tool
-from .vdb_header import DamagedFile
+from .vdb_header import read_header
 
-ERRORS = (ToolError, JobError, NotBaked, MaskError, SequenceError, DamagedFile, UnshowableError, ValueError, OSError)
+ERRORS = (ToolError, JobError, ValueError, OSError)  # those of files, sequences, masks and caches are ValueErrors
+MADE = "vdblic_made"  # property of an object: the run's textures that it shows
 INTERVAL = 0.5  # seconds between looks at a run
 _problems = []  # errors of the background, shown by the panel
 
@@ -51,6 +55,13 @@ class VDBLIC_Settings(bpy.types.PropertyGroup):
         items=(
             ("STREAKS", "Streaks", "Lines with heads and tails, and nothing between: for films"),
             ("DENSE", "Dense", "A line in every voxel: for surfaces and fine structure"),
+        ),
+    )
+    draw: EnumProperty(
+        name="Draw",
+        items=(
+            ("LINES", "Lines", "Hair: crisp from near, light"),
+            ("VOLUME", "Volume", "Voxels: for other renderers of volumes"),
         ),
     )
     spacing: FloatProperty(
@@ -110,6 +121,7 @@ def recipe_of(context, settings):
             raise SequenceError(f"{absolute(settings.velocity)}: no such file; choose one that is there")
     folder = absolute(settings.folder)
     recipe = Recipe(velocity, folder, settings.method, settings.spacing, settings.refine, about_velocity=tuple(about))
+    recipe.lines = settings.draw == "LINES"
     if settings.scene_range and frames[0] is not None:
         recipe.frames = f"{scene.frame_start}-{scene.frame_end}"
         frames = [frame for frame in frames if scene.frame_start <= frame <= scene.frame_end]
@@ -120,7 +132,7 @@ def recipe_of(context, settings):
         options, warning = mask_of(context, settings.mask, first, domain, folder)
         recipe.mask, recipe.box = options.get("mask", ""), options.get("box", ())
         warnings += [warning] if warning else []
-    if settings.motion_blur:
+    if settings.motion_blur and not recipe.layer:
         recipe.derived = ("velocity",)
     if frames[0] is None:
         recipe.further = ("--steady-frames", "1")
@@ -141,12 +153,19 @@ def show_result(context, settings, job):
     if settings.shown == job.output or not job.finished:
         return []
     domain = settings.domain if settings.source == "DOMAIN" else None
-    volume, header, warnings = import_volume(context, job.finished[0], domain=domain)
-    select_only(context, volume)
-    warnings += show(context, volume, header, look=settings.look)
-    prepare_render(context, [volume])
-    if header.velocity:
-        context.scene.render.use_motion_blur = True
+    earlier = next((thing for thing in context.scene.objects if thing.get(MADE) == job.output), None)
+    if job.layer:
+        matrix = placement(read_header(job.finished[0]), domain=domain, lines=True) if domain else None
+        thing, _, warnings = import_lines(context, job.layer, settings.look, matrix, earlier, domain)
+        prepare_render(context, [])
+    else:
+        thing, header, _, warnings = import_volume(context, job.finished[0], domain=domain, again=earlier)
+        warnings += show(context, thing, header, look=settings.look)
+        prepare_render(context, [thing])
+        if header.velocity:
+            context.scene.render.use_motion_blur = True
+    thing[MADE] = job.output
+    select_only(context, thing)
     settings.shown = job.output
     return warnings
 
@@ -227,8 +246,10 @@ class VDBLIC_OT_make(_Operator, bpy.types.Operator):
         try:
             check_tools(tools_folder())
             recipe, count, warnings = recipe_of(context, settings)
-            command = [find_tool("vdblic_advect", tools_folder()), *recipe.command()]
-            job = Job.start(recipe.folder, command, count, recipe.output)
+            commands = [[find_tool("vdblic_advect", tools_folder()), *recipe.command()]]
+            if recipe.layer:
+                commands.append([find_tool("vdblic_export", tools_folder()), *recipe.export()])
+            job = Job.start(recipe.folder, commands, count, recipe.output, recipe.layer)
             settings.shown = ""
             if self.wait:
                 while job.state == RUNNING:
@@ -291,7 +312,7 @@ class VDBLIC_OT_log(_Operator, bpy.types.Operator):
             return self.refuse("there is no log; make a texture first")
         text = bpy.data.texts.get("vdblic.log") or bpy.data.texts.new("vdblic.log")
         text.clear()
-        text.write(" ".join(job.command) + "\n\n" + job.log.read_text(encoding="utf-8", errors="replace"))
+        text.write(job.command + "\n\n" + job.log.read_text(encoding="utf-8", errors="replace"))
         return {"FINISHED"}
 
 

@@ -3,6 +3,7 @@
 import bpy
 
 from .jobs import DONE, FAILED, RUNNING, STOPPED
+from .line_nodes import key_of, lines_modifier
 from .making import job_of, problems
 from .materials import flow_node
 
@@ -15,11 +16,13 @@ def draw_make(layout, context):
     layout.prop(settings, "domain" if settings.source == "DOMAIN" else "velocity")
     layout.prop(settings, "method")
     if settings.method == "STREAKS":
+        layout.prop(settings, "draw", expand=True)
         layout.prop(settings, "spacing")
     layout.prop(settings, "refine")
     layout.prop(settings, "mask")
     layout.prop(settings, "scene_range")
-    layout.prop(settings, "motion_blur")
+    if settings.method == "DENSE" or settings.draw == "VOLUME":
+        layout.prop(settings, "motion_blur")
     layout.prop(settings, "look")
     layout.prop(settings, "folder")
     layout.operator("vdblic.estimate", icon="INFO")
@@ -56,14 +59,21 @@ def draw_job(layout, context, settings):
 
 
 def draw_show(layout, context):
-    volume = context.object
+    thing = context.object
     layout.use_property_split = True
     layout.use_property_decorate = False
-    layout.operator("vdblic.show", icon="SHADING_RENDERED")
-    material = volume.data.materials[0] if volume.data.materials else None
-    node = flow_node(material)
+    lines = lines_modifier(thing)
+    if lines:
+        layout.operator("vdblic.show_lines", icon="SHADING_RENDERED")
+        for name in "Select", "Select By", "Least", "Thickness":
+            layout.prop(lines, f'["{key_of(lines, name)}"]', text=name)
+        layout.prop_search(lines, f'["{key_of(lines, "Box")}"]', bpy.data, "objects", text="Box")
+    else:
+        layout.operator("vdblic.show", icon="SHADING_RENDERED")
+    node = flow_node(thing.data.materials[0] if thing.data.materials else None)
     if node:
-        layout.operator("vdblic.color_by", icon="COLOR")
+        if not lines:
+            layout.operator("vdblic.color_by", icon="COLOR")
         for socket in node.inputs:
             if not socket.is_linked:
                 layout.prop(socket, "default_value", text=socket.name)
@@ -99,7 +109,8 @@ class VDBLIC_PT_make(bpy.types.Panel):
 class _OfVolume:
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.type == "VOLUME"
+        thing = context.object
+        return thing is not None and (thing.type == "VOLUME" or lines_modifier(thing) is not None)
 
     def draw(self, context):
         draw_show(self.layout, context)
