@@ -34,9 +34,9 @@ gallery() {
 
 # streaks NAME VELOCITY FRAMES SPACING OPTIONS...: a picture of the last of FRAMES.
 streaks() {
-    texture "$1-streaks" "$2" --method streaks --frames "$3" --spacing $4 --refine $5
+    texture "$1-streaks" "$2" --method streaks --draw lines --frames "$3" --spacing $4
     "$tools/vdblic_render" "$out/$1-streaks.%04d.vdb" -o "$out/$1-streaks.%04d.png" -q --size 1280 800 --samples 4 \
-        --frames "${3#*-}" "${@:6}" >"$out/picture.txt"
+        --frames "${3#*-}" "${@:5}" >"$out/picture.txt"
     ffmpeg -loglevel error -y -i "$(cat "$out/picture.txt")" -q:v 2 "$images/$1-streaks.jpg"
 }
 
@@ -45,7 +45,7 @@ gallery wake "Wake of a square prism" --frames 12 --solid domain
 "$tools/vdblic_render" "$out/wake.%04d.vdb" -o "$out/wake-paper.%04d.png" -q --size 1280 800 --samples 4 --frames 12 \
     --look paper --opacity-by q --solid domain --ground below --annotate box,axes,colorbar >>"$out/log.txt"
 ffmpeg -loglevel error -y -i "$out/wake-paper.0012.png" -q:v 2 "$images/wake-paper.jpg"
-streaks wake samples/wake/wake.%04d.vdb 1-12 1.5 8 --opacity-by q --solid domain --ground below
+streaks wake samples/wake/wake.%04d.vdb 1-12 1.5 --opacity-by q --solid domain --ground below
 
 # Where the air of two parts of the inflow goes.
 /usr/bin/python3 - samples/wake/wake.0001.vdb "$out/inlets.vdb" <<'END'
@@ -58,7 +58,7 @@ for name, low, high in ("floor", (10, 8, 0), (14, 41, 4)), ("prism", (10, 21, 5)
     grids[-1].fill(low, high, True)
 vdb.write(sys.argv[2], grids)
 END
-texture wake-sources samples/wake/wake.%04d.vdb --method streaks --frames 1-16 --spacing 1.5 --refine 8 \
+texture wake-sources samples/wake/wake.%04d.vdb --method streaks --draw lines --frames 1-16 --spacing 1.5 \
     --source "near the floor=$out/inlets.vdb:floor" --source "at the prism=$out/inlets.vdb:prism"
 "$tools/vdblic_render" "$out/wake-sources.0016.vdb" -o "$out/wake-sources.png" -q --size 1280 800 --samples 4 \
     --color-by source --annotate colorbar --solid domain --ground below >>"$out/log.txt"
@@ -67,7 +67,7 @@ ffmpeg -loglevel error -y -i "$out/wake-sources.png" -q:v 2 "$images/wake-source
 "$tools/vdblic_synth" ring -o "$out/v.%04d.vdb" --size 96 64 64 --frames 1-12 -q >>"$out/log.txt"
 texture ring "$out/v.%04d.vdb" --refine 2
 gallery ring "Vortex ring" --frames 10
-streaks ring "$out/v.%04d.vdb" 1-10 2 6 --opacity-by q --ground below
+streaks ring "$out/v.%04d.vdb" 1-10 2 --opacity-by q --ground below
 
 if [ ! -d "$out/smoke/data" ]; then
     blender -b --factory-startup --python-exit-code 9 --python tests/cli/blender/bake_smoke.py -- "$out/smoke" 96 38 \
@@ -79,7 +79,7 @@ gallery smoke "Rising smoke" --frames 38
 if [ -n "$data" ]; then
     texture era "$data/era5_west_europe/era5.%04d.vdb" --frames 1-12 --refine 4 4 2
     gallery era "Winds over western Europe" --frames 10 --stretch 1 1 30 --solid domain
-    streaks era "$data/era5_west_europe/era5.%04d.vdb" 1-10 "1.6 1.6 5" "8 8 3" --stretch 1 1 30 --solid domain
+    streaks era "$data/era5_west_europe/era5.%04d.vdb" 1-10 "1.6 1.6 5" --stretch 1 1 30 --solid domain
 
     film() { "$tools/vdblic_film" "$data/wake/wake.%04d.vdb" -o "$images/$1" -q --size 960 540 --orbit 0.12 "${@:2}"; }
     film wake.mp4 >>"$out/log.txt"

@@ -56,21 +56,20 @@ void LookBasis::addVolume(const TextureVolume& volume, bool isSparse, Exchange& 
     thickness = std::max(thickness, std::min(std::cbrt(active * share * share), kOblique * narrowest));
 }
 
-/// Tubes are clear: a path through them may be this much deeper.
 void LookBasis::addTubes(const Tubes& tubes)
 {
-    constexpr double kClear = 4;
     samples.append(tubes.samples());
-    thickness = std::max(thickness, tubes.crossings() / kClear);
+    thickness = std::max(thickness, tubes.crossings());
     ofLines = true;
 }
 
 Look LookBasis::choose(const PicturePlan& plan) const
 {
     try {
+        constexpr double kCrisp = 4; // times the optical depth of voxels, except where lines of no kind hide the others
         LookParams open = plan.look;
         open.transfer.kinds = kinds;
-        Look look = chooseLook(open, samples, thickness, ofLines);
+        Look look = chooseLook(open, samples, ofLines && kinds.empty() ? thickness / kCrisp : thickness, ofLines);
         look.background = plan.background;
         return look;
     } catch (const InputError& error) {

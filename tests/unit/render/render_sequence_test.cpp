@@ -280,7 +280,7 @@ TEST_F(RenderSequence, WarnsOfVoxelsThatAreNoNumbers)
     write(1, {grid});
     const Recorder recorder = render();
     ASSERT_EQ(recorder.warned.size(), 1u);
-    EXPECT_NE(recorder.warned[0].find("1 voxels"), std::string::npos);
+    EXPECT_NE(recorder.warned[0].find("1 values"), std::string::npos);
 }
 
 TEST_F(RenderSequence, NamesFileAndGridOfABadInput)
