@@ -49,7 +49,7 @@ constinit const TextureMethod kStreaks{
 StreakCost streakCost(const StreakShape& shape, StreakForm form, double voxels, double leaves,
                       const openvdb::CoordBBox& box)
 {
-    constexpr double kDrawn = 90, kSeconds = 1.86e-7;     // for the square of the texture voxels in a spacing, a streak
+    constexpr double kDrawn = 90, kSeconds = 1.86e-7;   // for the square of the texture voxels in a spacing, a streak
     constexpr double kLine = 1600, kLineSeconds = 8e-6; // a streak
     double cells = voxels, inCell = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
