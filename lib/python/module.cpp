@@ -72,7 +72,7 @@ void writeVolume(const std::filesystem::path& path, const py::list& dictionaries
     const openvdb::GridCPtrVec grids(volume.grids.begin(), volume.grids.end());
     for (const auto& grid : volume.grids)
         grid->setSaveFloatAsHalf(half);
-    const VdbCompression kind = valueOf<VdbCompression>(compression);
+    const auto kind = valueOf<VdbCompression>(compression);
     const py::gil_scoped_release release;
     writeVdb(path, grids, volume.metadata, kind);
 }

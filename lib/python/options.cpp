@@ -25,8 +25,9 @@ ParameterError refusal(const Parameter& parameter, const py::handle& value)
     const bool isOneText = parameter.type == WordType::kText && parameter.choices.empty() && !parameter.isList();
     const std::string kind(isOneText && !parameter.info.words.empty() ? parameter.info.words : parameter.kind());
     const py::str line = py::str(" ").attr("join")(py::repr(value).attr("split")());
-    return ParameterError(
+    ParameterError error(
         fmt::format("`{}` cannot be {:.100}; it is {}", parameter.key, line.cast<std::string>(), kind));
+    return error;
 }
 
 /// The parameters with keywords that are not their keys.
