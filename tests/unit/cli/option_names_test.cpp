@@ -26,7 +26,7 @@ TEST(OptionNames, FollowTheSpellingOfTheTool)
               "give --dt, --life or --bbox-world to --output");
     EXPECT_EQ(withOptionNames("choose with `texture_name`", ofAdvect), "choose with --texture-name");
     SequenceCoherenceParams measured;
-    EXPECT_EQ(withOptionNames("choose with `texture_name`", parametersOf(measured)), "choose with --texture");
+    EXPECT_EQ(withOptionNames("choose with `texture`", parametersOf(measured)), "choose with --texture");
 }
 
 TEST(OptionNames, NameTheToolThatHasAnOption)
