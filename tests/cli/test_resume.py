@@ -356,7 +356,7 @@ class Resume(ToolTest):
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--parameters",
                 "--steady-frames", "--scratch"}
-        of_streaks = {"--spacing": 3, "--tail": 2.5, "--emit": mask, "--emit-box": (0, 0, 0, 9, 9, 9), "--source": f"air={mask}"}
+        of_streaks = {"--spacing": 3, "--tail": 2.5, "--draw": "lines", "--emit": mask, "--emit-box": (0, 0, 0, 9, 9, 9), "--source": f"air={mask}"}
         of_ibfv = {"--alpha": 0.2}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
         self.assertEqual(listed, set(changes) | set(of_streaks) | set(of_ibfv) | free)
