@@ -103,7 +103,7 @@ class FarVoxels(ToolTest):
             (self.folder / far).unlink()
 
     def test_points(self):
-        self.outputs("vdblic_advect", "flow.vdb", "-o", "lines.vdb", "--method", "streaks", "--with", "streaks")
+        self.outputs("vdblic_advect", "flow.vdb", "-o", "lines.vdb", "--method", "streaks", "--draw", "lines")
         data = self.contents("lines.vdb")
         walk = vdb_bytes.Walk(data)
         begin, end = walk.grids[walk.kinds.index("Tree_ptdataidx32_5_4_3")]

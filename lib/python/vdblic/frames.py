@@ -86,7 +86,10 @@ def waiting(teller: Teller, parent: Path | None = None) -> Iterator[str]:
         try:
             yield folder
         except ValueError as error:
-            raise type(error)(without_files(str(error), folder)) from None
+            told = without_files(str(error), folder)
+            if told == str(error):
+                raise
+            raise ValueError(told) from None
 
 
 def stored(
