@@ -178,7 +178,9 @@ void intersect(const RTCIntersectFunctionNArguments* arguments)
 /// Of the process. Scenes hold it, too.
 RTCDevice device()
 {
-    static const std::shared_ptr<RTCDeviceTy> made(rtcNewDevice(nullptr), [](RTCDevice old) { rtcReleaseDevice(old); });
+    constexpr const char* kNoCache = "tessellation_cache_size=0"; // for subdivision surfaces; else 128 MiB
+    static const std::shared_ptr<RTCDeviceTy> made(rtcNewDevice(kNoCache),
+                                                   [](RTCDevice old) { rtcReleaseDevice(old); });
     if (!made) throw ParameterError("Embree cannot start here; show voxels, with `texture` density");
     return made.get();
 }
