@@ -103,9 +103,7 @@ def main():
         print("\n| pictures of the wake, 1600 × 900, four rays a pixel | drawn as | seconds | memory [MB] |\n|---|---|---|---|")
         for form in "voxels", "lines":
             textures(wake, "12", "--spacing", 1.5, "--tail", 3, "--refine", 8, "--with", "q", "--draw", form)
-            for name, *options in (("all of it",), ("`--opacity-by q`", "--opacity-by", "q"),
-                                   ("the same, `--solid domain --ground below`", "--opacity-by", "q", "--solid", "domain", "--ground",
-                                    "below")):
+            for name, *options in ("all of it",), ("`--opacity-by q`", "--opacity-by", "q"):
                 costs = [run(tools / "vdblic_render", "s.0012.vdb", "-o", "p.png", "--size", 1600, 900, "--samples", 4, *options)
                          for _ in range(3)]
                 seconds, memory = numpy.median(costs, axis=0)
