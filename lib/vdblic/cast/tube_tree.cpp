@@ -1,7 +1,6 @@
 #include "vdblic/cast/tube_tree.h"
 
 #include "vdblic/cast/lanes.h"
-#include "vdblic/core/errors.h"
 
 #include <embree3/rtcore.h>
 #include <glm/common.hpp>
@@ -10,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <numbers>
 #include <optional>
 
@@ -181,7 +181,7 @@ RTCDevice device()
     constexpr const char* kNoCache = "tessellation_cache_size=0"; // for subdivision surfaces; else 128 MiB
     static const std::shared_ptr<RTCDeviceTy> made(rtcNewDevice(kNoCache),
                                                    [](RTCDevice old) { rtcReleaseDevice(old); });
-    if (!made) throw ParameterError("Embree cannot start here; show voxels, with `texture` density");
+    if (!made) throw std::bad_alloc(); // what else it needs, any processor has
     return made.get();
 }
 
@@ -208,6 +208,7 @@ TubeTree::TubeTree(const Tubes& tubes, const Look& look)
     rtcAttachGeometry(mScene.get(), geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(mScene.get());
+    if (rtcGetDeviceError(device()) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
 float TubeTree::alpha(float driver, float opacity) const

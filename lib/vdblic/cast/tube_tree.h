@@ -18,6 +18,7 @@ namespace vdblic {
 class TubeTree {
   public:
     /// @param tubes must outlive this
+    /// @throws std::bad_alloc if Embree has too little memory
     TubeTree(const Tubes& tubes, const Look& look);
 
     [[nodiscard]] const Tubes& tubes() const { return mTubes; }
