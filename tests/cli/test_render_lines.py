@@ -90,6 +90,30 @@ class RenderLines(RenderTest):
         for part in ("n.2.vdb", "not finite", "nothing to see"):
             self.assertIn(part, told.stderr)
 
+    def test_air_at_rest(self):
+        """Its lines are dots, which no speed makes visible; age does."""
+        velocity = vdb.Vec3SGrid()
+        velocity.name = "velocity"
+        velocity.copyFromArray(numpy.full((16, 16, 16, 3), 1e-30, numpy.float32))
+        vdb.write(str(self.folder / "v.1.vdb"), [velocity])
+        self.outputs("vdblic_advect", "v.1.vdb", "--dt", 1, "--method", "streaks", "--draw", "lines", "--spacing", 3, "-o", "r.1.vdb")
+        done = self.run_tool("vdblic_render", "r.1.vdb", "-o", "a.png", "--size", 80, 60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("show nothing", done.stderr)
+        self.renders("r.1.vdb", "-o", "b.exr", "--size", 80, 60, "--by", "age", "--opacity", "0:1,1:1")
+        self.assertTrue((self.pixels("b.exr", "A")[0] > 0).any())
+
+    def test_no_air_at_all(self):
+        velocity = vdb.Vec3SGrid()
+        velocity.name = "velocity"
+        vdb.write(str(self.folder / "v.1.vdb"), [velocity])
+        for form in "voxels", "lines":
+            with self.subTest(form):
+                self.outputs("vdblic_advect", "v.1.vdb", "--dt", 1, "--method", "streaks", "--draw", form, "--spacing", 3, "-o", "e.1.vdb")
+                done = self.run_tool("vdblic_render", "e.1.vdb", "-o", "a.png", "--size", 80, 60)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("nothing to see", done.stderr)
+
     def test_frames_share_a_view(self):
         """And a histogram beside a picture does not change it."""
         self.lines()

@@ -112,8 +112,9 @@ float Tubes::valueAt(const std::vector<float>& values, std::uint32_t first, floa
 double Tubes::length(std::uint32_t cone) const
 {
     const Point* const ends = points(cone);
-    return double(
-        glm::distance(glm::vec3(ends[0].x, ends[0].y, ends[0].z), glm::vec3(ends[1].x, ends[1].y, ends[1].z)));
+    const float way =
+        glm::distance(glm::vec3(ends[0].x, ends[0].y, ends[0].z), glm::vec3(ends[1].x, ends[1].y, ends[1].z));
+    return double(way + (mCones[cone].hasNext ? 0 : 2 * ends[1].radius));
 }
 
 VolumeSamples Tubes::samples() const

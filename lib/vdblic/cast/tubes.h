@@ -82,7 +82,8 @@ class Tubes : public PlacedBox {
 
   private:
     void place(const Lines& lines, double perRadius);
-    [[nodiscard]] double length(std::uint32_t cone) const; // in the tubes' own space
+    /// In the tubes' own space; of a line's last cone with that of a cylinder whose shadow is the ends'.
+    [[nodiscard]] double length(std::uint32_t cone) const;
 
     std::vector<Point> mPoints;
     std::vector<float> mOpacities;

@@ -167,7 +167,7 @@ std::vector<float> scalarOf(const Lines& lines, const std::string& name, const V
             std::fill(values.begin() + line.begin, values.begin() + line.end, float(line.source));
         return values;
     }
-    if (name == kLineAge) return lines.ages;
+    if (name == kLineAge || lines.lines.empty()) return lines.ages; // without points there are no scalars
     std::vector<std::string> names{kLineAge, kSourceGrid};
     for (const Lines::Scalar& scalar : lines.scalars) {
         if (scalar.name == name) return scalar.values;
