@@ -39,7 +39,7 @@ struct TextureMethod {
     /// Default of the frames on disk that are computed before the selected ones.
     int (*leadIn)(const MethodParams& params);
 
-    std::unique_ptr<FlowTexture> (*make)(const MethodParams& params, MethodInput input);
+    std::unique_ptr<FlowTexture> (*make)(const MethodParams& params, MethodInput&& input);
 
     /// Add the parameters that determine its textures to a texture file's metadata.
     void (*describe)(const MethodParams& params, openvdb::MetaMap& metadata);

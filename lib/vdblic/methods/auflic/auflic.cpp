@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kParticleBytes = 30;
 
-std::unique_ptr<FlowTexture> makeScattered(const MethodParams& params, MethodInput input)
+std::unique_ptr<FlowTexture> makeScattered(const MethodParams& params, MethodInput&& input)
 {
     return std::make_unique<ScatteredTexture>(params.texture, std::move(input.noise));
 }

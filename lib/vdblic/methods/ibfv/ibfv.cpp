@@ -24,7 +24,7 @@ constinit const TextureMethod kIbfv{
     .blends = true,
     .preroll = settlingFrames,
     .leadIn = twoLifeSpansOf,
-    .make = [](const MethodParams& params, MethodInput input) -> std::unique_ptr<FlowTexture> {
+    .make = [](const MethodParams& params, MethodInput&& input) -> std::unique_ptr<FlowTexture> {
         return std::make_unique<IbfvTexture>(params.texture, params.backward, std::move(input.noise));
     },
     .describe = describeBlended,

@@ -20,7 +20,7 @@ constinit const TextureMethod kLea{
     .blends = true,
     .preroll = settlingFrames,
     .leadIn = twoLifeSpansOf,
-    .make = [](const MethodParams& params, MethodInput input) -> std::unique_ptr<FlowTexture> {
+    .make = [](const MethodParams& params, MethodInput&& input) -> std::unique_ptr<FlowTexture> {
         return std::make_unique<LeaTexture>(params.texture, params.backward, std::move(input.noise));
     },
     .describe = describeBlended,

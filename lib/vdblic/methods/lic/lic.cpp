@@ -23,7 +23,7 @@ constinit const TextureMethod kLic{
     .isSteady = true,
     .preroll = noFrames,
     .leadIn = noFrames,
-    .make = [](const MethodParams& params, MethodInput input) -> std::unique_ptr<FlowTexture> {
+    .make = [](const MethodParams& params, MethodInput&& input) -> std::unique_ptr<FlowTexture> {
         return std::make_unique<SteadyTexture>(params.texture, std::move(input.noise));
     },
     .describe = describeLifeSpan,

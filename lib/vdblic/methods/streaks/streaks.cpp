@@ -39,7 +39,7 @@ constinit const TextureMethod kStreaks{
     .isSparse = true,
     .preroll = [](const MethodParams& /*params*/) { return kStreakSettling; },
     .leadIn = tailAndSettling,
-    .make = [](const MethodParams& params, MethodInput input) -> std::unique_ptr<FlowTexture> {
+    .make = [](const MethodParams& params, MethodInput&& input) -> std::unique_ptr<FlowTexture> {
         return std::make_unique<StreakTexture>(params.texture, params.streaks, input.refinement, input.seed);
     },
     .describe = [](const MethodParams& /*params*/, openvdb::MetaMap& /*metadata*/) {}, // each texture has its shape

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/methods/streaks/streak_params.h"
 #include "vdblic/methods/texture_method.h"
 
 #include <openvdb/openvdb.h>

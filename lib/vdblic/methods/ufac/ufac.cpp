@@ -19,7 +19,7 @@ constinit const TextureMethod kUfac{
     .text = "moved noise, convolved along the streamlines of each frame",
     .preroll = lifeSpanOf,
     .leadIn = twoLifeSpansOf,
-    .make = [](const MethodParams& params, MethodInput input) -> std::unique_ptr<FlowTexture> {
+    .make = [](const MethodParams& params, MethodInput&& input) -> std::unique_ptr<FlowTexture> {
         return std::make_unique<UfacTexture>(params.texture, std::move(input.noise));
     },
     .describe = describeLifeSpan,
