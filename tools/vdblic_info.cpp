@@ -1,6 +1,8 @@
 #include "cli/option_names.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/printable.h"
+#include "vdblic/film/film_plan.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/frame_pattern.h"
 #include "vdblic/io/input_files.h"
@@ -13,16 +15,42 @@
 #include <string>
 #include <vector>
 
+namespace {
+
+using namespace vdblic;
+
+/// Commands that show a velocity, each with a word before it.
+std::vector<std::string> commandsFor(const SequenceInfo& info, const SequenceParams& input)
+{
+    if (!info.velocity || !info.damaged.empty()) return {};
+    const std::string frames = input.frames.empty() ? "" : " --frames " + shellWord(input.frames);
+    const std::string film = fmt::format("vdblic_film {}{} -o flow", shellWord(info.pattern), frames);
+    std::vector<std::string> lines{fmt::format("  film: {}.mp4", film), fmt::format("  still: {}.png", film)};
+    if (!info.velocity->motion) return lines;
+    try {
+        FilmParams params{.input = input, .output = "flow.mp4"};
+        for (const std::string& command : commandsOf(planFilm(params, info), "texture.%04d.vdb"))
+            lines.push_back("  the film step by step: " + command);
+    } catch (const InputError&) { // the advice says what is wrong
+        lines.clear();
+    }
+    return lines;
+}
+
+} // namespace
+
 int main(int argc, char** argv)
 {
-    using namespace vdblic;
     SequenceInfoParams params;
     std::vector<std::string> patterns;
     std::string json;
 
     cli::Tool tool("vdblic_info", "Tell what a sequence holds, and what its texture will need.");
     CLI::App& app = tool.app();
-    app.add_option("SEQUENCE", patterns, "Files or patterns: name.%04d.vdb, also ####, @@@@, $F4, <F4>.")->required();
+    app.add_option("SEQUENCE", patterns,
+                   "Files or patterns: name.%04d.vdb, also ####, @@@@, $F4, <F4>. Files of one name that differ in "
+                   "their number are one sequence.")
+        ->required();
     app.add_option("--json", json, "File to write the report to.");
     tool.options(parametersOf(params));
     app.footer("Exit status: 0 done, 2 usage, 3 bad input data, 4 output could not be written, 5 a bug.\n"
@@ -45,13 +73,17 @@ int main(int argc, char** argv)
         AdvectParams run;
         const Parameters advised = parametersOf(run); // what the advice is about
         std::vector<SequenceInfo> sequences;
-        for (const std::string& pattern : patterns) {
-            params.flow.input.pattern = pattern;
+        const std::string frames = params.flow.input.frames;
+        for (const SequenceParams& sequence : sequencesNamed(patterns)) {
+            params.flow.input.pattern = sequence.pattern;
+            params.flow.input.frames = frames.empty() ? sequence.frames : frames;
             warnOfOtherNumbers(params.flow.input, reporter);
             SequenceInfo info = inspectSequence(params, reporter);
             for (std::string& advice : info.advice)
                 advice = cli::withOptionNames(advice, advised);
             for (const std::string& line : infoLines(info))
+                reporter.say(line);
+            for (const std::string& line : commandsFor(info, params.flow.input))
                 reporter.say(line);
             sequences.push_back(std::move(info));
         }

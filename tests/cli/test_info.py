@@ -53,7 +53,7 @@ class Info(ToolTest):
         self.assertAlmostEqual(velocity["mean_displacement"], 17 / 5 * 0.25 / 0.5, places=5)
         self.assertIn("v.%04d.vdb: 5 frames, 1-3,5-6; ", text)
         self.assertIn("frame 4 is missing; --frames 1-3,5-6 selects the others", info["advice"])
-        self.assertIn("4096 voxels make a coarse texture: --refine 6", " ".join(info["advice"]))
+        self.assertIn("4096 voxels make a coarse dense texture: --refine 7", " ".join(info["advice"]))
 
     def test_headers_alone(self):
         self.write(1, self.constant(1), dt=0.1)
@@ -246,6 +246,26 @@ class Info(ToolTest):
         self.assertTrue(texture["creator"].startswith("VDBLIC"))
         self.assertIn("no file matches", self.fails(3, "vdblic_info", "none.%04d.vdb"))
         self.assertIn("cannot be inspected", self.fails(2, "vdblic_info", "-"))
+
+    def test_files_that_a_shell_lists_are_one_sequence(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 16, 16, 16, "--frames", "1-4")
+        files = [f"v.{frame:04}.vdb" for frame in range(1, 5)]
+        for given, pattern, frames in ((files, "v.%04d.vdb", [1, 2, 3, 4]), (files[1:3], "v.%04d.vdb", [2, 3]),
+                                       (files[:1], "v.0001.vdb", [1])):
+            done = self.run_tool("vdblic_info", *given, "--json", "-")
+            (sequence,) = json.loads(done.stdout)["sequences"]
+            self.assertEqual((sequence["pattern"], sequence["frames"]), (pattern, frames))
+
+    def test_commands_to_paste(self):
+        """The commands at the end of the report make the film and the still that it names."""
+        self.outputs("vdblic_synth", "tornado", "-o", "v.%04d.vdb", "--size", 16, 16, 16, "--frames", "1-3")
+        text = self.run_tool("vdblic_info", "v.%04d.vdb", "--values").stderr
+        self.assertIn("  film: vdblic_film v.%04d.vdb -o flow.mp4\n", text)
+        self.assertIn("  still: vdblic_film v.%04d.vdb -o flow.png\n", text)
+        planned = re.findall(r"the film step by step: (.*)", text)
+        told = self.run_tool("vdblic_film", "v.%04d.vdb", "-o", "flow.mp4").stderr
+        self.assertEqual([command.replace("flow.texture", "texture") for command in re.findall(r"   (vdblic_.*)", told)],
+                         planned)
 
     def test_a_thousand_files_in_seconds(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.0001.vdb", "--size", 32, 32, 32, "--frames", "1")

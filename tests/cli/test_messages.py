@@ -137,6 +137,9 @@ class Messages(ToolTest):
         empty.name = "density"
         vdb.write(str(self.folder / "e.0001.vdb"), empty)
         self.assertIn("warning: no frame has an active voxel", self.says("vdblic_render", "e.0001.vdb", "-o", "e.png"))
+        for tool, *more in ("vdblic_render", "-o", "e.png"), ("vdblic_view", "--port", 0):
+            self.assertIn("v.0001.vdb: holds a velocity and no texture 'density'; vdblic_film shows a velocity",
+                          self.fails(3, tool, "v.0001.vdb", *more))
         self.assertIn("warning: frame 1: v.0001.vdb: no active voxel lies inside --bbox",
                       self.says("vdblic_advect", "v.0001.vdb", "-o", "o.vdb", "--bbox", "99,99,99,100,100,100"))
         self.assertRegex(self.says("vdblic_advect", "v.0001.vdb", "-o", "o.vdb", "--velocity-scale", 1e-9),

@@ -13,14 +13,14 @@ inline std::vector<OptionGroup> pictureGroups(const std::vector<OptionGroup>& fu
          {"look", "texture", "size", "samples", "step", "interpolation", "annotate", "background", "background_top",
           "background_alpha"}},
         {"Camera",
-         {"stretch", "eye", "target", "up", "projection", "fov", "view_height", "aperture", "orbit", "orbit_frames",
-          "camera"}},
+         {"stretch", "view", "from", "eye", "target", "up", "projection", "fov", "view_height", "aperture", "orbit",
+          "orbit_frames", "camera"}},
         {"Colour and opacity",
          {"by", "color_by", "opacity_by", "transfer", "colormap", "colors", "opacity", "range", "opacity_range",
           "color_scale", "opacity_scale", "modulate", "limb_darkening"}},
         {"Light", {"shading", "head_light", "light", "halo", "shadows", "occlusion", "depth_cue", "exposure"}},
         {"Cuts", {"clip_plane", "clip_box", "roi", "roi_box"}},
-        {"Solid", {"solid", "ground"}},
+        {"Solid", {"solid", "solid_color", "ground"}},
     };
     groups.insert(groups.begin() + 1, further.begin(), further.end());
     return groups;

@@ -108,8 +108,9 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
     writeTransferFile(transfer, view.view.look.transfer.params());
     writeTextFile(camera, jsonText(Json{{"keys", keys}}));
     Json rest = state; // options that the two files do not hold
-    for (const char* held : {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale",
-                             "eye", "target", "up", "fov", "view-height", "orbit", "orbit-frames", "keys"})
+    for (const char* held :
+         {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale", "view", "from",
+          "eye", "target", "up", "fov", "view-height", "orbit", "orbit-frames", "keys"})
         rest.erase(held);
     Start start = mViewer.start();
     start.fixed.erase("transfer");

@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/camera_keys.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/io/json_file.h"
 
 #include <fmt/format.h>
@@ -92,18 +93,11 @@ Given givenBy(const Start& start, const Json& state, const Parameters& parameter
             throw ParameterError("\"solid\" must be domain or what the command line names");
         given[std::string(parameter->key)] = wordsOf(name, value);
     }
+    if (given.contains("eye")) { // the camera was moved
+        given.erase("view");
+        given.erase("from");
+    }
     return given;
-}
-
-/// A word for a shell.
-std::string quoted(const std::string& word)
-{
-    constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
-    if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-    std::string result = "'";
-    for (const char c : word)
-        result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return result + "'";
 }
 
 } // namespace
@@ -176,7 +170,7 @@ std::string shellCommand(const std::vector<std::string>& words)
 {
     std::string command;
     for (const std::string& word : words)
-        command += (command.empty() ? "" : " ") + quoted(word);
+        command += (command.empty() ? "" : " ") + shellWord(word);
     return command;
 }
 

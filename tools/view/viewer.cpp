@@ -68,6 +68,7 @@ void keepFirst(List& list, const std::string& key, Value value, std::size_t most
 ViewSource sourceOf(const SequenceParams& input, const PicturePlan& plan)
 {
     auto source = viewSource(input, plan);
+    if (!source) (void)loadFrame(plan, selectFrames(input).front()); // throws if there is no texture
     if (!source) throw InputError(fmt::format("{}: no frame has an active voxel", input.pattern));
     return *source;
 }

@@ -29,6 +29,28 @@ bool representable(const glm::dvec3& v)
            std::abs(v.z) <= kFarthestCoordinate;
 }
 
+/// Elevation and azimuth of a side [degrees].
+glm::dvec2 anglesOf(ViewSide side)
+{
+    switch (side) {
+    case ViewSide::kTop:
+        return {90, 0};
+    case ViewSide::kBottom:
+        return {-90, 0};
+    case ViewSide::kBack:
+    case ViewSide::kNorth:
+        return {0, 180};
+    case ViewSide::kLeft:
+    case ViewSide::kWest:
+        return {0, -90};
+    case ViewSide::kRight:
+    case ViewSide::kEast:
+        return {0, 90};
+    default:
+        return {0, 0};
+    }
+}
+
 bool parallel(const glm::dvec3& a, const glm::dvec3& b)
 {
     return glm::length(glm::cross(glm::normalize(a), glm::normalize(b))) < 1e-9;
@@ -56,8 +78,15 @@ glm::dvec3 middleOf(const Corners& box)
 Parameters parametersOf(CameraParams& params)
 {
     return {
-        parameter("eye", "Position of the camera. By default a three-quarter view that shows all of every frame.",
-                  params.eye, {.unit = "world", .words = "X Y Z"}),
+        parameter("view",
+                  "Side that the volume is seen from, all of every frame in sight. north to west are back to left, for "
+                  "data with north along +y.",
+                  params.view, {.words = "SIDE", .excludes = "eye"}),
+        parameter("from", "The same by angles: height above the horizon, and turn from the front to the right.",
+                  params.from,
+                  {.unit = "degrees", .words = "ELEVATION AZIMUTH", .limits = {-360, 360}, .excludes = "view"}),
+        parameter("eye", "Position of the camera; by default as `view` says.", params.eye,
+                  {.unit = "world", .words = "X Y Z", .excludes = "from"}),
         parameter("target", "Position the camera looks at; the middle by default.", params.target,
                   {.unit = "world", .words = "X Y Z"}),
         parameter("up", "Direction that is up in the image; 0 0 1 by default.", params.up, {.words = "X Y Z"}),
@@ -117,11 +146,18 @@ Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2&
             throw ParameterError("camera eye is the middle of the volume, where it looks by default; give a target");
         }
     }
-    const glm::dvec3 forward =
-        params.eye ? glm::normalize(mTarget - mEye) : chooseDirection(mProjection, box, mUp, mHalfExtent);
+    const bool isChosen = !params.eye && !params.from && params.view == ViewSide::kThreeQuarter;
+    const glm::dvec2 angles = params.from.value_or(anglesOf(params.view));
+    const glm::dvec3 forward = params.eye ? glm::normalize(mTarget - mEye)
+                               : isChosen ? chooseDirection(mProjection, box, mUp, mHalfExtent)
+                                          : viewDirection(angles, mUp);
     if (parallel(forward, mUp)) {
-        if (params.up) throw ParameterError("the camera looks along its up direction; choose another up");
-        mUp = {0, 1, 0};
+        if (!params.eye) {
+            mUp = viewDirection({0, angles.y}, mUp); // north is up in a map
+        } else {
+            if (params.up) throw ParameterError("the camera looks along its up direction; choose another up");
+            mUp = {0, 1, 0};
+        }
     }
     const glm::dmat3 axes = viewAxes(forward, mUp);
     const bool tight = !params.eye && !params.target;

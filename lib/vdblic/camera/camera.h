@@ -17,10 +17,21 @@ enum class Projection { kPerspective, kOrthographic };
 template<>
 inline constexpr auto kNames<Projection> = std::to_array<std::string_view>({"perspective", "orthographic"});
 
+/// A side that a picture is seen from; the front is towards −y where +z is up, so that east is right where north is +y.
+/// kThreeQuarter is from the front, the right and above, by the shape of what is seen (chooseDirection()).
+enum class ViewSide { kThreeQuarter, kTop, kBottom, kFront, kBack, kLeft, kRight, kNorth, kEast, kSouth, kWest };
+template<>
+inline constexpr auto kNames<ViewSide> = std::to_array<std::string_view>({"three-quarter", "top", "bottom", "front",
+                                                                          "back", "left", "right", "north", "east",
+                                                                          "south", "west"});
+
 /// The camera of a picture, in world space. Unset members are chosen so that the volume fills the picture.
 struct CameraParams {
     Projection projection = Projection::kPerspective;
-    std::optional<glm::dvec3> eye{};    ///< unset: a three-quarter view of the target, from far enough to see all
+    ViewSide view = ViewSide::kThreeQuarter; ///< where `eye` and `from` are unset
+    std::optional<glm::dvec2> from{};        ///< elevation and azimuth [degrees] of an unset eye, seen from the target;
+                                             ///< azimuth 0 is the front, 90 the right
+    std::optional<glm::dvec3> eye{};         ///< unset: in the direction of the view, from far enough to see all
     std::optional<glm::dvec3> target{}; ///< unset: the middle of the volume, or of its picture if the eye is unset too
     std::optional<glm::dvec3> up{};     ///< unset: +z, or +y when looking along z
     double fieldOfView = 35;            ///< of a perspective, vertical [degrees]

@@ -19,22 +19,14 @@ constexpr double kMargin = 1.08;   // the picture's size over the subject's
 constexpr double kClearance = 0.1; // in front of the nearest point, in sizes of the whole
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Azimuth to the right of the front and elevation [degrees]. The first view that fills the picture well is chosen.
-constexpr glm::dvec2 kViews[] = {{30, 25}, {60, 25}, {30, 45}, {60, 45}, {30, 60}, {60, 60}};
+/// Elevation and azimuth [degrees]. The first view that fills the picture well is chosen.
+constexpr glm::dvec2 kViews[] = {{25, 30}, {25, 60}, {45, 30}, {45, 60}, {60, 30}, {60, 60}};
+/// Views of a box that lies flat. North is up unless another side fills the picture much better.
+constexpr glm::dvec2 kMapViews[] = {{52, 0}, {52, 90}};
 /// Share of the best view's coverage that counts as well.
 constexpr double kWell = 0.7;
 /// Views of a plate, which shows nothing from the side. The best one is chosen.
-constexpr glm::dvec2 kPlateViews[] = {{0, 80}, {0, 10}, {90, 10}};
-
-glm::dvec3 direction(const glm::dvec2& view, const glm::dvec3& up)
-{
-    const glm::dvec3 top = glm::normalize(up);
-    const bool alongX = glm::length(glm::cross(top, {1, 0, 0})) < 1e-9;
-    const glm::dvec3 away = glm::normalize(glm::cross(top, alongX ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
-    const glm::dvec3 right = glm::cross(away, top);
-    const double azimuth = glm::radians(view.x), elevation = glm::radians(view.y);
-    return std::cos(elevation) * (std::cos(azimuth) * away - std::sin(azimuth) * right) - std::sin(elevation) * top;
-}
+constexpr glm::dvec2 kPlateViews[] = {{80, 0}, {10, 0}, {10, 90}};
 
 /// The share of the picture that a box covers: half the sum of its faces' areas there, since a convex body covers each
 /// point of its outline twice.
@@ -67,6 +59,23 @@ bool isPlate(const Corners& box)
                                    glm::distance(box[0], box[4])};
     std::sort(edges.begin(), edges.end());
     return kThin * edges[0] < edges[1];
+}
+
+/// Whether a box lies flat: its edge along `up` is much shorter than the other two.
+bool liesFlat(const Corners& box, const glm::dvec3& up)
+{
+    constexpr double kFlat = 2.5;
+    double height = 0, least = kInfinity;
+    for (const std::size_t corner : {1, 2, 4}) {
+        const glm::dvec3 edge = box[corner] - box[0];
+        const double length = glm::length(edge);
+        if (std::abs(glm::dot(edge, glm::normalize(up))) > 0.99 * length) {
+            height = length;
+        } else {
+            least = std::min(least, length);
+        }
+    }
+    return height > 0 && kFlat * height < least;
 }
 
 /// The coordinate of a perspective eye, between two bounds, for which the points reach as far to one side of the
@@ -104,6 +113,16 @@ glm::dmat3 viewAxes(const glm::dvec3& forward, const glm::dvec3& up)
 {
     const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
     return {right, glm::cross(right, forward), forward};
+}
+
+glm::dvec3 viewDirection(const glm::dvec2& angles, const glm::dvec3& up)
+{
+    const glm::dvec3 top = glm::normalize(up);
+    const bool alongX = glm::length(glm::cross(top, {1, 0, 0})) < 1e-9;
+    const glm::dvec3 away = glm::normalize(glm::cross(top, alongX ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
+    const glm::dvec3 right = glm::cross(away, top);
+    const double elevation = glm::radians(angles.x), azimuth = glm::radians(angles.y);
+    return std::cos(elevation) * (std::cos(azimuth) * away - std::sin(azimuth) * right) - std::sin(elevation) * top;
 }
 
 Framing frameTightly(Projection projection, const glm::dmat3& axes, std::span<const glm::dvec3> points,
@@ -158,17 +177,20 @@ Framing frameAround(const glm::dvec3& target, Projection projection, const glm::
 glm::dvec3 chooseDirection(Projection projection, const Corners& box, const glm::dvec3& up,
                            const glm::dvec2& halfExtent)
 {
-    const auto filled = [&](const glm::dvec2& view) {
-        const glm::dmat3 axes = viewAxes(direction(view, up), up);
+    const bool plate = isPlate(box), map = !plate && liesFlat(box, up);
+    const std::span<const glm::dvec2> views = plate ? std::span<const glm::dvec2>(kPlateViews)
+                                              : map ? std::span<const glm::dvec2>(kMapViews)
+                                                    : kViews;
+    const auto filled = [&](const glm::dvec2& angles) {
+        const glm::dmat3 axes = viewAxes(viewDirection(angles, up), up);
         return coverage(projection, axes, box, frameTightly(projection, axes, box, halfExtent));
     };
-    const std::span<const glm::dvec2> views = isPlate(box) ? std::span<const glm::dvec2>(kPlateViews) : kViews;
     std::vector<double> shares(views.size());
     std::transform(views.begin(), views.end(), shares.begin(), filled);
     const auto best = std::max_element(shares.begin(), shares.end());
-    const double enough = isPlate(box) ? *best : kWell * *best;
+    const double enough = plate ? *best : kWell * *best;
     const auto first = std::find_if(shares.begin(), shares.end(), [&](double share) { return share >= enough; });
-    return direction(first == shares.end() ? views[0] : views[std::size_t(first - shares.begin())], up);
+    return viewDirection(first == shares.end() ? views[0] : views[std::size_t(first - shares.begin())], up);
 }
 
 } // namespace vdblic

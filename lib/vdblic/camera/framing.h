@@ -13,6 +13,9 @@ namespace vdblic {
 /// The axes of a view as the columns of a matrix: right, up, forward.
 [[nodiscard]] glm::dmat3 viewAxes(const glm::dvec3& forward, const glm::dvec3& up);
 
+/// The direction into which one looks from elevation and azimuth [degrees], as CameraParams::from has them.
+[[nodiscard]] glm::dvec3 viewDirection(const glm::dvec2& angles, const glm::dvec3& up);
+
 /// Position and extent of a camera.
 struct Framing {
     glm::dvec3 eye;
@@ -32,8 +35,8 @@ struct Framing {
                                   std::span<const glm::dvec3> points, const glm::dvec2& halfExtent);
 
 /// The direction of a three-quarter view from the front, the right and above. A flat or long box is seen from a steeper
-/// angle or more from the side, so that it fills the picture; a plate, such as a layer of voxels, nearly along its
-/// normal.
+/// angle or more from the side, so that it fills the picture; a box that lies flat, such as weather, from the front at
+/// a height at which it is read as a map; a plate, such as a layer of voxels, nearly along its normal.
 [[nodiscard]] glm::dvec3 chooseDirection(Projection projection, const Corners& box, const glm::dvec3& up,
                                          const glm::dvec2& halfExtent);
 

@@ -11,4 +11,7 @@ namespace vdblic {
 /// `\u202e`. All else stays, so a text that was made printable stays as it is.
 [[nodiscard]] std::string printable(std::string_view text);
 
+/// A word as a shell reads it back: in quotes where it has to be.
+[[nodiscard]] std::string shellWord(const std::string& word);
+
 } // namespace vdblic

@@ -5,6 +5,7 @@
 #include "vdblic/core/threads.h"
 #include "vdblic/film/film_plan.h"
 #include "vdblic/image/film_writer.h"
+#include "vdblic/image/vector_text.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/output_lock.h"
@@ -218,22 +219,31 @@ void makeFilm(const FilmParams& params, Reporter& reporter)
 
 Parameters parametersOf(FilmParams& params)
 {
-    Parameter input = parametersOf(params.input, "VELOCITY",
-                                   "Velocity sequence: one file, or a pattern (name.%04d.vdb, also ####, @@@@, $F4, "
-                                   "<F4>).")
-                          .front();
+    const Parameters sequence = parametersOf(params.input, "VELOCITY",
+                                             "Velocity sequence: one file, or a pattern (name.%04d.vdb, also ####, "
+                                             "@@@@, $F4, <F4>).");
     Parameter look = parameter("look", "Look of the pictures; by default streaks, of dense textures flow.", params.look,
                                {.words = "NAME"});
     look.choices = lookPresetNames();
     return {
-        input,
+        *find(sequence, "input"),
         parameter("output", "Film, .mp4, or still of the middle frame, .png.", params.output,
                   {.option = "-o,--output", .isRequired = true}),
-        parameter("seconds", "Length of the film; by default what suits the flow, 2 to 10.", params.seconds,
+        *find(sequence, "frames"),
+        parameter("seconds", "Length of the film; by default what suits the flow, 5 to 10.", params.seconds,
                   {.unit = "s", .limits = {0.1, 3600}}),
+        parameter("fps", "Pictures of the film a second; 24 by default.", params.fps, {.limits = {0.01, 1000}}),
         parameter("size", "Size of the pictures.", params.size,
                   {.unit = "pixels", .words = "W H", .limits = {2, kMostSide}}),
         look,
+        parameter("view",
+                  "Side that the flow is seen from. north to west are back to left, for data with north along +y.",
+                  params.view, {.words = "SIDE"}),
+        parameter("solid", "Opaque body, as of vdblic_render; by default what the flow leaves out of its box.",
+                  params.solid, {.words = "FILE[:GRID] or domain"}),
+        parameter("solid_color", "Colour of the solid as displayed.", params.solidColor,
+                  {.words = "R G B", .limits = {0, 1}}),
+        parameter("plain", "Pictures without colour bar, time and scale bar.", params.plain),
         parameter("orbit", "Turns of the camera around the flow during the film.", params.orbit,
                   {.unit = "turns", .limits = {-100, 100}}),
         parameter("preview", "Half the width and height, half the pictures, coarser textures: a first look.",
@@ -256,7 +266,7 @@ glm::ivec2 FilmParams::pictureSize() const
 
 double FilmParams::picturesPerSecond() const
 {
-    return preview ? 12 : 24;
+    return fps.value_or(preview ? 12 : 24);
 }
 
 void FilmParams::validate() const
@@ -267,8 +277,8 @@ void FilmParams::validate() const
     if (input.pattern == "-")
         throw ParameterError("paths on standard input cannot be planned; name a file or a pattern");
     if (!look.empty()) (void)lookPreset(look);
-    if (isStill() && (seconds || orbit != 0))
-        throw ParameterError("`seconds` and `orbit` are of films, and a .png is a still: leave them out");
+    if (isStill() && (seconds || fps || orbit != 0))
+        throw ParameterError("`seconds`, `fps` and `orbit` are of films, and a .png is a still: leave them out");
 }
 
 } // namespace vdblic

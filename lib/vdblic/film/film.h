@@ -1,11 +1,13 @@
 #pragma once
 
+#include "vdblic/camera/camera.h"
 #include "vdblic/core/names.h"
 #include "vdblic/core/parameters.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/io/sequence.h"
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <array>
 #include <optional>
@@ -23,17 +25,22 @@ inline constexpr auto kNames<FilmMethod> = std::to_array<std::string_view>({"str
 struct FilmParams {
     SequenceParams input;
     std::string output;              ///< .mp4 film, or .png still of the middle frame
-    std::optional<double> seconds{}; ///< of the film; nothing: what suits the flow, 2 to 10
+    std::optional<double> seconds{}; ///< of the film; nothing: what suits the flow, 5 to 10
+    std::optional<double> fps{};     ///< pictures a second; nothing: 24, of a preview 12
     std::array<int, 2> size{1280, 720};
-    std::string look{};   ///< empty: the method's
-    double orbit = 0;     ///< turns of the camera during the film
-    bool preview = false; ///< half the width and height, half the pictures, coarser textures
+    std::string look{}; ///< empty: the method's
+    ViewSide view = ViewSide::kThreeQuarter;
+    std::string solid{};                    ///< as PictureParams has it; empty: what the flow leaves out of its box
+    std::optional<glm::dvec3> solidColor{}; ///< as displayed
+    bool plain = false;                     ///< without colour bar, time and scale bar
+    double orbit = 0;                       ///< turns of the camera during the film
+    bool preview = false;                   ///< half the width and height, half the pictures, coarser textures
     FilmMethod method = FilmMethod::kStreaks;
 
     [[nodiscard]] bool isStill() const;
-    [[nodiscard]] glm::ivec2 pictureSize() const;   ///< of a preview half the size
-    [[nodiscard]] double picturesPerSecond() const; ///< 24, of a preview 12
-    void validate() const;                          ///< @throws ParameterError
+    [[nodiscard]] glm::ivec2 pictureSize() const; ///< of a preview half the size
+    [[nodiscard]] double picturesPerSecond() const;
+    void validate() const; ///< @throws ParameterError
 };
 [[nodiscard]] Parameters parametersOf(FilmParams& params);
 

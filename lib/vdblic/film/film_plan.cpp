@@ -3,13 +3,16 @@
 #include "vdblic/camera/camera.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/extent.h"
+#include "vdblic/core/printable.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/image/vector_text.h"
 #include "vdblic/methods/memory_estimate.h"
 #include "vdblic/methods/streaks/streak_shape.h"
 #include "vdblic/methods/streaks/streaks.h"
 #include "vdblic/render/render_params.h"
 #include "vdblic/run/advect_params.h"
 #include "vdblic/run/sequence_advice.h"
+#include "vdblic/run/texture_run.h"
 
 #include <fmt/format.h>
 #include <glm/vec3.hpp>
@@ -25,12 +28,12 @@
 namespace vdblic {
 namespace {
 
-constexpr double kPace = 10; // pixels a picture
-constexpr double kLeastSeconds = 2, kMostSeconds = 10, kSteadySeconds = 4;
+constexpr double kPace = 10, kLeastPace = 5; // pixels a picture
+constexpr double kLeastSeconds = 5, kMostSeconds = 10;
 constexpr double kLeastMoves = 4; // voxels a frame, for a flow that moves too little or too far
 
 /// The pixels that a voxel's two longer edges span on average, in the middle of the first picture.
-double pixelsPerVoxel(const GridInfo& grid, const glm::dvec3& stretch, const glm::ivec2& size)
+double pixelsPerVoxel(const GridInfo& grid, const glm::dvec3& stretch, const glm::ivec2& size, ViewSide view)
 {
     const auto toWorld = [&](const openvdb::Vec3d& index) {
         const openvdb::Vec3d world = grid.transform->indexToWorld(index);
@@ -40,7 +43,7 @@ double pixelsPerVoxel(const GridInfo& grid, const glm::dvec3& stretch, const glm
     Corners corners;
     for (std::size_t i = 0; i < corners.size(); ++i)
         corners[i] = toWorld({(i & 1 ? high : low)[0], (i & 2 ? high : low)[1], (i & 4 ? high : low)[2]});
-    const Camera camera(CameraParams{}, corners, size);
+    const Camera camera({.view = view}, corners, size);
     const auto pixel = [&](const openvdb::Vec3d& index) {
         const glm::dvec4 at = camera.worldToNdc() * glm::dvec4(toWorld(index), 1);
         return glm::dvec2(at) / at.w * glm::dvec2(size);
@@ -68,17 +71,6 @@ Words wordsOfFactors(const std::array<int, 3>& factors)
     return {fmt::format("{}", factors[0]), fmt::format("{}", factors[1]), fmt::format("{}", factors[2])};
 }
 
-/// A word for a shell.
-std::string shellWord(const std::string& word)
-{
-    constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@";
-    if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-    std::string result = "'";
-    for (const char c : word)
-        result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return result + "'";
-}
-
 std::string commandOf(std::string_view tool, const Parameters& parameters, const std::map<std::string, Words>& given)
 {
     std::string command(tool);
@@ -100,7 +92,7 @@ class FilmPlanner {
     FilmPlanner(const FilmParams& params, const SequenceInfo& info)
         : mParams(params), mInfo(info), mVelocity(*info.velocity), mGrid(*velocityGridOf(info)),
           mStretch(stretchOf(mGrid).value_or(std::array<double, 3>{1, 1, 1})),
-          mPixels(pixelsPerVoxel(mGrid, {mStretch[0], mStretch[1], mStretch[2]}, params.pictureSize())),
+          mPixels(pixelsPerVoxel(mGrid, {mStretch[0], mStretch[1], mStretch[2]}, params.pictureSize(), params.view)),
           mLayer(layerAxis(mGrid.box))
     {
     }
@@ -115,7 +107,7 @@ class FilmPlanner {
         mPlan.advect["input"] = {mInfo.pattern};
         const std::vector<std::int64_t> frames = chooseFrames(chooseMotion());
         const bool isAll = mInfo.missing.empty() && frames == mInfo.frames;
-        if (!isAll) mPlan.advect["frames"] = {frameListText(frames)};
+        if (!isAll || !mParams.input.frames.empty()) mPlan.advect["frames"] = {frameListText(frames)};
         mParams.method == FilmMethod::kStreaks ? chooseStreaks() : chooseDense();
         choosePictures();
         return std::move(mPlan);
@@ -140,8 +132,25 @@ class FilmPlanner {
                             moves, moves < kLeastMoves ? "little" : "far", moves < kLeastMoves ? "quick" : "slow"));
         } else {
             mMoves = moves;
+            if (!mParams.isStill() && !mInfo.isFrozen) quicken();
         }
         return mMoves * mPixels;
+    }
+
+    /// Show a slow flow moving faster, up to four times: with the pictures of the least length it would hardly move.
+    void quicken()
+    {
+        constexpr double kMostFactor = 4, kWorthwhile = 1.2;
+        const double pictures = mParams.seconds.value_or(kLeastSeconds) * mParams.picturesPerSecond();
+        const auto intervals = double(std::max<std::size_t>(mInfo.frames.size(), 2) - 1);
+        const double pace = mMoves * mPixels / std::ceil(std::max(pictures / intervals, 1.0));
+        const double factor = std::min({kLeastPace / pace, kMostFactor, kLargeDisplacement / mMoves});
+        if (factor < kWorthwhile) return;
+        mMoves *= factor;
+        mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
+        mPlan.notes.push_back(fmt::format("the flow moves {:.2g} pixels a picture, too little to see: its motion is "
+                                          "shown {:.2g} times as fast as the frames change",
+                                          pace, factor));
     }
 
     /// The voxels a frame with which a film of the least length has the right pace, within limits that eyes can follow.
@@ -163,7 +172,7 @@ class FilmPlanner {
             return std::size_t(std::max(std::round(seconds * perSecond), 1.0));
         };
         if (mInfo.isFrozen) {
-            mPlan.textures = mPlan.pictures = pictures(mParams.seconds.value_or(kSteadySeconds));
+            mPlan.textures = mPlan.pictures = pictures(mParams.seconds.value_or(kLeastSeconds));
             mPlan.advect["steady_frames"] = {fmt::format("{}", mPlan.textures)};
             return frames;
         }
@@ -288,7 +297,15 @@ class FilmPlanner {
             for (const double stretch : mStretch)
                 render["stretch"].push_back(fmt::format("{}", stretch));
         }
-        if (flowsAroundSolid()) render["solid"] = {"domain"};
+        if (mParams.view != ViewSide::kThreeQuarter) render["view"] = {std::string(nameOf(mParams.view))};
+        if (!mParams.solid.empty()) {
+            render["solid"] = {mParams.solid};
+        } else if (flowsAroundSolid()) {
+            render["solid"] = {"domain"};
+        }
+        if (mParams.solidColor) render["solid_color"] = WordsOf<glm::dvec3>::write(*mParams.solidColor);
+        if (!mParams.plain)
+            render["annotate"] = {mInfo.frames.size() > 1 ? "colorbar,time,scalebar" : "colorbar,scalebar"};
         if (mParams.isStill()) {
             render["output"] = {mParams.output};
             return;

@@ -31,11 +31,6 @@ using openvdb::Mat3d;
 using openvdb::Vec3f;
 using openvdb::Vec3SGrid;
 
-bool isVector(const openvdb::GridBase& grid)
-{
-    return dynamic_cast<const openvdb::Vec3SGrid*>(&grid) || dynamic_cast<const openvdb::Vec3DGrid*>(&grid);
-}
-
 bool isFinite(const Vec3f& v)
 {
     return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);

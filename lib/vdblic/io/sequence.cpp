@@ -3,8 +3,10 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/io/input_file.h"
 #include "vdblic/io/path_list.h"
+#include "vdblic/io/pattern_advice.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -97,6 +99,37 @@ Parameter skipExistingParameter(bool& target)
 std::string FrameFile::label() const
 {
     return contents ? path.string() : fmt::format("frame {}: {}", frame, path.string());
+}
+
+std::vector<SequenceParams> sequencesNamed(const std::vector<std::string>& names)
+{
+    std::vector<SequenceParams> sequences;
+    for (std::size_t begin = 0, end = 0; begin < names.size(); begin = end) {
+        const std::filesystem::path first(names[begin]);
+        const std::string stem = first.stem().string();
+        const std::string prefix = stem.substr(0, stem.find_last_not_of("0123456789") + 1);
+        const std::string pattern =
+            likelyPattern(first.parent_path(), prefix, first.extension().string(), first.filename().string());
+        std::vector<std::int64_t> frames;
+        const auto addFrame = [&](const std::filesystem::path& file) {
+            if (pattern.empty() || file.parent_path() != first.parent_path() || !isFile(file)) return false;
+            const FramePattern listed(pattern);
+            const auto frame = listed.hasField() ? listed.frameOf(file) : std::nullopt;
+            if (frame) frames.push_back(*frame);
+            return frame.has_value();
+        };
+        for (end = begin; end < names.size() && addFrame(names[end]);)
+            ++end;
+        if (frames.size() < 2) {
+            end = begin + 1;
+            sequences.push_back({.pattern = names[begin], .frames = {}});
+            continue;
+        }
+        std::sort(frames.begin(), frames.end());
+        const bool isAll = frames == FramePattern(pattern).framesOnDisk();
+        sequences.push_back({.pattern = pattern, .frames = isAll ? "" : fmt::format("{}", fmt::join(frames, ","))});
+    }
+    return sequences;
 }
 
 std::vector<FrameFile> selectFrames(const SequenceParams& params)

@@ -53,6 +53,9 @@ struct SequenceParams {
 /// The parameter `skip_existing` of stages whose outputs are independent of each other.
 [[nodiscard]] Parameter skipExistingParameter(bool& target);
 
+/// The sequences that a command line names. Files that a shell lists for `name.*.vdb` are frames of one sequence.
+[[nodiscard]] std::vector<SequenceParams> sequencesNamed(const std::vector<std::string>& names);
+
 /// The files a sequence selects; all of them exist.
 ///
 /// @throws InputError naming the missing frame, ParameterError on a frame list for a single file, or on several frames

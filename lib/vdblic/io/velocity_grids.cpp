@@ -22,11 +22,6 @@ constexpr std::array<std::string_view, 14> kOtherMeanings = {"vorticity", "curl"
                                                              "rgb",       "gradient",     "grad",  "normal", "n",
                                                              "force",     "displacement", "rest",  "uv"};
 
-bool isVector(const openvdb::GridBase& grid)
-{
-    return grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
-}
-
 bool isScalar(const openvdb::GridBase& grid)
 {
     return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
@@ -76,6 +71,11 @@ bool meansOther(std::string name)
 }
 
 } // namespace
+
+bool isVector(const openvdb::GridBase& grid)
+{
+    return grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
+}
 
 std::vector<std::string> velocityNames(const VdbFile& file)
 {

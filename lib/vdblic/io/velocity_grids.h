@@ -27,4 +27,7 @@ struct VelocityGrids {
 /// @throws InputError if there is none
 [[nodiscard]] VelocityGrids findVelocityGrids(const VdbFile& file, const std::string& name);
 
+/// Whether a grid holds vectors that can be velocities.
+[[nodiscard]] bool isVector(const openvdb::GridBase& grid);
+
 } // namespace vdblic

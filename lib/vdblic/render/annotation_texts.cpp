@@ -136,6 +136,14 @@ std::string lengthText(double length, const std::string& unit)
             if (length >= factor * (1 - 1e-9)) return fmt::format("{:.6g} {}", length / factor, name);
         }
     }
+    constexpr double kShort = 1e-4, kLong = 1e9; // in between all digits are written
+    if (length >= kShort && length < kLong) {
+        std::string text = fmt::format("{:.10g}", length);
+        const std::size_t point = std::min(text.find('.'), text.size());
+        for (std::size_t at = point; at > 3 && point > 4; at -= 3)
+            text.insert(at - 3, "\u202f");
+        return unit.empty() ? text : text + " " + unit;
+    }
     const AxisUnit shown = axisUnit(length, unit);
     return fmt::format("{:.6g}{}{}{}", length / shown.factor, shown.factor == 1 ? "" : " ×",
                        shown.text.empty() ? "" : " ", shown.text);

@@ -7,6 +7,7 @@
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
+#include "vdblic/io/velocity_grids.h"
 #include "vdblic/lines/line_grid.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/sequence_bounds.h"
@@ -38,6 +39,18 @@ InputError missingScalar(const VdbFile& file, const std::vector<std::string>& na
         std::find_first_of(names.begin(), names.end(), std::begin(kDerivedNames), std::end(kDerivedNames));
     if (made != names.end()) choice += fmt::format(", or make it with vdblic_advect --with {}", *made);
     return file.missing(fmt::format("float grid '{}'", fmt::join(names, "' or '")), choice);
+}
+
+/// The texture's grid. @throws InputError
+openvdb::FloatGrid::Ptr textureOf(const VdbFile& file, const std::string& name)
+{
+    const auto isVelocity = [](const openvdb::GridBase::Ptr& grid) { return isVector(*grid); };
+    if (!file.find<openvdb::FloatGrid>(name) && std::ranges::any_of(file.grids, isVelocity)) {
+        throw InputError(fmt::format("{}: holds a velocity and no texture '{}'; vdblic_film shows a velocity, and "
+                                     "vdblic_advect makes its texture",
+                                     file.path.string(), name));
+    }
+    return file.get<openvdb::FloatGrid>(name, "`texture`");
 }
 
 /// The first of a file's float grids with one of these names.
@@ -280,7 +293,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
             throw isNamed ? error : InputError(fmt::format("{}: {}", path, error.what()));
         }
     }
-    const auto texture = file.get<openvdb::FloatGrid>(name, "`texture`");
+    const auto texture = textureOf(file, name);
     std::vector<std::string> opacityBy = plan.opacityBy;
     if (view && !opacityBy.empty()) opacityBy = {view->opacityBy};
     const auto storedColor = findScalar(file, {plan.colorBy});

@@ -140,8 +140,6 @@ ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera&
     return header;
 }
 
-const glm::dvec3 kSolidColor{0.7, 0.72, 0.75}; // as displayed
-
 /// Cubic where linear interpolation would be seen as a pattern of voxels. One choice for all frames of a film.
 Interpolation interpolationFor(const View& view, const PlacedBox& box)
 {
@@ -172,7 +170,7 @@ Picture::Picture(const PicturePlan& plan, const View& view, std::shared_ptr<cons
         mGround.emplace(plane, ShadowCasters{*mShown->extinctions(), frame.box(), cuts, solid}, light);
     }
     const Scenery scenery{.solid = solid,
-                          .solidColor = glm::vec3(linearFromDisplay(kSolidColor)),
+                          .solidColor = glm::vec3(linearFromDisplay(plan.solidColor)),
                           .light = mLight ? &*mLight : nullptr,
                           .ground = mGround ? &*mGround : nullptr};
     const auto cast = [&frame, &look, visible = mShown->visible(), tree = mShown->tree(), this,

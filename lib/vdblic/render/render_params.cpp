@@ -90,6 +90,8 @@ Parameters parametersOf(PictureParams& params)
                   "Opaque body: a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one file or a "
                   "sequence; or domain, what the texture leaves out of its box.",
                   params.solid, {.words = "FILE[:GRID] or domain"}),
+        parameter("solid_color", "Colour of the solid as displayed.", params.solidColor,
+                  {.words = "R G B", .limits = {0, 1}}),
         parameter("ground",
                   "Plane below the domain, or along one of its walls, that takes the shadows of volume and solid and "
                   "fades into the background; seen from the domain's side alone.",

@@ -39,17 +39,18 @@ void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vec
     const auto voxels = double(velocity.voxels);
     const int layer = grid && !grid->box.empty() ? layerAxis(grid->box) : -1;
     if (layer < 0) {
-        const double factor = std::clamp(std::round(std::cbrt(kGoodVolume / voxels)), 2.0, 16.0);
-        advice.push_back(fmt::format("{} voxels make a coarse texture: `refine` {} gives {:.3g} million texture voxels",
-                                     velocity.voxels, factor, voxels * std::pow(factor, 3) / 1e6));
+        const double factor = std::clamp(std::ceil(std::cbrt(kGoodVolume / voxels)), 2.0, 16.0);
+        advice.push_back(
+            fmt::format("{} voxels make a coarse dense texture: `refine` {} gives {:.3g} million texture voxels",
+                        velocity.voxels, factor, voxels * std::pow(factor, 3) / 1e6));
         return;
     }
-    const double factor = std::min(std::round(std::sqrt(kGoodLayer / voxels)), 16.0);
+    const double factor = std::min(std::ceil(std::sqrt(kGoodLayer / voxels)), 16.0);
     if (factor < 2) return;
     std::array<double, 3> factors{factor, factor, factor};
     factors[std::size_t(layer)] = 1;
     advice.push_back(
-        fmt::format("{} voxels make a coarse texture: `refine` {} {} {} gives {:.3g} million texture voxels",
+        fmt::format("{} voxels make a coarse dense texture: `refine` {} {} {} gives {:.3g} million texture voxels",
                     velocity.voxels, factors[0], factors[1], factors[2], voxels * factor * factor / 1e6));
 }
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -149,6 +150,42 @@ TEST(Camera, LooksFromTheFrontAndAboveByDefault)
     // A volume without extent gets a distance too.
     const Camera point({}, boxOfCorners(glm::dvec3(4), glm::dvec3(4)), {10, 10});
     EXPECT_NEAR(glm::length(point.eye() - glm::dvec3(4)), 1, 1e-9);
+}
+
+TEST(Camera, LooksFromASideOrByAngles)
+{
+    const Corners cube = boxOfCorners({-1, -1, -1}, {1, 1, 1});
+    const auto forward = [&](const CameraParams& params) {
+        const Camera camera(params, cube, {10, 10});
+        return glm::normalize(camera.target() - camera.eye());
+    };
+    const std::pair<ViewSide, glm::dvec3> known[] = {{ViewSide::kTop, {0, 0, -1}},   {ViewSide::kBottom, {0, 0, 1}},
+                                                     {ViewSide::kFront, {0, 1, 0}},  {ViewSide::kBack, {0, -1, 0}},
+                                                     {ViewSide::kLeft, {1, 0, 0}},   {ViewSide::kRight, {-1, 0, 0}},
+                                                     {ViewSide::kNorth, {0, -1, 0}}, {ViewSide::kEast, {-1, 0, 0}},
+                                                     {ViewSide::kSouth, {0, 1, 0}},  {ViewSide::kWest, {1, 0, 0}}};
+    for (const auto& [side, direction] : known)
+        EXPECT_LT(glm::length(forward({.view = side}) - direction), 1e-12) << nameOf(side);
+    const double half = std::sqrt(0.5);
+    EXPECT_LT(glm::length(forward({.from = glm::dvec2(45, 90)}) - glm::dvec3(-half, 0, -half)), 1e-12);
+    const auto yUp = glm::dvec3(0, 1, 0);
+    EXPECT_LT(glm::length(forward({.view = ViewSide::kFront, .up = yUp}) - glm::dvec3(0, 0, -1)), 1e-12);
+    EXPECT_LT(glm::length(forward({.view = ViewSide::kTop, .up = yUp}) - glm::dvec3(0, -1, 0)), 1e-12);
+    EXPECT_EQ(Camera({.view = ViewSide::kTop}, cube, {10, 10}).up(), glm::dvec3(0, 1, 0)); // a map with north up
+    const auto eye = glm::dvec3(5, 0, 0);
+    EXPECT_EQ(Camera({.view = ViewSide::kTop, .eye = eye}, cube, {10, 10}).eye(), eye);
+}
+
+TEST(Camera, SeesABoxThatLiesFlatAsAMap)
+{
+    const Corners map = boxOfCorners({0, 0, 0}, {100, 80, 20});
+    const Camera camera({}, map, {160, 90});
+    const glm::dvec3 forward = glm::normalize(camera.target() - camera.eye());
+    EXPECT_NEAR(forward.x, 0, 1e-12); // north, +y, is up
+    EXPECT_GT(forward.y, 0.5);
+    EXPECT_LT(forward.z, -0.7);
+    const Camera across({}, boxOfCorners({0, 0, 0}, {20, 200, 7}), {160, 90});
+    EXPECT_GT(std::abs(glm::normalize(across.target() - across.eye()).x), 0.5); // the longer side is across
 }
 
 TEST(Camera, LooksStraightDownUnlessUpIsGiven)

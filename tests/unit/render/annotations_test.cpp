@@ -91,8 +91,11 @@ TEST(Annotations, LengthsHaveUnits)
     EXPECT_EQ(lengthText(2e-5, "m"), "20 µm");
     EXPECT_EQ(lengthText(20, "ft"), "20 ft");
     EXPECT_EQ(lengthText(0.5, ""), "0.5");
-    EXPECT_EQ(lengthText(2e5, ""), "200 × 10³");
-    EXPECT_EQ(lengthText(2e5, "ft"), "200 × 10³ ft");
+    EXPECT_EQ(lengthText(2e5, ""), "200\u202f000");
+    EXPECT_EQ(lengthText(2e3, "ft"), "2000 ft");
+    EXPECT_EQ(lengthText(5e6, "ft"), "5\u202f000\u202f000 ft");
+    EXPECT_EQ(lengthText(0.002, ""), "0.002");
+    EXPECT_EQ(lengthText(2e10, ""), "20 × 10⁹");
 }
 
 TEST(Annotations, AScaleBarHasARoundLengthAtTheTarget)
