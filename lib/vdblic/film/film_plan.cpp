@@ -123,7 +123,7 @@ class FilmPlanner {
         if (mInfo.isFrozen && !mParams.isStill()) {
             mMoves = std::clamp(kPace / mPixels, 0.01, 100.0);
             mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
-        } else if (!makesStreaks(moves)) {
+        } else if (!makesStreaks(moves) && (moves < kLeastMoves || slowMotion() < moves)) {
             mMoves = moves < kLeastMoves ? kLeastMoves : slowMotion();
             mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
             mPlan.notes.push_back(
@@ -140,11 +140,12 @@ class FilmPlanner {
     /// Show a slow flow moving faster, up to four times: with the pictures of the least length it would hardly move.
     void quicken()
     {
-        constexpr double kMostFactor = 4, kWorthwhile = 1.2;
+        constexpr double kMostFactor = 4, kWorthwhile = 1.2, kMostPace = 15;
         const double pictures = mParams.seconds.value_or(kLeastSeconds) * mParams.picturesPerSecond();
-        const auto intervals = double(std::max<std::size_t>(mInfo.frames.size(), 2) - 1);
-        const double pace = mMoves * mPixels / std::ceil(std::max(pictures / intervals, 1.0));
-        const double factor = std::min({kLeastPace / pace, kMostFactor, kLargeDisplacement / mMoves});
+        const double pixels = mPixels / std::ceil(std::max(pictures / intervals(), 1.0)); // of a voxel a frame
+        const double pace = mMoves * pixels, fastest = mVelocity.motion->largest * pixels;
+        const double factor =
+            std::min({kLeastPace / pace, kMostPace / fastest, kMostFactor, kLargeDisplacement / mMoves});
         if (factor < kWorthwhile) return;
         mMoves *= factor;
         mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
@@ -153,13 +154,16 @@ class FilmPlanner {
                                           pace, factor));
     }
 
-    /// The voxels a frame with which a film of the least length has the right pace, within limits that eyes can follow.
+    /// The number of intervals between frames.
+    [[nodiscard]] double intervals() const { return double(std::max<std::size_t>(mInfo.frames.size(), 2) - 1); }
+
+    /// The voxels a frame with which a film of all frames has the right pace; of a still, that streaks can follow.
     [[nodiscard]] double slowMotion() const
     {
         constexpr double kMostMoves = 12;
-        const double pictures = kLeastSeconds * mParams.picturesPerSecond();
-        const auto intervals = double(std::max<std::size_t>(mInfo.frames.size(), 2) - 1);
-        return std::clamp(kPace * pictures / intervals / mPixels, kLeastMoves, kMostMoves);
+        if (mParams.isStill()) return kMostMoves;
+        const double pictures = mParams.seconds.value_or(kMostSeconds) * mParams.picturesPerSecond();
+        return std::max(kPace * pictures / intervals() / mPixels, kLeastMoves);
     }
 
     /// Choose frames, substeps and the number of pictures. @param pace as chooseMotion() returns it
