@@ -202,11 +202,12 @@ class Film(ToolTest):
 
     def test_view_legend_and_frames(self):
         """What a user names is in the commands; the legend is there unless the film is plain."""
-        text = self.film("flow.png", "--view", "top", "--solid-color", 1, 0, 0, "--frames", "2-4")
-        for part in "--view top", "--solid-color 1 0 0", "--annotate colorbar,time,scalebar", "--frames 3":
+        text = self.film("flow.png", "--view", "top", "--frames", "2-4")
+        for part in "--view top", "--annotate colorbar,time,scalebar", "--frames 3":
             self.assertIn(part, text)
         self.assertNotIn("--annotate", self.film("flow.png", "--plain"))
-        self.assertIn("--solid v.0001.vdb:velocity", self.film("flow.png", "--solid", "v.0001.vdb:velocity", status=3))
+        text = self.film("flow.png", "--solid", "v.0001.vdb:velocity", "--solid-color", 1, 0, 0, status=3)
+        self.assertIn("--solid v.0001.vdb:velocity --solid-color 1 0 0", text)
         text = self.film("flow.mp4", "--frames", "1-2", "--fps", 6, "--seconds", 2)
         self.assertEqual(self.pictures("flow.mp4"), (12, "6/1"))
         self.assertIn("--frames 1-2", text)

@@ -63,7 +63,7 @@ LEGAL = {
     "--opacity-range": {"99999999999999999999"},
     "--background-alpha": {"0"},
     "--solid-color": {"0"},
-    "--from": {"0", "-1"},
+    "--angles": {"0", "-1"},
     "--orbit": {"0"},
     "--port": {"0"},
     "--limb-darkening": {"0"},

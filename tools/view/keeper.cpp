@@ -109,7 +109,7 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
     writeTextFile(camera, jsonText(Json{{"keys", keys}}));
     Json rest = state; // options that the two files do not hold
     for (const char* held :
-         {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale", "view", "from",
+         {"colormap", "colors", "opacity", "range", "opacity-range", "color-scale", "opacity-scale", "view", "angles",
           "eye", "target", "up", "fov", "view-height", "orbit", "orbit-frames", "keys"})
         rest.erase(held);
     Start start = mViewer.start();

@@ -95,7 +95,7 @@ Given givenBy(const Start& start, const Json& state, const Parameters& parameter
     }
     if (given.contains("eye")) { // the camera was moved
         given.erase("view");
-        given.erase("from");
+        given.erase("angles");
     }
     return given;
 }

@@ -82,11 +82,11 @@ Parameters parametersOf(CameraParams& params)
                   "Side that the volume is seen from, all of every frame in sight. north to west are back to left, for "
                   "data with north along +y.",
                   params.view, {.words = "SIDE", .excludes = "eye"}),
-        parameter("from", "The same by angles: height above the horizon, and turn from the front to the right.",
-                  params.from,
+        parameter("angles", "The same by angles: height above the horizon, and turn from the front to the right.",
+                  params.angles,
                   {.unit = "degrees", .words = "ELEVATION AZIMUTH", .limits = {-360, 360}, .excludes = "view"}),
         parameter("eye", "Position of the camera; by default as `view` says.", params.eye,
-                  {.unit = "world", .words = "X Y Z", .excludes = "from"}),
+                  {.unit = "world", .words = "X Y Z", .excludes = "angles"}),
         parameter("target", "Position the camera looks at; the middle by default.", params.target,
                   {.unit = "world", .words = "X Y Z"}),
         parameter("up", "Direction that is up in the image; 0 0 1 by default.", params.up, {.words = "X Y Z"}),
@@ -146,8 +146,8 @@ Camera::Camera(const CameraParams& params, const Corners& box, const glm::ivec2&
             throw ParameterError("camera eye is the middle of the volume, where it looks by default; give a target");
         }
     }
-    const bool isChosen = !params.eye && !params.from && params.view == ViewSide::kThreeQuarter;
-    const glm::dvec2 angles = params.from.value_or(anglesOf(params.view));
+    const bool isChosen = !params.eye && !params.angles && params.view == ViewSide::kThreeQuarter;
+    const glm::dvec2 angles = params.angles.value_or(anglesOf(params.view));
     const glm::dvec3 forward = params.eye ? glm::normalize(mTarget - mEye)
                                : isChosen ? chooseDirection(mProjection, box, mUp, mHalfExtent)
                                           : viewDirection(angles, mUp);

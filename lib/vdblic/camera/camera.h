@@ -28,8 +28,8 @@ inline constexpr auto kNames<ViewSide> = std::to_array<std::string_view>({"three
 /// The camera of a picture, in world space. Unset members are chosen so that the volume fills the picture.
 struct CameraParams {
     Projection projection = Projection::kPerspective;
-    ViewSide view = ViewSide::kThreeQuarter; ///< where `eye` and `from` are unset
-    std::optional<glm::dvec2> from{};        ///< elevation and azimuth [degrees] of an unset eye, seen from the target;
+    ViewSide view = ViewSide::kThreeQuarter; ///< where `eye` and `angles` are unset
+    std::optional<glm::dvec2> angles{};      ///< elevation and azimuth [degrees] of an unset eye, seen from the target;
                                              ///< azimuth 0 is the front, 90 the right
     std::optional<glm::dvec3> eye{};         ///< unset: in the direction of the view, from far enough to see all
     std::optional<glm::dvec3> target{}; ///< unset: the middle of the volume, or of its picture if the eye is unset too

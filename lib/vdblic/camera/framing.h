@@ -13,7 +13,7 @@ namespace vdblic {
 /// The axes of a view as the columns of a matrix: right, up, forward.
 [[nodiscard]] glm::dmat3 viewAxes(const glm::dvec3& forward, const glm::dvec3& up);
 
-/// The direction into which one looks from elevation and azimuth [degrees], as CameraParams::from has them.
+/// The direction into which one looks from elevation and azimuth [degrees], as CameraParams::angles has them.
 [[nodiscard]] glm::dvec3 viewDirection(const glm::dvec2& angles, const glm::dvec3& up);
 
 /// Position and extent of a camera.

@@ -30,11 +30,11 @@ struct FilmParams {
     std::array<int, 2> size{1280, 720};
     std::string look{}; ///< empty: the method's
     ViewSide view = ViewSide::kThreeQuarter;
-    std::string solid{};                    ///< as PictureParams has it; empty: what the flow leaves out of its box
-    std::optional<glm::dvec3> solidColor{}; ///< as displayed
-    bool plain = false;                     ///< without colour bar, time and scale bar
-    double orbit = 0;                       ///< turns of the camera during the film
-    bool preview = false;                   ///< half the width and height, half the pictures, coarser textures
+    std::string solid{};                     ///< as PictureParams has it; empty: what the flow leaves out of its box
+    glm::dvec3 solidColor{0.42, 0.44, 0.47}; ///< as displayed; darker than the flow
+    bool plain = false;                      ///< without colour bar, time and scale bar
+    double orbit = 0;                        ///< turns of the camera during the film
+    bool preview = false;                    ///< half the width and height, half the pictures, coarser textures
     FilmMethod method = FilmMethod::kStreaks;
 
     [[nodiscard]] bool isStill() const;

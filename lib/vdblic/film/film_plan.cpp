@@ -307,7 +307,7 @@ class FilmPlanner {
         } else if (flowsAroundSolid()) {
             render["solid"] = {"domain"};
         }
-        if (mParams.solidColor) render["solid_color"] = WordsOf<glm::dvec3>::write(*mParams.solidColor);
+        if (render.contains("solid")) render["solid_color"] = WordsOf<glm::dvec3>::write(mParams.solidColor);
         if (!mParams.plain)
             render["annotate"] = {mInfo.frames.size() > 1 ? "colorbar,time,scalebar" : "colorbar,scalebar"};
         if (mParams.isStill()) {

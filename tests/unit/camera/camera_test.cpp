@@ -167,7 +167,7 @@ TEST(Camera, LooksFromASideOrByAngles)
     for (const auto& [side, direction] : known)
         EXPECT_LT(glm::length(forward({.view = side}) - direction), 1e-12) << nameOf(side);
     const double half = std::sqrt(0.5);
-    EXPECT_LT(glm::length(forward({.from = glm::dvec2(45, 90)}) - glm::dvec3(-half, 0, -half)), 1e-12);
+    EXPECT_LT(glm::length(forward({.angles = glm::dvec2(45, 90)}) - glm::dvec3(-half, 0, -half)), 1e-12);
     const auto yUp = glm::dvec3(0, 1, 0);
     EXPECT_LT(glm::length(forward({.view = ViewSide::kFront, .up = yUp}) - glm::dvec3(0, 0, -1)), 1e-12);
     EXPECT_LT(glm::length(forward({.view = ViewSide::kTop, .up = yUp}) - glm::dvec3(0, -1, 0)), 1e-12);
