@@ -7,9 +7,8 @@ import subprocess
 import tempfile
 import unittest
 
-from support import BIN, ToolTest
+from support import BIN, SOURCE, ToolTest
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 HIDDEN = "MPI", "GTest", "pybind11"  # as if they were not installed
 OF_PKG_CONFIG = ("libturbojpeg",)
 # What is built because of them.

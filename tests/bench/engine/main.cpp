@@ -1,5 +1,5 @@
-/// The engine's benchmark: what methods cost, how time grows with life span, size and threads, and the integrator beside
-/// OpenVDB's own, as JSON for tests/bench/tables.py. The first figures are of one thread.
+/// The engine's benchmark: what methods cost, how time grows with life span, size and threads, and the integrator
+/// beside OpenVDB's own, as JSON for tests/bench/tables.py. The first figures are of one thread.
 
 #include "bench/engine/clock.h"
 #include "bench/engine/euler_uflic.h"
