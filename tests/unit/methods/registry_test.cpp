@@ -39,7 +39,7 @@ constinit const TextureMethod kWhite{
     .text = "white everywhere",
     .preroll = [](const MethodParams& /*params*/) { return 0; },
     .leadIn = [](const MethodParams& /*params*/) { return 0; },
-    .make = [](const MethodParams& /*params*/, MethodInput /*input*/) -> std::unique_ptr<FlowTexture> {
+    .make = [](const MethodParams& /*params*/, MethodInput&& /*input*/) -> std::unique_ptr<FlowTexture> {
         return std::make_unique<WhiteTexture>();
     },
     .describe = [](const MethodParams& /*params*/, openvdb::MetaMap& /*metadata*/) {},
