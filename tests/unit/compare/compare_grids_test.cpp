@@ -58,7 +58,7 @@ FloatGrid::Ptr strewn(unsigned seed)
 
 std::string json(const GridDifference& grid)
 {
-    return toJson({"a", "b", {{1, true, true, {"a", "b", {}, {grid}}}}, false}, {});
+    return toJson({"a", "b", {{1, true, true, {"a", "b", {}, {grid}}}}}, {});
 }
 
 TEST(CompareGrids, EqualGridsAreTheSameWithFiguresOfZero)
