@@ -47,7 +47,6 @@ libturbojpeg0-dev       header  turbojpeg.h
 libopenmpi-dev          command mpicxx
 openmpi-bin             command mpirun
 libgtest-dev            header  gtest/gtest.h
-libbenchmark-dev        header  benchmark/benchmark.h
 python3-openvdb         python  pyopenvdb
 python3-numpy           python  numpy
 pybind11-dev            header  pybind11/pybind11.h

@@ -13,7 +13,7 @@ int main(int argc, char** argv)
     cli::Tool tool{"vdblic_diff", "Tell whether two volumes, or two sequences of volumes, agree."};
     CLI::App& app = tool.app();
     tool.options(parametersOf(params));
-    app.footer("Exit status: 0 the same within tolerance (warnings included), 1 different, 2 usage, 3 bad input data,\n"
+    app.footer("Exit status: 0 the same within tolerance, 1 different, 2 usage, 3 bad input data,\n"
                "4 output could not be written, 5 a bug.\n"
                "The report goes to standard error; the path of each finished output is printed on standard output.");
     constexpr double kInFiles = 4; // two volumes, and where they differ

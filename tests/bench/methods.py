@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """The table "Dense methods" of docs/evidence.md and the slices of docs/methods.md: all dense methods on the same flows.
 
-    /usr/bin/python3 tests/bench/methods.py TOOLS DATA [--flows FLOW...] [--methods METHOD...] [--slices FOLDER]
+    /usr/bin/python3 tests/bench/methods.py TOOLS DATA [--slices FOLDER]
 
-TOOLS and DATA are those of quality.py. Textures are as vdblic_advect writes them by default; times and memory are
-those of one thread. Prints Markdown on standard output. `--slices` writes a picture of each flow: the same part of the
-same slice of the refined textures, method beside method.
+TOOLS is the folder of the built tools, DATA that of quality.py. Textures are as vdblic_advect writes them by default;
+times are those of one thread. `--slices` writes a picture of each flow: the same part of the same slice of the refined
+textures, method beside method.
 """
 
 import argparse
+import os
 import pathlib
 import subprocess
 import tempfile
@@ -25,23 +26,19 @@ FINISHED = ("uflic", "auflic")
 # columns between parts [voxels], and the parts in a row.
 SIDE, LEAST, TITLE, GAP, COLUMNS = 240, 256, 28, 4, 4
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
-HEADER = ("| textures | method | isolated [%] | line | angle [°] | deviation | temporal | same place | along [voxels] | "
-          "across [voxels] | time [ns] | memory [MB] |\n|---|---|---|---|---|---|---|---|---|---|---|---|")
-OF_CLASSES = {key for key, _, _ in quality.CLASS_COLUMNS[:3]}  # that only classes of displacement have
 
 
 class Measured(quality.Textures):
-    """Keeps the processor time [s] and the peak memory [kB] of the last run of vdblic_advect."""
+    """Keeps the processor time of the last run of vdblic_advect [s], on one thread."""
 
     def run(self, tool, *arguments):
         if tool != "vdblic_advect":
             super().run(tool, *arguments)
             return
-        figures = self.folder / "figures.txt"  # of a process without the memory of this one
-        subprocess.run(["/usr/bin/time", "-f", "%U %S %M", "-o", figures, self.tools / tool, *map(str, arguments),
-                        "--threads", "1", "-q"], check=True, stdout=subprocess.DEVNULL)
-        user, system, self.memory = map(float, figures.read_text(encoding="utf-8").split())
-        self.seconds = user + system
+        before = os.times()
+        super().run(tool, *arguments, "--threads", "1")
+        after = os.times()
+        self.seconds = after.children_user - before.children_user + after.children_system - before.children_system
 
     def voxel_steps(self):
         """The voxels of the last texture times the steps of the run."""
@@ -51,23 +48,10 @@ class Measured(quality.Textures):
 
 
 def mean_of(means, key):
-    """A figure of all voxels: of those that only classes have, the mean of the classes by their points."""
-    if key not in OF_CLASSES:
-        return means["raw"][key]["mean"]
+    """The mean of the classes of displacement by their points."""
     known = [(group["points"], group[key]["mean"]) for group in means["by_displacement"]
              if group.get(key) and group[key]["mean"] is not None]
-    points = sum(count for count, _ in known)
-    return sum(count * mean for count, mean in known) / points if points else None
-
-
-def print_row(textures, refine, method):
-    """Make and measure the textures of a method."""
-    means = textures.measure("--method", method, "--refine", refine, "--finish", 2 if method in FINISHED else 0)
-    figures = [(mean_of(means, key), factor, digits) for key, factor, digits in
-               quality.CLASS_COLUMNS + quality.LENGTH_COLUMNS]
-    cells = ["–" if mean is None else f"{factor * mean:.{digits}f}" for mean, factor, digits in figures]
-    cells += [f"{1e9 * textures.seconds / textures.voxel_steps():.0f}", f"{textures.memory * 1024 / 1e6:.0f}"]
-    print(f"| {refine} × | {METHODS[method]} | {' | '.join(cells)} |", flush=True)
+    return sum(count * mean for count, mean in known) / sum(count for count, _ in known)
 
 
 def part_of(plane):
@@ -94,36 +78,27 @@ def write_parts(path, parts):
                     "-frames:v", "1", "-q:v", "3", path], input=pixels.tobytes(), check=True)
 
 
-def print_flow(tools, data, name, methods, slices):
-    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        flow = quality.FLOWS[name]
-        velocity = data / flow.get("velocity", "")
-        if name == "tornado":
-            velocity = f"{folder}/v.%04d.vdb"
-            subprocess.run([tools / "vdblic_synth", name, "-o", velocity, "--size", "48", "48", "48", "--frames",
-                            flow["computed"], "-q"], check=True, stdout=subprocess.DEVNULL)
-        textures, parts = Measured(tools, folder, flow, velocity), {}
-        print(f"\n{flow['title']}:\n\n{HEADER}", flush=True)
-        for refine in 1, quality.FINE:
-            for method in methods:
-                print_row(textures, refine, method)
-                if slices and refine == quality.FINE:
-                    parts[METHODS[method]] = part_of(textures.plane())
-        if slices:
-            slices.mkdir(parents=True, exist_ok=True)
-            write_parts(slices / f"{flow['title'].lower()}.jpg", parts)
-
-
 def main():
     parser = argparse.ArgumentParser(description="Measure the dense methods of docs/evidence.md anew.")
     parser.add_argument("tools", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path)
-    parser.add_argument("--flows", nargs="+", choices=quality.FLOWS, default=list(quality.FLOWS))
-    parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS))
     parser.add_argument("--slices", type=pathlib.Path)
     given = parser.parse_args()
-    for name in given.flows:
-        print_flow(given.tools.resolve(), given.data, name, given.methods, given.slices)
+    print("| flow | method | isolated [%] | line | angle [°] | temporal | time [ns] |\n|---|---|---|---|---|---|---|")
+    for flow in "winds", "smoke":
+        with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
+            textures, parts = Measured(given.tools.resolve(), given.data, flow, folder), {}
+            for method, title in METHODS.items():
+                means = textures.measure("--method", method, "--refine", 3, "--finish", 2 if method in FINISHED else 0)
+                isolated, line, angle = (mean_of(means, key) for key in ("isolated", "line", "angle"))
+                print(f"| {flow} | {title} | {100 * isolated:.3f} | {line:.2f} | {angle:.1f} | "
+                      f"{means['raw']['temporal']['mean']:.3f} | {1e9 * textures.seconds / textures.voxel_steps():.0f} |",
+                      flush=True)
+                if given.slices:
+                    parts[title] = part_of(textures.plane())
+            if given.slices:
+                given.slices.mkdir(parents=True, exist_ok=True)
+                write_parts(given.slices / f"{flow}.jpg", parts)
 
 
 if __name__ == "__main__":

@@ -9,20 +9,13 @@ DATA holds wake/wake.%04d.vdb and era5_west_europe/era5.%04d.vdb.
 import json
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy
 import pyopenvdb as vdb
 
-
-def run(tool, *arguments):
-    """Run a tool. Returns wall seconds and the most memory it held [MB]."""
-    command = ["/usr/bin/time", "-f", "%e %M", str(tool), *map(str, arguments)]
-    done = subprocess.run(command, text=True, capture_output=True, check=True)
-    seconds, kilobytes = done.stderr.splitlines()[-1].split()
-    return float(seconds), int(kilobytes) / 1e3
+from measure import run
 
 
 def values_at(values, positions):
@@ -75,7 +68,7 @@ def main():
         os.chdir(folder)
 
         def textures(velocity, frames, *options):
-            """Figures of a run: its frames, memory [MB], bytes of the last file, and its name."""
+            """Figures of a run: its frames, memory and bytes of the last file, and its name."""
             _, memory = run(tools / "vdblic_advect", velocity, "-o", "s.%04d.vdb", "--method", "streaks", "--frames", frames,
                             "--json", "s.json", "--lead-in", 0, *options)
             report = json.loads(pathlib.Path("s.json").read_text(encoding="utf-8"))["frames"]
@@ -89,7 +82,7 @@ def main():
             for form in "voxels", "lines":
                 report, memory, size, _ = textures(velocity, "1-4", "--draw", form, *options)
                 seconds = numpy.median([sum(f["seconds"][s] for s in ("load", "scatter", "convolve")) for f in report])
-                print(f"| {name} | {form} | {seconds:.2f} | {memory:.0f} | {size / 1e6:.1f} |")
+                print(f"| {name} | {form} | {seconds:.2f} | {memory / 1e6:.0f} | {size / 1e6:.1f} |")
 
         print("\n| from the sixth frame on | streaks, least to most | retired a frame, at most | rising |\n|---|---|---|---|")
         for name, velocity, frames, *options in (("wake", wake, "1-24", "--refine", 6),
@@ -107,7 +100,7 @@ def main():
                 costs = [run(tools / "vdblic_render", "s.0012.vdb", "-o", "p.png", "--size", 1600, 900, "--samples", 4, *options)
                          for _ in range(3)]
                 seconds, memory = numpy.median(costs, axis=0)
-                print(f"| {name} | {form} | {seconds:.1f} | {memory:.0f} |")
+                print(f"| {name} | {form} | {seconds:.1f} | {memory / 1e6:.0f} |")
 
 
 if __name__ == "__main__":

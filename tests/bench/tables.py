@@ -1,10 +1,9 @@
 #!/usr/bin/python3
 """The tables of docs/evidence.md, measured anew, as Markdown.
 
-    xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD DATA [--only SECTION...] [--frames N]
+    xvfb-run -a /usr/bin/python3 tests/bench/tables.py BUILD DATA [--only SECTION...]
 
-BUILD is the build folder (build/release). DATA holds the flows of docs/evidence.md; quality.py says which. `--frames`
-shortens a trial of the engine.
+BUILD is the build folder (build/release). DATA holds the flows of docs/evidence.md; quality.py says which.
 """
 
 import argparse
@@ -14,77 +13,43 @@ import subprocess
 import sys
 import tempfile
 
-import file_to_file
 import quality
+from measure import run
 
 HERE = pathlib.Path(__file__).resolve().parent
-WAKE = HERE.parents[1] / "samples/wake/wake.0012.vdb"
+SIDE = 256  # voxels, of the run whose memory is measured
 
 
-def engine_report(build, frames):
-    """The JSON report of vdblic_bench_engine, whose own tables go to standard error."""
+def peak_memory(tools):
+    """Bytes a voxel of a whole run of vdblic_advect."""
     with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        report = pathlib.Path(folder) / "report.json"
-        subprocess.run([build / "tests/vdblic_bench_engine", "--frames", str(frames), "--json", report], check=True,
-                       stdout=sys.stderr)
-        return json.loads(report.read_text(encoding="utf-8"))
+        velocity = f"{folder}/velocity.%04d.vdb"
+        run(tools / "vdblic_synth", "abc", "-o", velocity, "--size", SIDE, SIDE, SIDE, "--frames", "1-4")
+        _, memory = run(tools / "vdblic_advect", velocity, "-o", f"{folder}/lic.%04d.vdb", "--threads", 2)
+    return memory / SIDE**3
 
 
-def by_name(rows):
-    return {row["name"]: row for row in rows}
-
-
-def integrator_rates(report):
-    """Million steps a second by integrator."""
-    return {row["name"].split(",")[0]: row["million_steps_per_second"] for row in report["integrators"]}
-
-
-def aims(report, frames):
-    """The table "Aims and figures": rows of (what, aim, measured)."""
-    rates = integrator_rates(report)
-    ours = rates["advancePaths"]
-    for name, against, aim in (
-            ("VelocityIntegrator", "OpenVDB's `VelocityIntegrator` on one frame", "≥ 7 ×"),
-            ("GridSampler and BoxSampler", "GridSampler and BoxSampler on two frames", ""),
-            ("NanoVDB", "NanoVDB on two frames", ""),
-            ("VTK's vtkStreamTracer", "VTK's `vtkStreamTracer` on one frame", "")):
-        known = [rate for found, rate in rates.items() if name in found]
-        if known:
-            yield f"RK4 steps against {against}", aim, f"{ours / known[0]:.1f} × ({ours:.1f} against {known[0]:.1f} million a second)"
-    methods, sweeps = by_name(report["methods"]), by_name(report["sweeps"])
-    auflic = methods["AUFLIC, window 0.25, history"]
-    for name, against, aim in (("UFLIC as in the paper, Euler", "the paper's Euler UFLIC", "≥ 9 ×"),
-                               ("UFLIC", "our UFLIC", "≥ 2.5 ×"),
-                               ("AUFLIC as in the paper, window 0.25", "AUFLIC in the paper's order of work", "")):
-        ratio = methods[name]["ns_per_voxel"] / auflic["ns_per_voxel"]
-        yield (f"AUFLIC against {against}", aim,
-               f"{ratio:.1f} × ({auflic['ns_per_voxel']:.0f} against {methods[name]['ns_per_voxel']:.0f} ns a voxel and frame)")
-    stages = ", ".join(f"{stage} {1e3 * seconds / frames:.0f}" for stage, seconds in auflic["seconds"].items())
-    yield "a texture", "", f"{1e-6 * auflic['ns_per_voxel'] * 144 * 73 * 81:.0f} ms: {stages}"
-    cost = lambda name, key="ns_per_voxel": sweeps[name][key]
-    yield "time at life span 32 against 4", "≤ 1.15", f"{cost('life span 32') / cost('life span 4'):.2f}"
-    yield "time per voxel, 384³ against 64³", "≤ 1.2", f"{cost('384 cubed') / cost('64 cubed'):.2f}"
-    wall = "wall_ns_per_voxel"
-    yield "two threads against one", "≥ 1.85 ×", f"{cost('1 threads', wall) / cost('2 threads', wall):.2f} ×"
-    yield "peak memory of the process, 256³", "≤ 80 bytes a voxel", f"{report['memory'][-1]['bytes_per_voxel']:.0f}"
-    yield ("a ball of 5 % of its box against a full one, time per voxel", "≤ 1.15",
-           f"{cost('5 %') / cost('100 %'):.2f}")
-
-
-def print_engine(report, frames):
-    print("| | aim | measured |\n|---|---|---|")
-    for row in aims(report, frames):
+def print_engine(build):
+    report = json.loads(subprocess.run([build / "tests/vdblic_bench_engine"], stdout=subprocess.PIPE, check=True).stdout)
+    ours, openvdb = (report["steps"][name] for name in ("ours", "OpenVDB"))
+    auflic, uflic, euler = (report["methods"][name] for name in ("AUFLIC", "UFLIC", "Euler UFLIC"))
+    ratio = lambda name: report[name][1] / report[name][0]
+    print("| the engine | aim | measured |\n|---|---|---|")
+    for row in (
+            ("RK4 steps against OpenVDB's `VelocityIntegrator` on one frame", "≥ 7 ×",
+             f"{ours / openvdb:.1f} × ({ours:.1f} against {openvdb:.1f} million a second)"),
+            ("AUFLIC against the paper's Euler UFLIC", "≥ 9 ×",
+             f"{euler / auflic:.1f} × ({auflic:.0f} against {euler:.0f} ns a voxel and frame)"),
+            ("AUFLIC against our UFLIC", "≥ 2.5 ×", f"{uflic / auflic:.1f} × ({uflic:.0f})"),
+            ("time at life span 32 against 4", "≤ 1.15", f"{ratio('life'):.2f}"),
+            ("time per voxel, 384³ against 64³", "≤ 1.2", f"{ratio('side'):.2f}"),
+            ("two threads against one", "≥ 1.85 ×", f"{1 / ratio('threads'):.2f} ×"),
+            (f"peak memory of the process, {SIDE}³, four frames, two threads", "≤ 80 bytes a voxel",
+             f"{peak_memory(build / 'tools'):.0f}")):
         print("| " + " | ".join(row) + " |")
-    print("\n| | ns per voxel and frame | live | steps | deposits | hits | voxels without hits | temporal raw / smoothed "
-          "| deviation |\n|---|---|---|---|---|---|---|---|---|")
-    for row in report["methods"]:
-        name = row["name"].replace("as in the paper, window 0.25", "in the paper's order, δ 0.25").replace("window", "δ")
-        print(f"| {name} | {row['ns_per_voxel']:.0f} | {row['live_per_voxel']:.2f} | {row['steps_per_voxel']:.2f} | "
-              f"{row['deposits_per_voxel']:.1f} | {row['hits_per_voxel']:.1f} | {100 * row['zero_hit_share']:.1f} % | "
-              f"{row['temporal']:.3f} / {row['temporal_smoothed']:.3f} | {row['deviation']:.3f} |")
 
 
-SECTIONS = ("engine", "files", "refinement", "methods", "defaults", "streaks", "pictures", "viewer", "machines")
+SECTIONS = ("engine", "refinement", "methods", "defaults", "streaks", "pictures", "machines")
 
 
 def bench(script, *arguments):
@@ -92,44 +57,29 @@ def bench(script, *arguments):
     subprocess.run([sys.executable, HERE / f"{script}.py", *map(str, arguments)], check=True)
 
 
-def print_viewer(build):
-    """The viewer on a refined wake."""
-    with tempfile.TemporaryDirectory(prefix="vdblic-") as folder:
-        texture = f"{folder}/wake.0012.vdb"
-        subprocess.run([build / "tools/vdblic_advect", WAKE, "-o", texture, "--refine", "4", "--with", "vorticity,q", "-q"], check=True, stdout=subprocess.DEVNULL)
-        bench("viewer", build, texture)
-
-
 def main():
     parser = argparse.ArgumentParser(description="Measure the tables of docs/evidence.md anew.")
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path)
     parser.add_argument("--only", choices=SECTIONS, nargs="+", default=SECTIONS)
-    parser.add_argument("--frames", type=int, default=6, help="frames of engine, at least 5")
     given = parser.parse_args()
-    build, data, tools, report = given.build.resolve(), given.data.resolve(), given.build.resolve() / "tools", None
+    build, data = given.build.resolve(), given.data.resolve()
+    tools = build / "tools"
     for section in given.only:
         print(f"\n## {section.capitalize()}\n", flush=True)
         match section:
             case "engine":
-                report = engine_report(build, given.frames)
-                print_engine(report, given.frames)
-            case "files":
-                rates = integrator_rates(report) if report else {}
-                rate = next((rates[name] for name in rates if "VelocityIntegrator" in name), None)
-                file_to_file.print_table(build, data, rate)
+                print_engine(build)
             case "refinement":
-                bench("refine", build, "--frames", 4)
+                bench("refine", tools)
             case "methods":
                 bench("methods", tools, data)
             case "defaults":
-                quality.print_tables(tools, data, quality.FLOWS)
+                quality.print_defaults(tools, data)
             case "streaks":
                 bench("streaks", build, data)
             case "pictures":
                 bench("render_peers", tools)
-            case "viewer":
-                print_viewer(build)
             case "machines":
                 bench("ranks", tools)
 

@@ -14,7 +14,11 @@ import unittest
 
 import numpy
 
-BIN = pathlib.Path(os.environ["VDBLIC_BIN"])
+BIN, SOURCE = (pathlib.Path(os.environ[name]) for name in ("VDBLIC_BIN", "VDBLIC_SOURCE"))
+MODULE = BIN.parent / "python"
+# A sanitized one needs a sanitized Python.
+HAS_MODULE = list(MODULE.glob("vdblic/_core*.so")) and os.environ.get("VDBLIC_SANITIZED") != "1"
+WAKE = SOURCE / "samples/wake/wake.%04d.vdb"
 # tests/nightly.sh sets it: every case instead of one of each kind. Nothing else reads the variable.
 NIGHTLY = os.environ.get("VDBLIC_NIGHTLY") == "1"
 # A shell ignores the one for what runs in its background, nohup the other.

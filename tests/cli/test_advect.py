@@ -1,17 +1,14 @@
 """vdblic_advect on the command line."""
 
 import json
-import os
-import pathlib
 import resource
 import unittest
 
 import numpy
 import pyopenvdb as vdb
 
-from support import ToolTest
+from support import WAKE, ToolTest
 
-WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%04d.vdb"
 
 
 def values(path, name="density"):

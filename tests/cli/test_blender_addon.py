@@ -20,6 +20,8 @@ from support import BIN, ToolTest, peer, skip
 
 HERE = pathlib.Path(__file__).parent
 ADDON = BIN / "vdblic_blender.zip"
+if not ADDON.exists():
+    skip("the add-on is not built")
 UNIT = [[0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [0, 0, 0, 1]]
 BPY = peer("bpy", "bpy")
 PLACE = """
@@ -455,6 +457,4 @@ class CurrentBlender(Both, InCurrentBlender):
 
 
 if __name__ == "__main__":
-    if not ADDON.exists():
-        skip("the add-on is not built")
     unittest.main()

@@ -1,22 +1,14 @@
 """Streaks as lines in Debian's Blender and in a current one (`bpy`): imported, played, chosen, made."""
 
-import os
-import pathlib
-import sys
 import unittest
 
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, skip
-from test_blender_addon import ADDON, InCurrentBlender, InDebiansBlender
+import python_module  # pylint: disable=unused-import
+from test_blender_addon import InCurrentBlender, InDebiansBlender
 
-if os.environ.get("VDBLIC_SANITIZED") == "1":
-    skip("a sanitized module needs a sanitized Python")
-if not (BIN / "vdblic_export").exists():
-    skip("vdblic_export is not built, because pybind11 is missing")
-sys.path.insert(0, str(BIN.parent / "python"))
-from vdblic._core import read_lines  # noqa: E402
+from vdblic._core import read_lines
 
 DRAWN = """
 def drawn(thing):
@@ -207,6 +199,4 @@ class CurrentBlender(Both, InCurrentBlender):
 
 
 if __name__ == "__main__":
-    if not ADDON.exists():
-        skip("the add-on is not built")
     unittest.main()

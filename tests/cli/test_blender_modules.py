@@ -2,7 +2,6 @@
 
 import importlib
 import os
-import pathlib
 import re
 import sys
 import time
@@ -13,9 +12,8 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import BIN, SOURCE, ToolTest
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 FOLDER = SOURCE / "tools/blender/vdblic_blender"
 package = types.ModuleType("vdblic_blender")  # whose own __init__ needs Blender
 package.__path__ = [str(FOLDER)]

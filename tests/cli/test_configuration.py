@@ -7,14 +7,13 @@ import subprocess
 import tempfile
 import unittest
 
-from support import BIN, ToolTest
+from support import BIN, SOURCE, ToolTest
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
-HIDDEN = "MPI", "GTest", "benchmark", "pybind11"  # as if they were not installed
+HIDDEN = "MPI", "GTest", "pybind11"  # as if they were not installed
 OF_PKG_CONFIG = ("libturbojpeg",)
 # What is built because of them.
-TARGETS = {"tool_advect_mpi", "tool_render_mpi", "vdblic_mpi", "vdblic_tests", "vdblic_bench", "vdblic_python",
-           "tool_view", "vdblic_viewer"}
+TARGETS = {"tool_advect_mpi", "tool_render_mpi", "vdblic_mpi", "vdblic_tests", "vdblic_python", "tool_view",
+           "vdblic_viewer"}
 
 
 class Configuration(ToolTest):

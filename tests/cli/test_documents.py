@@ -16,9 +16,8 @@ import pyopenvdb as vdb
 import earth_flows
 import flows
 import netcdf_flows
-from support import BIN, ToolTest
+from support import BIN, SOURCE, ToolTest
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 DOCUMENTS = [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]
 OURS = sorted([path.stem for path in (SOURCE / "tools").glob("vdblic_*.cpp")] +
               [f"vdblic_{path.stem.removesuffix('_tool')}" for path in (SOURCE / "tools/python").glob("*/*_tool.py")])

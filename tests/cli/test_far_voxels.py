@@ -10,9 +10,8 @@ import pyopenvdb as vdb
 
 import far_files
 import vdb_bytes
-from support import BIN, ToolTest, often
+from support import BIN, MODULE, ToolTest, often
 
-MODULE = BIN.parent / "python"
 HAS_CONVERTERS = (BIN / "vdblic_export").exists()
 LAST = 2**31 - 1
 SMALL = ("--size", 24, 16)

@@ -10,10 +10,8 @@ import xml.etree.ElementTree
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import HAS_MODULE, MODULE, ToolTest
 
-MODULE = BIN.parent / "python"
-HAS_MODULE = list(MODULE.glob("vdblic/_core*.so")) and os.environ.get("VDBLIC_SANITIZED") != "1"
 # Ten bytes each: a title for the terminal, a forged message, one byte of a terminal's control, no UTF-8, markup, words.
 NAMES = (b"\x1b]0;title\x07"[:10], b"a\nerror: b", b"\xc2\x9b31mred..", b"\xff\xfe no utf8", b"<a&b'\">\\{}"[:10],
          "größe 速".encode()[:10], b"tab\tand\rcr", b"\xe2\x80\xaegpj.exe")

@@ -19,9 +19,8 @@ from vtkmodules.vtkParallelCore import vtkDummyController
 import cgns
 import flows
 from imports import ImportTest, velocity_of
-from support import BIN
+from support import BIN, SOURCE
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 FOAM = pathlib.Path("/usr/share/openfoam")
 
 

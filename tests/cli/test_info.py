@@ -1,8 +1,6 @@
 """vdblic_info: what a sequence holds, and what it advises."""
 
 import json
-import os
-import pathlib
 import re
 import resource
 import time
@@ -11,7 +9,7 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
-from support import ToolTest
+from support import SOURCE, ToolTest
 
 
 class Info(ToolTest):
@@ -89,7 +87,7 @@ class Info(ToolTest):
 
     def test_streaks(self):
         """The command for streaks is one that vdblic_advect takes, and what it takes is as told."""
-        pattern = str(pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/wake/wake.%04d.vdb")
+        pattern = str(SOURCE / "samples/wake/wake.%04d.vdb")
         info, text = self.info(pattern, "--values", "--frames", "1-3")
         told = re.search(r"vdblic_advect (--method streaks --spacing 1.5 --tail \S+ --refine 11) takes about (\S+) MiB", text)
         streaks = info["velocity"]["streaks"]

@@ -12,9 +12,8 @@ import unittest.mock
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import BIN, SOURCE, ToolTest
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 PROGRAMS = SOURCE / "samples/library"
 
 CCACHE = [ccache] if (ccache := shutil.which("ccache")) else []

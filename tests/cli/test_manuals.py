@@ -13,9 +13,9 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import BIN, SOURCE, ToolTest
 
-MANUALS = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "tools/packaging/manuals.py"
+MANUALS = SOURCE / "tools/packaging/manuals.py"
 
 
 class Manuals(ToolTest):

@@ -11,14 +11,13 @@ import unittest
 
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest, often, skip
+from support import BIN, WAKE, ToolTest, often, skip
 
 if not (BIN / "vdblic_advect_mpi").exists():
     skip("built without MPI")
 if not shutil.which("mpirun"):
     skip("mpirun is not installed")
 
-WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%04d.vdb"
 DATA = os.environ.get("VDBLIC_DATA")
 SUPPORT = os.environ["VDBLIC_TEST_SUPPORT"]
 not_sanitized = unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a sanitizer wants to be loaded first")

@@ -6,7 +6,6 @@ of them before they are parsed.
 """
 
 import json
-import os
 import pathlib
 import random
 import shutil
@@ -18,12 +17,10 @@ import unittest
 import numpy
 
 from fields import misplaced
-from support import BIN, ToolTest, often
+from support import BIN, HAS_MODULE, MODULE, ToolTest, often
 from vdb_bytes import IDENTITY
 
 FILES, MISPLACED = often(4, 1000), often(3, 1000)
-MODULE = BIN.parent / "python"
-HAS_MODULE = list(MODULE.glob("vdblic/_core*.so")) and os.environ.get("VDBLIC_SANITIZED") != "1"
 SMALL = ("--size", 12, 8)
 READ = ("import sys; sys.path.insert(0, sys.argv[1]); import vdblic\n"
         "try: vdblic.read(sys.argv[2])\n"

@@ -7,9 +7,8 @@ import unittest
 
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest
+from support import BIN, MODULE, ToolTest
 
-MODULE = BIN.parent / "python"
 HAS_CONVERTERS = (BIN / "vdblic_export").exists()
 SMALL = ("--size", 24, 16)
 LAST = 2**31 - 1

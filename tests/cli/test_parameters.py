@@ -2,14 +2,12 @@
 
 import json
 import os
-import pathlib
 import re
 import sys
 import unittest
 
-from support import BIN, ToolTest
+from support import BIN, SOURCE, ToolTest
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 TOOLS = "synth", "noise", "advect", "render", "info", "coherence", "film", "diff", "view"
 # Arguments that are no member of a parameter struct.
 OWN = {"--help", "--version", "--threads", "--max-memory", "--scratch", "--quiet", "--verbose", "--verify",

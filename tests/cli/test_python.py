@@ -3,7 +3,6 @@
 import datetime
 import json
 import os
-import pathlib
 import re
 import resource
 import signal
@@ -19,16 +18,10 @@ import numpy
 import pyopenvdb as vdb
 
 import flows
-from support import BIN, ToolTest, peer, skip
+from python_module import MODULE
+from support import BIN, SOURCE, ToolTest, peer
 
-MODULE = BIN.parent / "python"
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
-if os.environ.get("VDBLIC_SANITIZED") == "1":
-    skip("a sanitized module needs a sanitized Python")
-if not list(MODULE.glob("vdblic/_core*.so")):
-    skip("the module is not built, because pybind11 is missing")
-sys.path.insert(0, str(MODULE))
-import vdblic  # pylint: disable=wrong-import-position
+import vdblic
 
 SIZE = 24, 20, 16
 

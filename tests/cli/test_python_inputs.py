@@ -9,15 +9,10 @@ import warnings
 
 import numpy
 
-from support import BIN, ToolTest, skip
+from python_module import MODULE
+from support import ToolTest
 
-MODULE = BIN.parent / "python"
-if os.environ.get("VDBLIC_SANITIZED") == "1":
-    skip("a sanitized module needs a sanitized Python")
-if not list(MODULE.glob("vdblic/_core*.so")):
-    skip("the module is not built, because pybind11 is missing")
-sys.path.insert(0, str(MODULE))
-import vdblic  # pylint: disable=wrong-import-position
+import vdblic
 
 SIZE = 12, 10, 8
 FILL = 1e37  # as NetCDF's

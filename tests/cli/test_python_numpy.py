@@ -1,17 +1,12 @@
 """The Python module with the oldest and the newest NumPy that it takes: the same textures, pictures and metadata."""
 
 import os
-import pathlib
 import subprocess
 import unittest
 
-from support import BIN, ToolTest, peer, skip
+from python_module import MODULE
+from support import ToolTest, peer
 
-MODULE = BIN.parent / "python"
-if os.environ.get("VDBLIC_SANITIZED") == "1":
-    skip("a sanitized module needs a sanitized Python")
-if not list(MODULE.glob("vdblic/_core*.so")):
-    skip("the module is not built, because pybind11 is missing")
 
 SCRIPT = """
 import sys

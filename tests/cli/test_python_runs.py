@@ -2,7 +2,6 @@
 
 import inspect
 import os
-import pathlib
 import re
 import resource
 import signal
@@ -12,16 +11,10 @@ import unittest
 
 import numpy
 
-from support import BIN, ToolTest, peer, skip
+from python_module import MODULE
+from support import SOURCE, ToolTest, peer
 
-MODULE = BIN.parent / "python"
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
-if os.environ.get("VDBLIC_SANITIZED") == "1":
-    skip("a sanitized module needs a sanitized Python")
-if not list(MODULE.glob("vdblic/_core*.so")):
-    skip("the module is not built, because pybind11 is missing")
-sys.path.insert(0, str(MODULE))
-import vdblic  # pylint: disable=wrong-import-position
+import vdblic
 
 SIZE = 24, 20, 16
 

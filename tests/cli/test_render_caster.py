@@ -9,7 +9,7 @@ import pyopenvdb as vdb
 from support import RenderTest
 
 SHAPE = 26, 22, 18
-WIDTH, HEIGHT, VIEW_HEIGHT = 48, 36, 2.6
+WIDTH, HEIGHT, VIEW_HEIGHT, FOV = 48, 36, 2.6, 17
 EYE, TARGET = numpy.array((6.0, -5.0, 5.5)), numpy.array((0.9, 1.6, 1.0))
 BOX = numpy.array(((0.15, 0.9, 0.2), (1.6, 2.25, 1.75)))  # inside the voxels' centres
 TURN = numpy.radians(25)
@@ -50,25 +50,28 @@ def linear(displayed):
     return numpy.where(displayed <= 0.04045, displayed / 12.92, ((displayed + 0.055) / 1.055) ** 2.4)
 
 
-def cast(frame, steps=200):
-    """Red, green, blue and alpha of the frame, premultiplied: emission and absorption along parallel rays."""
+def cast(frame, projection, steps=200):
+    """Red, green, blue and alpha of the frame, premultiplied: emission and absorption along rays."""
     density, scalar = fields(frame)
     forward = (TARGET - EYE) / numpy.linalg.norm(TARGET - EYE)
     right = numpy.cross(forward, (0, 0, 1))
     right /= numpy.linalg.norm(right)
     up = numpy.cross(right, forward)
-    pixel = VIEW_HEIGHT / HEIGHT
+    is_flat = projection == "orthographic"
+    pixel = (VIEW_HEIGHT if is_flat else 2 * numpy.tan(numpy.radians(FOV) / 2)) / HEIGHT
     across = (numpy.arange(WIDTH) + 0.5 - WIDTH / 2) * pixel
     upward = (HEIGHT / 2 - numpy.arange(HEIGHT) - 0.5) * pixel
-    origin = EYE + across[None, :, None] * right + upward[:, None, None] * up
-    first, last = (BOX[0] - origin) / forward, (BOX[1] - origin) / forward
+    beside = across[None, :, None] * right + upward[:, None, None] * up
+    origin, direction = (EYE + beside, forward + 0 * beside) if is_flat else (EYE + 0 * beside, forward + beside)
+    direction /= numpy.linalg.norm(direction, axis=-1, keepdims=True)
+    first, last = (BOX[0] - origin) / direction, (BOX[1] - origin) / direction
     enter = numpy.minimum(first, last).max(-1)
     leave = numpy.maximum(numpy.maximum(first, last).min(-1), enter)
     step = (leave - enter) / steps
     color, transmittance = numpy.zeros((HEIGHT, WIDTH, 3)), numpy.ones((HEIGHT, WIDTH))
     inside = leave > enter
     for number in range(steps):
-        place = (origin + (enter + (number + 0.5) * step)[..., None] * forward)[inside]
+        place = (origin + (enter + (number + 0.5) * step)[..., None] * direction)[inside]
         index = (place - TRANSFORM[3]) @ numpy.linalg.inv(TRANSFORM[:3])
         opacity = numpy.interp(position_in(OPACITY_RANGE, interpolated(density, index)), *OPACITY.T)
         at = position_in(RANGE, interpolated(scalar, index))
@@ -92,20 +95,21 @@ class RenderCaster(RenderTest):
             vdb.write(str(self.folder / f"lic.{frame:04}.vdb"), grids=grids)
         (self.folder / "transfer.json").write_text(json.dumps({
             "range": RANGE, "opacity_range": OPACITY_RANGE, "colors": COLORS.tolist(), "opacity": OPACITY.tolist()}))
-        names = self.renders(
-            "lic.%04d.vdb", "-o", "seen.%04d.exr", "--size", WIDTH, HEIGHT, "--precision", "float", "--projection",
-            "orthographic", "--view-height", VIEW_HEIGHT, "--eye", *EYE, "--target", *TARGET, "--clip-box",
-            *BOX.ravel(), "--transfer", "transfer.json", "--by", "magnitude", "--opacity-by", "density", "--modulate", 0,
-            "--limb-darkening", 0, "--shading", "none", "--halo", 0, "--depth-cue", 0, "--exposure", 0, "--step", 0.1,
-            "--interpolation", "linear")
-        self.assertEqual(names, [f"seen.{frame:04}.exr" for frame in frames])
-        pictures = [numpy.dstack(self.pixels(name, "R", "G", "B", "A")) for name in names]
-        for before, picture in zip(pictures, pictures[1:]):  # the frames are others, and show much
-            self.assertGreater(abs(picture - before).max(), 0.1)
-        for frame, picture in zip(frames, pictures):
-            expected = cast(frame)
-            self.assertGreater(expected[..., 3].max(), 0.7)
-            self.assertTrue((abs(picture - expected) < TOLERANCES).all(), abs(picture - expected).max((0, 1)))
+        for projection, extent in ("orthographic", ("--view-height", VIEW_HEIGHT)), ("perspective", ("--fov", FOV)):
+            names = self.renders(
+                "lic.%04d.vdb", "-o", "seen.%04d.exr", "--size", WIDTH, HEIGHT, "--precision", "float", "--projection",
+                projection, *extent, "--eye", *EYE, "--target", *TARGET, "--clip-box", *BOX.ravel(), "--transfer",
+                "transfer.json", "--by", "magnitude", "--opacity-by", "density", "--modulate", 0, "--limb-darkening", 0,
+                "--shading", "none", "--halo", 0, "--depth-cue", 0, "--exposure", 0, "--step", 0.1, "--interpolation",
+                "linear")
+            self.assertEqual(names, [f"seen.{frame:04}.exr" for frame in frames])
+            pictures = [numpy.dstack(self.pixels(name, "R", "G", "B", "A")) for name in names]
+            for before, picture in zip(pictures, pictures[1:]):  # the frames are others, and show much
+                self.assertGreater(abs(picture - before).max(), 0.1)
+            for frame, picture in zip(frames, pictures):
+                expected = cast(frame, projection)
+                self.assertGreater(expected[..., 3].max(), 0.7)
+                self.assertTrue((abs(picture - expected) < TOLERANCES).all(), abs(picture - expected).max((0, 1)))
 
 
 if __name__ == "__main__":

@@ -9,12 +9,11 @@ import subprocess
 import time
 import unittest
 
-from support import BIN, LinePipe, ToolTest, nightly, often, skip
+from support import BIN, WAKE, LinePipe, ToolTest, nightly, often, skip
 
 if os.environ.get("VDBLIC_SANITIZED") == "1":
     skip("sanitizers hold more memory than there is")
 
-WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples" / "wake" / "wake.%04d.vdb"
 DATA = os.environ.get("VDBLIC_DATA")
 MEBIBYTE = 1 << 20
 LIMIT = 128  # MiB, the least

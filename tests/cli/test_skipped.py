@@ -1,19 +1,17 @@
 """tests/skipped.sh, which names what a run of ctest did not run: of made-up tests here."""
 
 import os
-import pathlib
 import shutil
 import subprocess
 import unittest
 
-from support import ToolTest
+from support import SOURCE, ToolTest
 
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 WHOLE = """from support import skip
 skip({!r})
 """
 IN_PART = """import unittest
-from support import ToolTest
+from support import SOURCE, ToolTest
 class Part(ToolTest):
     def test_it(self):
         self.skipTest({!r})

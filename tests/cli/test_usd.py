@@ -3,9 +3,7 @@
 import itertools
 import json
 import math
-import os
 import pathlib
-import re
 import shutil
 import subprocess
 import unittest
@@ -13,14 +11,11 @@ import unittest
 import numpy
 import pyopenvdb as vdb
 
-from support import BIN, ToolTest, peer, skip
+import python_module  # pylint: disable=unused-import
+from support import SOURCE, ToolTest, peer
 
 HERE = pathlib.Path(__file__).parent
-WAKE = pathlib.Path(os.environ["VDBLIC_SOURCE"]) / "samples/wake"
-if os.environ.get("VDBLIC_SANITIZED") == "1":
-    skip("a sanitized module needs a sanitized Python")
-if not (BIN / "vdblic_export").exists():
-    skip("the tool is not built, because pybind11 is missing")
+WAKE = SOURCE / "samples/wake"
 USD = peer("usd", "pxr")
 
 

@@ -55,16 +55,3 @@ def assert_on_axes(path, axes, velocity, tolerance=1e-5):
     for slot, axis in enumerate(axes):
         reach = numpy.diff(axis).max() if len(axis) > 1 else numpy.inf
         assert (at[:, slot] >= axis[0] - reach).all() and (at[:, slot] <= axis[-1] + reach).all()
-
-
-def assert_between(path, places, velocity, neighbours=27, tolerance=1e-5):
-    """The volume lies between the velocities of the points around each of its voxels."""
-    at, found, size = random_voxels(path)
-    known = numpy.isfinite(velocity).all(axis=1) & numpy.isfinite(places).all(axis=1)
-    places, velocity = places[known], velocity[known]
-    slack = tolerance * numpy.abs(velocity).max()
-    for position, value in zip(at, found):
-        apart = (((places - position) / size) ** 2).sum(axis=1)
-        near = velocity[numpy.argpartition(apart, min(neighbours, len(apart) - 1))[:neighbours]]
-        assert (value >= near.min(axis=0) - slack).all() and (value <= near.max(axis=0) + slack).all(), (
-            f"{path}: {value} at {position} is not between {near.min(axis=0)} and {near.max(axis=0)}")

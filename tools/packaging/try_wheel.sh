@@ -27,7 +27,7 @@ vdblic_advect 'v.%04d.vdb' -o 'lic.%04d.vdb'
 vdblic_render 'lic.%04d.vdb' -o 'image.%04d.exr' --size 160 90
 vdblic_advect 'v.%04d.vdb' -o 'fine.%04d.vdb' --refine 2 --substeps 2
 vdblic_advect 'v.%04d.vdb' -o 'streaks.%04d.vdb' --method streaks
-vdblic_coherence 'v.%04d.vdb' 'lic.%04d.vdb' -o coherence.svg
+vdblic_coherence 'v.%04d.vdb' 'lic.%04d.vdb'
 vdblic_export 'v.%04d.vdb' -o 'v_%04d.npz' --grids velocity
 vdblic_import v_0001.npz -o back.vdb
 cat >picture.py <<'END'

@@ -25,7 +25,7 @@ Source = Union[str, os.PathLike[str], Volume]
 def diff(a: Source, b: Source, /, *, progress: Progress = None, **options: Unpack[DiffOptions]) -> dict[str, Any]:
     """Compare two files, patterns or volumes as `vdblic_diff` does; a volume with a volume or with one file.
 
-    Returns its report (docs/measure.md), in which volumes are called a and b; report["verdict"] is same, warning or
+    Returns its report (docs/measure.md), in which volumes are called a and b; report["verdict"] is same or
     different. Raises ValueError for what cannot be read or compared. `progress` is that of advect().
 
 {parameters}
@@ -77,4 +77,4 @@ def _source(source):
 
 
 DIFF_OPTIONS = described(diff, _core.parameters("diff"), without=("a", "b", "output", "skip_existing", "json"))
-COHERENCE_OPTIONS = described(coherence, _core.parameters("coherence"), without=("input", "textures", "json", "output"))
+COHERENCE_OPTIONS = described(coherence, _core.parameters("coherence"), without=("input", "textures", "json"))

@@ -1,7 +1,6 @@
 #include "vdblic/coherence/coherence_params.h"
 
 #include "vdblic/core/errors.h"
-#include "vdblic/io/output_pattern.h"
 
 #include <fmt/format.h>
 
@@ -37,8 +36,6 @@ Parameters parametersOf(SequenceCoherenceParams& params)
         parameter("texture", "Name of the texture grid; by default that of vdblic_advect.", params.textureName,
                   {.words = "NAME"}),
         parameter("json", "File to write every figure to.", params.json, {.words = "FILE"}),
-        parameter("plot", "SVG file to plot the autocorrelations to.", params.plot,
-                  {.option = "-o,--output", .words = "FILE"}),
     };
     return joined({input, own, parametersOf(params.coherence), parametersOf(params.flow)});
 }
@@ -49,10 +46,6 @@ void SequenceCoherenceParams::validate() const
     coherence.validate();
     if (flow.input.pattern == "-" || texture == "-")
         throw ParameterError("paths on standard input cannot be matched by frame; name a file or a pattern");
-    if (!plot.empty()) checkExtension(plot, {".svg"});
-    if (!json.empty() && json == plot) {
-        throw ParameterError(fmt::format("'{}' cannot be both the figures and the plot; name two files", json));
-    }
 }
 
 } // namespace vdblic

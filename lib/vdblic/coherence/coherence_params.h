@@ -24,7 +24,6 @@ struct SequenceCoherenceParams {
     std::string textureName; ///< of the texture's grid; empty: by the files' metadata, else `density`
     CoherenceParams coherence;
     std::string json; ///< file for the figures; empty for none
-    std::string plot; ///< SVG file for the autocorrelations; empty for none
 
     void validate() const; ///< @throws ParameterError
 };

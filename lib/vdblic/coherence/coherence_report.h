@@ -25,8 +25,4 @@ namespace vdblic {
 /// Everything that was measured, as JSON with two spaces of indentation (docs/measure.md); unknown figures are null.
 [[nodiscard]] std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params);
 
-/// Plot the mean autocorrelations by lag, along and across the flow, raw and smoothed, as an SVG image.
-/// Text is drawn as outlines of the sans-serif font of the machine. @throws OutputError
-[[nodiscard]] std::string toSvg(const SequenceCoherence& coherence);
-
 } // namespace vdblic

@@ -264,13 +264,6 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     params.validate();
     const TextureFiles files(params);
     checkFurtherOutput(params.json, params, files);
-    checkFurtherOutput(params.plot, params, files);
-    if (!params.json.empty() && !params.plot.empty()) checkDistinct(params.json, params.plot);
-    if (files.areSparse() && !params.plot.empty()) {
-        throw ParameterError(fmt::format("'{}' cannot be made: sparse textures have no autocorrelations; leave out "
-                                         "`plot`",
-                                         params.plot));
-    }
     std::istringstream noLines;
     const OneProcess alone;
     std::size_t total = 0;
@@ -332,9 +325,6 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
 
     if (!params.json.empty()) {
         if (writeReport(params.json, toJson(result, params))) reporter.finished(params.json);
-    }
-    if (!params.plot.empty()) {
-        if (writeReport(params.plot, toSvg(result))) reporter.finished(params.plot);
     }
     return result;
 }

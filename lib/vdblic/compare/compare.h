@@ -8,7 +8,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,13 +27,10 @@ struct VdbFile;
 
 /// What counts as a difference. The tolerances mean the same as in OpenImageIO's idiff.
 struct CompareParams {
-    double fail = 0;                               ///< errors up to this are within tolerance [unit of the values]
-    double relative = 0;                           ///< so are errors up to this share of max(|a|, |b|)
-    double failPercent = 0;                        ///< share of the compared voxels that may fail [%]
-    std::optional<double> hardFail = std::nullopt; ///< one error above this always fails [unit of the values]
-    std::optional<double> warn = std::nullopt;     ///< errors above this give a warning [unit of the values]
+    double fail = 0;                  ///< errors up to this are within tolerance [unit of the values]
+    double relative = 0;              ///< so are errors up to this share of max(|a|, |b|)
+    double failPercent = 0;           ///< share of the compared voxels that may fail [%]
     bool inactive = false;            ///< also compare inactive voxels where either grid differs from its background
-    bool firstOnly = false;           ///< stop at the first difference; figures then cover the part compared
     double transformTolerance = 1e-3; ///< largest shift of a voxel between the transforms [voxels]
     std::vector<std::string> ignoredMetadata = creationMetadata(); ///< names; a last `*` stands for any rest
 

@@ -87,7 +87,6 @@ FileDifference compareVolumes(const VdbFile& a, const VdbFile& b, const CompareP
     result.metadata = compare::compareMetadata(a.metadata, b.metadata, params.ignoredMetadata);
     openvdb::GridCPtrVec differences;
     for (const GridPair& pair : pairGrids(a, b)) {
-        if (params.firstOnly && result.verdict() == Verdict::kDiffers) return result;
         result.grids.push_back(comparePair(pair, params, result));
         if (!output) continue;
         const openvdb::GridBase::Ptr grid = pair.a && pair.b ? differenceGrid(*pair.a, *pair.b) : nullptr;
@@ -189,9 +188,6 @@ void CompareSequencesParams::validate() const
     compare.validate();
     if (!output.empty()) checkExtension(output, {".vdb"});
     if (skipExisting && output.empty()) throw ParameterError("`skip_existing` needs `output` to look for");
-    if (compare.firstOnly && !output.empty()) {
-        throw ParameterError("`first` stops before every difference is known; leave out `output` or `first`");
-    }
 }
 
 FileDifference compareFiles(const std::filesystem::path& a, const std::filesystem::path& b, const CompareParams& params)
@@ -228,7 +224,7 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
         checkReport(params.json);
     }
 
-    SequenceDifference result{params.a, params.b, {}, false};
+    SequenceDifference result{params.a, params.b, {}};
     std::size_t skipped = 0;
     for (FrameDifference frame : frames) {
         reporter.checkStop();
@@ -242,17 +238,12 @@ SequenceDifference compareSequences(const CompareSequencesParams& params, Report
             frame.files =
                 compareVolumes(readVdb(frame.files.pathA), readVdb(frame.files.pathB), params.compare, path, reporter);
         }
-        const bool differs = frame.verdict() == Verdict::kDiffers;
         for (const std::string& line : reportLines(frame))
             reporter.say(line);
         for (const std::string& line : detailLines(frame))
             reporter.detail(line);
         result.frames.push_back(std::move(frame));
         reporter.progress(result.frames.size(), frames.size());
-        if (differs && params.compare.firstOnly) {
-            result.stoppedEarly = true;
-            break;
-        }
     }
     if (params.skipExisting) reporter.say(fmt::format("{} of {} files were there already", skipped, frames.size()));
     if (!params.json.empty()) {

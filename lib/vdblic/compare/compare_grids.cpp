@@ -39,12 +39,7 @@ Parameters parametersOf(CompareParams& params)
                   params.relative, {.limits = positive}),
         parameter("fail_percent", "Share of a grid's voxels that may be over tolerance.", params.failPercent,
                   {.unit = "%", .limits = {0, 100}}),
-        parameter("hard_fail", "A single error over this is a difference.", params.hardFail,
-                  {.unit = "unit of the values", .limits = positive}),
-        parameter("warn", "Errors over this are worth a warning.", params.warn,
-                  {.unit = "unit of the values", .limits = positive}),
         parameter("inactive", "Also compare inactive voxels that differ from the background.", params.inactive),
-        parameter("first", "Stop at the first difference.", params.firstOnly),
         ignored,
     };
 }
@@ -56,10 +51,6 @@ void CompareParams::validate() const
     if (!(transformTolerance >= 0) || std::isinf(transformTolerance))
         throw ParameterError(
             fmt::format("the transform tolerance is {}; give a number of at least 0", transformTolerance));
-    if (firstOnly && failPercent > 0) {
-        throw ParameterError(
-            "`first` stops before the share of failures is known; leave out `fail_percent` or `first`");
-    }
 }
 
 GridDifference compareGrids(const openvdb::GridBase& a, const openvdb::GridBase& b, const CompareParams& params)
@@ -79,7 +70,6 @@ GridDifference compareGrids(const openvdb::GridBase& a, const openvdb::GridBase&
         }
         return result;
     }
-    if (params.firstOnly && result.verdict() == Verdict::kDiffers) return result;
 
     using openvdb::points::PointDataGrid;
     if (a.isType<PointDataGrid>()) {

@@ -9,7 +9,7 @@
 namespace vdblic {
 
 /// The result of a comparison. Ordered: the verdict on several parts is the largest of theirs.
-enum class Verdict { kSame, kWarns, kDiffers };
+enum class Verdict { kSame, kDiffers };
 
 /// One voxel (or point) whose value or activity differs.
 struct VoxelDifference {
@@ -41,7 +41,6 @@ struct ValueDifference {
     std::vector<ErrorFigures> components;   ///< x, y, z of vectors; empty for other types
     std::uint64_t notFinite = 0;            ///< pairs left out of the figures: different, one not finite
     std::uint64_t overFail = 0;             ///< pairs above the failure tolerance
-    std::uint64_t overWarn = 0;             ///< pairs above the warning tolerance
     std::uint64_t onlyInA = 0, onlyInB = 0; ///< voxels active in one grid only
     std::uint64_t failing = 0;              ///< above the failure tolerance or active in one grid only
     std::optional<VoxelDifference> first;   ///< the failing voxel with the least (x, y, z)
@@ -124,7 +123,6 @@ struct FrameDifference {
 struct SequenceDifference {
     std::string a, b; ///< the patterns
     std::vector<FrameDifference> frames;
-    bool stoppedEarly = false; ///< at the first difference, by CompareParams::firstOnly
     [[nodiscard]] Verdict verdict() const;
 };
 

@@ -14,11 +14,6 @@
 
 namespace vdblic::compare {
 
-inline Tolerances tolerancesOf(const CompareParams& params)
-{
-    return {params.fail, params.relative, params.warn.value_or(std::numeric_limits<double>::infinity())};
-}
-
 /// The largest finite magnitude of two values; 0 if neither is finite.
 template<typename T>
 double finiteMagnitude(const T& a, const T& b)
@@ -69,12 +64,9 @@ void measureBlock(const T* a, const T* b, ErrorBlock& block)
 }
 
 /// Sum over items 0 … count − 1 in parallel. The order of additions does not depend on the number of threads.
-///
-/// With params.firstOnly the sum ends soon after the first failing value, at an item that does not depend on the number
-/// of threads.
 /// @param makeMeter makes a callable (item, sums) with buffers of its own; called by several threads
 template<typename MakeMeter>
-ValueSums sumInOrder(std::size_t count, const CompareParams& params, const MakeMeter& makeMeter)
+ValueSums sumInOrder(std::size_t count, const MakeMeter& makeMeter)
 {
     constexpr std::size_t kTaskItems = 16, kBatchTasks = 256, kBatch = kTaskItems * kBatchTasks;
     ValueSums sums;
@@ -93,7 +85,6 @@ ValueSums sumInOrder(std::size_t count, const CompareParams& params, const MakeM
         });
         for (std::size_t task = 0; task < tasks; ++task)
             sums.add(parts[task]);
-        if (params.firstOnly && (sums.failing > 0 || (params.hardFail && sums.max > *params.hardFail))) break;
     }
     return sums;
 }

@@ -135,10 +135,10 @@ ValueDifference compareValues(const T* a, const T* b, std::size_t stride, const 
 {
     using M = Metric<T>;
     const auto makeMeter = [&] {
-        return std::make_unique<PairMeter<T>>(a, b, stride, points.pairs, tolerancesOf(params));
+        return std::make_unique<PairMeter<T>>(a, b, stride, points.pairs, Tolerances{params.fail, params.relative});
     };
     const auto all = makeMeter();
-    const ValueSums sums = sumInOrder((all->count() + kBlockValues - 1) / kBlockValues, params, makeMeter);
+    const ValueSums sums = sumInOrder((all->count() + kBlockValues - 1) / kBlockValues, makeMeter);
 
     const auto describe = [&](const ValueIndex& index) {
         const auto n = std::size_t(index[0]);
@@ -153,7 +153,7 @@ ValueDifference compareValues(const T* a, const T* b, std::size_t stride, const 
         result.error = errorBetween(all->a(n), all->b(n));
         return result;
     };
-    ValueDifference result = finish(sums, M::kComponents, params.failPercent, params.hardFail);
+    ValueDifference result = finish(sums, M::kComponents, params.failPercent);
     if (sums.first) result.first = describe(*sums.first);
     if (sums.worst) result.worst = describe(*sums.worst);
     return result;
@@ -191,16 +191,13 @@ std::set<std::string> namesOf(const std::vector<std::string>& a, const std::vect
 
 void compareAttributes(const Matched& points, const CompareParams& params, PointDifference& result)
 {
-    const auto enough = [&] { return params.firstOnly && result.verdict() == Verdict::kDiffers; };
     for (const std::string& name : namesOf(points.a.attributes(), points.b.attributes())) {
-        if (enough()) return;
         AttributeDifference difference{name, points.a.typeOf(name), points.b.typeOf(name), {}};
         if (difference.typeA == difference.typeB) difference.values = compareAttribute(name, points, params);
         result.attributes.push_back(std::move(difference));
     }
     const auto groupsA = points.a.groups(), groupsB = points.b.groups();
     for (const std::string& name : namesOf(groupsA, groupsB)) {
-        if (enough()) return;
         const auto type = [&](const std::vector<std::string>& groups) {
             return std::find(groups.begin(), groups.end(), name) != groups.end() ? "group" : "";
         };

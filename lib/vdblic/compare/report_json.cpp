@@ -69,7 +69,6 @@ Json ofValues(const ValueDifference& values)
             {"failing", values.failing},
             {"failing_percent", number(values.failingPercent())},
             {"over_fail", values.overFail},
-            {"over_warn", values.overWarn},
             {"only_in_a", values.onlyInA},
             {"only_in_b", values.onlyInB},
             {"not_finite", values.notFinite},
@@ -143,10 +142,7 @@ Json ofParams(const CompareParams& params)
     return {{"fail", params.fail},
             {"relative", params.relative},
             {"fail_percent", params.failPercent},
-            {"hard_fail", orNull(params.hardFail)},
-            {"warn", orNull(params.warn)},
             {"inactive", params.inactive},
-            {"first_only", params.firstOnly},
             {"transform_tolerance_voxels", params.transformTolerance},
             {"ignored_metadata", params.ignoredMetadata}};
 }
@@ -158,7 +154,6 @@ std::string toJson(const SequenceDifference& difference, const CompareParams& pa
     const Json report = {{"verdict", toText(difference.verdict())},
                          {"a", difference.a},
                          {"b", difference.b},
-                         {"stopped_early", difference.stoppedEarly},
                          {"parameters", ofParams(params)},
                          {"frames", list(difference.frames, ofFrame)}};
     return jsonText(report);

@@ -38,7 +38,6 @@ void addFigures(const std::string& indent, const ValueDifference& values, std::v
                                     error.mean, error.rms));
     }
     if (values.notFinite > 0) lines.push_back(fmt::format("{}{} not finite on one side", indent, values.notFinite));
-    if (values.overWarn > 0) lines.push_back(fmt::format("{}{} over the warning tolerance", indent, values.overWarn));
     if (values.first) lines.push_back(fmt::format("{}first {}", indent, describe(*values.first)));
     if (values.worst) lines.push_back(fmt::format("{}worst {}", indent, describe(*values.worst)));
 }
@@ -99,15 +98,7 @@ void addGrid(const GridDifference& grid, std::vector<std::string>& lines)
 
 std::string toText(Verdict verdict)
 {
-    switch (verdict) {
-    case Verdict::kSame:
-        return "same";
-    case Verdict::kWarns:
-        return "warning";
-    case Verdict::kDiffers:
-        break;
-    }
-    return "different";
+    return verdict == Verdict::kSame ? "same" : "different";
 }
 
 std::vector<std::string> reportLines(const FrameDifference& frame)

@@ -34,8 +34,8 @@ class RegionMeter {
     static constexpr bool kDirect = !std::is_same_v<Value, bool>; // a leaf stores an array of values
 
     RegionMeter(const TreeT& a, const TreeT& b, const std::vector<Region<TreeT>>& regions, const CompareParams& params)
-        : mRegions(regions), mBackgroundA(a.background()), mBackgroundB(b.background()),
-          mTolerances(tolerancesOf(params)), mInactive(params.inactive)
+        : mRegions(regions), mBackgroundA(a.background()),
+          mBackgroundB(b.background()), mTolerances{params.fail, params.relative}, mInactive(params.inactive)
     {
     }
 
@@ -93,7 +93,6 @@ class RegionMeter {
         const bool bad = error == kInfinity;
         const bool over = bad || error > std::max(mTolerances.fail, mTolerances.relative * magnitude);
         part.overFail = over ? voxels : 0;
-        part.overWarn = bad ? (mTolerances.warn < kInfinity ? voxels : 0) : error > mTolerances.warn ? voxels : 0;
         part.failing = over || a.active != b.active ? voxels : 0;
         if (bad) {
             part.notFinite = voxels;
@@ -228,10 +227,10 @@ void compareTrees(const GridT& a, const GridT& b, const CompareParams& params, G
 
     const RegionFinder<TreeT> finder(a.tree(), b.tree(), params.inactive);
     const auto& regions = finder.regions();
-    const ValueSums sums = sumInOrder(regions.size(), params,
-                                      [&] { return std::make_unique<Meter>(a.tree(), b.tree(), regions, params); });
+    const ValueSums sums =
+        sumInOrder(regions.size(), [&] { return std::make_unique<Meter>(a.tree(), b.tree(), regions, params); });
 
-    result.values = finish(sums, M::kComponents, params.failPercent, params.hardFail);
+    result.values = finish(sums, M::kComponents, params.failPercent);
     if (sums.first) result.values->first = describe(*sums.first, a, b);
     if (sums.worst) result.values->worst = describe(*sums.worst, a, b);
 }

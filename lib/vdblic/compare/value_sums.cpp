@@ -59,7 +59,7 @@ BlockMask both(const BlockMask& a, const BlockMask& b)
 VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& tolerances, ValueSums& sums)
 {
     Lanes<double> sum{}, squares{}, max{}, relative{}, peak{};
-    Lanes<std::uint64_t> overFail{}, overWarn{}, failing{};
+    Lanes<std::uint64_t> overFail{}, failing{};
     forEachValue(block.compared, [&](std::size_t n, std::size_t lane, bool isCompared) {
         const double error = isCompared ? block.error[n] : 0, magnitude = isCompared ? block.magnitude[n] : 0;
         const bool isOver = error > std::max(tolerances.relative * magnitude, tolerances.fail);
@@ -70,7 +70,6 @@ VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& toleranc
         peak[lane] = std::max(peak[lane], magnitude);
         relative[lane] = std::max(relative[lane], error / (magnitude > 0 ? magnitude : 1));
         overFail[lane] += isOver ? 1 : 0;
-        overWarn[lane] += error > tolerances.warn ? 1 : 0;
         failing[lane] += isOver || (isCompared && isOneSided) ? 1 : 0;
     });
     sums.sum = total(sum);
@@ -79,7 +78,6 @@ VDBLIC_KERNEL void sumErrors(const ErrorBlock& block, const Tolerances& toleranc
     sums.maxRelative = largest(relative);
     sums.peak = largest(peak);
     sums.overFail = total(overFail);
-    sums.overWarn = total(overWarn);
     sums.failing = total(failing);
 }
 
@@ -108,7 +106,6 @@ void ValueSums::add(const ValueSums& other)
     onlyInB += other.onlyInB;
     notFinite += other.notFinite;
     overFail += other.overFail;
-    overWarn += other.overWarn;
     failing += other.failing;
     sum += other.sum;
     squares += other.squares;
@@ -135,7 +132,6 @@ ValueSums sumBlock(const ErrorBlock& block, const Tolerances& tolerances)
     sums.notFinite = count(bad);
     if (sums.notFinite > 0) {
         sums.overFail += sums.notFinite;
-        if (tolerances.warn < kInfinity) sums.overWarn += sums.notFinite;
         sums.failing += sums.notFinite - count(both(bad, block.onlyA)) - count(both(bad, block.onlyB));
         sums.max = kInfinity;
     }
@@ -176,7 +172,7 @@ bool allFinite(const std::array<double, kBlockValues>& values)
                        [](double value) { return value <= std::numeric_limits<double>::max(); });
 }
 
-ValueDifference finish(const ValueSums& sums, int componentCount, double failPercent, std::optional<double> hardFail)
+ValueDifference finish(const ValueSums& sums, int componentCount, double failPercent)
 {
     const auto figures = [pairs = double(sums.compared - sums.notFinite)](double sum, double squares, double max) {
         if (pairs == 0) return ErrorFigures{max, 0, 0};
@@ -193,15 +189,10 @@ ValueDifference finish(const ValueSums& sums, int componentCount, double failPer
     result.psnr = result.error.rms > 0 ? 20. * std::log10(result.peak / result.error.rms) : kInfinity;
     result.notFinite = sums.notFinite;
     result.overFail = sums.overFail;
-    result.overWarn = sums.overWarn;
     result.onlyInA = sums.onlyInA;
     result.onlyInB = sums.onlyInB;
     result.failing = sums.failing;
-    if (double(sums.failing) > failPercent / 100. * double(sums.compared) || (hardFail && sums.max > *hardFail)) {
-        result.verdict = Verdict::kDiffers;
-    } else if (sums.overWarn > 0) {
-        result.verdict = Verdict::kWarns;
-    }
+    if (double(sums.failing) > failPercent / 100. * double(sums.compared)) result.verdict = Verdict::kDiffers;
     return result;
 }
 

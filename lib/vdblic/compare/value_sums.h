@@ -38,7 +38,6 @@ struct ErrorBlock {
 /// Errors up to max(absolute, relative · magnitude) are within tolerance.
 struct Tolerances {
     double fail = 0, relative = 0;
-    double warn = std::numeric_limits<double>::infinity();
 };
 
 /// The position of a value: a voxel's index, or (number of the pair, 0, 0). Ordered lexicographically.
@@ -46,7 +45,7 @@ using ValueIndex = std::array<std::int64_t, 3>;
 
 /// Sums over compared values. Adding them in a fixed order gives fixed bits.
 struct ValueSums {
-    std::uint64_t compared = 0, onlyInA = 0, onlyInB = 0, notFinite = 0, overFail = 0, overWarn = 0, failing = 0;
+    std::uint64_t compared = 0, onlyInA = 0, onlyInB = 0, notFinite = 0, overFail = 0, failing = 0;
     double sum = 0, squares = 0, max = 0, maxRelative = 0, peak = 0;
     std::array<double, 3> componentSum{}, componentSquares{}, componentMax{};
     std::optional<ValueIndex> first, worst; // first failing value; first value of error `max`
@@ -68,8 +67,7 @@ void addBlock(ValueSums& sums, const ErrorBlock& block, const Tolerances& tolera
 [[nodiscard]] bool allFinite(const std::array<double, kBlockValues>& values);
 
 /// The figures and the verdict of finished sums, without `first` and `worst`.
-[[nodiscard]] ValueDifference finish(const ValueSums& sums, int componentCount, double failPercent,
-                                     std::optional<double> hardFail);
+[[nodiscard]] ValueDifference finish(const ValueSums& sums, int componentCount, double failPercent);
 
 template<typename IndexOf>
 void addBlock(ValueSums& sums, const ErrorBlock& block, const Tolerances& tolerances, const IndexOf& indexOf)

@@ -9,25 +9,6 @@
 
 namespace vdblic::bench {
 
-Accumulator makeBucket(const Domain& domain)
-{
-    Accumulator bucket(domain);
-    bucket.open(domain.own());
-    return bucket;
-}
-
-LeafValues<float> takeTexture(const Domain& domain, Accumulator& bucket, const LeafValues<std::int32_t>& input,
-                              ScatterStats& stats)
-{
-    LeafValues<float> texture(domain, 0.0f);
-    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
-        stats.emptyVoxels += std::size_t(std::count(bucket[leaf], bucket[leaf] + Domain::kLeafVoxels, 0));
-        convolve(domain.mask(leaf), bucket[leaf], input[leaf], texture[leaf]);
-    }
-    bucket.open(domain.own());
-    return texture;
-}
-
 void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fields, Float4 position,
                              std::uint64_t value)
 {
@@ -53,9 +34,6 @@ void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fi
         const auto weight = std::uint64_t(std::max(1, int(std::floor(length * kLengthUnits + 0.5f))));
         mBuckets[(k + s) % mLifeSpan][std::size_t(leaf)][Domain::offset(voxel)] +=
             std::int64_t(weight * Hits::pack(value, 1));
-        ++mStats.steps;
-        ++mStats.deposits;
-        mStats.hits += weight;
         position += velocity * duration;
         time += duration;
         if (float(s + 1) - time < 1e-4f) time = float(s + 1);
@@ -65,21 +43,23 @@ void EulerUflic::scatterSeed(std::size_t k, const std::vector<VelocityField>& fi
 LeafValues<float> EulerUflic::scatteringProcess(std::size_t k, std::vector<VelocityField>& fields)
 {
     const Domain& domain = fields[k].domain();
-    mStats = {};
     if (mBuckets.empty()) {
         mInput = noiseInput(domain, mNoise);
         for (std::size_t i = 0; i < mLifeSpan; ++i)
-            mBuckets.push_back(makeBucket(domain));
+            mBuckets.emplace_back(domain).open(domain.own());
     }
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
             scatterSeed(k, fields, Float4{float(at[0]), float(at[1]), float(at[2]), 0},
                         std::uint32_t(mInput[leaf][voxel.pos()]));
-            ++mStats.released;
         }
     }
-    LeafValues<float> texture = takeTexture(domain, mBuckets[k % mLifeSpan], mInput, mStats);
+    Accumulator& bucket = mBuckets[k % mLifeSpan];
+    LeafValues<float> texture(domain, 0.0f);
+    for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf)
+        convolve(domain.mask(leaf), bucket[leaf], mInput[leaf], texture[leaf]);
+    bucket.open(domain.own());
     mInput = feedForward(fields[k], texture, domain, mNoise, FeedbackParams{}, k);
     return texture;
 }

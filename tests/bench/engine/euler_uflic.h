@@ -2,7 +2,6 @@
 
 #include "vdblic/lic/pathline.h"
 #include "vdblic/methods/auflic/accumulator.h"
-#include "vdblic/methods/auflic/scatter.h"
 #include "vdblic/noise/noise_field.h"
 
 #include <cstddef>
@@ -22,9 +21,6 @@ class EulerUflic {
     /// @param fields the velocity over each step, as many as the life span beyond k
     LeafValues<float> scatteringProcess(std::size_t k, std::vector<VelocityField>& fields);
 
-    /// Of the last process.
-    [[nodiscard]] const ScatterStats& stats() const { return mStats; }
-
   private:
     void scatterSeed(std::size_t k, const std::vector<VelocityField>& fields, Float4 position, std::uint64_t value);
 
@@ -32,14 +28,6 @@ class EulerUflic {
     NoiseField mNoise;
     std::vector<Accumulator> mBuckets;
     LeafValues<std::int32_t> mInput;
-    ScatterStats mStats;
 };
-
-/// An accumulator of all of a domain's voxels.
-[[nodiscard]] Accumulator makeBucket(const Domain& domain);
-
-/// The texture of a bucket, which has no hits afterwards. Counts its voxels without hits.
-[[nodiscard]] LeafValues<float> takeTexture(const Domain& domain, Accumulator& bucket,
-                                            const LeafValues<std::int32_t>& input, ScatterStats& stats);
 
 } // namespace vdblic::bench

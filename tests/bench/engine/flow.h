@@ -5,11 +5,7 @@
 #include "vdblic/flow/velocity_frame.h"
 #include "vdblic/methods/flow_texture.h"
 
-#include <openvdb/openvdb.h>
-
 #include <cstddef>
-#include <memory>
-#include <string>
 #include <vector>
 
 namespace vdblic::bench {
@@ -27,10 +23,7 @@ struct Flow {
     }
 };
 
-/// The analytic flow `abc` in a box, sampled on a domain, 24 frames a second.
-[[nodiscard]] Flow analyticFlow(const BoxSize& size, int frames, const std::shared_ptr<const Domain>& domain);
-
-/// Read a velocity sequence. @param range a frame list
-[[nodiscard]] Flow flowOfFiles(const std::string& pattern, const std::string& range);
+/// The analytic flow `abc` in a full box, 24 frames a second.
+[[nodiscard]] Flow analyticFlow(const BoxSize& size, int frames);
 
 } // namespace vdblic::bench
