@@ -272,7 +272,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
                                          params.plot));
     }
     std::istringstream noLines;
-    const OneProcess alone;
+    OneProcess alone;
     std::size_t total = 0;
     VelocitySequence flow(params.flow, openSequence(params.flow.input, noLines, total), reporter, alone);
     flow.setMotion(files.motion());

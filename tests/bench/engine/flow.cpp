@@ -30,7 +30,7 @@ Flow flowOfFiles(const std::string& pattern, const std::string& range)
     params.input.frames = range;
     Reporter silent;
     std::istringstream noLines;
-    const OneProcess alone;
+    OneProcess alone;
     std::size_t total = 0;
     VelocitySequence sequence(params, openSequence(params.input, noLines, total), silent, alone);
     Flow flow;
