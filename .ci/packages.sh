@@ -65,7 +65,7 @@ openimageio-tools       command idiff
 xvfb                    command xvfb-run
 xauth                   command xauth
 groff-base              command groff
-python3-xarray          python  xarray
+python3-mpi4py          python  mpi4py
 openfoam                command icoFoam
 blender                 command blender
 chromium                command chromium

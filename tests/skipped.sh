@@ -7,7 +7,7 @@ set -eu
 cd "$(dirname "$0")/.."
 # What a test may lack where .ci/packages.sh has run: packages of PyPI (tests/peers.sh), the time of a night, large data
 # sets, a right to mount or to see what the kernel tells of a process.
-peers='usd-core|bpy|pyvista|NumPy 2|Matplotlib|mypy'
+peers='usd-core|bpy|pyvista|NumPy 2|Matplotlib|mypy|nbclient'
 may_lack="$peers|tests/nightly.sh|VDBLIC_DATA|mount|this system"
 
 did_not_run() {

@@ -21,9 +21,9 @@ void bindLevels(pybind11::module_& module);
 
 /// Add `LINES`, the name of the grid of streaks as lines, and `read_lines(path)`: its lines, and the file's metadata.
 ///
-/// The lines are a dictionary of arrays: for each line `id`, `counts` (of its points) and `source`; for each point
-/// `points` (world space), `radius` (world units), `opacity`, `age` (frames) and `scalars` by name. `colors_of(name,
-/// positions)` looks positions on a colour map up, in linear light.
+/// The lines, as `arrays()` of StoredLines gives them too, are a dictionary of arrays: for each line `id`, `counts` (of
+/// its points) and `source`; for each point `points` (world space), `radius` (world units), `opacity`, `age` (frames)
+/// and `scalars` by name. `colors_of(name, positions)` looks positions on a colour map up, in linear light.
 void bindLines(pybind11::module_& module);
 
 } // namespace vdblic::python

@@ -6,6 +6,7 @@
 #include "vdblic/core/memory.h"
 #include "vdblic/io/affine_rows.h"
 #include "vdblic/io/invertible.h"
+#include "vdblic/lines/line_grid.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Dense.h>
@@ -379,12 +380,29 @@ openvdb::MetaMap toMetadata(const py::dict& dictionary)
     return metadata;
 }
 
+bool isOfLines(const openvdb::GridBase& grid)
+{
+    return grid.getName() == kLineGrid && grid.valueType() == "ptdataidx32";
+}
+
+py::list toList(openvdb::GridPtrVec grids)
+{
+    py::list list;
+    for (openvdb::GridBase::Ptr& grid : grids) {
+        if (hasArrays(*grid)) list.append(toDictionary(*grid));
+        if (isOfLines(*grid)) list.append(StoredLines{grid});
+        grid.reset();
+    }
+    return list;
+}
+
 VdbFile toVolume(const py::list& grids, const py::dict& metadata, const std::string& name)
 {
     VdbFile volume{{}, {}, name};
     try {
         for (const py::handle& grid : grids)
-            volume.grids.push_back(toGrid(grid.cast<py::dict>()));
+            volume.grids.push_back(py::isinstance<StoredLines>(grid) ? grid.cast<StoredLines&>().grid
+                                                                     : toGrid(grid.cast<py::dict>()));
         volume.metadata = toMetadata(metadata);
     } catch (const ParameterError& error) {
         throw ParameterError(name.empty() ? error.what() : fmt::format("{}: {}", name, error.what()));

@@ -29,7 +29,16 @@ namespace vdblic::python {
 /// @throws ParameterError naming the grid and what is wrong
 [[nodiscard]] openvdb::GridBase::Ptr toGrid(const pybind11::dict& dictionary);
 
-/// A volume of such dictionaries. @param name of it in messages; may be empty
+/// The streaks of a volume as Python holds them: the grid, which its arrays are read from.
+struct __attribute__((visibility("hidden"))) StoredLines {
+    openvdb::GridBase::Ptr grid;
+};
+[[nodiscard]] bool isOfLines(const openvdb::GridBase& grid);
+
+/// Grids as Python takes them: dictionaries, and StoredLines. Grids of other types are left out.
+[[nodiscard]] pybind11::list toList(openvdb::GridPtrVec grids);
+
+/// A volume of such a list. @param name of it in messages; may be empty
 /// @throws ParameterError naming the volume, the grid and what is wrong
 [[nodiscard]] VdbFile toVolume(const pybind11::list& grids, const pybind11::dict& metadata, const std::string& name);
 

@@ -64,6 +64,15 @@ py::dict lineArrays(const Lines& lines, const openvdb::math::Transform& transfor
     return result;
 }
 
+py::dict arraysOf(const StoredLines& stored)
+{
+    try {
+        return lineArrays(linesOf(*stored.grid), stored.grid->transform());
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("grid '{}': {}", kLineGrid, error.what()));
+    }
+}
+
 py::tuple readLines(const std::filesystem::path& path)
 {
     VdbFile file;
@@ -101,6 +110,7 @@ py::array_t<float> colorsOf(const std::string& name, const py::array_t<float>& p
 
 void bindLines(py::module_& module)
 {
+    py::class_<StoredLines>(module, "StoredLines").def("arrays", &arraysOf);
     module.attr("LINES") = kLineGrid;
     module.def("read_lines", &readLines);
     module.def("colors_of", &colorsOf);

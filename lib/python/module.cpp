@@ -57,12 +57,7 @@ py::tuple readVolume(const std::filesystem::path& path)
         const py::gil_scoped_release release;
         file = readVdb(path);
     }
-    py::list grids;
-    for (openvdb::GridBase::Ptr& grid : file.grids) {
-        if (hasArrays(*grid)) grids.append(toDictionary(*grid));
-        grid.reset();
-    }
-    return py::make_tuple(grids, toDictionary(file.metadata));
+    return py::make_tuple(toList(std::move(file.grids)), toDictionary(file.metadata));
 }
 
 void writeVolume(const std::filesystem::path& path, const py::list& dictionaries, const py::dict& metadata,
@@ -319,11 +314,13 @@ PYBIND11_MODULE(_core, module)
     module.def("nearest_name", &nearestName);
     module.def("parameters", &parametersOfFunction);
     py::class_<Textures>(module, "Textures")
-        .def(py::init([](const py::dict& options, py::object frames, std::size_t count, py::function tell) {
-            return std::make_unique<Textures>(options, std::move(frames), count, std::move(tell));
-        }))
+        .def(py::init<const py::dict&, py::object, std::size_t, py::function, const py::object&,
+                      std::optional<std::filesystem::path>>(),
+             py::arg("options"), py::arg("frames"), py::arg("count"), py::arg("tell"), py::arg("ranks") = py::none(),
+             py::arg("resume") = py::none())
         .def_property_readonly("needed", &Textures::needed)
-        .def("next", &Textures::next);
+        .def("next", &Textures::next)
+        .def("save", &Textures::save);
     py::class_<Renderer>(module, "Picture")
         .def(py::init([](const py::dict& options) { return std::make_unique<Renderer>(options); }))
         .def_property_readonly("background",

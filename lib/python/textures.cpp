@@ -2,8 +2,12 @@
 
 #include "grid_arrays.h"
 #include "options.h"
+#include "ranks.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/distributed/leaf_delivery.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/run/parameter_texts.h"
+#include "vdblic/run/run_checkpoint.h"
 #include "vdblic/run/run_outputs.h"
 #include "vdblic/run/texture_file.h"
 
@@ -13,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <exception>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -34,6 +39,12 @@ void roundToHalf(openvdb::FloatGrid& grid)
     });
 }
 
+std::unique_ptr<Exchange> exchangeOf(const py::object& ranks)
+{
+    if (ranks.is_none()) return std::make_unique<OneProcess>();
+    return std::make_unique<Ranks>(ranks);
+}
+
 } // namespace
 
 Parameters advectParameters(AdvectParams& params)
@@ -47,8 +58,10 @@ Parameters advectParameters(AdvectParams& params)
     return parameters;
 }
 
-Textures::Textures(const py::dict& keywords, py::object frames, std::size_t count, py::function tell)
-    : mFrames(std::move(frames)), mCaller(std::move(tell)), mCount(count)
+Textures::Textures(const py::dict& keywords, py::object frames, std::size_t count, py::function tell,
+                   const py::object& ranks, std::optional<std::filesystem::path> resume)
+    : mFrames(std::move(frames)), mCaller(std::move(tell)), mCount(count), mExchange(exchangeOf(ranks)),
+      mResume(std::move(resume))
 {
     AdvectParams params;
     setFrom(keywords, advectParameters(params));
@@ -61,7 +74,7 @@ Textures::Textures(const py::dict& keywords, py::object frames, std::size_t coun
     const FramesAround around = mFrames.is_none() ? framesAround(params.flow.input) : FramesAround{};
     mPlan.emplace(resolve(std::move(params), around));
     if (const std::string leadIn = leadInText(*mPlan); !leadIn.empty()) mCaller.say(leadIn);
-    mRun.emplace(*mPlan, source(), mCaller, mAlone, static_cast<RunObserver&>(*this));
+    mRun.emplace(*mPlan, source(), mCaller, *mExchange, static_cast<RunObserver&>(*this));
 }
 
 void Textures::frameRead(const VelocityFrame& frame)
@@ -93,36 +106,85 @@ std::optional<FrameFile> Textures::nextFrame()
     return FrameFile{mTaken, name, std::make_shared<const VdbFile>(toVolume(grids, metadata, name))};
 }
 
+std::optional<RunPosition> Textures::begins(VelocitySequence& /*flow*/)
+{
+    if (!mResume) return std::nullopt;
+    mResumed = readCheckpoint(*mResume, parameterTexts(*mPlan));
+    mFirst = 1;
+    mTaken = std::int64_t(mPlan->framesDone(mResumed->position.steps));
+    return mResumed->position;
+}
+
+void Textures::opened(const VelocityFrame& first, bool /*isOnly*/, FlowTexture& texture)
+{
+    if (!mResumed) return;
+    RunOutputs outputs(*mPlan, *mResume);
+    std::vector<std::filesystem::path> finished(mPlan->texturesDone(mResumed->position.steps));
+    RunCheckpoint(*mPlan, outputs, mCaller, *mExchange).restore(*mResumed, first, texture, finished);
+    mResumed.reset(); // with the state that it holds
+}
+
+void Textures::save(const std::filesystem::path& path, const std::vector<std::string>& inputs)
+{
+    if (!mStep) throw ParameterError("there is no step to save; the second frame makes the first one");
+    const py::gil_scoped_release release;
+    mExchange->together([&] {
+        RunOutputs outputs(*mPlan, path);
+        RunCheckpoint checkpoint(*mPlan, outputs, mCaller, *mExchange);
+        for (const std::string& input : inputs)
+            checkpoint.noteInput({}, input);
+        checkpoint.stepDone(mStep->position, mStep->next);
+        checkpoint.write(mRun->texture());
+    });
+}
+
+/// The next texture, whole at rank 0.
+std::optional<TextureFile> Textures::make()
+{
+    if (mNext) {
+        ++*mNext;
+    } else {
+        mNext = mRun->begin();
+    }
+    if (*mNext == mRun->end()) return std::nullopt;
+    TextureFrame& made = **mNext;
+    const std::int64_t frame = made.frame.file.frame;
+    TextureFile file = makeTextureFile(*mPlan, made, textureNumber(*mFirst, frame, mPlan->substeps(), made.substep));
+    if (mRun->isDone()) tellSteps(mRun->steps());
+    if (mExchange->isAlone()) return file;
+    for (std::size_t i = 0; i < file.computed; ++i) {
+        const Domain& domain = i < file.onTexture ? *file.domain : *made.frame.domain.velocity;
+        file.grids[i] = gathered(*mExchange, domain, *file.grids[i]);
+    }
+    if (!mExchange->isFirst()) file.grids.clear();
+    return file;
+}
+
 py::object Textures::next()
 {
     std::optional<TextureFile> file;
-    {
+    try {
         const py::gil_scoped_release release;
-        if (mNext) {
-            ++*mNext;
-        } else {
-            mNext = mRun->begin();
-        }
-        if (*mNext != mRun->end()) {
-            TextureFrame& made = **mNext;
-            const std::int64_t frame = made.frame.file.frame;
-            file = makeTextureFile(*mPlan, made, textureNumber(*mFirst, frame, mPlan->substeps(), made.substep));
-            if (mRun->isDone()) tellSteps(mRun->steps());
-        }
+        file = make();
+    } catch (...) {
+        mExchange->fail(std::current_exception());
+        throw;
     }
     if (!file) return py::none();
-    py::list grids;
+    openvdb::GridPtrVec grids;
     for (const openvdb::GridBase::ConstPtr& made : file->grids) {
         const openvdb::GridBase::Ptr grid = std::const_pointer_cast<openvdb::GridBase>(made);
         if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid); scalar && grid->saveFloatAsHalf())
             roundToHalf(*scalar);
-        grids.append(toDictionary(*grid));
+        grids.push_back(grid);
     }
-    return py::make_tuple(grids, toDictionary(file->metadata));
+    file->grids.clear();
+    return py::make_tuple(toList(std::move(grids)), toDictionary(file->metadata));
 }
 
-void Textures::stepDone(const RunPosition& position, const VelocityFrame& /*next*/)
+void Textures::stepDone(const RunPosition& position, const VelocityFrame& next)
 {
+    mStep = {position, next};
     tellSteps(position.steps);
 }
 

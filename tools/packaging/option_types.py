@@ -42,6 +42,7 @@ def main(path):
     text = HEAD
     for name, function, known in (
         ("AdvectOptions", "advect", vdblic.flow.PARAMETERS),
+        ("StreakOptions", "advect", vdblic.flow.STREAK_PARAMETERS),
         ("FlowOptions", "advect", vdblic.flow.FLOW_PARAMETERS),
         ("PictureOptions", "picture", vdblic.pictures.OPTIONS),
         ("FilmOptions", "film", vdblic.films.OPTIONS),

@@ -11,7 +11,8 @@ velocities is 'v.%04d.vdb', an iterable of arrays (x, y, z, 3) or of pairs (time
 
     film(velocities, path)          a film or a still, as vdblic_film makes it
     advect(velocities, ...)         the texture of each frame, as soon as it is finished
-    Flow(...)                       the same for a solver that pushes its velocity
+    streaks(velocities, ...)        its streaks as lines, which are drawn, written and read as arrays
+    Flow(...)                       textures for a solver that pushes its velocity, also by ranks of mpi4py
     Renderer(...)(texture)          a Picture
     read(path), write(path, data)   volumes: grids by name, which are arrays, and metadata
     as_volume(data)                 a volume of arrays, or of data of xarray or VTK
@@ -26,8 +27,8 @@ OSError where an output cannot be written; their messages name parameters by the
 
 from ._core import __version__
 from .films import Film, film
-from .flow import Flow, Textures, advect, synth
-from .grids import Grid, Volume
+from .flow import Flow, Textures, advect, streaks, synth
+from .grids import Grid, Lines, Volume
 from .measures import coherence, diff
 from .pictures import Picture, Renderer
 from .volumes import as_volume, read, write
@@ -36,6 +37,7 @@ __all__ = [
     "Film",
     "Flow",
     "Grid",
+    "Lines",
     "Picture",
     "Renderer",
     "Textures",
@@ -47,6 +49,7 @@ __all__ = [
     "diff",
     "film",
     "read",
+    "streaks",
     "synth",
     "write",
 ]

@@ -16,12 +16,13 @@ from .frames import Frame, FrameReader, Frames, is_path, seconds_of
 from .grids import Grid, Volume
 from .parameters import checked, described
 from .progress import Progress, Teller
-from .volumes import Lengths, as_dictionaries
+from .ranks import Ranks
+from .volumes import Lengths, as_dictionaries, path_of, volume_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._options import AdvectOptions, FlowOptions
+    from ._options import AdvectOptions, FlowOptions, StreakOptions
 
 _OF_FILES = "frames", "clamp_frames", "lead_in"
 
@@ -43,8 +44,7 @@ class Textures(Iterator[Volume]):
         if made is None:
             self.close()
             raise StopIteration
-        grids, metadata = made
-        return Volume((Grid(**grid) for grid in grids), metadata)
+        return volume_of(*made)
 
     def close(self) -> None:
         """End the run."""
@@ -94,7 +94,48 @@ def advect(
     [0.0, 0.5, 1.0]
     """
     frames = None if is_path(velocities) else Frames(velocities, voxel_size, layout)
-    options = checked("advect", parameters, PARAMETERS)
+    return _textures("advect", velocities, frames, checked("advect", parameters, PARAMETERS), progress)
+
+
+PARAMETERS = described(advect, _core.parameters("advect"), without=("input",))
+
+
+def streaks(
+    velocities: str | os.PathLike[str] | Iterable[Frame],
+    /,
+    *,
+    voxel_size: Lengths = 1.0,
+    layout: str | None = None,
+    progress: Progress = None,
+    **parameters: Unpack[StreakOptions],
+) -> Textures:
+    """Yield the streaks of every frame: a Volume whose `lines` are the streaks, each with a bright head and a tail that
+    fades. A Renderer draws it and write() stores it. `draw="voxels"` yields textures in their place.
+
+    The streaks are those of `vdblic_advect --method streaks --draw lines`, bit for bit.
+
+    velocities, voxel_size, layout, progress   those of advect()
+    parameters     of `vdblic_advect`, by the names of its options:
+
+{parameters}
+    >>> for volume in streaks(synth("tornado", 16, [1, 2]), spacing=4):
+    ...     print(volume.lines, sorted(volume.lines.scalars))
+    <vdblic.Lines: 112 lines, 1574 points> ['magnitude']
+    <vdblic.Lines: 122 lines, 1634 points> ['magnitude']
+    """
+    frames = None if is_path(velocities) else Frames(velocities, voxel_size, layout)
+    options: dict[str, Any] = {"draw": "lines"} | checked("streaks", parameters, STREAK_PARAMETERS)
+    return _textures("streaks", velocities, frames, options | {"method": "streaks"}, progress)
+
+
+_OF_OTHERS = (
+    "input", "method", "life", "release_window", "sharpen", "noise_share", "alpha", "noise", "finish", "interpolation",
+)  # fmt: skip
+STREAK_PARAMETERS = described(streaks, _core.parameters("advect"), without=_OF_OTHERS)
+
+
+def _textures(title, velocities, frames, options, progress):
+    """The textures of a run. @param frames  of velocities in memory, else None"""
     volumes = None
     if frames is None:
         options["input"] = os.fspath(velocities)  # type: ignore[arg-type]
@@ -102,15 +143,12 @@ def advect(
         if given := [key for key in _OF_FILES if key in options]:
             raise ValueError(f"`{given[0]}` selects files; leave it out, and give the frames that are to be used")
         volumes = _members(frames)
-    teller = Teller(progress, "advect")
+    teller = Teller(progress, title)
     try:
         return Textures(_core.Textures(options, volumes, frames.count if frames else 0, teller), teller)
     except BaseException:
         teller.close()
         raise
-
-
-PARAMETERS = described(advect, _core.parameters("advect"), without=("input",))
 
 
 class Flow:
@@ -130,7 +168,14 @@ class Flow:
     >>> [texture.frame for texture in flow.close()]
     [3]
 
-    `with` frees the memory however the loop ends. The parameters:
+    `with` frees the memory however the loop ends.
+
+    comm           a communicator of mpi4py: each of its ranks pushes its part of the velocity, without a halo. Rank 0 gets
+                   the textures, which are those of one process bit for bit; the others get none. All ranks call push(),
+                   save() and close() together
+    origin         index of the first voxel of this rank's part in the whole; of a Grid it is added to its own
+    resume         a file of save(): the textures go on as if there had been no interruption. The parameters must be the
+                   same, and the first velocity is the one that was pushed last before save()
 
 {parameters}"""
 
@@ -140,13 +185,25 @@ class Flow:
         voxel_size: Lengths = 1.0,
         layout: str | None = None,
         progress: Progress = None,
+        comm: Any = None,
+        origin: Sequence[int] = (0, 0, 0),
+        resume: str | os.PathLike[str] | None = None,
         **parameters: Unpack[FlowOptions],
     ) -> None:
         options = checked("Flow", parameters, FLOW_PARAMETERS)
-        self._read = FrameReader(voxel_size, layout)
+        self._ranks = None if comm is None else Ranks(comm)
+        if self._ranks and "carry" in options:
+            raise ValueError("`carry` is of one process; leave it out with `comm`")
+        self._read = FrameReader(voxel_size, layout, origin)
+        self._stamps: list[str] = []  # of the first frame and the last
+        if resume is not None:
+            self._stamps = _stamps_in(path_of(resume))
+            self._read.go_on(*self._stamps)
+        self._resumes = resume is not None
         self._waiting: collections.deque[Volume] = collections.deque()
         teller = Teller(progress, "flow", stacklevel=5)
-        self._run: Any = _core.Textures(options, _members(_taken(self._waiting)), 0, teller)
+        frames, checkpoint = _members(_taken(self._waiting)), None if resume is None else path_of(resume)
+        self._run: Any = _core.Textures(options, frames, 0, teller, self._ranks, checkpoint)
         self._textures = Textures(self._run, teller)
 
     def push(self, velocity: Any, time: Any = None) -> list[Volume]:
@@ -158,27 +215,59 @@ class Flow:
         """
         if self._run is None:
             raise ValueError("the flow is closed")
-        self._waiting.append(self._read(velocity, time))
+        self._waiting.append(self._taken(velocity, time))
         made = []
         while self._run is not None and len(self._waiting) >= self._run.needed:
-            made += self._next()
+            made.append(self._next())
         if self._waiting:  # the first frame, which is read when the second comes
             self._waiting.append(_copied(self._waiting.pop()))
-        return made
+        return self._of_first_rank(made)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a checkpoint, a .vdb file, which a Flow can `resume`. It does not hold the velocity: a solver saves its own
+        state beside it, after the same push(), and pushes that velocity again when both go on.
+
+        Raises ValueError before the second push(), and OSError if the file cannot be written.
+        """
+        if self._run is None:
+            raise ValueError("the flow is closed")
+        self._run.save(path_of(path), self._stamps)
 
     def close(self) -> list[Volume]:
         """End the flow, free its memory, and return the textures that were waiting for another frame."""
         made = []
-        while self._run is not None and (part := self._next()):
-            made += part
+        while self._run is not None and (texture := self._next()) is not None:
+            made.append(texture)
         self._end()
-        return made
+        return self._of_first_rank(made)
+
+    def _taken(self, velocity, time):
+        """A frame, if all ranks have theirs."""
+        volume, error = None, None
+        try:
+            volume = self._read(velocity, time)
+            stamp = self._read.stamp
+            if self._resumes and stamp != self._stamps[1]:
+                raise ValueError(f"the checkpoint goes on from {self._stamps[1]}; push its velocity first, not {stamp}")
+        except ValueError as found:
+            error = found
+        if self._ranks:
+            grids = [] if volume is None else volume.grids
+            self._ranks.agree(error, "".join(f"{grid.name} {grid.transform}" for grid in grids) + self._read.stamp)
+        if error is not None:
+            raise error
+        self._resumes = False
+        self._stamps = [(self._stamps or [stamp])[0], stamp]
+        return volume
+
+    def _of_first_rank(self, made):
+        return made if self._ranks is None or self._ranks.rank == 0 else []
 
     def _next(self):
         try:
-            return [next(self._textures)]
+            return next(self._textures)
         except StopIteration:
-            return []
+            return None
         except BaseException:
             self._end()
             raise
@@ -201,13 +290,24 @@ FLOW_PARAMETERS = described(Flow, _core.parameters("advect"), without=("input", 
 def _members(volumes):
     """Volumes as the library's side takes them."""
     for volume in volumes:
-        yield as_dictionaries(volume.grids), volume.metadata
+        yield as_dictionaries(volume), volume.metadata
 
 
 def _taken(waiting):
     """What waits in a queue, until it is empty."""
     while waiting:
         yield waiting.popleft()
+
+
+def _stamps_in(checkpoint):
+    """The stamps of the first frame and the last in the checkpoint of a Flow."""
+    if not os.path.exists(checkpoint):
+        raise ValueError(f"{os.fsdecode(checkpoint)}: no such file")
+    metadata = _core.read_headers(checkpoint)[1]
+    stamps = [metadata.get(f"input {number:06}", "") for number in (0, 1)]
+    if not all(stamp.startswith("velocity ") for stamp in stamps):
+        raise ValueError(f"{os.fsdecode(checkpoint)}: is no checkpoint that Flow.save() wrote")
+    return stamps
 
 
 def _copied(volume):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import datetime
 import os
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,15 +41,27 @@ class Frames:
 class FrameReader:
     """Makes volumes of velocities and their times, one by one. Errors name the frame's number."""
 
-    def __init__(self, voxel_size: Lengths, layout: str | None) -> None:
+    def __init__(self, voxel_size: Lengths, layout: str | None, origin: Sequence[int] = (0, 0, 0)) -> None:
         self._lengths, self._layout = lengths_of(voxel_size), layouts.checked(layout)
-        self._number, self._first = 0, None
+        if numpy.shape(origin) != (3,) or numpy.any(numpy.asarray(origin) % 1):
+            raise ValueError(f"`origin` cannot be {origin!r:.100}; it is 3 whole numbers")
+        self._origin = [int(index) for index in origin]
+        self._number = 0
+        self._first: Any = None
+        self.stamp = ""
+
+    def go_on(self, first: str, last: str) -> None:
+        """Number the frames from the last one on, and count dates from the first one. @param stamps of both"""
+        self._number = int(last.split()[1]) - 1
+        if "T" in first:
+            self._first = numpy.datetime64(first.split()[-1])
 
     def __call__(self, velocity: Any, time: Any = None) -> Volume:
         self._number += 1
         if self._number == 1:
             self._first = time
         try:
+            self.stamp = f"velocity {self._number} at {_text_of(time)}"
             volume = as_volume(velocity, voxel_size=self._lengths, layout=self._layout)
             of_time = {} if time is None else clock(time, self._first)
         except ValueError as error:
@@ -55,7 +69,22 @@ class FrameReader:
         shapes = [grid.shape for grid in volume.grids]
         if len(shapes) == 1 and len(shapes[0]) == 3:
             raise ValueError(f"frame {self._number} has the shape {shapes[0]}; a velocity has (x, y, z, 3)")
-        return Volume(volume.grids, volume.metadata | of_time)
+        return Volume(map(self._placed, volume.grids), volume.metadata | of_time)
+
+    def _placed(self, grid: Grid) -> Grid:
+        if not any(self._origin):
+            return grid
+        x, y, z = (int(index) + more for index, more in zip(grid.origin, self._origin))
+        return dataclasses.replace(grid, origin=(x, y, z))
+
+
+def _text_of(time):
+    """A time as a word that tells it exactly."""
+    if time is None:
+        return "no time"
+    if isinstance(time, (datetime.datetime, numpy.datetime64)):
+        return str(numpy.datetime64(time) + numpy.timedelta64(0, "s"))
+    return str(clock(time)["time"])
 
 
 def _of(velocities, layout):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
@@ -123,6 +124,54 @@ class Grid(NDArrayOperatorsMixin):
         return coordinates.data_array(self, self.metadata)
 
 
+def _array(name, doc):
+    return property(lambda self: self._arrays[name], doc=doc)
+
+
+class Lines:
+    """Streaks as lines, `lines` of a Volume: a Renderer draws them, write() stores them. Their arrays are to be read.
+
+    It is a sequence of lines, each an array (points, 3) of places in world space, from the end of the tail to the head.
+    """
+
+    def __init__(self, stored: Any) -> None:
+        self.stored = stored
+
+    @functools.cached_property
+    def _arrays(self) -> dict[str, Any]:
+        arrays: dict[str, Any] = self.stored.arrays()
+        for array in (*arrays.values(), *arrays["scalars"].values()):
+            if isinstance(array, numpy.ndarray):
+                array.flags.writeable = False  # a change would not be drawn
+        return arrays
+
+    ids = _array("id", "Of each line its number, the same in all frames.")
+    counts = _array("counts", "Of each line the number of its points.")
+    source = _array("source", "Of each line the number of the source that it was in; 0 for none.")
+    points = _array("points", "(points, 3): the places of all lines' points, in world space.")
+    radius = _array("radius", "Of each point that of the tube, in world units.")
+    opacity = _array("opacity", "Of each point 0 to 1, highest at the head.")
+    age = _array("age", "Of each point the frames since the particle was there.")
+    scalars = _array("scalars", "Arrays by name, of each point: `magnitude`, the speed, and others that were asked for.")
+
+    @functools.cached_property
+    def _ends(self) -> Array:
+        return numpy.cumsum(self.counts)
+
+    def __len__(self) -> int:
+        return len(self.counts)
+
+    def __getitem__(self, index: int) -> Array:
+        end = self._ends[index]
+        return self.points[end - self.counts[index] : end]  # type: ignore[no-any-return]
+
+    def __iter__(self) -> Iterator[Array]:
+        return map(self.__getitem__, range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"<vdblic.Lines: {len(self)} lines, {len(self.points)} points>"
+
+
 class Volume(Mapping[str, Grid]):
     """Grids by name, and the metadata of their file. Several grids of one name: the first.
 
@@ -133,9 +182,13 @@ class Volume(Mapping[str, Grid]):
     (['speed'], (4, 3, 2))
     """
 
-    def __init__(self, grids: Iterable[Grid], metadata: Mapping[str, Any] | None = None):
+    def __init__(
+        self, grids: Iterable[Grid], metadata: Mapping[str, Any] | None = None, lines: Lines | None = None
+    ) -> None:
         self.grids = list(grids)
         self.metadata = dict(metadata or {})
+        self.lines: Any = lines
+        """The Lines of streaks; None if there are none."""
 
     def __getitem__(self, name: str) -> Grid:
         for grid in self.grids:
@@ -156,7 +209,8 @@ class Volume(Mapping[str, Grid]):
         shapes = ", ".join(f"{grid.name} {grid.shape}" for grid in self.grids) or "no grids"
         frame = "" if self.frame is None else f"; frame {self.frame}"
         time = "" if self.time is None else f"; time {self.time:.6g} s"
-        return f"<vdblic.Volume: {shapes}{frame}{time}>"
+        lines = "" if self.lines is None else f"; {len(self.lines)} lines"
+        return f"<vdblic.Volume: {shapes}{lines}{frame}{time}>"
 
     def _repr_html_(self) -> str:
         return views.heading(repr(self)) + "".join(grid._repr_html_() for grid in self.grids)

@@ -73,7 +73,7 @@ def coherence(
 
 def _source(source):
     """A path, or the grids and the metadata of a volume."""
-    return (as_dictionaries(source.grids), source.metadata) if isinstance(source, Volume) else path_of(source)
+    return (as_dictionaries(source), source.metadata) if isinstance(source, Volume) else path_of(source)
 
 
 DIFF_OPTIONS = described(diff, _core.parameters("diff"), without=("a", "b", "output", "skip_existing", "json"))

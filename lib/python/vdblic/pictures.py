@@ -100,7 +100,7 @@ class Renderer:
             raise ValueError("the renderer is closed")
         volume = texture if isinstance(texture, Volume) else self._volume(texture)
         number = volume.frame if frame is None else frame
-        pixels = self._picture.render(as_dictionaries(volume.grids), volume.metadata, 1 if number is None else number)
+        pixels = self._picture.render(as_dictionaries(volume), volume.metadata, 1 if number is None else number)
         return Picture(pixels, self._picture.background)
 
     def __repr__(self) -> str:

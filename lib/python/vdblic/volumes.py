@@ -4,25 +4,31 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Union
 
 import numpy
 
 from . import _core, layouts
-from .grids import Array, Grid, Volume
+from .grids import Array, Grid, Lines, Volume
 from .labelled import is_labelled, members
 
 Lengths = Union[float, Sequence[float], Array]
 
 
 def read(path: str | os.PathLike) -> Volume:
-    """Read a .vdb file. Grids of other types than floats, doubles and vectors of them are left out.
+    """Read a .vdb file. Grids of other types than numbers, vectors of them and streaks are left out.
 
     Arrays cover the box of the grid's active voxels. Raises ValueError for a file that is missing or damaged.
     """
     grids, metadata = _core.read(path_of(path))
-    return Volume((Grid(**grid) for grid in grids), metadata)
+    return volume_of(grids, metadata)
+
+
+def volume_of(grids: list[Any], metadata: dict[str, Any]) -> Volume:
+    """A volume of what the library's side gives."""
+    lines = next((Lines(grid) for grid in grids if isinstance(grid, _core.StoredLines)), None)
+    return Volume((Grid(**grid) for grid in grids if isinstance(grid, dict)), metadata, lines)
 
 
 def write(
@@ -44,7 +50,7 @@ def write(
     """
     volume = as_volume(data, voxel_size=voxel_size, layout=layout)
     _core.write(
-        path_of(path), as_dictionaries(volume.grids), volume.metadata | dict(metadata or {}), compression, half
+        path_of(path), as_dictionaries(volume), volume.metadata | dict(metadata or {}), compression, half
     )
 
 
@@ -126,9 +132,10 @@ def lengths_of(voxel_size: Lengths) -> Array:
     return lengths
 
 
-def as_dictionaries(grids: Iterable[Grid]) -> list[dict]:
-    """Grids as the library's side takes them."""
-    return [_members(grid) for grid in grids]
+def as_dictionaries(volume: Volume) -> list[Any]:
+    """The grids of a volume as the library's side takes them."""
+    lines = [] if volume.lines is None else [volume.lines.stored]
+    return [_members(grid) for grid in volume.grids] + lines
 
 
 def _members(grid):

@@ -265,7 +265,7 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     const TextureFiles files(params);
     checkFurtherOutput(params.json, params, files);
     std::istringstream noLines;
-    const OneProcess alone;
+    OneProcess alone;
     std::size_t total = 0;
     VelocitySequence flow(params.flow, openSequence(params.flow.input, noLines, total), reporter, alone);
     flow.setMotion(files.motion());

@@ -160,6 +160,30 @@ void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* strea
     if (stream) stream->end();
 }
 
+openvdb::GridBase::Ptr gathered(Exchange& exchange, const Domain& domain, const openvdb::GridBase& grid)
+{
+    openvdb::GridBase::Ptr result = exchange.isFirst() ? grid.copyGridWithNewTree() : nullptr;
+    grid.apply<DeliveredGrids>([&](const auto& typed) {
+        using GridT = std::decay_t<decltype(typed)>;
+        using Leaf = typename GridT::TreeType::LeafNodeType;
+        Exchange::Bytes values;
+        for (const std::uint32_t leaf : domain.own()) {
+            put(values, leaf);
+            put(values, typed.constTree().probeConstLeaf(domain.origin(leaf))->buffer().data(), Leaf::SIZE);
+        }
+        for (const Exchange::Bytes& part : exchange.gather(std::move(values))) {
+            for (MessageReader message(part); !message.atEnd();) {
+                const auto number = message.get<std::uint32_t>();
+                auto leaf = std::make_unique<Leaf>(domain.origin(number), typed.background());
+                message.get(leaf->buffer().data(), Leaf::SIZE);
+                leaf->setValueMask(domain.mask(number));
+                static_cast<GridT&>(*result).tree().addLeaf(leaf.release()); // takes it over
+            }
+        }
+    });
+    return result;
+}
+
 openvdb::GridBase::Ptr withoutValues(const Domain& domain, const openvdb::GridBase& grid)
 {
     openvdb::GridBase::Ptr result = grid.copyGridWithNewTree();

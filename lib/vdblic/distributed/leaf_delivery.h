@@ -30,6 +30,10 @@ struct OwnLeaves {
 /// @param stream takes the leaves of this rank's grid, in the domain's order; null if this rank does not write
 void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* stream);
 
+/// A grid whose leaves the ranks computed together, whole, at rank 0; at the others null. Collective.
+/// @param grid of float or int32; has this rank's own leaves
+[[nodiscard]] openvdb::GridBase::Ptr gathered(Exchange& exchange, const Domain& domain, const openvdb::GridBase& grid);
+
 /// A grid with all leaves of a domain and no values, and otherwise as `grid`: to be written with stored leaves.
 /// @param grid of float or int32
 [[nodiscard]] openvdb::GridBase::Ptr withoutValues(const Domain& domain, const openvdb::GridBase& grid);

@@ -1,7 +1,10 @@
 #include "vdblic/distributed/velocity_halo.h"
 
+#include "vdblic/core/errors.h"
 #include "vdblic/core/message.h"
 #include "vdblic/field/domain.h"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <cstddef>
@@ -95,11 +98,10 @@ void readInto(Vec3STree& result, const Exchange::Bytes& bytes)
         }
         values.resize(mask.countOn());
         message.get(values.data(), values.size());
-        auto leaf = std::make_unique<VelocityLeaf>(origin, result.background());
+        VelocityLeaf& leaf = *result.touchLeaf(origin); // may have other voxels
         auto value = values.begin();
         for (auto voxel = mask.beginOn(); voxel; ++voxel)
-            leaf->setValueOn(voxel.pos(), *value++);
-        result.addLeaf(leaf.release()); // takes it over
+            leaf.setValueOn(voxel.pos(), *value++);
     }
 }
 
@@ -129,6 +131,45 @@ void addParts(Vec3STree& tree, Exchange& exchange, const Partition& partition,
     }
     for (const Exchange::Bytes& message : exchange.swap(std::move(messages)))
         readInto(tree, message);
+}
+
+openvdb::MaskTree::Ptr joinedTopology(const Vec3STree& part, Exchange& exchange)
+{
+    struct Leaf {
+        Coord origin;
+        MaskWords words;
+    };
+    std::vector<Leaf> leaves;
+    visit(
+        part, CoordBBox::inf(),
+        [&](const VelocityLeaf& leaf) {
+            leaves.push_back({leaf.origin(), wordsOf(leaf.getValueMask())});
+        },
+        [&](const Coord& origin, const Vec3f& /*value*/) {
+            leaves.push_back({origin, wordsOf(VelocityLeaf::NodeMaskType(true))});
+        });
+    auto topology = std::make_shared<openvdb::MaskTree>();
+    for (const auto& [origin, words] : exchange.join(leaves)) {
+        openvdb::MaskTree::LeafNodeType& leaf = *topology->touchLeaf(origin);
+        const VelocityLeaf::NodeMaskType mask = maskOfWords(words), twice = leaf.getValueMask() & mask;
+        if (!twice.isOff()) {
+            const Coord voxel = leaf.offsetToGlobalCoord(twice.findFirstOn());
+            throw InputError(fmt::format("two ranks have the voxel [{}, {}, {}] of the velocity: give each its part "
+                                         "without a halo, and its place",
+                                         voxel[0], voxel[1], voxel[2]));
+        }
+        leaf.setValueMask(leaf.getValueMask() | mask);
+    }
+    return topology;
+}
+
+void gatherParts(Vec3STree& part, Exchange& exchange, const Partition& partition)
+{
+    std::vector<Exchange::Bytes> messages(std::size_t(exchange.size()));
+    for (int rank = 0; rank < exchange.size(); ++rank)
+        if (rank != exchange.rank()) messages[std::size_t(rank)] = velocityMessage(part, partition.box(rank).voxels);
+    for (const Exchange::Bytes& message : exchange.swap(std::move(messages)))
+        readInto(part, message);
 }
 
 } // namespace vdblic

@@ -19,4 +19,11 @@ namespace vdblic {
 void addParts(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition,
               const std::vector<VoxelBox<Space::kVelocity>>& wanted);
 
+/// The active voxels of a velocity whose parts lie among the ranks in any way. Collective.
+/// @throws InputError if two ranks have the same voxel
+[[nodiscard]] openvdb::MaskTree::Ptr joinedTopology(const openvdb::Vec3STree& part, Exchange& exchange);
+
+/// Add to a rank's part of such a velocity what lies in the rank's own box. Collective.
+void gatherParts(openvdb::Vec3STree& part, Exchange& exchange, const Partition& partition);
+
 } // namespace vdblic

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/printable.h"
 #include "vdblic/core/stopwatch.h"
+#include "vdblic/distributed/velocity_halo.h"
 #include "vdblic/flow/frame_halo.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
@@ -42,7 +43,7 @@ std::string missingTime(const VelocityFrame& frame)
 } // namespace
 
 VelocitySequence::VelocitySequence(VelocitySequenceParams params, FrameSource source, Reporter& reporter,
-                                   const Exchange& exchange)
+                                   Exchange& exchange)
     : mParams(std::move(params)), mReporter(reporter), mExchange(exchange), mSource(std::move(source))
 {
 }
@@ -136,7 +137,10 @@ VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<
                         mLastValues->tree().hasSameTopology(values.tree());
     try {
         if (!isSame) {
-            auto topology = std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
+            auto topology =
+                file.contents && !mExchange.isAlone()
+                    ? joinedTopology(values.tree(), mExchange)
+                    : std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
             frame.domain = makeDomain(std::move(topology), values.transform(), mParams.domain,
                                       file.frame - file.repeats, mExchange.size());
         }
@@ -153,6 +157,16 @@ VelocityFrame VelocitySequence::loadPart(const FrameFile& file) const
     const int rank = mExchange.rank(), ranks = mExchange.size();
     if (mExchange.isAlone()) return load(file, std::nullopt);
     std::shared_ptr<const Partition> partition = mPartition;
+    if (file.contents) {
+        VelocityFrame frame = load(file, std::nullopt);
+        const FrameDomain& domain = frame.domain;
+        if (!partition)
+            partition = std::make_shared<const Partition>(*domain.velocity, domain.refinement.factors, ranks);
+        gatherParts(frame.values->tree(), mExchange, *partition);
+        frame.partition = std::move(partition);
+        keepOwn(frame, rank);
+        return frame;
+    }
     if (!partition) {
         const VoxelBox<Space::kVelocity> nowhere{{openvdb::Coord(1 << 28), openvdb::Coord(1 << 28)}};
         const VelocityFrame voxels = load(file, VelocityPart{nowhere, false});

@@ -24,14 +24,14 @@ namespace vdblic {
 
 /// Reads a velocity sequence frame by frame. While a frame is used, a thread waits for the name of the next one's file,
 /// and the system reads that file into its cache: a frame read ahead would take the memory of one more velocity. Frames
-/// in memory are asked for as they are needed, in the caller's thread.
+/// in memory are asked for as they are needed, in the caller's thread; of several ranks each gives a part of them.
 ///
 /// Choices made for the user go to the reporter, each once. Not thread-safe.
 class VelocitySequence {
   public:
     /// @param source   of the frames
-    /// @param exchange with the ranks that share the run: each gets its part of every frame
-    VelocitySequence(VelocitySequenceParams params, FrameSource source, Reporter& reporter, const Exchange& exchange);
+    /// @param exchange with the ranks that share the run: each gets its part of every frame; next() is collective
+    VelocitySequence(VelocitySequenceParams params, FrameSource source, Reporter& reporter, Exchange& exchange);
 
     /// Pass over a frame without reading it. Only before the first call of next().
     /// @return its file, or nothing at the end
@@ -74,7 +74,7 @@ class VelocitySequence {
 
     VelocitySequenceParams mParams;
     Reporter& mReporter;
-    const Exchange& mExchange;
+    Exchange& mExchange;
     std::shared_ptr<const Partition> mPartition; // null before the first frame
     FrameSource mSource;
     // Of the previous frame; without its domain if that is a rank's part: the next frame needs the whole.

@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -32,8 +33,12 @@ std::string checkpointName(const AdvectPlan& plan)
 } // namespace
 
 RunOutputs::RunOutputs(const AdvectPlan& plan)
-    : mPlan(plan), mParams(plan.params), mTextures(plan.params.output),
-      mCheckpoint(mTextures.companion(checkpointName(plan)))
+    : RunOutputs(plan, FramePattern(plan.params.output).companion(checkpointName(plan)))
+{
+}
+
+RunOutputs::RunOutputs(const AdvectPlan& plan, std::filesystem::path checkpoint)
+    : mPlan(plan), mParams(plan.params), mTextures(plan.params.output), mCheckpoint(std::move(checkpoint))
 {
 }
 

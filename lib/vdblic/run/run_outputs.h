@@ -22,6 +22,8 @@ class RunOutputs {
   public:
     /// @param plan must outlive this. @throws ParameterError if the output is no pattern
     explicit RunOutputs(const AdvectPlan& plan);
+    /// With a checkpoint of another name.
+    RunOutputs(const AdvectPlan& plan, std::filesystem::path checkpoint);
 
     /// Number the outputs from the sequence's first frame; later calls change nothing.
     void startAt(std::int64_t frame) { mFirst = mFirst.value_or(frame); }

@@ -45,7 +45,7 @@ class VelocitySequenceFrames : public testing::Test {
         if (masked) params.domain.mask = (mFolder / "m.%04d.vdb").string();
         std::istringstream noPaths;
         Reporter silent;
-        const OneProcess alone;
+        OneProcess alone;
         std::size_t total = 0;
         VelocitySequence sequence(params, openSequence(params.input, noPaths, total), silent, alone);
         std::vector<VelocityFrame> frames;
