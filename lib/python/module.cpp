@@ -203,7 +203,7 @@ std::string diffOfVolumes(const py::object& sourceA, const py::object& sourceB, 
     const VdbFile a = volumeOf(sourceA, "a"), b = volumeOf(sourceB, "b");
     const py::gil_scoped_release release;
     const FileDifference files = compareVolumes(a, b, params.compare);
-    return toJson({files.pathA, files.pathB, {{1, true, true, files}}, false}, params.compare);
+    return toJson({files.pathA, files.pathB, {{1, true, true, files}}}, params.compare);
 }
 
 std::string coherence(const std::string& velocity, const std::string& texture, const py::dict& keywords,

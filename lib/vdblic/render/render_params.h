@@ -30,9 +30,9 @@ struct PictureSettings {
     std::string region;  ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
     /// Lower and upper corner in world space: only voxels with their centre inside are shown.
     std::optional<std::array<double, 6>> regionBox{};
-    std::string solid;                       ///< opaque body, as makeSolid() reads it (cast/solid.h); empty: none
+    std::string solid;                      ///< opaque body, as makeSolid() reads it (cast/solid.h); empty: none
     glm::dvec3 solidColor{0.7, 0.72, 0.75}; ///< as displayed
-    GroundSide ground = GroundSide::kNone;   ///< where a plane takes the shadows of volume and solid
+    GroundSide ground = GroundSide::kNone;  ///< where a plane takes the shadows of volume and solid
     /// Factors on the axes of world space for everything shown, such as 1 1 20 for weather. Camera and lights are in
     /// the stretched space, cuts and region in the grids' own.
     glm::dvec3 stretch{1};
