@@ -137,6 +137,13 @@ class Messages(ToolTest):
         empty.name = "density"
         vdb.write(str(self.folder / "e.0001.vdb"), empty)
         self.assertIn("warning: no frame has an active voxel", self.says("vdblic_render", "e.0001.vdb", "-o", "e.png"))
+        cloud = vdb.FloatGrid()
+        cloud.name = "density"
+        cloud.fill((0, 0, 0), (7, 7, 7), 1)
+        cloud.fill((8, 8, 8), (15, 15, 15), 1)
+        vdb.write(str(self.folder / "cloud.vdb"), cloud)
+        self.assertIn("--solid domain makes 75 % of the texture's box a body, as around a cloud",
+                      self.says("vdblic_render", "cloud.vdb", "-o", "e.png", "--solid", "domain"))
         for tool, *more in ("vdblic_render", "-o", "e.png"), ("vdblic_view", "--port", 0):
             self.assertIn("v.0001.vdb: holds a velocity and no texture 'density'; vdblic_film shows a velocity",
                           self.fails(3, tool, "v.0001.vdb", *more))

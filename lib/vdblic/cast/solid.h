@@ -17,6 +17,9 @@ struct Solid {
     glm::dmat4 worldToIndex{1};       ///< from the world of the picture, stretched, to its index space
 };
 
+/// The share of a texture's box that is taken for a body or a ground; what a cloud leaves out is more.
+inline constexpr double kMostSolid = 0.2;
+
 /// Read or make the solid of a frame.
 ///
 /// Masks, fog volumes (where they are above 0) and the domain become level sets of their voxels, meshes of the

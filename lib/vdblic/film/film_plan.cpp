@@ -1,6 +1,7 @@
 #include "vdblic/film/film_plan.h"
 
 #include "vdblic/camera/camera.h"
+#include "vdblic/cast/solid.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/extent.h"
 #include "vdblic/core/printable.h"
@@ -264,9 +265,8 @@ class FilmPlanner {
     /// Whether the flow leaves a body, or the ground, out of its box.
     [[nodiscard]] bool flowsAroundSolid() const
     {
-        constexpr double kMost = 0.2; // of the box; more is space that a cloud of smoke does not fill
         const double box = voxelsOf(mGrid.box);
-        return mLayer < 0 && double(mVelocity.voxels)<box&& double(mVelocity.voxels)>(1 - kMost) * box;
+        return mLayer < 0 && double(mVelocity.voxels)<box&& double(mVelocity.voxels)>(1 - kMostSolid) * box;
     }
 
     /// A factor for each axis along which there are several voxels.

@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/affine_transform.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/extent.h"
 #include "vdblic/render/picture.h"
 #include "vdblic/render/picture_share.h"
 #include "vdblic/render/sequence_bounds.h"
@@ -72,7 +73,7 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
         return result;
     }
     Picture picture(plan, *view,
-                    std::make_shared<const ShownVolume>(plan, view->look, loaded, solidOf(*loaded), mExchange),
+                    std::make_shared<const ShownVolume>(plan, view->look, loaded, solidOf(*loaded, frame), mExchange),
                     share ? &share->picture : nullptr);
     for (int sample = 0; sample < plan.samples; ++sample) {
         mReporter.checkStop();
@@ -90,12 +91,17 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
 }
 
 /// The frame's solid; null if there is none. One that is the same in all frames is made once.
-std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& frame) const
+std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& loaded, RenderedFrame& frame) const
 {
     const PicturePlan& plan = mPlan.picture;
     if (plan.solid.empty()) return nullptr;
     const auto make = [&] {
-        return std::make_shared<const Solid>(makeSolid(plan.solid, *frame.domain(), plan.stretch, frame.file.frame));
+        const openvdb::FloatGrid::ConstPtr domain = loaded.domain();
+        if (plan.solid == "domain") {
+            const double box = voxelsOf(domain->evalActiveVoxelBoundingBox());
+            frame.leftOut = box > 0 ? 1 - double(domain->activeVoxelCount()) / box : 0;
+        }
+        return std::make_shared<const Solid>(makeSolid(plan.solid, *domain, plan.stretch, frame.file.frame));
     };
     if (solidChanges(plan.solid)) return make();
     std::call_once(mSolidMade, [&] { mSolid = make(); });

@@ -24,6 +24,7 @@ struct RenderedFrame {
     const View* view = nullptr; ///< null if no frame so far has an active voxel
     bool hasColor = true;
     std::size_t unusableVoxels = 0;
+    double leftOut = 0;        ///< share of its box that the solid `domain` takes
     std::string nothingSeen{}; ///< why the image shows nothing; empty if it shows something
     std::optional<TextureHistograms> histograms{};
     bool skipped = false, wasDamaged = false; ///< the image that was there
@@ -53,7 +54,7 @@ class FrameRenderer {
     [[nodiscard]] FrameImage render(std::shared_ptr<const LoadedTexture> loaded, RenderedFrame& frame) const;
 
   private:
-    [[nodiscard]] std::shared_ptr<const Solid> solidOf(const LoadedTexture& frame) const;
+    [[nodiscard]] std::shared_ptr<const Solid> solidOf(const LoadedTexture& loaded, RenderedFrame& frame) const;
 
     const RenderPlan& mPlan;
     Reporter& mReporter;

@@ -1,5 +1,6 @@
 #include "vdblic/render/run_report.h"
 
+#include "vdblic/cast/solid.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
@@ -53,6 +54,12 @@ void RunReport::add(const RenderedFrame& frame, const Exchange& exchange)
     if (frame.unusableVoxels > 0) {
         mReporter.warn(
             fmt::format("{}: {} values are not finite numbers and are left out", path, frame.unusableVoxels));
+    }
+    if (frame.leftOut > kMostSolid && !mSaidCloud) {
+        mReporter.say(fmt::format("{}: `solid` domain makes {:.0f} % of the texture's box a body, as around a cloud; "
+                                  "leave it out where that is air",
+                                  path, 100 * frame.leftOut));
+        mSaidCloud = true;
     }
     if (frame.histograms) {
         if (!mHistograms) mHistograms.emplace(frame.view->look);
