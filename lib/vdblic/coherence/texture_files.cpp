@@ -64,7 +64,7 @@ void TextureFiles::readFirst()
     mAreSparse = isSparse(metadata);
     const double substeps = numericMetadata(metadata, "substeps").value_or(1);
     const auto source = numericMetadata(metadata, "source_frame"), number = numericMetadata(metadata, "frame");
-    constexpr double kMost = 64;
+    constexpr double kMost = 256; // TextureParams::kMostSubsteps
     if (!(substeps > 1 && substeps <= kMost) || !source || !number) return;
     mSubsteps = std::int64_t(substeps);
     mFirst = std::llround((double(mSubsteps) * *source - *number) / double(mSubsteps - 1));

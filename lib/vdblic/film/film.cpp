@@ -241,7 +241,7 @@ Parameters parametersOf(FilmParams& params)
                   params.view, {.words = "SIDE"}),
         parameter("solid", "Opaque body, as of vdblic_render; by default what the flow leaves out of its box.",
                   params.solid, {.words = "FILE[:GRID] or domain"}),
-        parameter("solid_color", "Colour of the solid as displayed.", params.solidColor,
+        parameter("solid_color", "Colour of the body as displayed.", params.solidColor,
                   {.words = "R G B", .limits = {0, 1}}),
         parameter("plain", "Pictures without colour bar, time and scale bar.", params.plain),
         parameter("orbit", "Turns of the camera around the flow during the film.", params.orbit,

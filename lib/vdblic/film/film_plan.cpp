@@ -181,13 +181,18 @@ class FilmPlanner {
             mPlan.advect["steady_frames"] = {fmt::format("{}", mPlan.textures)};
             return frames;
         }
-        constexpr double kMostSubsteps = 1000;
+        constexpr std::size_t kMostSubsteps = TextureParams::kMostSubsteps;
         const std::size_t intervals = frames.size() - 1;
-        auto substeps = std::size_t(std::clamp(std::ceil(pace / kPace), 1.0, kMostSubsteps));
+        auto substeps = std::size_t(std::clamp(std::ceil(pace / kPace), 1.0, double(kMostSubsteps)));
         const std::size_t least = pictures(mParams.seconds.value_or(kLeastSeconds)),
                           most = pictures(mParams.seconds.value_or(kMostSeconds));
         const std::size_t forLeast = (least + intervals - 2) / intervals; // substeps for so many pictures
-        substeps = std::max({substeps, forLeast, std::size_t(1)});
+        if (mParams.seconds && forLeast > kMostSubsteps) {
+            throw ParameterError(fmt::format("`seconds` {} is too long: {} frames make a film of {:.3g} s at most",
+                                             *mParams.seconds, frames.size(),
+                                             double(intervals * kMostSubsteps + 1) / perSecond));
+        }
+        substeps = std::min(std::max({substeps, forLeast, std::size_t(1)}), kMostSubsteps);
         const std::size_t used = std::min(intervals, (most + substeps - 2) / substeps);
         mPlan.textures = used * substeps + 1;
         mPlan.pictures = std::min(mPlan.textures, most);

@@ -45,7 +45,8 @@ Parameters parametersOf(TextureParams& params)
         methodParameter(params),
         parameter("life_span", "Life span of a seed, with lic and ufac the length of the kernel.", params.lifeSpan,
                   {.option = "--life", .unit = "frames", .limits = {1, 1000}}),
-        parameter("substeps", "Textures for each interval between frames.", params.substeps, {.limits = {1, 64}}),
+        parameter("substeps", "Textures for each interval between frames.", params.substeps,
+                  {.limits = {1, TextureParams::kMostSubsteps}}),
         parameter("release_window", "auflic, auflic-2004: part of a frame in which a pathline takes up seeds.",
                   params.releaseWindow, {.limits = {0, 1, true}}),
     };

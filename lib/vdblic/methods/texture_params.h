@@ -14,6 +14,7 @@ struct TextureParams {
     const TextureMethod* method = &kAuflic; ///< never null
     int lifeSpan =
         4; ///< frames over which a seed scatters its value; AUFLIC's fade at that pace; of LIC and UFAC the kernel's
+    static constexpr int kMostSubsteps = 256;
     int substeps = 1;            ///< time steps from a frame to the next
     float releaseWindow = 0.25f; ///< AUFLIC: part of a frame, from its start, in which a seed may be released
     PathlineParams pathline;
