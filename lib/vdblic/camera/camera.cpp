@@ -78,10 +78,11 @@ glm::dvec3 middleOf(const Corners& box)
 Parameters parametersOf(CameraParams& params)
 {
     return {
-        parameter("view",
-                  "Side that the volume is seen from, all of every frame in sight. north to west are back to left, for "
-                  "data with north along +y.",
-                  params.view, {.words = "SIDE", .excludes = "eye"}),
+        parameter(
+            "view",
+            "Side that the volume is seen from, with all of every frame in sight. Where north is +y, south is the "
+            "front and east the right.",
+            params.view, {.words = "SIDE", .excludes = "eye"}),
         parameter("angles", "The same by angles: height above the horizon, and turn from the front to the right.",
                   params.angles,
                   {.unit = "degrees", .words = "ELEVATION AZIMUTH", .limits = {-360, 360}, .excludes = "view"}),
