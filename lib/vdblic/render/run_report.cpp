@@ -61,7 +61,7 @@ void RunReport::add(const RenderedFrame& frame, const Exchange& exchange)
                                   path, 100 * frame.leftOut));
         mSaidCloud = true;
     }
-    if (frame.histograms) {
+    if (frame.histograms && frame.view) {
         if (!mHistograms) mHistograms.emplace(frame.view->look);
         mHistograms->add(*frame.histograms);
     }
