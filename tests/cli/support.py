@@ -14,7 +14,7 @@ import unittest
 
 import numpy
 
-BIN, SOURCE = (pathlib.Path(os.environ[name]) for name in ("VDBLIC_BIN", "VDBLIC_SOURCE"))
+BIN, SOURCE = pathlib.Path(os.environ["VDBLIC_BIN"]), pathlib.Path(__file__).resolve().parents[2]
 MODULE = BIN.parent / "python"
 # A sanitized one needs a sanitized Python.
 HAS_MODULE = list(MODULE.glob("vdblic/_core*.so")) and os.environ.get("VDBLIC_SANITIZED") != "1"

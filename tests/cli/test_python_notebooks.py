@@ -2,14 +2,12 @@
 
 import json
 import os
-import pathlib
 import subprocess
 import unittest
 
-from support import BIN, ToolTest, peer, skip
+from support import BIN, SOURCE, ToolTest, peer, skip
 
 MODULE = BIN.parent / "python"
-SOURCE = pathlib.Path(os.environ["VDBLIC_SOURCE"])
 if os.environ.get("VDBLIC_SANITIZED") == "1":
     skip("a sanitized module needs a sanitized Python")
 if not list(MODULE.glob("vdblic/_core*.so")):
