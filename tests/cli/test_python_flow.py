@@ -163,7 +163,7 @@ class Ranks(FlowTest):
         self.assert_same(self.by_ranks(2, frames[2:], options, resume="flow.vdb"), expected[2:])
 
     def test_mistakes_end_all_ranks(self):
-        begin = ("import numpy\nfrom mpi4py import MPI\nfrom vdblic import Flow\ncomm = MPI.COMM_WORLD\n"
+        begin = ("import os, numpy\nfrom mpi4py import MPI\nfrom vdblic import Flow\ncomm = MPI.COMM_WORLD\n"
                  "field = numpy.ones((8, 8, 8, 3), numpy.float32)\norigin = 8 * comm.rank, 0, 0\n")
         for script, words in (
                 ("Flow(comm=comm).close()", "no frame to compute"),
@@ -175,7 +175,8 @@ class Ranks(FlowTest):
                  r"1 voxel is not finite, the first at \[8, 0, 0\]"),
                 ("Flow(comm=comm, carry='q')", "`carry` is of one process"), ("Flow(comm=1)", "`comm` cannot be 1"),
                 ("Flow(comm=comm, origin=(1, 2))", r"`origin` cannot be \(1, 2\)")):
-            report = "\nexcept (ValueError, TypeError) as error: print(f'{comm.rank}: {error}', flush=True)"
+            # One write for a line: those of two ranks mix otherwise.
+            report = "\nexcept (ValueError, TypeError) as error: os.write(1, f'{comm.rank}: {error}\\n'.encode())"
             body = "".join(f"\n    {line}" for line in script.splitlines())
             done = self.run_ranks(2, f"{begin}try:{body}{report}")
             with self.subTest(script):
