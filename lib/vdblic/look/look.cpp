@@ -62,6 +62,18 @@ std::array<double, 2> opacityRangeOf(const std::vector<float>& drivers, ValueSca
     return {low < 0 && high > 0 ? 0 : low, high};
 }
 
+/// Colours of the samples that are not transparent; all colours if all samples are.
+std::vector<float> colorsSeen(const VolumeSamples& samples, const TransferParams& params)
+{
+    const TransferFunction transfer(params);
+    std::vector<float> colors;
+    for (std::size_t i = 0; i < samples.color.size(); ++i) {
+        const double position = transfer.opacityAxis().position(double(samples.driver[i]));
+        if (transfer.opacityAt(std::clamp(position, 0.0, 1.0)) > 0) colors.push_back(samples.color[i]);
+    }
+    return colors.empty() ? samples.color : colors;
+}
+
 TextureModulation stretch(std::vector<float> textures, const LookParams& params)
 {
     const float low = percentile(textures, 0.1), high = percentile(textures, 0.98);
@@ -193,6 +205,7 @@ Look chooseLook(const LookParams& params, const VolumeSamples& samples, double t
         transfer.opacity = chooseOpacity(
             samples, voxelDepth, {transfer.opacityRange.value_or(*transfer.range), opacityScale}, texture, still);
     }
+    if (!one && !params.transfer.range) transfer.range = rangeOf(colorsSeen(samples, transfer), transfer.colorScale);
     Look look{.transfer = TransferFunction(transfer),
               .texture = texture,
               .shading = params.shading,

@@ -37,7 +37,7 @@ struct PictureSettings {
     /// the stretched space, cuts and region in the grids' own.
     glm::dvec3 stretch{1};
     glm::ivec2 size{1024, 1024}; ///< width and height [pixels]
-    int samples = 1;             ///< rays per pixel
+    int samples = 4;             ///< rays per pixel, see SampleSum
     CameraParams camera;
     CameraMotion motion;
     std::string cameraFile;   ///< JSON file that resolve() reads `motion.keys` from; empty: none
