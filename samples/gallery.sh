@@ -21,7 +21,7 @@ gallery() {
     local name=$1 title=$2
     local -a options=("${@:3}")
     picture() {
-        "$tools/vdblic_render" "$out/$name.%04d.vdb" -o "$out/$name-$1.%04d.png" -q --size 1280 800 --samples 4 \
+        "$tools/vdblic_render" "$out/$name.%04d.vdb" -o "$out/$name-$1.%04d.png" -q --size 1280 800 \
             "${options[@]}" "${@:2}" >"$out/picture.txt"
         ffmpeg -loglevel error -y -i "$(cat "$out/picture.txt")" -q:v 2 "$images/$name-$1.jpg"
     }
@@ -35,14 +35,14 @@ gallery() {
 # streaks NAME VELOCITY FRAMES SPACING OPTIONS...: a picture of the last of FRAMES.
 streaks() {
     texture "$1-streaks" "$2" --method streaks --draw lines --frames "$3" --spacing $4
-    "$tools/vdblic_render" "$out/$1-streaks.%04d.vdb" -o "$out/$1-streaks.%04d.png" -q --size 1280 800 --samples 4 \
+    "$tools/vdblic_render" "$out/$1-streaks.%04d.vdb" -o "$out/$1-streaks.%04d.png" -q --size 1280 800 \
         --frames "${3#*-}" "${@:5}" >"$out/picture.txt"
     ffmpeg -loglevel error -y -i "$(cat "$out/picture.txt")" -q:v 2 "$images/$1-streaks.jpg"
 }
 
 texture wake samples/wake/wake.%04d.vdb --refine 3
 gallery wake "Wake of a square prism" --frames 12 --solid domain
-"$tools/vdblic_render" "$out/wake.%04d.vdb" -o "$out/wake-paper.%04d.png" -q --size 1280 800 --samples 4 --frames 12 \
+"$tools/vdblic_render" "$out/wake.%04d.vdb" -o "$out/wake-paper.%04d.png" -q --size 1280 800 --frames 12 \
     --look paper --opacity-by q --solid domain --ground below --annotate box,axes,colorbar >>"$out/log.txt"
 ffmpeg -loglevel error -y -i "$out/wake-paper.0012.png" -q:v 2 "$images/wake-paper.jpg"
 streaks wake samples/wake/wake.%04d.vdb 1-12 1.5 --opacity-by q --solid domain --ground below
@@ -60,7 +60,7 @@ vdb.write(sys.argv[2], grids)
 END
 texture wake-sources samples/wake/wake.%04d.vdb --method streaks --draw lines --frames 1-16 --spacing 1.5 \
     --source "near the floor=$out/inlets.vdb:floor" --source "at the prism=$out/inlets.vdb:prism"
-"$tools/vdblic_render" "$out/wake-sources.0016.vdb" -o "$out/wake-sources.png" -q --size 1280 800 --samples 4 \
+"$tools/vdblic_render" "$out/wake-sources.0016.vdb" -o "$out/wake-sources.png" -q --size 1280 800 \
     --color-by source --annotate colorbar --solid domain --ground below >>"$out/log.txt"
 ffmpeg -loglevel error -y -i "$out/wake-sources.png" -q:v 2 "$images/wake-sources.jpg"
 

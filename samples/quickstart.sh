@@ -20,7 +20,7 @@ look=(--look vortex --solid domain --ground below --size 960 540)
 "$tools/vdblic_advect" samples/wake/wake.%04d.vdb -o "$out/streaks.%04d.vdb" --method streaks --draw lines \
     --spacing 1.5 --tail 3 --with q --frames 1-12 --restart >"$out/streaks.txt"
 "$tools/vdblic_render" "$out/streaks.0012.vdb" -o "$out/streaks.%04d.png" --opacity-by q --solid domain --ground below \
-    --size 960 540 --samples 4 >>"$out/images.txt"
+    --size 960 540 >>"$out/images.txt"
 
 echo
 echo "flow textures: $out/lic.0001.vdb ... (density, magnitude, vorticity, q; open them in Blender or Houdini)"

@@ -97,7 +97,7 @@ def main():
         for form in "voxels", "lines":
             textures(wake, "12", "--spacing", 1.5, "--tail", 3, "--refine", 8, "--with", "q", "--draw", form)
             for name, *options in ("all of it",), ("`--opacity-by q`", "--opacity-by", "q"):
-                costs = [run(tools / "vdblic_render", "s.0012.vdb", "-o", "p.png", "--size", 1600, 900, "--samples", 4, *options)
+                costs = [run(tools / "vdblic_render", "s.0012.vdb", "-o", "p.png", "--size", 1600, 900, *options)
                          for _ in range(3)]
                 seconds, memory = numpy.median(costs, axis=0)
                 print(f"| {name} | {form} | {seconds:.1f} | {memory / 1e6:.0f} |")

@@ -176,10 +176,14 @@ class Film(ToolTest):
         self.assertIn("v.0003.vdb", self.fails(3, "vdblic_film", *base))
         self.assertEqual(self.files(), sorted([*before, "noise.vdb"]))
 
-    def choices(self, speeds, hole=False):
-        """The commands for a still of a flow along x with these speeds [voxels a frame] along z."""
+    def choices(self, speeds, hole=False, turns=False):
+        """The commands for a still of a flow along x with these speeds [voxels a frame] along z, or around z too."""
         flow = numpy.zeros((24, 24, len(speeds), 3), numpy.float32)
         flow[..., 0] = numpy.multiply(speeds, 24)
+        if turns:
+            x, y = numpy.ogrid[-11.5:12, -11.5:12]
+            flow[..., 0] -= y[..., None]
+            flow[..., 1] += x[..., None]
         grid = vdb.Vec3SGrid()
         grid.name = "velocity"
         grid.copyFromArray(flow, tolerance=(-1, -1, -1))
@@ -193,11 +197,15 @@ class Film(ToolTest):
         return done.stderr
 
     def test_choices(self):
-        """An even flow shows its vortices, a body is drawn, a flat domain is stretched; others get none of this."""
+        """An even flow shows its vortices, a body is drawn, a flat domain is stretched; others get none of this.
+        A laminar flow has no vortices: opacity by q would leave nothing to see."""
         even, uneven = [2.0] * 24, [0.1] * 12 + [2.0] * 12
-        for options, text in (({"--opacity-by q"}, self.choices(even)), (set(), self.choices(uneven)),
-                              ({"--opacity-by q", "--solid domain"}, self.choices(even, hole=True)),
-                              ({"--stretch 1 1 3"}, self.choices([2.0] * 2))):
+        sheared = [1.0 + i / 12 for i in range(24)]
+        for options, text in (({"--opacity-by q"}, self.choices(even, turns=True)), (set(), self.choices(uneven)),
+                              (set(), self.choices(even)), (set(), self.choices(sheared)),
+                              ({"--opacity-by q", "--solid domain"}, self.choices(even, hole=True, turns=True)),
+                              ({"--stretch 1 1 3"}, self.choices([2.0] * 2, turns=True))):
+            self.assertNotIn("the images show nothing", text)
             every = {"--opacity-by q", "--solid domain", "--stretch 1 1 3"}
             self.assertEqual({option for option in every if option in text}, options, text)
 

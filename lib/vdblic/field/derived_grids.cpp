@@ -7,11 +7,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/tree/LeafManager.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -88,6 +91,33 @@ std::vector<openvdb::FloatGrid::Ptr> derivedGrids(const std::vector<std::string>
         grids.back()->setGridClass(openvdb::GRID_FOG_VOLUME);
     }
     return grids;
+}
+
+double rotationShare(const openvdb::Vec3SGrid& velocities, const FromStored<Space::kWorld, Per::kSecond>& unit)
+{
+    constexpr std::size_t kMostLeaves = 4096;
+    constexpr double kRounding = 2e-3; // differences next to values that have half precision
+    struct Sums {
+        double q = 0, gradient = 0, difference = 0, value = 0;
+    };
+    const Mat3d toIndex = indexAxes(velocities.transform()).inverse();
+    const openvdb::tree::LeafManager<const openvdb::Vec3STree> leaves(velocities.tree());
+    const std::size_t stride = (leaves.leafCount() + kMostLeaves - 1) / kMostLeaves;
+    std::vector<Sums> sums(stride > 0 ? (leaves.leafCount() + stride - 1) / stride : 0);
+    tbb::parallel_for(std::size_t(0), sums.size(), [&](std::size_t i) {
+        const openvdb::Vec3SGrid::ConstAccessor accessor = velocities.getConstAccessor();
+        for (auto value = leaves.leaf(i * stride).cbeginValueOn(); value; ++value) {
+            const Mat3d difference = unit.matrix * indexGradient(accessor, value.getCoord()), j = difference * toIndex;
+            sums[i].q += std::max(double(qCriterion(j)), 0.0);
+            sums[i].gradient += 0.5 * (j * j.transpose()).trace();
+            sums[i].difference += (difference * difference.transpose()).trace();
+            sums[i].value += (unit.matrix * Vec3d(*value)).lengthSqr();
+        }
+    });
+    Sums all;
+    for (const Sums& one : sums)
+        all = {all.q + one.q, all.gradient + one.gradient, all.difference + one.difference, all.value + one.value};
+    return all.difference > kRounding * kRounding * all.value ? all.q / all.gradient : 0;
 }
 
 } // namespace vdblic

@@ -253,18 +253,19 @@ class FilmPlanner {
         mPlan.advect["refine"] = wordsOfFactors(factors);
     }
 
-    /// Whether nearly all of a flow is fast: opacity that follows the speed would hide the inside. In a flat domain
-    /// the shear between its layers has more to do with Q than vortices.
-    [[nodiscard]] bool isEvenlyFast() const
+    /// Whether opacity by Q shows more than opacity by speed: most of the flow is fast, so that the outside would hide
+    /// the inside, and there are vortices. In a flat domain Q follows the shear between its layers.
+    [[nodiscard]] bool hidesVortices() const
     {
-        constexpr double kEven = 0.85;
+        constexpr double kMostlyFast = 0.7, kRotation = 0.01;
         const bool isFlat = mLayer >= 0 || mStretch != std::array<double, 3>{1, 1, 1};
-        return !isFlat && mVelocity.motion->mean > kEven * mVelocity.motion->fasterHalf;
+        const MotionInfo& motion = *mVelocity.motion;
+        return !isFlat && motion.mean > kMostlyFast * motion.fasterHalf && motion.rotation > kRotation;
     }
 
     [[nodiscard]] bool followsVortices() const
     {
-        return mParams.look == "vortex" || (mParams.look.empty() && isEvenlyFast());
+        return mParams.look == "vortex" || (mParams.look.empty() && hidesVortices());
     }
 
     /// Whether the flow leaves a body, or the ground, out of its box.

@@ -1,6 +1,7 @@
 #include "vdblic/run/sequence_info.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/derived_grids.h"
 #include "vdblic/flow/frame_interval.h"
 #include "vdblic/flow/velocity_sequence_params.h"
 #include "vdblic/io/checksum.h"
@@ -190,9 +191,9 @@ double meanLength(const openvdb::Vec3SGrid& grid, const openvdb::Mat3s& matrix)
     return count > 0 ? sum / count : 0;
 }
 
-/// The displacements of a frame, added to those before. @param frames already added
-void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::size_t frames, Displacements& all,
-               VelocityInfo& velocity)
+/// The displacements of a frame, added to those before. @param frames already added @param files in all
+void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::size_t frames, std::size_t files,
+               Displacements& all, VelocityInfo& velocity)
 {
     VelocityParams reading = params.flow.velocity;
     reading.nonFinite = NonFinite::kZero;
@@ -204,6 +205,7 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     motion.mean += (mean - motion.mean) / double(frames + 1);
     all.add(frame, velocity.interval);
     motion.fasterHalf = all.ofFasterHalf();
+    if (frames == files / 2) motion.rotation = rotationShare(*frame.values, frame.toWorldPerSecond(velocity.interval));
     const double largest = frame.largestDisplacement(velocity.interval);
     if (largest < motion.largest && frames > 0) return;
     motion.largest = largest;
@@ -347,7 +349,7 @@ SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& r
         reporter.checkStop();
         try {
             addValues(readVdb(readable[i].path), info);
-            if (info.velocity) addMotion(readable[i], params, i, displacements, *info.velocity);
+            if (info.velocity) addMotion(readable[i], params, i, readable.size(), displacements, *info.velocity);
         } catch (const InputError& error) {
             info.damaged.emplace_back(error.what());
         }

@@ -53,6 +53,7 @@ struct GridInfo {
 struct MotionInfo {
     double largest = 0, mean = 0;
     double fasterHalf = 0;                 ///< see Displacements
+    double rotation = 0;                   ///< rotationShare() of the frame in the middle
     std::int64_t frame = 0;                ///< of the largest
     std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": units that suit its faster half
 };

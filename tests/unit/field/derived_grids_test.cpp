@@ -65,6 +65,21 @@ TEST(DerivedGrids, ARigidRotationHasTwiceItsAngularVelocity)
     expectAll(*derived[1], omega.lengthSqr(), 2e-4);
 }
 
+TEST(RotationShare, SeparatesRotationFromLaminarFlow)
+{
+    const auto share = [](const std::function<Vec3d(const Vec3d&)>& velocity) {
+        return rotationShare(*sampled(*skewed(), 11, velocity), {Mat3d::identity() * 3.0});
+    };
+    EXPECT_NEAR(share([](const Vec3d& x) { return Vec3d(-x.y(), x.x(), 0.2); }), 1, 1e-4);
+    EXPECT_NEAR(share([](const Vec3d& x) { return Vec3d(-2 * x.y(), x.x(), 0); }), 0.8, 1e-3); // q 2, ½|J|² 2.5
+    EXPECT_NEAR(share([](const Vec3d& x) { return Vec3d(1.5 * x.y(), 0, 0); }), 0, 1e-4);
+    EXPECT_EQ(share([](const Vec3d& x) { return Vec3d(x.x(), -x.y(), 0); }), 0);
+    EXPECT_EQ(share([](const Vec3d&) { return Vec3d(1, 2, 3); }), 0);
+    EXPECT_EQ(share([](const Vec3d& x) { return Vec3d(1, 1e-4 * std::sin(91 * x.x()), 1e-4 * std::sin(83 * x.y())); }),
+              0);
+    EXPECT_EQ(rotationShare(*openvdb::Vec3SGrid::create(), {Mat3d::identity()}), 0);
+}
+
 TEST(DerivedGrids, ALinearShearHasVorticityButNoExcessOfRotation)
 {
     const auto grid = sampled(*skewed(), 11, [](const Vec3d& x) { return Vec3d(1.5 * x.y(), 0, 0); });
