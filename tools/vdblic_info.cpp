@@ -1,6 +1,7 @@
 #include "cli/option_names.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
+#include "vdblic/core/memory.h"
 #include "vdblic/core/printable.h"
 #include "vdblic/film/film_plan.h"
 #include "vdblic/io/atomic_file.h"
@@ -11,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -29,7 +31,11 @@ std::vector<std::string> commandsFor(const SequenceInfo& info, const SequencePar
     if (!info.velocity->motion) return lines;
     try {
         FilmParams params{.input = input, .output = "flow.mp4"};
-        for (const std::string& command : commandsOf(planFilm(params, info), "texture.%04d.vdb"))
+        const FilmPlan plan = planFilm(params, info);
+        lines.push_back(fmt::format("  the film takes about {} of memory and {:.0f} s of processor time",
+                                    memoryText(std::max(plan.textureBytes, plan.pictureBytes)),
+                                    std::max(plan.seconds, 1.0)));
+        for (const std::string& command : commandsOf(plan, "texture.%04d.vdb"))
             lines.push_back("  the film step by step: " + command);
     } catch (const InputError&) { // the advice says what is wrong
         lines.clear();

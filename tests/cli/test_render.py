@@ -245,6 +245,10 @@ class Render(RenderTest):
         self.assertIn("eye (type v3f): (0 -9 0.5)", self.header("k.0004.exr"))
         self.assertIn('cameraKeys (type string): "keys.json"', self.header("k.0004.exr"))
         good = ("lic.%04d.vdb", "-o", "a.%04d.png", "--size", 20, 20)
+        for option in ("--view", "top"), ("--angles", 30, 40), ("--eye", 9, 9, 9), ("--fov", 40):
+            self.assertIn(f"keys.json: its key frames stand against --{option[0][2:]}",
+                          self.refuses(2, *good, "--camera", "keys.json", *option))
+        self.renders("lic.%04d.vdb", "-o", "u.%04d.exr", "--size", 20, 20, "--camera", "keys.json", "--up", 0, 1, 0)
         self.assertIn("none.json", self.refuses(3, *good, "--camera", "none.json"))
         (self.folder / "keys.json").write_text('{"keys": [{"frame": 3, "eyes": [9, 0, 1]}]}')
         self.assertIn("eyes", self.refuses(3, *good, "--camera", "keys.json"))

@@ -16,6 +16,7 @@ struct FilmPlan {
     std::map<std::string, Words> advect, render; ///< without the textures' pattern
     std::size_t textures = 1, pictures = 1;      ///< a film may leave out textures of its last interval
     double textureVoxels = 0, textureBytes = 0;  ///< of a dense texture; estimate of the memory that making it takes
+    double pictureBytes = 0, seconds = 0;        ///< estimates for streaks: memory of a picture, all processor time
     std::vector<std::string> notes;              ///< what was chosen and why, for people
 };
 

@@ -52,6 +52,25 @@ std::vector<std::string> choicesOf(PictureParams said, const PicturePlan& plan)
     });
 }
 
+/// Key frames of a camera file. @throws ParameterError if they set what the parameters set too
+CameraKeys keysOf(const std::string& file, const CameraParams& camera)
+{
+    CameraKeys keys = readCameraKeys(file);
+    const std::pair<std::string_view, bool> twice[] = {
+        {"eye", !keys.eye.empty() && camera.eye},
+        {"angles", !keys.eye.empty() && camera.angles},
+        {"view", !keys.eye.empty() && camera.view != CameraParams().view},
+        {"target", !keys.target.empty() && camera.target},
+        {"up", !keys.up.empty() && camera.up},
+        {"view_height", !keys.viewHeight.empty() && camera.viewHeight},
+        {"fov", !keys.fieldOfView.empty() && camera.fieldOfView != CameraParams().fieldOfView}};
+    for (const auto& [name, isTwice] : twice) {
+        if (isTwice)
+            throw ParameterError(fmt::format("{}: its key frames stand against `{}`; leave one out", file, name));
+    }
+    return keys;
+}
+
 } // namespace
 
 SequenceTraits traitsOf(const SequenceParams& sequence)
@@ -70,7 +89,7 @@ PicturePlan resolve(const PictureParams& params, const SequenceTraits& sequence)
                      look.background, params.colorBy,       std::move(opacityBy)};
     if (plan.colorBy.empty()) plan.colorBy = params.by.empty() ? kSpeedGrid : params.by;
     if (plan.texture.empty()) plan.texture = sequence.texture;
-    if (!params.cameraFile.empty()) plan.motion.keys = readCameraKeys(params.cameraFile);
+    if (!params.cameraFile.empty()) plan.motion.keys = keysOf(params.cameraFile, params.camera);
     plan.motion.validate();
     if (plan.motion.orbit != 0 && !plan.motion.orbitFrames && !sequence.isNumbered)
         throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");

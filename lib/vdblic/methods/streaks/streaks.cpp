@@ -58,9 +58,9 @@ StreakCost streakCost(const StreakShape& shape, StreakForm form, double voxels, 
         inCell *= spacing * shape.refinement.factors[axis];
     }
     const double before = kProcessBytes + (kVelocityBytes * Domain::kLeafVoxels + kVelocityBrickBytes) * leaves;
-    if (form == StreakForm::kLines) return {before + kLine * cells, kLineSeconds * cells};
+    if (form == StreakForm::kLines) return {cells, before + kLine * cells, kLineSeconds * cells};
     const double drawn = cells * std::pow(inCell, 2.0 / 3);
-    return {before + kDrawn * drawn, kSeconds * drawn};
+    return {cells, before + kDrawn * drawn, kSeconds * drawn};
 }
 
 } // namespace vdblic

@@ -15,6 +15,7 @@ extern const TextureMethod kStreaks;
 
 /// What a run of streaks takes. Fitted to measured runs as TextureMethod::bytes is.
 struct StreakCost {
+    double streaks;         ///< of a frame
     double bytes;           ///< at its peak
     double secondsPerFrame; ///< of processor time
 };
