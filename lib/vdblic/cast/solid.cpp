@@ -63,9 +63,23 @@ openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
     return thin;
 }
 
+/// The bodies that are cuboids along the axes, such as buildings.
+openvdb::MaskTree::Ptr cuboids(const openvdb::MaskTree& voxels)
+{
+    std::vector<openvdb::MaskTree::Ptr> bodies;
+    openvdb::tools::segmentActiveVoxels(voxels, bodies);
+    auto result = std::make_shared<openvdb::MaskTree>();
+    for (const openvdb::MaskTree::Ptr& body : bodies) {
+        openvdb::CoordBBox box;
+        body->evalActiveVoxelBoundingBox(box);
+        if (body->activeVoxelCount() == std::uint64_t(voxelsOf(box))) result->topologyUnion(*body);
+    }
+    return result;
+}
+
 /// A level set whose faces are the faces of the voxels, half a voxel from their centres. A mean smooths stairs and
-/// leaves faces where they are. It may not take away small bodies, and thin parts that it would take away stay as they
-/// are.
+/// leaves faces where they are. It may not take away small bodies. Cuboids keep their edges; thin parts that the mean
+/// would take away stay as they are.
 openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
 {
     checkVoxels(voxels->activeVoxelCount());
@@ -74,14 +88,15 @@ openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
     openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*result);
     filter.setSpatialScheme(openvdb::math::FIRST_BIAS);
     filter.mean(1);
-    const openvdb::MaskTree::Ptr lost = thinParts(*voxels);
+    const openvdb::MaskTree::Ptr kept = thinParts(*voxels);
     for (auto value = result->cbeginValueOn(); value; ++value)
-        if (*value < 0 && lost->isValueOn(value.getCoord())) lost->setValueOff(value.getCoord());
+        if (*value < 0 && kept->isValueOn(value.getCoord())) kept->setValueOff(value.getCoord());
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree> distance(before);
     for (auto value = result->beginValueOn(); value; ++value)
         value.setValue(std::min(*value, distance.getValue(value.getCoord()) + kDeepest));
     filter.normalize();
-    if (lost->activeVoxelCount() > 0) openvdb::tools::csgUnion(*result, *unsmoothed(lost));
+    kept->topologyUnion(*cuboids(*voxels));
+    if (kept->activeVoxelCount() > 0) openvdb::tools::csgUnion(*result, *unsmoothed(kept));
     return result;
 }
 

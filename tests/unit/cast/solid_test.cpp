@@ -296,6 +296,7 @@ TEST_F(Solids, EndHalfAVoxelFromTheLastCentres)
         };
         expectFaces(22, 41, 31, 31);
         expectFaces(22, 41, 27, 36); // towards an edge
+        expectFaces(22, 41, 22, 22); // at a corner
         expectFaces(10, 10, 30, 30);
         expectFaces(54, 56, 30, 30);
         EXPECT_LT(solid.levelSet->tree().getValue({50, 9, 30}), -0.2); // a line stays
