@@ -18,6 +18,7 @@
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/LevelSetFilter.h>
+#include <openvdb/tools/LevelSetPlatonic.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/Morphology.h>
@@ -63,18 +64,19 @@ openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
     return thin;
 }
 
-/// The bodies that are cuboids along the axes, such as buildings.
-openvdb::MaskTree::Ptr cuboids(const openvdb::MaskTree& voxels)
+/// Give bodies that are cuboids along the axes, such as buildings, their edges again.
+void sharpenCuboids(openvdb::FloatGrid& levelSet, const openvdb::MaskTree& voxels)
 {
     std::vector<openvdb::MaskTree::Ptr> bodies;
     openvdb::tools::segmentActiveVoxels(voxels, bodies);
-    auto result = std::make_shared<openvdb::MaskTree>();
     for (const openvdb::MaskTree::Ptr& body : bodies) {
         openvdb::CoordBBox box;
         body->evalActiveVoxelBoundingBox(box);
-        if (body->activeVoxelCount() == std::uint64_t(voxelsOf(box))) result->topologyUnion(*body);
+        if (body->activeVoxelCount() != std::uint64_t(voxelsOf(box))) continue;
+        const openvdb::BBoxd faces(box.min().asVec3d() - 0.5, box.max().asVec3d() + 0.5);
+        const auto unit = openvdb::math::Transform::createLinearTransform();
+        openvdb::tools::csgUnion(levelSet, *openvdb::tools::createLevelSetBox<openvdb::FloatGrid>(faces, *unit, kBand));
     }
-    return result;
 }
 
 /// A level set whose faces are the faces of the voxels, half a voxel from their centres. A mean smooths stairs and
@@ -95,8 +97,8 @@ openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
     for (auto value = result->beginValueOn(); value; ++value)
         value.setValue(std::min(*value, distance.getValue(value.getCoord()) + kDeepest));
     filter.normalize();
-    kept->topologyUnion(*cuboids(*voxels));
     if (kept->activeVoxelCount() > 0) openvdb::tools::csgUnion(*result, *unsmoothed(kept));
+    sharpenCuboids(*result, *voxels);
     return result;
 }
 
