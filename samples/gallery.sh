@@ -40,6 +40,17 @@ streaks() {
     ffmpeg -loglevel error -y -i "$(cat "$out/picture.txt")" -q:v 2 "$images/$1-streaks.jpg"
 }
 
+# The tutorial's pictures, by its own commands.
+mkdir -p "$out/tutorial"
+ln -sfn "$PWD/samples" "$out/tutorial/samples"
+grep -E '^vdblic_(advect|render) ' docs/tutorial.md >"$out/tutorial/commands"
+(cd "$out/tutorial" && PATH="$tools:$PATH" bash -e commands) >>"$out/log.txt" 2>&1
+for picture in still vortex cut fine; do
+    ffmpeg -loglevel error -y -i "$out/tutorial/$picture.png" -q:v 2 "docs/images/tutorial/$picture.jpg"
+done
+ffmpeg -loglevel error -y -i "$out/tutorial/wake.mp4" -vf "select=not(mod(n\\,20)),scale=480:300,tile=3x1" -frames:v 1 \
+    -q:v 2 docs/images/tutorial/film.jpg
+
 texture wake samples/wake/wake.%04d.vdb --refine 3
 gallery wake "Wake of a square prism" --frames 12 --solid domain
 "$tools/vdblic_render" "$out/wake.%04d.vdb" -o "$out/wake-paper.%04d.png" -q --size 1280 800 --frames 12 \

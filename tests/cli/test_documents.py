@@ -11,6 +11,7 @@ import subprocess
 import tempfile
 import unittest
 
+import numpy
 import pyopenvdb as vdb
 
 import earth_flows
@@ -114,6 +115,22 @@ class Documents(ToolTest):
                         done = subprocess.run(["bash", "-o", "pipefail", "-c", runnable(command)], cwd=folder,
                                               env=environment, text=True, capture_output=True, timeout=600)
                         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_tutorial_shows_what_its_commands_make(self):
+        """The film and the viewer's page take longer; other tests look at those."""
+        (self.folder / "samples").symlink_to(SOURCE / "samples")
+        made = [command for command in shell_lines(SOURCE / "docs/tutorial.md")
+                if re.match("vdblic_(advect|render) ", command) and "smooth" not in command]
+        subprocess.run(["bash", "-ec", "\n".join(made)], cwd=self.folder, check=True, capture_output=True,
+                       env=os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"})
+        pictures = sorted(self.folder.glob("*.png"))
+        self.assertEqual([picture.stem for picture in pictures], ["cut", "fine", "still", "vortex"])
+        for picture in pictures:
+            shown, now = (numpy.frombuffer(subprocess.run(
+                ["ffmpeg", "-v", "error", "-i", path, "-vf", "scale=80:50:flags=area", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+                capture_output=True, check=True).stdout, numpy.uint8) / 255
+                for path in (SOURCE / f"docs/images/tutorial/{picture.stem}.jpg", picture))
+            self.assertLess(abs(shown - now).mean(), 0.02, picture.stem)
 
     def test_every_document_is_read(self):
         """Commands stand in fenced blocks that say `sh`, where test_commands_run finds them."""
