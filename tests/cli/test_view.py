@@ -58,7 +58,7 @@ class Pictures(ViewerTest):
             self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--draw", form, "--dt", 0.04, "--spacing", 3,
                          "--refine", 4)
             self.start("s.vdb")
-            for state, look in ({}, "streaks"), ({"look": "smoke"}, "smoke"):
+            for state, look in ({}, "streaks"), ({"look": "smoke"}, "smoke"), ({"solid": "domain"}, "streaks"):
                 state = {"size": [64, 40], **state}
                 self.assertEqual(self.ask("scene", {"state": state, "frame": 1})["look"], look)
                 _, *words = shlex.split(self.ask("command", {"state": state})["command"])

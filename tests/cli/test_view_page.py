@@ -99,13 +99,16 @@ class Page(ViewerTest):
         self.wait_until(lambda: self.browser.execute_script("return waiting.size") == 0, "the page is not at rest")
 
     def wait_for_refined(self):
-        """Wait until the picture of the state is there with all its samples."""
+        """Wait until the picture of the state is there with all its samples. Opens two sections."""
         self.wait_until_at_rest()
+        self.browser.execute_script("""
+            for (const name of ["automatic", "keep-files"])
+                if (document.getElementById(name)) document.getElementById(name).closest("details").open = true""")
         progress = lambda: self.element("progress").get_attribute("textContent")
         self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
 
     def wait_for_small_pictures(self, frame):
-        """Wait until those of looks and of colours are all of this frame."""
+        """Wait until those of looks are all of this frame."""
         made = """return [...document.querySelectorAll(".pick img")].every(
             (image) => image.dataset.key?.includes(`"frame":${arguments[0]}}`))"""
         self.wait_until(lambda: self.browser.execute_script(made, frame), f"no small pictures of frame {frame}")
@@ -413,26 +416,55 @@ class Page(ViewerTest):
         self.open()
         pictures = lambda: [image.get_attribute("src") for image in self.find(".pick img")]
         self.wait_until(lambda: all(pictures()), "no small pictures")
-        self.assertEqual(len(pictures()), 7 + 8)
+        self.assertEqual(len(pictures()), 7)
         drawn = self.browser.execute_script("""
             return [...document.querySelectorAll(".pick img")].map((image) => {
                 const canvas = Object.assign(document.createElement("canvas"), {width: 96, height: 64});
                 canvas.getContext("2d").drawImage(image, 0, 0);
                 return canvas.toDataURL();
             })""")
-        self.assertGreaterEqual(len(set(drawn)), 12)  # the look and its map are the same
-        # Own colours stay with another look, unless they shall not.
+        self.assertGreaterEqual(len(set(drawn)), 6)
+        # A look changes what it is named for: colours, range and the scalar of opacity stay.
         self.choose("colormap", "viridis")
         self.wait_until(lambda: self.options().get("colormap") == "viridis", "no map")
-        self.choose("look", "smoke")
-        self.wait_until(lambda: self.options().get("look") == "smoke", "no look")
-        self.assertEqual(self.options()["colormap"], "viridis")
-        self.assertTrue(self.element("colormap-viridis").is_selected())
-        self.element("keep-colors").click()
-        self.choose("look", "flow")
-        self.wait_until(lambda: self.options().get("look") == "flow", "no look")
-        self.assertNotIn("colormap", self.options())
+        opacity_by = lambda: self.element("option-opacity-by").get_property("value")
+        for look, scalar in ("smoke", "magnitude"), ("vortex", "q"), ("paper", "q"):
+            self.choose("look", look)
+            self.wait_until(lambda: self.options().get("look") == look, "no look")
+            self.wait_for_refined()
+            self.assertEqual((self.options()["colormap"], opacity_by()), ("viridis", scalar))
+            bright = self.browser.execute_script("return document.documentElement.matches('.bright')")
+            self.assertEqual(bright, look == "paper")
+        self.assertIn("Q criterion [1/s²]", self.browser.execute_script("""
+            return [...document.querySelectorAll(".panel .name")].map((name) => name.textContent)"""))
+
+    def test_a_look_without_its_data(self):
+        """It cannot be chosen and says why; the pictures of the others are made."""
+        self.outputs("vdblic_advect", self.data / "v.%04d.vdb", "-o", "plain.%04d.vdb", "--frames", "1-2")
+        self.start("plain.%04d.vdb")
+        self.browser.get(self.address)
         self.wait_for_refined()
+        self.wait_for_small_pictures(1)
+        states = self.browser.execute_script("""
+            return [...document.querySelectorAll("#option-look label")].map((label) => [
+                label.querySelector("input").value, label.querySelector("input").disabled, label.title,
+                Boolean(label.querySelector("img").src)])""")
+        for look, disabled, title, has_picture in states:
+            self.assertEqual((disabled, has_picture), (look == "vortex", look != "vortex"), look)
+            self.assertEqual("q" in title, disabled, title)
+        self.assertEqual(self.element("message").text, "")
+        refused = [entry["message"] for entry in self.browser.get_log("browser")]
+        self.assertTrue(all("422" in message for message in refused), refused)
+
+    def test_help(self):
+        """It opens at every width, and closes by a key and by a click beside it."""
+        self.open()
+        is_open = lambda: self.browser.execute_script("return document.getElementById('help-text').matches(':popover-open')")
+        self.element("help").click()
+        self.assertTrue(is_open())
+        self.browser.execute_script("document.activeElement.blur()")
+        ActionChains(self.browser).send_keys("?").perform()
+        self.assertFalse(is_open())
 
     def test_undo_everywhere(self):
         self.open()
@@ -517,7 +549,7 @@ class Page(ViewerTest):
             self.element(name).send_keys("3000")
         self.element("keep-png").click()
         self.wait_until(lambda: "of 4 samples" in self.element("jobs").text, "no progress")
-        self.element("on").click()  # the picture goes on
+        self.element("picture").send_keys(".")  # the picture goes on
         self.wait_until(lambda: self.element("picture").get_attribute("data-frame") == "2", "no step")
         self.find("[aria-label='Stop view-001.png']")[0].click()
         self.wait_until(lambda: "view-001.png: stopped" in self.element("kept").text, "not stopped")
@@ -526,14 +558,14 @@ class Page(ViewerTest):
 
     def test_frames_come_and_go(self):
         self.open()
-        number = lambda: self.element("frame-number").text
-        self.element("back").click()
+        number = lambda: self.element("frame-number").text.split(",")[0]
+        self.element("picture").send_keys(",")
         self.wait_until(lambda: number() == "frame 3 of 3", "no step back")
         self.wait_for_refined()
         # Pictures of looks that are under way when their frame goes would be errors of the network.
         self.browser.execute_script(FOCUS, "#option-look input", 0)
         self.wait_for_small_pictures(3)
-        self.element("newest").click()
+        # Whoever looks at the newest frame goes on to newer ones.
         (self.folder / "lic.0003.vdb").unlink()
         self.wait_until(lambda: number() == "frame 2 of 2", "the frame is not gone")
         (self.folder / "lic.0005.vdb").hardlink_to(self.folder / "lic.0001.vdb")  # at once
@@ -557,7 +589,7 @@ class Page(ViewerTest):
             };""")
         self.press("#option-look input", 0, ".")
         self.wait_until(lambda: self.browser.execute_script("return held") == 1, "no small picture is asked for")
-        self.element("on").click()  # and nobody turns to them any more
+        self.element("picture").send_keys(".")  # and nobody turns to them any more
         self.wait_for_refined()
         self.browser.execute_script("release()")
         self.wait_for_small_pictures(3)
@@ -566,7 +598,7 @@ class Page(ViewerTest):
         """What found no server is asked for once more, without the user."""
         self.open()
         self.wait_for_small_pictures(1)
-        self.element("on").click()
+        self.element("picture").send_keys(".")
         self.wait_for_refined()
         self.browser.execute_script("""
             const ask = window.fetch;
@@ -585,7 +617,7 @@ class Page(ViewerTest):
         self.open()
         frame = lambda: int(self.element("picture").get_attribute("data-frame"))
         self.assertEqual(frame(), 1)
-        self.element("on").click()
+        self.element("picture").send_keys(".")
         self.wait_until(lambda: frame() == 2, "no step")
         seen = set()
         self.element("play").click()
@@ -654,7 +686,7 @@ class Page(ViewerTest):
         # The picture stays where it is while the settings below it move.
         top = "return document.getElementById('picture').getBoundingClientRect().top"
         before = self.browser.execute_script(top)
-        self.browser.execute_script("document.getElementById('keep-png').scrollIntoView({behavior: 'instant'})")
+        self.browser.execute_script("document.getElementById('keep-exr').scrollIntoView({behavior: 'instant'})")
         self.assertEqual(self.browser.execute_script(top), before)
 
 

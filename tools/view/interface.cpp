@@ -6,6 +6,7 @@
 #include "vdblic/image/color_map.h"
 #include "vdblic/look/look_preset.h"
 #include "vdblic/look/shading.h"
+#include "vdblic/render/annotation_texts.h"
 #include "view/page_files.h"
 #include "view/pictures.h"
 
@@ -115,6 +116,12 @@ Json toJson(const Histogram& histogram)
             {"counts", histogram.counts}};
 }
 
+/// A scalar's term with its unit. @param chosen by the transfer function, else `stored` in the grid
+std::string titleOf(const std::string& name, const std::string& chosen, const std::string& stored)
+{
+    return scalarTitle(name, scalarUnit(name, chosen.empty() ? stored : chosen));
+}
+
 /// The numbers of a look as the options that set them, for controls to show. @param exposure that was chosen
 Json valuesOf(const PicturePlan& plan, double exposure)
 {
@@ -221,6 +228,9 @@ Json Interface::scene(const Json& state, std::int64_t frame)
 {
     const FrameView view = mViewer.view(state, frame);
     const TransferFunction& transfer = view.view.look.transfer;
+    const std::string colorBy = view.shown->frame().hasColor ? view.plan.colorBy : mViewer.texture();
+    FrameClock clock = view.shown->frame().clock;
+    clock.longest = view.view.longest;
     Json points = Json::array();
     for (const OpacityPoint& point : transfer.opacity())
         points.push_back({point.position, point.opacity});
@@ -230,22 +240,25 @@ Json Interface::scene(const Json& state, std::int64_t frame)
     Json corners = Json::array();
     for (const glm::dvec3& corner : view.view.box)
         corners.push_back(listOf(corner));
-    return {{"settled", view.settled},
-            {"time", view.shown->frame().clock.time ? Json(*view.shown->frame().clock.time) : Json()},
-            {"camera", toJson(view.view.cameras.at(frame))},
-            {"box", corners},
-            {"stretch", listOf(view.plan.stretch)},
-            {"colorBy", view.shown->frame().hasColor ? view.plan.colorBy : mViewer.texture()},
-            {"opacityBy", view.view.opacityBy},
-            {"range", transfer.range()},
-            {"opacityRange", transfer.opacityRange()},
-            {"colorScale", nameOf(transfer.colorAxis().scale)},
-            {"opacityScale", nameOf(transfer.opacityAxis().scale)},
-            {"opacity", points},
-            {"look", view.plan.lookName},
-            {"colorMap", transfer.colorMapName()},
-            {"colors", colors},
-            {"values", valuesOf(view.plan, view.view.look.exposure)}};
+    return {
+        {"settled", view.settled},
+        {"clock", clockText(clock)},
+        {"camera", toJson(view.view.cameras.at(frame))},
+        {"box", corners},
+        {"stretch", listOf(view.plan.stretch)},
+        {"colorBy", colorBy},
+        {"colorTitle", titleOf(colorBy, transfer.params().unit, view.shown->frame().colorUnit)},
+        {"opacityBy", view.view.opacityBy},
+        {"opacityTitle", titleOf(view.view.opacityBy, transfer.params().opacityUnit, view.shown->frame().opacityUnit)},
+        {"range", transfer.range()},
+        {"opacityRange", transfer.opacityRange()},
+        {"colorScale", nameOf(transfer.colorAxis().scale)},
+        {"opacityScale", nameOf(transfer.opacityAxis().scale)},
+        {"opacity", points},
+        {"look", view.plan.lookName},
+        {"colorMap", transfer.colorMapName()},
+        {"colors", colors},
+        {"values", valuesOf(view.plan, view.view.look.exposure)}};
 }
 
 Json Interface::keep(const Json& asked)

@@ -18,8 +18,9 @@ namespace vdblic::view {
 ///     path        body                        answer
 ///     sequence                                frames, scalars, looks, colour maps, the start state
 ///     status                                  frames, `jobs`, and `version`, which rises when frames or choices change
-///     scene       state, frame                automatic camera, ranges, points, values of the look; `settled`: all
-///                                             frames were read for it
+///     scene       state, frame                automatic camera, ranges, points, values of the look, `clock` (time or
+///                                             date), `colorTitle` (term and unit); `settled`: all frames were read
+///                                             for it
 ///     histograms  state                       counts of texture and scalars
 ///     picture     state, frame, client, turn, a JPEG, or a PNG for "format": "png"; up to eight frames in `next` are
 ///                 quality, format, next,      read ahead; 204 if a request of the client with no lower `turn` arrived

@@ -286,14 +286,15 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
 std::shared_ptr<const Solid> Viewer::solidFor(const PicturePlan& plan, const LoadedTexture& frame)
 {
     if (plan.solid.empty()) return nullptr;
+    const openvdb::FloatGrid::ConstPtr domain = frame.domain();
     const std::string key = fmt::format("{}|{} {} {}|{}|{}", plan.solid, plan.stretch.x, plan.stretch.y, plan.stretch.z,
                                         solidChanges(plan.solid) ? frame.file.frame : 0,
-                                        frame.texture->voxelSize()[0]); // of a coarser copy another one
+                                        domain->voxelSize()[0]); // of a coarser copy another one
     {
         const std::lock_guard lock(mMutex);
         if (mSolid.first == key) return mSolid.second;
     }
-    auto made = std::make_shared<const Solid>(makeSolid(plan.solid, *frame.domain(), plan.stretch, frame.file.frame));
+    auto made = std::make_shared<const Solid>(makeSolid(plan.solid, *domain, plan.stretch, frame.file.frame));
     const std::lock_guard lock(mMutex);
     mSolid = {key, made};
     return made;

@@ -72,7 +72,7 @@ void sharpenCuboids(openvdb::FloatGrid& levelSet, const openvdb::MaskTree& voxel
     for (const openvdb::MaskTree::Ptr& body : bodies) {
         openvdb::CoordBBox box;
         body->evalActiveVoxelBoundingBox(box);
-        if (body->activeVoxelCount() != std::uint64_t(voxelsOf(box))) continue;
+        if (box.empty() || body->activeVoxelCount() != std::uint64_t(voxelsOf(box))) continue;
         const openvdb::BBoxd faces(box.min().asVec3d() - 0.5, box.max().asVec3d() + 0.5);
         const auto unit = openvdb::math::Transform::createLinearTransform();
         openvdb::tools::csgUnion(levelSet, *openvdb::tools::createLevelSetBox<openvdb::FloatGrid>(faces, *unit, kBand));

@@ -36,7 +36,6 @@ export class Cameras extends EventTarget {
         this.list = makeLine();
         this.element = makeSection(
             "Camera",
-            false,
             makeRow("Projection", "option-projection", this.projection),
             makeRow("Field of view", "option-fov", this.fov, this.fovNumber),
             make(

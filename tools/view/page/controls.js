@@ -1,131 +1,91 @@
 // The controls of single options: lists, sliders and checkboxes. Each shows what the server takes if nothing is chosen.
 
 import { channels, hexOf, isEdited, make, makeRow, makeSection, short } from "./elements.js";
-import { Picks } from "./picks.js";
+import { gradient, Picks } from "./picks.js";
 
 /// name: [label, least, most, step]
 const kSliders = {
-    modulate: ["Dark is clear", 0, 1, 0.01],
-    "limb-darkening": ["Dark rims", 0, 1, 0.01],
-    halo: ["Gaps behind", 0, 2, 0.01],
-    "depth-cue": ["Depth fading", 0, 1, 0.01],
+    modulate: ["Modulation", 0, 1, 0.01],
+    "limb-darkening": ["Limb darkening", 0, 1, 0.01],
+    halo: ["Halos", 0, 2, 0.01],
+    "depth-cue": ["Depth cue", 0, 1, 0.01],
     shadows: ["Shadows", 0, 1, 0.01],
-    occlusion: ["Occlusion", 0, 1, 0.01],
+    occlusion: ["Ambient occlusion", 0, 1, 0.01],
     "head-light": ["Head light", 0, 2, 0.01],
     exposure: ["Exposure", -3, 5, 0.1],
 };
-/// What a look sets, and so what choosing another one gives up.
-const kOfColors = ["colormap", "colors", "range", "color-scale"];
-const kOfLooks = [
-    ...Object.keys(kSliders),
-    "opacity",
-    "opacity-range",
-    "opacity-scale",
-    "shading",
-    "light",
-    "background",
-    "background-top",
-    "opacity-by",
-];
+/// What a look sets, and so what choosing another one gives up. Ranges and the scalar of opacity stay: the look vortex
+/// alone is named for one.
+const kOfLooks = [...Object.keys(kSliders), "opacity", "shading", "light", "background", "background-top"];
+const kOfOpacity = ["opacity-by", "opacity-range", "opacity-scale"];
+const none = (names) => Object.fromEntries(names.map((name) => [name, undefined]));
 
 export class Controls {
-    constructor(store, sequence, light) {
+    constructor(store, sequence, distantLight) {
         this.store = store;
-        this.allPicks = [];
-        this.shows = [(scene, options) => light.show(scene, options)]; // called with the scene
+        this.shows = [(scene, options) => distantLight.show(scene, options)]; // called with the scene
         const scalars = [...sequence.scalars, sequence.texture];
-        this.sections = {
-            look: makeSection(
-                "Look",
-                true,
-                this.looks(sequence.looks),
-                this.keepColors(),
-                this.colorMaps(sequence.colorMaps),
-                this.list(
-                    "color-by",
-                    "Colour by",
-                    scalars,
-                    (scene) => scene.colorBy,
-                    (name) => store.change({ "color-by": name, range: undefined, "color-scale": undefined }),
-                ),
-                this.list(
-                    "opacity-by",
-                    "Opacity by",
-                    scalars,
-                    (scene) => scene.opacityBy,
-                    (name) =>
-                        store.change({
-                            "opacity-by": name,
-                            opacity: undefined,
-                            "opacity-range": undefined,
-                            "opacity-scale": undefined,
-                        }),
-                ),
+        /// The few that are always there.
+        this.element = make(
+            "section",
+            {},
+            this.looks(sequence.looks),
+            this.colorMaps(sequence.colorMaps),
+            this.list("color-by", "Colour by", scalars, (scene) => scene.colorBy, (name) =>
+                store.change({ "color-by": name, ...none(["range", "color-scale"]) }),
             ),
-            depth: makeSection(
-                "Streaks and depth",
-                false,
-                ...["modulate", "limb-darkening", "halo", "depth-cue", "shadows", "occlusion"].map((name) => this.slider(name)),
+            this.legend(),
+        );
+        this.opacityBy = this.list("opacity-by", "Opacity by", scalars, (scene) => scene.opacityBy, (name) =>
+            store.change({ "opacity-by": name, opacity: undefined, ...none(kOfOpacity.slice(1)) }),
+        );
+        const slider = (name) => this.slider(name);
+        const light = makeSection(
+            "Light and depth",
+            ...["modulate", "limb-darkening", "halo", "depth-cue", "shadows", "occlusion", "exposure"].map(slider),
+            this.list("shading", "Shading", ["phong", "lines", "none"], (scene) => scene.values.shading),
+            slider("head-light"),
+            ...distantLight.rows,
+        );
+        const scene = makeSection(
+            "Scene",
+            this.background(),
+            this.solid(sequence),
+            this.annotations(),
+            this.stretch(),
+            this.list(
+                "samples",
+                "Rays a pixel",
+                ["1", "2", "4", "8", "16", "32"],
+                (scene, options) => String(options.samples || 1),
+                (count) => store.change({ samples: Number(count) }),
             ),
-            light: makeSection(
-                "Light",
-                false,
-                this.slider("exposure"),
-                this.list("shading", "Shading", ["phong", "lines", "none"], (scene) => scene.values.shading),
-                this.slider("head-light"),
-                ...light.rows,
+            this.list(
+                "step",
+                "Step in voxels",
+                ["0.25", "0.5", "1", "2"],
+                (scene) => String(scene.values.step),
+                (step) => store.change({ step: Number(step) }),
             ),
-            scene: makeSection(
-                "Scene",
-                false,
-                this.background(),
-                this.solid(sequence),
-                this.annotations(),
-                this.stretch(),
-            ),
-            sampling: makeSection(
-                "Sampling",
-                false,
-                this.list(
-                    "samples",
-                    "Rays a pixel",
-                    ["1", "2", "4", "8", "16", "32"],
-                    (scene, options) => String(options.samples || 1),
-                    (count) => store.change({ samples: Number(count) }),
-                ),
-                this.list(
-                    "step",
-                    "Step in voxels",
-                    ["0.25", "0.5", "1", "2"],
-                    (scene) => String(scene.values.step),
-                    (step) => store.change({ step: Number(step) }),
-                ),
-            ),
-        };
+        );
+        this.sections = { light, scene };
     }
 
     /// Show a scene's values, unless a control is being used.
     show(scene) {
+        this.scene = scene;
         for (const show of this.shows) show(scene, this.store.options);
     }
 
     looks(names) {
         const changes = (look, options) => {
-            const keeps = this.keepsColors.checked && (options.colors || options.colormap);
-            const given = keeps ? kOfLooks : [...kOfLooks, ...kOfColors];
-            return { ...Object.fromEntries(given.map((name) => [name, undefined])), look };
+            const opacityBy = this.scene?.opacityBy;
+            const asNamed = look === "vortex" && opacityBy !== "q";
+            const ofOpacity = asNamed ? none(kOfOpacity) : { "opacity-by": opacityBy };
+            return { ...none(kOfLooks), ...ofOpacity, look };
         };
-        return this.picks("look", "Start from", names, (scene) => scene.look, changes);
-    }
-
-    /// Colours that one has chosen stay with another look.
-    keepColors() {
-        this.keepsColors = make("input", { id: "keep-colors", type: "checkbox", checked: true });
-        const label = make("label", { class: "note" }, this.keepsColors, " my colours stay with another look");
-        this.shows.push((scene, options) => {
-            label.hidden = !options.colors && !options.colormap;
-        });
-        return label;
+        this.lookPicks = this.picks("look", "Look", names, (scene) => scene.look, changes);
+        return this.lookPicks.element;
     }
 
     /// @param maps { name, colors } of each
@@ -133,20 +93,26 @@ export class Controls {
         const changes = (colormap) => ({ colormap, colors: undefined });
         const names = maps.map(({ name }) => name),
             ramps = maps.map(({ colors }) => `linear-gradient(90deg, ${colors.join()})`);
-        return this.picks("colormap", "Colours", names, (scene) => scene.colorMap, changes, ramps);
+        return this.picks("colormap", "Colours", names, (scene) => scene.colorMap, changes, ramps).element;
     }
 
     picks(...of) {
         const picks = new Picks(this.store, ...of);
-        this.allPicks.push(picks);
         this.shows.push((scene, options) => picks.show(scene, options));
-        return picks.element;
+        return picks;
     }
 
-    /// Ask for the small pictures of a frame.
-    /// @param version of the sequence @param isWanted () => whether there is still time for it
-    async showPictures(state, frame, version, isWanted) {
-        for (const picks of this.allPicks) await picks.showPictures(state, frame, version, isWanted);
+    /// The colours of the scalar between the ends of its range.
+    legend() {
+        const title = make("span", { class: "name" }),
+            ramp = make("i"),
+            ends = [0, 1].map(() => make("output", {}));
+        this.shows.push((scene) => {
+            title.textContent = scene.colorTitle;
+            ramp.style.background = gradient(scene.colors);
+            ends.forEach((end, i) => (end.value = short(scene.range[i])));
+        });
+        return make("div", { id: "legend" }, title, ends[0], ramp, ends[1]);
     }
 
     list(name, label, values, valueIn, choose = (value) => this.store.change({ [name]: value })) {
@@ -169,19 +135,15 @@ export class Controls {
     slider(name) {
         const [label, min, max, step] = kSliders[name],
             id = `option-${name}`;
-        const range = make("input", { id, type: "range", min, max, step });
-        const number = make("input", { type: "number", min, step, "aria-label": label });
-        const change = (from, commit) => {
-            const value = from.valueAsNumber;
-            if (!Number.isFinite(value)) return;
-            for (const other of [range, number]) if (other !== from) other.value = value;
-            this.store.change({ [name]: value }, { commit });
-        };
-        range.addEventListener("input", () => change(range, false));
+        const range = make("input", { id, type: "range", min, max, step }),
+            number = make("output", { for: id });
+        range.addEventListener("input", () => {
+            number.value = range.value;
+            this.store.change({ [name]: range.valueAsNumber }, { commit: false });
+        });
         range.addEventListener("change", () => this.store.commit());
-        number.addEventListener("change", () => change(number, true));
         this.shows.push((scene) => {
-            if (range.matches(":active") || isEdited(number)) return;
+            if (range.matches(":active")) return;
             range.value = scene.values[name];
             number.value = short(scene.values[name]);
         });

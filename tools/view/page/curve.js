@@ -143,7 +143,7 @@ export class Curve {
 
     bars() {
         const { counts } = this.histogram,
-            scaled = (count) => (this.transfer.logCounts.checked ? Math.log1p(count) : count);
+            scaled = Math.log1p;
         const most = Math.max(...counts.map(scaled)) || 1,
             width = kWidth / counts.length;
         return counts.map((count, i) => {

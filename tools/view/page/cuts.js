@@ -31,7 +31,6 @@ export class Cuts {
         this.handles = make("input", { id: "cut-handles", type: "checkbox", checked: true, change: () => overlay.draw() });
         this.element = makeSection(
             "Cuts",
-            false,
             makeLine(
                 make("span", { class: "name" }, "Add plane"),
                 planeButton("x", () => [1, 0, 0]),

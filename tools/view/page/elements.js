@@ -20,8 +20,8 @@ function fill(element, properties, children) {
 }
 
 /// A part of the panel that opens and closes.
-export function makeSection(title, open, ...children) {
-    return make("details", { open }, make("summary", {}, title), make("div", {}, ...children));
+export function makeSection(title, ...children) {
+    return make("details", {}, make("summary", {}, title), make("div", {}, ...children));
 }
 
 /// A row with a name. @param id of the control

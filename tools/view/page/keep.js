@@ -33,10 +33,14 @@ export class Keep {
             value: 24,
             "aria-label": "Frames a second of the film",
         });
+        document
+            .getElementById("keep-png")
+            .addEventListener("click", () =>
+                this.run(() => this.make({ kind: "picture", format: "png", ...this.sized() })),
+            );
         const button = (id, name, work) => make("button", { id, click: () => this.run(work) }, name);
         this.element = makeSection(
-            "Keep",
-            true,
+            "Save",
             make("p", { class: "note" }, `Files go to ${folder}.`),
             makeLine(
                 button("keep-files", "Save transfer and camera", () => this.saveFiles()),
@@ -49,7 +53,6 @@ export class Keep {
                 this.sides[1],
             ),
             makeLine(
-                button("keep-png", "Save PNG", () => this.make({ kind: "picture", format: "png", ...this.sized() })),
                 button("keep-exr", "Save EXR", () => this.make({ kind: "picture", format: "exr", ...this.sized() })),
             ),
             makeLine(

@@ -5,7 +5,7 @@ import { optionsOf } from "./camera.js";
 import { Cameras } from "./cameras.js";
 import { Controls } from "./controls.js";
 import { Cuts } from "./cuts.js";
-import { isEdited } from "./elements.js";
+import { hexOf, isEdited } from "./elements.js";
 import { listenToHand } from "./hand.js";
 import { Keep } from "./keep.js";
 import { Light } from "./light.js";
@@ -42,13 +42,15 @@ async function begin() {
         () => view.camera,
         (held) => picture.hold(held),
     );
-    const controls = new Controls(store, sequence, new Light(store, overlay));
+    const controls = new Controls(store, sequence, new Light(store, overlay)),
+        { light, scene } = controls.sections,
+        looks = controls.lookPicks;
     /// Options that keep the automatic camera where it is: it follows what is visible, so it would move under the hand.
     const frozenView = () => {
         if (cameras.follows || store.options.orbit || !view.camera) return {};
         return Object.fromEntries(Object.entries(optionsOf(view.camera)).filter(([name]) => !store.options[name]));
     };
-    const transfer = new Transfer(store, frozenView, () => askScene());
+    const transfer = new Transfer(store, frozenView, () => askScene(), controls.opacityBy);
     const cameras = new Cameras(
         store,
         () => view.camera,
@@ -67,16 +69,12 @@ async function begin() {
         () => store.options.keys,
         sequence.folder,
     );
-    controls.sections.light.addEventListener("toggle", () => overlay.draw());
+    light.addEventListener("toggle", () => overlay.draw());
     byId("panel").append(
-        controls.sections.look,
-        transfer.element,
-        controls.sections.depth,
-        controls.sections.light,
-        cuts.element,
-        cameras.element,
-        controls.sections.scene,
-        controls.sections.sampling,
+        ...[controls, transfer].map(({ element }) => element),
+        light,
+        ...[cuts, cameras].map(({ element }) => element),
+        scene,
         keep.element,
     );
 
@@ -87,6 +85,13 @@ async function begin() {
     const complain = (error) => {
         message(error.message);
         view.isLost ||= error.status === 0;
+    };
+
+    /// The page is dark or bright as the picture's background is.
+    const showGround = (background) => {
+        const { style, classList } = document.documentElement;
+        style.setProperty("--stage", hexOf(background.map((c) => c * 255)));
+        classList.toggle("bright", background.reduce((sum, c) => sum + c) > 1.5);
     };
 
     let asking = false,
@@ -109,6 +114,8 @@ async function begin() {
                 if (stale) view.histogramsOf = options + scene.settled;
                 view.scene = scene;
                 if (!view.moving) view.camera = scene.camera;
+                showGround(scene.values.background);
+                timeline.showClock(scene.clock);
                 controls.show(scene);
                 cameras.show(scene);
                 cuts.show(scene);
@@ -145,6 +152,7 @@ async function begin() {
         byId("progress").textContent = event.detail;
     });
     picture.addEventListener("shown", (event) => {
+        byId("hint").hidden = true;
         picture.canvas.dataset.frame = event.detail.frame;
         if (event.detail.frame === store.frame) timeline.wait();
     });
@@ -161,9 +169,8 @@ async function begin() {
     /// Small pictures of what the frame would look like, made while nothing else is to be made: at first and whenever
     /// somebody turns to them.
     async function showThumbnails() {
-        const { look } = controls.sections;
-        const isWanted = () => !timeline.isPlaying && !picture.isBusy && look.open;
-        const isTurnedTo = !view.hasThumbnails || look.matches(":hover, :focus-within");
+        const isWanted = () => !timeline.isPlaying && !picture.isBusy;
+        const isTurnedTo = !view.hasThumbnails || looks.element.matches(":hover, :focus-within");
         if (view.makesThumbnails || !view.scene?.settled || !isTurnedTo || !isWanted()) return;
         const { state, frame } = shown(),
             key = JSON.stringify([state, frame]);
@@ -171,7 +178,7 @@ async function begin() {
         view.makesThumbnails = true;
         view.hasThumbnails = false;
         try {
-            await controls.showPictures(state, frame, view.version, () => isWanted() && isShown());
+            await looks.showPictures(state, frame, view.version, () => isWanted() && isShown());
             view.hasThumbnails = isWanted() && isShown();
         } catch (error) {
             if (isShown()) complain(error);
@@ -179,8 +186,7 @@ async function begin() {
         view.makesThumbnails = false;
         if (!isShown()) showThumbnails();
     }
-    for (const type of ["pointerenter", "focusin", "toggle"])
-        controls.sections.look.addEventListener(type, showThumbnails);
+    for (const type of ["pointerenter", "focusin"]) looks.element.addEventListener(type, showThumbnails);
     picture.addEventListener("refined", showThumbnails);
 
     timeline.addEventListener("play", () => {
@@ -236,10 +242,6 @@ async function begin() {
     };
     byId("undo").addEventListener("click", undo);
     byId("redo").addEventListener("click", redo);
-    byId("help").addEventListener("click", () => {
-        const hidden = byId("help-text").toggleAttribute("hidden");
-        byId("help").setAttribute("aria-expanded", String(!hidden));
-    });
     addEventListener("keydown", (event) => {
         if (isEdited(event.target)) return;
         const command = event.ctrlKey || event.metaKey,
@@ -252,7 +254,7 @@ async function begin() {
         else if (key === ",") timeline.step(-1);
         else if (key === ".") timeline.step(1);
         else if (key === "0") cameras.showAll();
-        else if (key === "?") byId("help").click();
+        else if (key === "?") byId("help-text").togglePopover();
         else return;
         event.preventDefault();
     });

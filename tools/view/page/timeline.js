@@ -1,4 +1,6 @@
-// The time slider and its buttons.
+// The time slider. Playing begins again after the last frame.
+
+const kRate = 12; // frames a second
 
 export class Timeline extends EventTarget {
     constructor(store, frames) {
@@ -12,8 +14,6 @@ export class Timeline extends EventTarget {
             store.setFrame(this.frames[this.slider.valueAsNumber]);
         });
         this.button.addEventListener("click", () => this.toggle());
-        document.getElementById("back").addEventListener("click", () => this.step(-1));
-        document.getElementById("on").addEventListener("click", () => this.step(1));
         store.addEventListener("frame", () => this.show());
         this.setFrames(frames);
     }
@@ -26,20 +26,28 @@ export class Timeline extends EventTarget {
     }
 
     setFrames(frames) {
-        const grew = frames.at(-1) > this.frames.at(-1);
+        const showsNewest = this.frames.length > 1 && this.store.frame === this.frames.at(-1);
         this.frames = frames;
         this.slider.max = frames.length - 1;
-        for (const name of ["play", "back", "on", "frame"]) document.getElementById(name).disabled = frames.length < 2;
+        this.button.disabled = this.slider.disabled = frames.length < 2;
         const place = Math.min(this.slider.valueAsNumber || 0, frames.length - 1);
-        if (!frames.includes(this.store.frame)) this.store.setFrame(frames[place]);
-        if (grew && document.getElementById("newest").checked && !this.isPlaying) this.store.setFrame(frames.at(-1));
+        if (showsNewest && !this.isPlaying) this.store.setFrame(frames.at(-1));
+        else if (!frames.includes(this.store.frame)) this.store.setFrame(frames[place]);
         this.show();
     }
 
     show() {
         this.slider.value = this.index;
         this.slider.setAttribute("aria-valuetext", `frame ${this.store.frame}`);
-        document.getElementById("frame-number").value = `frame ${this.store.frame} of ${this.frames.at(-1)}`;
+        document.getElementById("frame-number").value = [`frame ${this.store.frame} of ${this.frames.at(-1)}`, this.clock]
+            .filter(Boolean)
+            .join(", ");
+    }
+
+    /// @param clock time or date of the frame, if its file tells it
+    showClock(clock) {
+        this.clock = clock;
+        this.show();
     }
 
     /// The frames that are shown next while playing, to be read ahead.
@@ -79,9 +87,8 @@ export class Timeline extends EventTarget {
         if (!this.isPlaying) return;
         clearTimeout(this.timer);
         const now = performance.now();
-        this.due = Math.max(this.due + 1000 / Number(document.getElementById("speed").value), now);
+        this.due = Math.max(this.due + 1000 / kRate, now);
         this.timer = setTimeout(() => {
-            if (this.index === this.frames.length - 1 && !document.getElementById("loop").checked) return this.stop();
             this.store.setFrame(this.frames[(this.index + 1) % this.frames.length]);
         }, this.due - now);
     }

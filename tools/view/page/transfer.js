@@ -7,20 +7,15 @@ const kLeastOpacity = 0.001; // of the logarithmic scale
 
 export class Transfer {
     /// @param frozenView () => options that keep the view as it is @param ask asks for the scene again
-    constructor(store, frozenView, ask) {
+    /// @param opacityBy the row that chooses opacity's scalar
+    constructor(store, frozenView, ask, opacityBy) {
         Object.assign(this, { store, frozenView, ask });
         this.logarithmic = make("input", { id: "log-opacity", type: "checkbox", change: () => this.draw() });
-        this.logCounts = make("input", {
-            id: "log-counts",
-            type: "checkbox",
-            checked: true,
-            change: () => this.draw(),
-        });
         this.color = new Curve(this, { range: "range", scale: "color-scale" }, "Colour");
         this.opacity = new Curve(this, { range: "opacity-range", scale: "opacity-scale" }, "Opacity");
         this.element = makeSection(
             "Transfer function",
-            true,
+            opacityBy,
             this.color.element,
             this.opacity.element,
             makeLine(
@@ -35,9 +30,6 @@ export class Transfer {
                     },
                     "Automatic",
                 ),
-            ),
-            makeLine(
-                make("label", {}, this.logCounts, " log counts"),
                 make("label", {}, this.logarithmic, " log opacity"),
             ),
             make(
@@ -69,9 +61,9 @@ export class Transfer {
         this.color.element.hidden = false;
         this.opacity.element.hidden = this.isOne;
         const { scene, histograms } = this;
-        this.color.draw(scene.range, scene.colorScale, histograms.color, scene.colorBy, this.isOne);
+        this.color.draw(scene.range, scene.colorScale, histograms.color, scene.colorTitle, this.isOne);
         if (this.isOne) return;
-        this.opacity.draw(scene.opacityRange, scene.opacityScale, histograms.opacity, scene.opacityBy, true);
+        this.opacity.draw(scene.opacityRange, scene.opacityScale, histograms.opacity, scene.opacityTitle, true);
     }
 
     /// The hand that dragged is gone.
