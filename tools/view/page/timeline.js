@@ -14,7 +14,7 @@ export class Timeline extends EventTarget {
             store.setFrame(this.frames[this.slider.valueAsNumber]);
         });
         this.button.addEventListener("click", () => this.toggle());
-        store.addEventListener("frame", () => this.show());
+        store.addEventListener("frame", () => this.showClock(""));
         this.setFrames(frames);
     }
 
