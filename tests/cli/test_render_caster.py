@@ -97,7 +97,7 @@ class RenderCaster(RenderTest):
             "range": RANGE, "opacity_range": OPACITY_RANGE, "colors": COLORS.tolist(), "opacity": OPACITY.tolist()}))
         for projection, extent in ("orthographic", ("--view-height", VIEW_HEIGHT)), ("perspective", ("--fov", FOV)):
             names = self.renders(
-                "lic.%04d.vdb", "-o", "seen.%04d.exr", "--size", WIDTH, HEIGHT, "--precision", "float", "--projection",
+                "lic.%04d.vdb", "-o", "seen.%04d.exr", "--size", WIDTH, HEIGHT, "--samples", 1, "--precision", "float", "--projection",
                 projection, *extent, "--eye", *EYE, "--target", *TARGET, "--clip-box", *BOX.ravel(), "--transfer",
                 "transfer.json", "--by", "magnitude", "--opacity-by", "density", "--modulate", 0, "--limb-darkening", 0,
                 "--shading", "none", "--halo", 0, "--depth-cue", 0, "--exposure", 0, "--step", 0.1, "--interpolation",

@@ -18,7 +18,7 @@ DRIVER = numpy.where(Y < 8, 0.25, 0.75)
 TEXTURES = {"ramp": X / 19, "bars": 0.5 + 0.5 * numpy.sin(1.5 * Z),
             "rods": 0.5 + 0.25 * (numpy.sin(0.9 * X) + numpy.sin(0.9 * Y))}
 VIEW = ("--eye", -50, 0.75, 0.55, "--target", 0, 0.75, 0.55, "--projection", "orthographic", "--view-height", 1.2,
-        "--size", 16, 12, "--precision", "float")
+        "--size", 16, 12, "--samples", 1, "--precision", "float")
 # The driver's grey, opacity 0.2 a voxel, and nothing else.
 PLAIN = {"--range": (0, 1), "--colormap": "gray", "--opacity": "0:0.2", "--modulate": 0, "--limb-darkening": 0,
          "--shading": "none", "--halo": 0, "--depth-cue": 0, "--exposure": 0, "--step": 0.5}
