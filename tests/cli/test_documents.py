@@ -83,6 +83,7 @@ class Documents(ToolTest):
         run = lambda *command: subprocess.run(command, cwd=cls.data, check=True, capture_output=True)
         run(BIN / "vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", "8", "8", "8", "--frames", "1-4")
         run(BIN / "vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb")
+        run(BIN / "vdblic_advect", "v.%04d.vdb", "-o", "streaks.%04d.vdb", "--method", "streaks", "--draw", "lines")
         # Flows of other programs, under the names that the documents import.
         flows.write_pvd(cls.data, [0, 1])
         flows.write_foam(cls.data / "cavity", [0, 1])
@@ -94,7 +95,7 @@ class Documents(ToolTest):
         earth_flows.write(cls.data / "mesh.nc", mesh)
 
     def copy_of_the_data(self, folder):
-        for patterns, made in (VELOCITIES, "v.%04d.vdb"), (TEXTURES, "lic.%04d.vdb"):
+        for patterns, made in (VELOCITIES, "v.%04d.vdb"), (TEXTURES, "lic.%04d.vdb"), (["streaks.%04d.vdb"], "streaks.%04d.vdb"):
             for pattern in patterns:
                 (folder / pattern).parent.mkdir(parents=True, exist_ok=True)
                 for frame in FRAMES if "%" in pattern else [None]:

@@ -13,6 +13,7 @@ from . import levels
 from .console import printable
 from .errors import InputError, OutputError, ParameterError, needed
 from .metadata import number_of
+from .html_export import add_page_options, export_page
 from .outputs import Outputs, check_not_inputs, frames_of
 from .tool import Tool
 from .usd_export import add_options, export_layer, refuse_options
@@ -25,27 +26,33 @@ _TAKEN = {".npz": ("active", "matrix", "time", "dt", "frame"), ".vti": ("active"
 def main(version, words):
     tool = Tool("vdblic_export", version,
                 "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
-                " .npz, streaks into lines of VTK (.vtp) or USD (.usda), name their files in a layer of USD (.usda), or "
+                " .npz, streaks into lines of VTK (.vtp) or USD (.usda) or a page that any browser shows (.html), name their files in a layer of USD (.usda), or "
                 "write coarser copies (.vdb).")  # fmt: skip
     tool.add("input", metavar="INPUT", help="Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), "
              "or - for paths on standard input.")  # fmt: skip
     tool.add("-o", "--output", metavar="TEXT", required=True,
-             help="What to write: lic_%%04d.vti, .vtp, .npz, .vdb, or flow.usda.")  # fmt: skip
+             help="What to write: lic_%%04d.vti, .vtp, .npz, .vdb, flow.usda or flow.html.")  # fmt: skip
     tool.sequence()
     tool.add("--grids", metavar="TEXT", help="Grids to export: NAME,NAME; all of numbers and vectors by default, into a "
              ".usda the streaks alone where they are lines.")  # fmt: skip
     levels.add_options(tool)
     add_options(tool)
+    add_page_options(tool)
     return tool.run(words, lambda options, console, stop: run(options, console, stop, version))
 
 
 def run(options, console, stop, version):
     """Convert every selected frame, or name them all in a layer."""
     kind = os.path.splitext(options.output)[1].lower()
+    if options.max_size is not None and kind != ".html":
+        raise ParameterError("--max-size is of a page; write one with -o flow.html, or leave it out")
     if kind == ".usda":
         export_layer(options, console, stop, version)
         return
     refuse_options(options)
+    if kind == ".html":
+        export_page(options, console, stop)
+        return
     if kind == ".vdb":
         levels.export_levels(options, console, stop)
         return

@@ -1,0 +1,79 @@
+#version 300 es
+// A piece of a line between two points as a ribbon that faces the eye. Corners: gl_VertexID 0 to 3.
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+precision highp sampler2D;
+
+uniform usampler2D points; // place in the box and time
+uniform usampler2D lines;  // opacity of the head, born, gone
+uniform usampler2D owners; // line of each point
+uniform sampler2D colorBy, shownBy;
+uniform mat4 view, projection;
+uniform vec3 low, side; // box of the points, stretched
+uniform float now, tail, fade; // ticks
+uniform float radius, pixel; // of a head; share of the depth that a pixel covers
+uniform vec2 ends; // of the colour map, stored
+uniform float least; // of shownBy, stored; below 0 all are shown
+uniform vec4 clip; // a plane
+uniform vec2 depths; // where the fog begins and ends
+
+in uint point;
+
+out vec2 across; // -1 to 1, and distance to the eye
+out float color, opacity, fog;
+out vec3 place, rightward;
+out float clipped;
+
+ivec2 at(int i, int width) { return ivec2(i % width, i / width); }
+uvec4 pointAt(int i) { return texelFetch(points, at(i, 4096), 0); }
+float valueAt(sampler2D values, int i) { return texelFetch(values, at(i, 4096), 0).r * (255.0 / 254.0); }
+uint ownerOf(int i) { return texelFetch(owners, at(i, 4096), 0).r; }
+vec3 placeOf(uvec4 p) { return low + vec3(p.xyz) / 8191.0 * side; }
+
+void main()
+{
+    int a = int(point), b = a + 1, end = gl_VertexID >> 1;
+    uvec4 p = pointAt(a), q = pointAt(b);
+    uint owner = ownerOf(a);
+    uvec4 line = texelFetch(lines, at(int(owner), 4096), 0);
+    float born = float(line.y), gone = line.z == 65535u ? 1e9 : float(line.z);
+    float oldest = born > 0.0 ? max(now - tail, born) : now - tail;
+    // The piece is cut where the tail ends and where the head is.
+    float from = float(p.w), span = max(float(q.w) - from, 1.0);
+    vec2 cut = clamp((vec2(oldest, now) - from) / span, 0.0, 1.0);
+    float share = end == 0 ? cut.x : cut.y;
+    float value = mix(valueAt(shownBy, a), valueAt(shownBy, b), share);
+    float bright = float(line.x) / 65535.0;
+    if (born > 0.0) bright *= clamp((now - born) / fade, 0.0, 1.0);
+    bright *= clamp((gone - now) / fade, 0.0, 1.0);
+    bool isHidden = cut.y <= cut.x || bright <= 0.0 || value > 1.002 && least >= 0.0;
+    float young = clamp((from + share * span - oldest) / max(now - oldest, 1.0), 0.0, 1.0);
+
+    vec3 c = placeOf(p), d = placeOf(q), middle = mix(c, d, share);
+    vec3 direction = d - c;
+    bool isEnd = end == 0 ? cut.x > 0.0 : cut.y < 1.0;
+    int neighbour = end == 0 ? a - 1 : b + 1;
+    if (!isEnd && neighbour >= 0 && ownerOf(neighbour) == owner) {
+        vec3 beyond = placeOf(pointAt(neighbour));
+        vec3 other = end == 0 ? c - beyond : beyond - d;
+        if (length(other) > 0.0 && length(direction) > 0.0) direction = normalize(direction) + normalize(other);
+    }
+    vec4 seen = view * vec4(middle, 1);
+    vec3 step = mat3(view) * direction;
+    vec3 aside = cross(step, seen.xyz);
+    aside = length(aside) > 0.0 ? normalize(aside) : vec3(1, 0, 0);
+    float sideways = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
+    float width = radius * mix(0.45, 1.0, young), thinnest = 0.8 * pixel * -seen.z;
+    across = vec2(sideways, young);
+    opacity = bright * smoothstep(0.0, 0.5, young);
+    if (least >= 0.0) opacity *= smoothstep(least - 0.02, least + 0.02, value);
+    float stored = mix(valueAt(colorBy, a), valueAt(colorBy, b), share);
+    color = stored > 1.002 ? -1.0 : (stored - ends.x) / max(ends.y - ends.x, 1e-6);
+    fog = clamp((-seen.z - depths.x) / (depths.y - depths.x), 0.0, 1.0);
+    rightward = aside;
+    clipped = dot(clip.xyz, middle) - clip.w;
+    seen.xyz += aside * sideways * max(width, thinnest);
+    place = seen.xyz;
+    gl_Position = isHidden ? vec4(2, 2, 2, 1) : projection * seen;
+}

@@ -1,0 +1,209 @@
+// The page: its state, settings, legend and address.
+
+import { axes, unitsPerPixel } from "./camera.js";
+import { Clock } from "./clock.js";
+import { unpacked } from "./data.js";
+import { channels, make, makeRow, short } from "./elements.js";
+import { listenToHand } from "./hand.js";
+import { Scene } from "./scene.js";
+import { dot } from "./vector.js";
+
+const byId = (id) => document.getElementById(id);
+const flow = JSON.parse(byId("flow").textContent),
+    canvas = byId("picture");
+const storedOf = (scale, value) => (Math.asinh(value / scale.bend) - scale.low) / (scale.high - scale.low || 1);
+const valueOf = (scale, stored) => scale.bend * Math.sinh(scale.low + stored * (scale.high - scale.low));
+
+/// The camera that sees all points above the threshold, or nearly all.
+function wholeView() {
+    const { points, scalars } = scene.data,
+        step = Math.ceil(flow.points / 30000),
+        seen = [[], [], []];
+    for (let i = 0; i < flow.points; i += step)
+        if (scalars[state.shownBy][i] >= state.least * 254) seen.forEach((places, axis) => places.push(points[axis][i]));
+    const ends = seen.map((places, axis) => {
+        places.sort((a, b) => a - b);
+        const at = (share) => places[Math.floor(share * (places.length - 1))] ?? 8191 * share;
+        return [0.005, 0.995].map((share) => scene.low[axis] + (at(share) / 8191) * scene.side[axis]);
+    });
+    const target = ends.map(([low, high]) => (low + high) / 2),
+        camera = { eye: target.map((c, i) => c + [-0.45, -0.95, 0.5][i]), target, up: [0, 0, 1], fov: 40 };
+    const { right, up, forward } = axes(camera),
+        tan = Math.tan((camera.fov * Math.PI) / 360),
+        aspect = canvas.clientWidth / canvas.clientHeight;
+    let distance = 0;
+    for (let corner = 0; corner < 8; ++corner) {
+        const from = ends.map((end, i) => end[(corner >> i) & 1] - target[i]);
+        const [x, y, z] = [right, up, forward].map((axis) => dot(axis, from));
+        distance = Math.max(distance, Math.abs(x) / (0.9 * tan * aspect) - z, Math.abs(y) / (0.75 * tan) - z);
+    }
+    return { ...camera, eye: target.map((c, i) => c - forward[i] * (distance || 1)) };
+}
+
+const q = flow.scalars.findIndex((scale) => scale.name === "q"),
+    speed = Math.max(0, flow.scalars.findIndex((scale) => scale.name === "magnitude"));
+const state = {
+    frame: flow.frames[0], speed: 8, loop: true, camera: null, colorBy: speed, map: "ember", range: null,
+    part: 0, shownBy: q < 0 ? speed : q, least: q < 0 ? 0 : storedOf(flow.scalars[q], flow.scalars[q].shown[1]),
+    clip: "none", cut: 1, box: true, dark: true,
+};
+try {
+    Object.assign(state, JSON.parse(decodeURIComponent(location.hash.slice(1)) || "{}"));
+} catch {
+    // an address of something else
+}
+let scene, wanted;
+
+const kFew = 16; // lines, of which one is drawn to see how fast the machine is
+const kPatience = 250; // milliseconds for a picture
+
+/// The picture's state as the scene takes it.
+function drawn() {
+    const ratio = Math.min(devicePixelRatio || 1, 2),
+        size = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
+    if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
+    const scale = flow.scalars[state.colorBy],
+        range = state.range ?? [scale.shown[0], scale.shown[2]],
+        axis = "xyz".indexOf(state.clip);
+    const clip = [0, 0, 0, 1e30];
+    if (axis >= 0) clip[axis] = 1;
+    if (axis >= 0) clip[3] = scene.low[axis] + state.cut * scene.side[axis];
+    document.documentElement.classList.toggle("dark", state.dark);
+    const ground = channels(state.dark ? "#0a0d12" : "#f4f5f7").map((c) => c / 255);
+    const least = state.least > 0 ? state.least : -1;
+    return { ...state, scale, range, ends: range.map((v) => storedOf(scale, v)), least, clip, ground };
+}
+
+function render() {
+    wanted = 0;
+    const { scale, range, ...picture } = drawn();
+    scene.draw(picture);
+    showLegend(scale, range);
+    byId("moment").value = state.frame;
+    byId("date").value = dateText();
+    byId("moment").setAttribute("aria-valuetext", dateText());
+}
+function dateText() {
+    const seconds = (flow.time ?? 0) + (state.frame - flow.frames[0]) * (flow.dt ?? 0),
+        start = Date.parse(flow.start);
+    if (Number.isFinite(start)) return new Date(start + 1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+    return flow.dt ? `${seconds.toPrecision(3)} s` : `frame ${state.frame.toFixed(1)}`;
+}
+function showLegend(scale, range) {
+    byId("legend-name").textContent = (scale.name === "magnitude" ? "speed" : scale.name) + (scale.unit && ` [${scale.unit}]`);
+    [...byId("legend-ends").children].forEach((end, i) => (end.textContent = short(range[i])));
+    const context = byId("bar").getContext("2d"),
+        colors = flow.maps[state.map];
+    colors.forEach((color, i) => {
+        context.fillStyle = color;
+        context.fillRect(i * 8, 0, 8, 1);
+    });
+    const unit = unitsPerPixel(state.camera, canvas.clientHeight),
+        power = 10 ** Math.floor(Math.log10(100 * unit));
+    byId("scale").style.width = `${power / unit}px`;
+    byId("scale").firstChild.textContent = `${short(power)} ${flow.length_unit ?? ""}`;
+}
+let saving;
+function changed() {
+    wanted ||= requestAnimationFrame(render);
+    clearTimeout(saving);
+    saving = setTimeout(() => {
+        try {
+            history.replaceState(null, "", "#" + encodeURIComponent(JSON.stringify(state)));
+        } catch {
+            // a frame without an address of its own
+        }
+    }, 400);
+}
+
+function settings() {
+    const choice = (id, values, names = values) =>
+        make("select", { id, change: (e) => set(id, values[e.target.selectedIndex]) },
+            ...values.map((value, i) => make("option", { selected: value === state[id] }, names[i])));
+    const set = (id, value) => {
+        state[id] = value;
+        if (id === "colorBy") state.range = null;
+        if (id === "shownBy") state.least = 0;
+        settings();
+        changed();
+    };
+    const slider = (id, min, max, step) =>
+        make("input", { id, type: "range", min, max, step, value: state[id],
+            input: (e) => { state[id] = e.target.valueAsNumber; words(); changed(); } });
+    const tick = (id) => make("input", { id, type: "checkbox", checked: state[id], change: (e) => set(id, e.target.checked) });
+    const scale = flow.scalars[state.colorBy],
+        shown = flow.scalars[state.shownBy],
+        least = make("output", { for: "least" });
+    const words = () => (least.value = state.least > 0 ? `≥ ${short(valueOf(shown, state.least))} ${shown.unit}` : "all");
+    words();
+    const names = flow.scalars.map((s) => (s.name === "magnitude" ? "speed" : s.name)),
+        numbers = names.map((_, i) => i);
+    const end = (i) => make("input", { id: `end${i}`, type: "number", step: "any", "aria-label": ["Least", "Most"][i],
+        value: short((state.range ?? [scale.shown[0], scale.shown[2]])[i]),
+        change: (e) => { const range = [...(state.range ?? [scale.shown[0], scale.shown[2]])];
+            range[i] = e.target.valueAsNumber; if (Number.isFinite(range[i])) set("range", range); } });
+    const focused = document.activeElement?.id;
+    byId("settings").replaceChildren(
+        makeRow("Colour", "colorBy", choice("colorBy", numbers, names)),
+        makeRow("Colours", "map", choice("map", Object.keys(flow.maps))),
+        makeRow("Range", "end0", end(0), end(1)),
+        makeRow("Show by", "shownBy", choice("shownBy", numbers, names)),
+        makeRow("From", "least", slider("least", 0, 1, 0.002), least),
+        makeRow("Lines", "part", choice("part", [1, 2, 4, 8, 16], ["all", ...[2, 4, 8, 16].map((part) => `1 of ${part}`)])),
+        makeRow("Cut", "clip", choice("clip", ["none", "x", "y", "z"])),
+        makeRow("Cut at", "cut", slider("cut", 0, 1, 0.005)),
+        makeRow("Frames/s", "speed", choice("speed", [1, 2, 4, 8, 16, 24])),
+        makeRow("Loop", "loop", tick("loop")),
+        makeRow("Box", "box", tick("box")),
+        makeRow("Dark", "dark", tick("dark")),
+        make("button", { id: "all", click: () => set("camera", wholeView()) }, "Show all (0)"),
+        make("button", { id: "png", click: keepPng }, "Save PNG"),
+    );
+    if (focused) byId(focused)?.focus();
+}
+function keepPng() {
+    render();
+    canvas.toBlob((blob) => {
+        const link = make("a", { href: URL.createObjectURL(blob), download: "flow.png" });
+        link.click();
+        URL.revokeObjectURL(link.href);
+    });
+}
+
+async function begin() {
+    scene = new Scene(canvas, flow, await unpacked(flow, byId("data").textContent));
+    byId("data").remove();
+    state.camera ??= wholeView();
+    if (!state.part) {
+        const time = scene.timeOf({ ...drawn(), part: kFew });
+        state.part = [1, 2, 4, 8, 16].find((part) => (time * kFew) / part <= kPatience) ?? kFew;
+    }
+    byId("message").textContent = "";
+    const last = flow.frames.at(-1),
+        unit = flow.length_unit ?? "";
+    byId("caption").textContent = `${flow.lines} lines that follow the flow, from frame ${flow.frames[0]} to ${last}: ` +
+        `each moves with its bright end ahead. The box is ${flow.high.map((c, i) => short(c - flow.low[i])).join(" × ")}${unit && ` ${unit}`}.`;
+    Object.assign(byId("moment"), { min: flow.frames[0], max: last });
+    const clock = new Clock(flow.frames, state, changed);
+    byId("moment").addEventListener("input", (event) => {
+        clock.toggle(false);
+        state.frame = event.target.valueAsNumber;
+        changed();
+    });
+    const camera = { camera: () => state.camera, change: (now) => { state.camera = now; changed(); }, begin() {}, end() {} };
+    listenToHand(canvas, camera, () => canvas.clientHeight);
+    document.addEventListener("keydown", (event) => {
+        if (event.target.matches("input, select, button, summary") || event.ctrlKey || event.metaKey) return;
+        const acts = { " ": () => clock.toggle(), ",": () => clock.step(-1), ".": () => clock.step(1), 0: () => byId("all").click() };
+        if (!acts[event.key]) return;
+        event.preventDefault();
+        acts[event.key]();
+    });
+    canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+    canvas.addEventListener("webglcontextrestored", () => { scene.mapTexture = null; scene.begin(); changed(); });
+    new ResizeObserver(changed).observe(canvas);
+    settings();
+    render();
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) clock.toggle(true);
+}
+begin().catch((error) => (byId("message").textContent = error.message));

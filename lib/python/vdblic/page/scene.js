@@ -1,0 +1,167 @@
+// Lines and their box by WebGL 2. All values are uploaded once.
+
+import { axes } from "./camera.js";
+import { channels } from "./elements.js";
+import { pieces } from "./data.js";
+import { dot } from "./vector.js";
+
+const kWidth = 4096; // of textures
+
+export class Scene {
+    constructor(canvas, flow, data) {
+        Object.assign(this, { canvas, flow, data });
+        this.pieces = pieces(data.lines[0], data.points[3]);
+        this.low = flow.low.map((c, i) => c * flow.stretch[i]);
+        this.side = flow.high.map((c, i) => c * flow.stretch[i] - this.low[i]);
+        this.begin();
+    }
+
+    /// Upload everything; again after the context was lost.
+    begin() {
+        const gl = (this.gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false }));
+        if (!gl) throw new Error("This browser has no WebGL 2, which draws the flow.");
+        this.lines = this.program("lines");
+        this.box = this.program("box");
+        const [x, y, z, t] = this.data.points,
+            [, own, born, gone] = this.data.lines;
+        this.texture(0, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [x, y, z, t]);
+        this.texture(1, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [own, born, gone, gone]);
+        this.texture(2, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [this.pieces.owners]);
+        this.scalars = this.data.scalars.map((v) => this.texture(3, gl.R8, gl.RED, gl.UNSIGNED_BYTE, Uint8Array, [v]));
+        this.map = null;
+        gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+        this.chosen = null;
+        this.place = gl.getAttribLocation(this.lines.program, "point");
+        gl.vertexAttribDivisor(this.place, 1);
+    }
+
+    program(name) {
+        const gl = this.gl,
+            program = gl.createProgram();
+        for (const [kind, end] of [[gl.VERTEX_SHADER, "vert"], [gl.FRAGMENT_SHADER, "frag"]]) {
+            const shader = gl.createShader(kind);
+            gl.shaderSource(shader, kShaders[`${name}.${end}`]);
+            gl.compileShader(shader);
+            gl.attachShader(program, shader);
+            const told = gl.getShaderInfoLog(shader);
+            if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(told);
+        }
+        gl.linkProgram(program);
+        return { program, at: (uniform) => gl.getUniformLocation(program, uniform) };
+    }
+
+    texture(unit, internal, format, type, Values, columns) {
+        const gl = this.gl,
+            texture = gl.createTexture(),
+            rows = Math.max(1, Math.ceil(columns[0].length / kWidth));
+        const values = new Values(rows * kWidth * columns.length);
+        columns.forEach((column, c) => {
+            for (let i = 0; i < column.length; ++i) values[i * columns.length + c] = column[i];
+        });
+        gl.activeTexture(gl.TEXTURE0 + unit);
+        gl.bindTexture(gl.TEXTURE_2D, texture);
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+        gl.texImage2D(gl.TEXTURE_2D, 0, internal, kWidth, rows, 0, format, type, values);
+        for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+            gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+        return texture;
+    }
+
+    useMap(name) {
+        if (this.map === name) return;
+        this.map = name;
+        const gl = this.gl,
+            colors = new Uint8Array(this.flow.maps[name].flatMap((hex) => [...channels(hex), 255]));
+        this.mapTexture ??= gl.createTexture();
+        gl.activeTexture(gl.TEXTURE5);
+        gl.bindTexture(gl.TEXTURE_2D, this.mapTexture);
+        gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 32, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colors);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    }
+
+    /// The milliseconds that a picture takes to be drawn.
+    timeOf(state) {
+        const before = performance.now(),
+            { gl } = this;
+        this.draw(state);
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits
+        return performance.now() - before;
+    }
+
+    /// Upload the pieces that can be seen with a threshold, of one in `part` lines, by the time of their ends.
+    choose({ shownBy, least, part }) {
+        const key = `${shownBy} ${least} ${part}`;
+        if (this.chosen === key) return;
+        this.chosen = key;
+        const { order, starts, owners } = this.pieces,
+            values = this.data.scalars[shownBy],
+            bound = least < 0 ? 0 : Math.floor((least - 0.02) * 254);
+        const kept = new Uint32Array(order.length);
+        this.starts = new Uint32Array(starts.length);
+        for (let tick = 0, i = 0, count = 0; tick < starts.length; ++tick) {
+            for (; i < starts[tick]; ++i) {
+                const piece = order[i];
+                if (owners[piece] % part === 0 && Math.max(values[piece], values[piece + 1]) >= bound) kept[count++] = piece;
+            }
+            this.starts[tick] = count;
+        }
+        this.gl.bufferData(this.gl.ARRAY_BUFFER, kept.subarray(0, this.starts.at(-1)), this.gl.STATIC_DRAW);
+    }
+
+    /// @param state { camera, frame, colorBy, ends, shownBy, least, clip, map, ground }; stored values
+    draw(state) {
+        const { gl, flow, canvas } = this,
+            { camera } = state;
+        const { forward, right, up } = axes(camera);
+        const rows = [right, up, forward.map((c) => -c)];
+        const view = [0, 1, 2].flatMap((i) => [...rows.map((row) => row[i]), 0]);
+        view.push(...rows.map((row) => -dot(row, camera.eye)), 1);
+        const size = Math.hypot(...this.side),
+            middle = this.low.map((c, i) => c + this.side[i] / 2);
+        const depth = dot(middle.map((c, i) => c - camera.eye[i]), forward),
+            far = Math.max(depth + size, size / 100),
+            near = Math.max(depth - size, far / 3000);
+        const f = 1 / Math.tan((camera.fov * Math.PI) / 360);
+        const projection = [(f * canvas.height) / canvas.width, 0, 0, 0, 0, f, 0, 0];
+        projection.push(0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0);
+        const common = (program) => {
+            gl.useProgram(program.program);
+            gl.uniformMatrix4fv(program.at("view"), false, view);
+            gl.uniformMatrix4fv(program.at("projection"), false, projection);
+            gl.uniform3fv(program.at("low"), this.low);
+            gl.uniform3fv(program.at("side"), this.side);
+            gl.uniform3fv(program.at("ground"), state.ground);
+        };
+        gl.viewport(0, 0, canvas.width, canvas.height);
+        gl.clearColor(...state.ground, 1);
+        gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+        gl.enable(gl.DEPTH_TEST);
+        common(this.box);
+        gl.disableVertexAttribArray(this.place);
+        if (state.box) gl.drawArrays(gl.LINES, 0, 24);
+        common(this.lines);
+        this.choose(state);
+        this.useMap(state.map);
+        [this.scalars[state.colorBy], this.scalars[state.shownBy]].forEach((texture, i) => {
+            gl.activeTexture(gl.TEXTURE3 + i);
+            gl.bindTexture(gl.TEXTURE_2D, texture);
+        });
+        ["points", "lines", "owners", "colorBy", "shownBy", "map"].forEach((name, i) => gl.uniform1i(this.lines.at(name), i));
+        const now = (state.frame - flow.begin) / flow.tick,
+            tail = flow.tail / flow.tick;
+        const numbers = { now, tail, fade: 1.5 / flow.tick, radius: flow.radius * Math.cbrt(state.part), pixel: 2 / f / canvas.height, least: state.least };
+        for (const [name, value] of Object.entries(numbers)) gl.uniform1f(this.lines.at(name), value);
+        gl.uniform2fv(this.lines.at("ends"), state.ends);
+        gl.uniform2f(this.lines.at("depths"), depth - size / 2, depth + size / 2);
+        gl.uniform4fv(this.lines.at("clip"), state.clip);
+        const tick = (t) => this.starts[Math.max(0, Math.min(65537, Math.round(t)))];
+        const first = tick(now - tail),
+            count = tick(now + this.pieces.longest + 2) - first;
+        gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+        gl.enableVertexAttribArray(this.place);
+        gl.vertexAttribIPointer(this.place, 1, gl.UNSIGNED_INT, 0, first * 4);
+        gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+        gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    }
+}

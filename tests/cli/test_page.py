@@ -1,0 +1,232 @@
+"""vdblic_export into a page: what a browser shows of it, and what it refuses."""
+
+import base64
+import gzip
+import json
+import re
+import shutil
+import subprocess
+import time
+import unittest
+
+import numpy
+
+import python_module  # pylint: disable=unused-import
+from support import ToolTest, skip
+
+try:
+    from selenium import webdriver
+except ImportError:
+    skip("python3-selenium is not installed")
+if not shutil.which("chromium") or not shutil.which("chromedriver"):
+    skip("chromium is not installed")
+
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from vdblic._core import read_lines
+
+FRAMES = range(1, 5)
+
+
+def browser(*more):
+    options = webdriver.ChromeOptions()
+    options.binary_location = "/usr/bin/chromium"
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=900,700",
+                     "--force-prefers-reduced-motion", *more):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+def packed(page):
+    """What a page holds: what it tells of the flow, and its columns of whole numbers, in the order of data.js."""
+    text = page.read_text(encoding="utf-8")
+    flow = json.loads(re.search(r'<script type="application/json" id="flow">(.*?)</script>', text)[1])
+    data = gzip.decompress(base64.b64decode(re.search(r'id="data">(.*?)</script>', text)[1]))
+    columns, at = [], 0
+    for count in [flow["points"]] * 4 + [flow["lines"]] * 4:
+        low, high = (numpy.frombuffer(data, numpy.uint8, count, at + i * count).astype(int) for i in range(2))
+        folded = low | high << 8
+        columns.append(numpy.cumsum((folded >> 1) ^ -(folded & 1)) & 0xFFFF)
+        at += 2 * count
+    return flow, columns
+
+
+class Pages(ToolTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = browser("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+        cls.addClassCleanup(cls.browser.quit)
+
+    def setUp(self):
+        super().setUp()
+        self.outputs("vdblic_synth", "tornado", "-o", "v.%04d.vdb", "--size", 24, 24, 24, "--frames", "1-5")
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "s.%04d.vdb", "--method", "streaks", "--draw", "lines",
+                     "--spacing", 3, "--tail", 3, "--with", "q", "--frames", "1-4")
+
+    def export(self, *arguments, output="flow.html", source="s.%04d.vdb"):
+        (path,) = self.outputs("vdblic_export", source, "-o", output, *arguments)
+        return self.folder / path
+
+    def open(self, path, state=None):
+        self.browser.get("about:blank")
+        self.browser.get_log("browser")
+        self.browser.get_log("performance")
+        self.browser.get(path.as_uri() + (f"#{json.dumps(state)}" if state else ""))
+        self.wait_until(lambda: self.element("message").text != "Loading…", "not loaded")
+
+    def element(self, name):
+        return self.browser.find_element(By.ID, name)
+
+    def wait_until(self, condition, what, seconds=60):
+        end = time.monotonic() + seconds
+        while not condition():
+            self.assertLess(time.monotonic(), end, what)
+            time.sleep(0.05)
+
+    def requests(self):
+        events = (json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance"))
+        return {event["params"]["request"]["url"].split("#")[0] for event in events
+                if event["method"] == "Network.requestWillBeSent"}
+
+    def lit(self):
+        """Which pixels of the picture differ from its ground; nothing lies over it."""
+        self.browser.execute_script("""
+            for (const other of document.querySelectorAll("h1, #legend, #scale, #time, #panel, #caption, #message"))
+                other.style.visibility = "hidden";
+            return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))""")
+        (self.folder / "shot.png").write_bytes(self.element("picture").screenshot_as_png)
+        return self.pixels("shot.png")
+
+    def pixels(self, name):
+        size = self.browser.execute_script("const p = document.getElementById('picture'); return [p.clientHeight, p.clientWidth]")
+        raw = self.raw_of(name)
+        image = raw.reshape(*size, 3).astype(int)
+        return abs(image - image[2, 2]).max(axis=2) > 24
+
+    def raw_of(self, name):
+        return numpy.frombuffer(subprocess.run(
+            ["ffmpeg", "-v", "error", "-i", self.folder / name, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+            capture_output=True, check=True).stdout, numpy.uint8)
+
+    def test_opens_alone(self):
+        """From a file and in a frame without rights: no request, no error, a picture."""
+        page = self.export()
+        self.open(page)
+        self.assertEqual(self.element("message").text, "")
+        self.assertTrue(self.lit().any())
+        self.assertEqual(self.requests(), {page.as_uri()})
+        self.assertEqual(self.browser.get_log("browser"), [])
+        (self.folder / "frame.html").write_text(
+            '<iframe id="inner" sandbox="allow-scripts" src="flow.html" width="600" height="400"></iframe>')
+        self.browser.get((self.folder / "frame.html").as_uri())
+        self.browser.switch_to.frame("inner")
+        self.wait_until(lambda: self.element("message").text == "", "no picture in a frame")
+        self.assertEqual(self.browser.get_log("browser"), [])
+        self.assertEqual(self.requests(), {(self.folder / name).as_uri() for name in ("frame.html", "flow.html")})
+
+    def test_places_are_exact(self):
+        """What each frame adds to the paths is there, within 1/4000 of the box, at its time."""
+        flow, (x, y, z, moment, counts, *_) = packed(self.export())
+        low, high = numpy.array(flow["low"]), numpy.array(flow["high"])
+        places = low + numpy.stack([x, y, z], axis=1) / 8191 * (high - low)
+        times = flow["begin"] + moment * flow["tick"]
+        self.assertEqual(counts.sum(), flow["points"])
+        for frame in FRAMES:
+            lines, _ = read_lines(str(self.folder / f"s.{frame:04}.vdb"))
+            new = lines["age"] < (0.95 if frame > 1 else 3)
+            self.assertGreater(new.sum(), 1000)
+            for point, age in list(zip(lines["points"][new], lines["age"][new]))[::37]:
+                near = abs(times - (frame - age)) < 0.03
+                self.assertLess(abs(places[near] - point).max(axis=1).min(), (high - low).max() / 4000, (frame, point))
+
+    def test_lines_lie_where_the_renderer_has_them(self):
+        page = self.export()
+        eye, target = [40.0, -30.0, 40.0], [11.5, 11.5, 11.5]
+        camera = {"eye": eye, "target": target, "up": [0, 0, 1], "fov": 35}
+        self.open(page, {"camera": camera, "frame": 4, "least": 0, "shownBy": 0, "part": 1, "box": False})
+        shown = self.lit()
+        self.outputs("vdblic_render", "s.0004.vdb", "-o", "image.png", "--size", shown.shape[1], shown.shape[0], "--eye", *eye,
+                     "--target", *target, "--fov", 35, "--opacity", "0:1,1:1")
+        rendered = self.pixels("image.png")
+        for axis in range(2):
+            ends = [numpy.flatnonzero(picture.any(axis=axis))[[0, -1]] for picture in (shown, rendered)]
+            self.assertLessEqual(abs(ends[0] - ends[1]).max(), 2, axis)
+
+    def test_markup_in_names(self):
+        title = "<img src=x onerror=alert(1)>&amp;"
+        for frame in FRAMES:
+            (self.folder / f"s.{frame:04}.vdb").rename(self.folder / f"{title}.{frame:04}.vdb")
+        page = self.export(source=f"{title}.%04d.vdb")
+        self.open(page)
+        self.assertEqual(self.browser.title, title)
+        self.assertEqual(self.requests(), {page.as_uri()})
+        self.assertEqual(self.browser.get_log("browser"), [])
+        self.assertIn("default-src 'none'", page.read_text(encoding="utf-8"))
+
+    def test_size_and_refusals(self):
+        done = self.run_tool("vdblic_export", "s.%04d.vdb", "-o", "flow.html")
+        whole = (self.folder / "flow.html").stat().st_size
+        self.assertNotIn("the page shows", done.stderr)
+        done = self.run_tool("vdblic_export", "s.%04d.vdb", "-o", "few.html", "--max-size", whole - 5000)
+        shown, total = map(int, re.search(r"shows (\d+) of (\d+) lines, the most important ones by q", done.stderr).groups())
+        self.assertLess(shown, total)
+        self.assertLessEqual((self.folder / "few.html").stat().st_size, whole - 5000)
+        self.assertEqual(packed(self.folder / "few.html")[0]["lines"], shown)
+        for words, says in (("-o", "a.html", "--max-size", "1k"), "holds no line"), (("-o", "a.html", "--max-size", "x"), "no size"), \
+                (("-o", "a.usda", "--max-size", "1M"), "--max-size is of a page"), (("-o", "a.%04d.html"), "one page shows all"), \
+                (("-o", "a.html", "--grids", "q"), "leave --grids"), (("-o", "a.html", "--levels", 1), "leave --grids"), \
+                (("-o", "a.html", "--up", "y"), "--up is of a layer"):
+            self.assertIn(says, self.fails(2, "vdblic_export", "s.%04d.vdb", *words))
+        self.assertIn("v.0001.vdb", self.fails(3, "vdblic_export", "v.%04d.vdb", "-o", "a.html"))
+        self.assertFalse((self.folder / "a.html").exists())
+
+    def test_without_a_mouse_and_on_a_telephone(self):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                     {"width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": True})
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.clearDeviceMetricsOverride", {})
+        self.open(self.export())
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 360)
+        keys = lambda *text: ActionChains(self.browser).send_keys(*text).perform()
+        moment = lambda: float(self.element("moment").get_property("value"))
+        self.browser.execute_script("document.getElementById('picture').focus()")
+        keys(".", ".", ",")
+        self.wait_until(lambda: moment() == 2, "no step")
+        keys(" ")
+        self.wait_until(lambda: moment() > 2.3, "does not play")
+        keys(" ")
+        self.assertEqual(self.element("play").get_attribute("aria-label"), "Play")
+        camera = lambda: json.loads(self.browser.execute_script("return decodeURIComponent(location.hash.slice(1))"))["camera"]
+        keys(Keys.ARROW_LEFT)
+        self.wait_until(lambda: "camera" in self.browser.execute_script("return decodeURIComponent(location.hash)"), "no address")
+        before = camera()
+        keys("+")
+        self.wait_until(lambda: camera() != before, "no zoom")
+        unnamed = self.browser.execute_script("""
+            document.getElementById("panel").open = true;
+            return [...document.querySelectorAll("button, input, select, summary, [tabindex]")].filter((e) => !(
+                e.getAttribute("aria-label") || e.textContent.trim() || e.labels?.length)).map((e) => e.outerHTML)""")
+        self.assertEqual(unnamed, [])
+
+    def test_a_lost_context(self):
+        self.open(self.export())
+        before = self.lit()
+        self.browser.execute_script("""
+            const lost = document.getElementById("picture").getContext("webgl2").getExtension("WEBGL_lose_context");
+            lost.loseContext();
+            return new Promise((done) => setTimeout(() => { lost.restoreContext(); setTimeout(done, 500); }, 200))""")
+        self.wait_until(lambda: (self.lit() == before).all(), "not drawn again")
+
+    def test_without_webgl(self):
+        page = self.export()
+        plain = browser("--disable-gpu", "--disable-3d-apis")
+        self.addCleanup(plain.quit)
+        plain.get(page.as_uri())
+        self.wait_until(lambda: "no WebGL 2" in plain.find_element(By.ID, "message").text, "not told")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,57 @@
+"""vdblic_export of streaks into a page for browsers."""
+
+import argparse
+import re
+
+from vdblic._core import FramePattern, check_output, read_lines, write_file
+
+from .console import printable
+from .errors import InputError, ParameterError
+from .metadata import number_of
+from .outputs import check_not_inputs, frames_of, is_whole
+
+_MOST = 25e6  # bytes
+
+
+def size(text):
+    """A number of bytes, for options: 25M."""
+    match = re.fullmatch(r"(\d{1,9})([kMG]?)", text)
+    if not match or not int(match[1]):
+        raise argparse.ArgumentTypeError(f"'{text[:60]}' is no size such as 25M; k, M and G are a thousand, million and billion bytes")
+    return int(match[1]) * 1000.0 ** "kMG".find(match[2]) * 1000 if match[2] else float(match[1])
+
+
+def add_page_options(tool):
+    tool.add("--max-size", metavar="SIZE", type=size,
+             help="Of an .html: its most bytes, such as 25M, the default; beyond it has fewer lines.")  # fmt: skip
+
+
+def export_page(options, console, stop):
+    from vdblic.pages import page
+    from vdblic.paths import Paths  # NumPy takes long to load
+
+    if options.grids or options.levels:
+        raise ParameterError("a page has the lines with all their scalars; leave --grids and --levels out")
+    output = FramePattern(options.output)
+    if output.has_field:
+        raise ParameterError(f"{options.output}: one page shows all frames; leave its frame field out")
+    path = output.path(0)
+    check_output(path)
+    found = sorted(frames_of(options, stop, lambda frames, sources: check_not_inputs([path], sources)))
+    check_not_inputs([path], [source for _, source in found])
+    if not (options.skip_existing and is_whole(path, console)):
+        paths, first = None, None
+        for done, (frame, source) in enumerate(found):
+            stop.check()
+            lines, metadata = read_lines(source)
+            if paths is None:
+                first = metadata
+                tail = number_of(metadata, "tail") or max([1.0, *lines["age"].tolist()[:100000]])
+                paths = Paths(tail)
+            paths.add(frame, lines)
+            console.progress(frame, done + 1, len(found))
+        if not paths.radius:
+            raise InputError(f"{found[0][1]}: no line in any frame; there is nothing to show")
+        title = printable(str(first.get("title", found[0][1].stem.split(".")[0])))
+        write_file(path, page(paths.finish(), title, [frame for frame, _ in found], first, None, options.max_size or _MOST, console.say))
+    console.finished(path)
