@@ -55,7 +55,7 @@ try {
 let scene, wanted;
 
 const kFew = 16; // lines, of which one is drawn to see how fast the machine is
-const kPatience = 250; // milliseconds for a picture
+const kPatience = 500; // milliseconds for a picture
 
 /// The picture's state as the scene takes it.
 function drawn() {
@@ -175,8 +175,11 @@ async function begin() {
     byId("data").remove();
     state.camera ??= wholeView();
     if (!state.part) {
-        const time = scene.timeOf({ ...drawn(), part: kFew });
-        state.part = [1, 2, 4, 8, 16].find((part) => (time * kFew) / part <= kPatience) ?? kFew;
+        const timeOf = (part) => scene.timeOf({ ...drawn(), part });
+        await timeOf(kFew); // compiles the shaders
+        const few = await timeOf(kFew),
+            more = Math.max((await timeOf(kFew / 2)) - few, 0); // for as many lines again
+        state.part = [1, 2, 4, 8].find((part) => few + more * (kFew / part - 1) <= kPatience) ?? kFew;
     }
     byId("message").textContent = "";
     const last = flow.frames.at(-1),
