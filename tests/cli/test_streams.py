@@ -206,7 +206,7 @@ class Limits(ToolTest):
                     self.assertRegex(refused.stderr, f"{command[0]}: error: .*(thread can be started|start new thread)")
 
     def test_few_addresses(self):
-        for mebibytes in 80, 100, 160, 200:
+        for mebibytes in 80, 100, 130, 160, 200:
             limit = mebibytes << 20
             for command in self.jobs("few."):
                 if command[0] == "vdblic_export":  # Python ends before it is ours

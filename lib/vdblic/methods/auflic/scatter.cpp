@@ -117,9 +117,14 @@ void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coor
     } else if (std::max({reach[0], reach[1], reach[2]}) <= kFarReach) {
         TileSchedule schedule(domain, leaves, reach, workers.size());
         onEveryThread([&](std::size_t thread) {
-            while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
-                for (const std::uint32_t leaf : group->leaves)
-                    scatterTile(workers[thread], leaf, false);
+            try {
+                while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
+                    for (const std::uint32_t leaf : group->leaves)
+                        scatterTile(workers[thread], leaf, false);
+                }
+            } catch (...) {
+                schedule.stop();
+                throw;
             }
         });
     } else {

@@ -67,4 +67,11 @@ std::optional<TileSchedule::Group> TileSchedule::next(std::size_t thread)
     return std::nullopt;
 }
 
+void TileSchedule::stop()
+{
+    const std::lock_guard lock(mMutex);
+    mLeft = 0;
+    mFreed.notify_all();
+}
+
 } // namespace vdblic

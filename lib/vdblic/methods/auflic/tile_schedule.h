@@ -32,6 +32,9 @@ class TileSchedule {
     /// @param thread 0 to threads − 1; each by one thread at a time
     [[nodiscard]] std::optional<Group> next(std::size_t thread);
 
+    /// Hand out no more groups, because a thread failed: threads that wait for its group get nothing.
+    void stop();
+
   private:
     [[nodiscard]] bool isFree(const Group& group) const;
 

@@ -131,6 +131,19 @@ TEST(TileSchedule, GivesOneGroupAfterTheOtherWhereAllAreNear)
     EXPECT_EQ(observed.visits, std::vector<int>(216, 1));
 }
 
+TEST(TileSchedule, ReleasesTheThreadsThatWaitForOneThatFailed)
+{
+    const Domain domain = leavesIn({6, 6, 6});
+    const std::vector<std::uint32_t> leaves = allLeaves(domain);
+    TileSchedule schedule(domain, leaves, {3, 3, 3}, 2);
+    EXPECT_TRUE(schedule.next(0).has_value()); // and does not come back
+    std::optional<TileSchedule::Group> other;
+    std::thread waiting([&] { other = schedule.next(1); });
+    schedule.stop();
+    waiting.join();
+    EXPECT_FALSE(other.has_value());
+}
+
 TEST(TileSchedule, OfNoLeavesIsDoneAtOnce)
 {
     const Domain domain = leavesIn({1, 1, 1});
