@@ -26,8 +26,8 @@ _TAKEN = {".npz": ("active", "matrix", "time", "dt", "frame"), ".vti": ("active"
 def main(version, words):
     tool = Tool("vdblic_export", version,
                 "Convert volumes, textures or velocities, into images of VTK (.vti, with a .pvd list of times) or NumPy's"
-                " .npz, streaks into lines of VTK (.vtp) or USD (.usda) or a page that any browser shows (.html), name their files in a layer of USD (.usda), or "
-                "write coarser copies (.vdb).")  # fmt: skip
+                " .npz, streaks into lines of VTK (.vtp) or USD (.usda) or a page that any browser shows (.html), name "
+                "their files in a layer of USD (.usda), or write coarser copies (.vdb).")  # fmt: skip
     tool.add("input", metavar="INPUT", help="Volumes. One file, a pattern (name.%%04d.vdb, also ####, @@@@, $F4, <F4>), "
              "or - for paths on standard input.")  # fmt: skip
     tool.add("-o", "--output", metavar="TEXT", required=True,

@@ -17,13 +17,13 @@ def size(text):
     """A number of bytes, for options: 25M."""
     match = re.fullmatch(r"(\d{1,9})([kMG]?)", text)
     if not match or not int(match[1]):
-        raise argparse.ArgumentTypeError(f"'{text[:60]}' is no size such as 25M; k, M and G are a thousand, million and billion bytes")
+        raise argparse.ArgumentTypeError(f"'{text[:60]}' is no size such as 25M: a number of bytes, or of k, M or G")
     return int(match[1]) * 1000.0 ** "kMG".find(match[2]) * 1000 if match[2] else float(match[1])
 
 
 def add_page_options(tool):
     tool.add("--max-size", metavar="SIZE", type=size,
-             help="Of an .html: its most bytes, such as 25M, the default; beyond it has fewer lines.")  # fmt: skip
+             help="Of an .html: its largest size, 25M by default; a page that would be larger leaves lines out.")  # fmt: skip
 
 
 def export_page(options, console, stop):
@@ -53,5 +53,6 @@ def export_page(options, console, stop):
         if not paths.radius:
             raise InputError(f"{found[0][1]}: no line in any frame; there is nothing to show")
         title = printable(str(first.get("title", found[0][1].stem.split(".")[0])))
-        write_file(path, page(paths.finish(), title, [frame for frame, _ in found], first, None, options.max_size or _MOST, console.say))
+        frames = [frame for frame, _ in found]
+        write_file(path, page(paths.finish(), title, frames, first, None, options.max_size or _MOST, console.say))
     console.finished(path)
