@@ -23,7 +23,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3d;
 
-/// Keep the voxels for which keep(index) holds. makeKeep() makes keep once a leaf.
+/// Keep the voxels for which keep(index) is true. makeKeep() is called once per leaf.
 template<typename MakeKeep>
 void filterVoxels(openvdb::MaskTree& topology, const MakeKeep& makeKeep)
 {
