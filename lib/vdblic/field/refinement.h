@@ -32,10 +32,7 @@ struct Refinement {
     void validate() const; ///< @throws ParameterError if a factor is not 1 to kMost
 
     [[nodiscard]] bool isNone() const { return factors == std::array{1, 1, 1}; }
-    [[nodiscard]] int voxels() const
-    {
-        return factors[0] * factors[1] * factors[2];
-    } ///< texture voxels per velocity voxel
+    [[nodiscard]] int voxels() const { return factors[0] * factors[1] * factors[2]; } ///< per velocity voxel
 
     /// Velocity index of a texture index: index · scale() + shift(), along an axis.
     [[nodiscard]] float scale(int axis) const { return 1 / float(factors[std::size_t(axis)]); }
