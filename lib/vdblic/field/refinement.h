@@ -27,7 +27,7 @@ struct Refinement {
 
     std::array<int, 3> factors{1, 1, 1};
     Interpolation interpolation = Interpolation::kLinear; ///< of the velocity between its voxels
-    bool isGiven = false;                                 ///< factors of the user; a method may choose others if not
+    bool isGiven = false;                                 ///< whether by the user; if not, a method may choose others
 
     void validate() const; ///< @throws ParameterError if a factor is not 1 to kMost
 

@@ -24,7 +24,7 @@ std::vector<std::uint64_t> listedLengths(const openvdb::Metadata* stored, const 
     openvdb::io::DelayedLoadMetadata list(*given);
     list.resizeMask(leaves); // OpenVDB aborts on a list that is too short
     list.resizeCompressedSize(leaves);
-    constexpr std::int64_t kSize = sizeof(std::int64_t); // counted even without values, except for half floats
+    constexpr std::int64_t kSize = sizeof(std::int64_t); // counted even without values; half floats then lack it
     std::vector<std::uint64_t> lengths(leaves);
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < leaves; ++i) {

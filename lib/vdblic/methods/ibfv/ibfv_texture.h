@@ -8,7 +8,7 @@ namespace vdblic {
 /// Image based flow visualization: the previous texture, pulled back along pathlines by interpolation, is blended with
 /// a share of noise (PeriodicNoise):
 ///
-/// F(x, k) = (1 − α) F(p, k − 1) + α G(x, k),   p: position a step ago of the fluid at x
+///     F(x, k) = (1 − α) F(p, k − 1) + α G(x, k),   p: position a step ago of the fluid at x
 ///
 /// A voxel thus holds the noise along its pathline with weights α (1 − α)^i. Van Wijk, "Image based flow
 /// visualization", SIGGRAPH 2002, section 3.2; in three dimensions Telea & van Wijk, "3D IBFV: hardware-accelerated 3D
@@ -16,10 +16,10 @@ namespace vdblic {
 ///
 /// Beyond the papers:
 /// - They need steps shorter than the noise's spacing, else a streak is a row of dots. A longer step samples the noise
-/// evenly along the pathline, as several steps would, without resampling the texture. Shares are per frame, whatever
-/// the substeps.
+///   evenly along the pathline, as several steps would, without resampling the texture. Shares are per frame,
+///   whatever the substeps.
 /// - For fluid from outside, the papers use black or the value at the rim. Here the noise continues outside the domain,
-/// and the fluid brings the texture that it would have collected, had it come straight at its speed.
+///   and the fluid brings the texture that it would have collected, had it come straight at its speed.
 /// - A voxel that is new in the domain is pulled back by the velocity of its own frame.
 class IbfvTexture final : public BackwardTexture {
   public:

@@ -5,10 +5,9 @@
 
 namespace vdblic {
 
-/// Lagrangian-Eulerian advection: noise moves with the fluid (CellParticles) and is blended from frame to frame in
-/// place,
+/// Lagrangian-Eulerian advection: noise moves with the fluid (CellParticles) and is blended in place between frames:
 ///
-///     F(x, k) = (1 − α) F(x, k − 1) + α N(x, k),
+///     F(x, k) = (1 − α) F(x, k − 1) + α N(x, k)
 ///
 /// A voxel thus holds the noise that passed it; a short filter along the flow follows. Jobard, Erlebacher & Hussaini,
 /// "Lagrangian-Eulerian advection of noise and dye textures for unsteady flow visualization", TVCG 8(3), 2002.

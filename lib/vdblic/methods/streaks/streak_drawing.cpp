@@ -147,7 +147,7 @@ bool reachedRows(const StreakPiece& piece, int axis, int origin, float scale, in
     return first <= last;
 }
 
-/// Factor of the slope ahead of the head to the slope sideways: the downstream drop.
+/// Ratio of the slope ahead of the head, downstream, to the slope sideways.
 constexpr float kHeadSlope = 2;
 
 VDBLIC_KERNEL void drawPiece(const StreakPiece& piece, const openvdb::Coord& origin, const std::array<float, 3>& scale,
