@@ -25,8 +25,8 @@ namespace vdb_io = openvdb::io;
 
 constexpr std::size_t kLeavesPerBlock = 256;
 
-/// @param stored compression flags of the grid: without zip for fog volumes and level sets  @param listed flags by which
-/// OpenVDB makes its list
+/// @param stored compression flags of the grid: without zip for fog volumes and level sets
+/// @param listed flags by which OpenVDB makes its list
 template<typename GridT, typename Leaf>
 StoredLeaves storeLeaves(const GridT& grid, const std::vector<const Leaf*>& leaves, std::uint32_t stored,
                          std::uint32_t listed)
