@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <system_error>
-#include <utility>
 
 namespace vdblic {
 namespace {

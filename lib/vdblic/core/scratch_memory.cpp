@@ -16,7 +16,6 @@
 #include <cstring>
 #include <mutex>
 #include <pthread.h>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>

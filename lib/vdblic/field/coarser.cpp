@@ -6,7 +6,6 @@
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tree/LeafManager.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <type_traits>

@@ -12,10 +12,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <type_traits>
-#include <utility>
 
 namespace vdblic {
 namespace {

@@ -18,7 +18,6 @@
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
-#include <utility>
 
 namespace vdblic {
 namespace {

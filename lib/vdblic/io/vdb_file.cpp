@@ -21,7 +21,6 @@
 #include <openvdb/io/Compression.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>

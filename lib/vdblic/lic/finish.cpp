@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 namespace vdblic {
 
 void FinishParams::validate() const

@@ -11,10 +11,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 namespace vdblic {
 namespace {

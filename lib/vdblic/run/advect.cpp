@@ -1,6 +1,5 @@
 #include "vdblic/run/advect.h"
 
-#include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/atomic_file.h"

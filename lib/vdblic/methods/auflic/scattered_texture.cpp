@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 namespace vdblic {
 namespace {

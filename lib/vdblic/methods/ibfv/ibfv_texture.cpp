@@ -9,12 +9,10 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 namespace vdblic {
 namespace {
