@@ -28,8 +28,7 @@
 namespace vdblic {
 namespace {
 
-// Limit on the processor time of parsing, after which it counts as endless: 5 s plus a share for large files. The
-// slowest files, compressed by zip, are read at 50 MB/s.
+// Limit on the processor time of parsing: 5 s, and 1 s for each 5 MB. The slowest files (zip) are read at 50 MB/s.
 constexpr std::uint64_t kSeconds = 5, kBytesPerSecond = 5'000'000;
 
 std::array<char, 64> gProgram{};
@@ -45,11 +44,11 @@ struct Parsing {
 };
 thread_local Parsing tParsing;
 
-/// A stack for the signal handler, for where a parser's recursion has used up the thread's own.
+/// Bytes of the signal handler's own stack: a parser's recursion may have exhausted the thread's.
 constexpr std::size_t kHandlerStack = std::size_t(1) << 16;
 alignas(16) thread_local std::array<char, kHandlerStack> tHandlerStack;
 
-/// An allocation failed in this thread. The exception may leave a function that must not throw, which aborts.
+/// Whether an allocation failed in this thread. Its exception aborts the process if it leaves a noexcept function.
 thread_local volatile sig_atomic_t tMemoryRanOut = 0;
 
 void onNoMemory()
@@ -58,11 +57,11 @@ void onNoMemory()
     throw std::bad_alloc();
 }
 
-/// No thread could be started in this thread, by a library that aborts then.
+/// Whether this thread failed to start another one: libraries abort then.
 thread_local volatile sig_atomic_t tThreadsRanOut = 0;
-std::terminate_handler gTerminate = nullptr; // before ours
+std::terminate_handler gTerminate = nullptr; // the handler installed before ours
 
-/// Exceptions that leave functions that must not throw abort the process: note which they were.
+/// Record the exception that is about to abort the process because it left a noexcept function.
 [[noreturn]] void onTerminate()
 {
     try {
@@ -73,13 +72,13 @@ std::terminate_handler gTerminate = nullptr; // before ours
         if (error.code() == std::errc::resource_unavailable_try_again) tThreadsRanOut = 1;
     } catch (const std::runtime_error& error) { // TBB's has no code
         if (std::strstr(error.what(), "pthread_create")) tThreadsRanOut = 1;
-    } catch (...) { // NOLINT(bugprone-empty-catch): a bug, which the handler before ours tells
+    } catch (...) { // NOLINT(bugprone-empty-catch): a bug, which the previous handler reports
     }
     if (!tMemoryRanOut && !tThreadsRanOut) gTerminate();
     std::abort();
 }
 
-/// Whether the process is close to its limit on data or on addresses. C libraries crash where an allocation fails.
+/// Whether the process is close to its limit on data or addresses. C libraries crash on a failed allocation.
 bool isMemoryUsedUp()
 {
     const auto isNear = [](int resource, std::uint64_t taken) {
@@ -91,7 +90,7 @@ bool isMemoryUsedUp()
     return isNear(RLIMIT_DATA, now.data) || isNear(RLIMIT_AS, now.addresses);
 }
 
-/// A message put together without allocation; what does not fit is cut off.
+/// Builds a message without allocating; truncates it to the buffer.
 class Line {
   public:
     void add(const char* text)
@@ -107,9 +106,9 @@ class Line {
     std::size_t mLength = 0;
 };
 
-/// Several threads may run out of memory together: the first one speaks and ends the process, the others wait for that.
+/// Set by the first thread that crashes: it prints the message and ends the process, the others wait.
 std::atomic_flag gSpoken{};
-static_assert(std::atomic<bool>::is_always_lock_free); // in a signal handler
+static_assert(std::atomic<bool>::is_always_lock_free); // accessed in a signal handler
 thread_local volatile sig_atomic_t tSpeaks = 0;
 
 void speakFirst()
@@ -122,16 +121,16 @@ void speakFirst()
 
 /// The message and exit status of a crash.
 struct Cause {
-    std::array<const char*, 5> text{}; ///< put together
+    std::array<const char*, 5> text{}; ///< parts of the message
     int status = gStatuses.badInput;
 };
 
 constexpr const char* kDamaged = ": cannot be read: it is damaged";
 
-/// @return nothing for a crash that is neither of a file that is being parsed nor for lack of memory
+/// @return nothing unless a file was being parsed, memory or threads ran out, or the scratch file failed
 std::optional<Cause> causeOf(int signal, const siginfo_t& info)
 {
-    // A page of the scratch file that cannot be read or written is no memory.
+    // A bus error in the scratch file is a disk failure, not a lack of memory.
     const char* const disk = signal == SIGBUS ? paging::failureAt(info.si_addr) : nullptr;
     if (disk) return Cause{{disk}, gStatuses.cannotWrite};
     const bool memory = (signal == SIGABRT && tMemoryRanOut) || isMemoryUsedUp();
@@ -174,7 +173,7 @@ extern "C" void onCrash(int signal, siginfo_t* info, void* /*context*/)
     ::_exit(cause->status);
 }
 
-/// Once a thread. A sanitizer gives its threads a stack itself.
+/// Called once per thread. Sanitizers give their threads a handler stack themselves.
 void takeHandlerStack() noexcept
 {
     thread_local bool isTaken = false;
@@ -223,8 +222,8 @@ void guardAgainstCrashes(const std::string& program, const CrashStatuses& status
 {
     gStatuses = statuses;
     std::snprintf(gProgram.data(), gProgram.size(), "%s", program.c_str());
-    // A library that is loaded late, as Python's module, gets a thread's variables at their first use, from malloc().
-    // The handler must not be the first to use it: it would wait for ever if malloc() itself crashed.
+    // A library loaded late (Python's module) allocates its thread-local variables at first use, by malloc(). The
+    // handler must not be that first use: after a crash in malloc() it would deadlock.
     tParsing.active = 0;
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU}) {
         struct sigaction action {};

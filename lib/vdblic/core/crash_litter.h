@@ -5,8 +5,8 @@
 
 namespace vdblic {
 
-/// A file that goes with the process where a crash of a parser ends it (crash_guard.h). At most four at a time; of
-/// further ones nothing is remembered.
+/// A file to remove if a parser's crash ends the process (crash_guard.h). At most four at a time; further ones are
+/// ignored.
 class CrashLitter {
   public:
     explicit CrashLitter(const std::string& path);
@@ -18,7 +18,7 @@ class CrashLitter {
     std::size_t mSlot;
 };
 
-/// For handlers of signals.
+/// Remove the registered files. Safe in a signal handler.
 void removeCrashLitter() noexcept;
 
 } // namespace vdblic

@@ -12,7 +12,7 @@
 namespace vdblic {
 namespace {
 
-/// The kinds of errors that ranks tell each other of, as the first character of a message.
+/// Kinds of errors reported between ranks, as the first character of a message.
 enum Kind : char { kParameter = 'p', kInput = 'i', kOutput = 'o', kStopped = 's', kMemory = 'm', kOther = 'x' };
 
 std::string described(const std::exception_ptr& why)
@@ -57,7 +57,7 @@ std::string described(const std::exception_ptr& why)
 
 } // namespace
 
-/// Before each collective call: the largest number that any rank gives is that of the first rank that failed.
+/// Called before each collective call. The largest number of all ranks identifies the first rank that failed.
 void Exchange::agree()
 {
     if (isAlone()) return;

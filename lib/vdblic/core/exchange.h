@@ -26,7 +26,7 @@ class Exchange {
     [[nodiscard]] bool isFirst() const { return rank() == 0; }
     [[nodiscard]] bool isAlone() const { return size() == 1; }
 
-    /// Give each rank a message, and take one from each. @param messages one for each rank
+    /// Send a message to each rank and receive one from each. @param messages by rank
     [[nodiscard]] std::vector<Bytes> swap(std::vector<Bytes> messages);
     /// All ranks' messages at rank 0; at the others nothing.
     [[nodiscard]] std::vector<Bytes> gather(Bytes message);
@@ -35,9 +35,9 @@ class Exchange {
     /// Replace each number by its sum, or by its largest value, over all ranks.
     void sum(std::span<std::uint64_t> numbers);
     void max(std::span<double> numbers);
-    /// Whether something is true at any rank.
+    /// Whether `here` is true at any rank.
     [[nodiscard]] bool any(bool here);
-    /// The values of all ranks, one rank's after the other's, at all ranks.
+    /// The values of all ranks in rank order, at all ranks.
     template<typename T>
     [[nodiscard]] std::vector<T> join(const std::vector<T>& values)
     {
@@ -54,7 +54,7 @@ class Exchange {
     }
     /// Wait for all ranks.
     void agree();
-    /// Do a job at all ranks. @throws at every rank if it fails at one
+    /// Run a job at all ranks. @throws at every rank if it fails at one
     template<typename Job>
     void together(const Job& job)
     {
@@ -67,17 +67,17 @@ class Exchange {
         }
     }
 
-    /// Tell the other ranks, in place of the collective call that they are in, that this rank gives up. Called once for
-    /// each error; for one that a collective call threw, the others know already.
+    /// Report this rank's failure to the others, in place of the collective call that they are in. Called once per
+    /// error; ignores an error that a collective call threw, since all ranks have it.
     void fail(const std::exception_ptr& why) noexcept;
 
-    /// Bytes that this rank has given in swap().
+    /// Bytes sent by this rank in swap().
     [[nodiscard]] std::uint64_t sent() const { return mSent; }
 
   protected:
     virtual std::vector<Bytes> doSwap(std::vector<Bytes> messages) = 0;
     virtual std::vector<Bytes> doGather(Bytes message) = 0;
-    /// @param from rank whose message it is
+    /// @param from the sending rank
     virtual Bytes doBroadcast(Bytes message, int from) = 0;
     virtual void doSum(std::span<std::uint64_t> numbers) = 0;
     virtual void doMax(std::span<double> numbers) = 0;

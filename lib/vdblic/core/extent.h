@@ -8,11 +8,10 @@
 
 namespace vdblic {
 
-/// Voxels lie at indices between this and its negative: then 32 bits hold the extents of all boxes.
+/// Largest magnitude of a voxel's index: the extents of all boxes then fit into 32 bits.
 inline constexpr int kFarthestIndex = 1'000'000'000;
 
-/// The voxels of a box along each axis; 0 if it is empty. openvdb::CoordBBox::dim() wraps for a box that a file may
-/// have.
+/// The voxels of a box along each axis; 0 if it is empty. openvdb::CoordBBox::dim() overflows on hostile boxes.
 [[nodiscard]] inline std::array<std::int64_t, 3> extentOf(const openvdb::CoordBBox& box)
 {
     if (box.empty()) return {};
@@ -22,7 +21,7 @@ inline constexpr int kFarthestIndex = 1'000'000'000;
     return extent;
 }
 
-/// The number of voxels in a box. openvdb::CoordBBox::volume() wraps for a box that a file may have.
+/// The number of voxels in a box. openvdb::CoordBBox::volume() overflows on hostile boxes.
 [[nodiscard]] inline double voxelsOf(const openvdb::CoordBBox& box)
 {
     const auto [x, y, z] = extentOf(box);

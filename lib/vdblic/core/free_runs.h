@@ -7,8 +7,8 @@
 
 namespace vdblic {
 
-/// The free places of a numbered array, as ranges of neighbours. The cost of taking and returning places does not
-/// depend on the number of ranges. Allocates nothing after its construction. Not thread-safe.
+/// The free places of a numbered array, as ranges. The cost of taking and returning places does not depend on the
+/// number of ranges. Allocates nothing after its construction. Not thread-safe.
 class FreeRuns {
   public:
     struct Range {
@@ -22,26 +22,25 @@ class FreeRuns {
 
     /// Give places back. None may be free.
     void add(Range range);
-    /// Take the first places of a range that has so many. Where there are many ranges, one of fewer than twice as many
-    /// may be missed.
+    /// Take `count` places from the front of a range. Among many ranges, one shorter than 2 · count may be missed.
     [[nodiscard]] std::optional<std::uint32_t> take(std::uint32_t count);
     /// Take a whole range.
     [[nodiscard]] std::optional<Range> takeAny();
 
   private:
     static constexpr std::uint32_t kNone = UINT32_MAX;
-    static constexpr std::size_t kLists = 32; // ranges of 2^n places and more, fewer than the next list's
+    static constexpr std::size_t kLists = 32; // list n holds ranges of at least 2ⁿ places
 
     struct Place {
-        std::uint32_t count;         ///< of the range that begins or ends here; 0 at all other places
-        std::uint32_t before, after; ///< in the list, where a range begins
+        std::uint32_t count;         ///< length of the range that begins or ends here; else 0
+        std::uint32_t before, after; ///< neighbours in the list, if a range begins here
     };
 
     void link(Range range);
     void unlink(Range range);
 
     std::size_t mPlaces;
-    Place* mTable; // untouched parts take no memory
+    Place* mTable; // untouched pages take no memory
     std::array<std::uint32_t, kLists> mFirst;
 };
 

@@ -3,9 +3,9 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointDataGrid.h>
 
-/// OpenVDB's grids and trees that are not compiled in every unit that names them. Their virtual functions, most of what
-/// such a unit would take to compile, are in OpenVDB's library; grid_instances.cpp has what that leaves out, or all.
-/// Precompiled into every unit of this project. Without VDBLIC_LIBRARY_HAS_GRIDS every unit compiles what it uses.
+/// Grids and trees of OpenVDB that are not instantiated in every unit. OpenVDB's library has their virtual functions,
+/// most of the compile time; grid_instances.cpp has the missing ones, or all. Part of the precompiled header. Without
+/// VDBLIC_LIBRARY_HAS_GRIDS each unit instantiates its own.
 #ifdef VDBLIC_LIBRARY_HAS_GRIDS
 #define VDBLIC_FOR_GRID_TREES(INSTANCE)                                                                                \
     INSTANCE(openvdb::FloatTree)                                                                                       \

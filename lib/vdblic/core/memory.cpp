@@ -93,7 +93,7 @@ void checkMemory(double needed, const std::string& what, const std::string& mend
 
 void checkVoxels(std::uint64_t count, const std::string& where, int ranks, std::uint64_t stored)
 {
-    constexpr double kLeast = 16; // bytes a voxel
+    constexpr double kLeast = 16; // bytes per voxel
     if (kLeast * double(count - stored) / ranks <= double(memoryLimit()) && paging::mayHold(kLeast * double(count)))
         return;
     checkMemory(double(count) / ranks * kLeast, fmt::format("{}{}{} voxels", where, where.empty() ? "" : ": ", count),

@@ -27,15 +27,15 @@ void setMemoryOption();
 /// Advice on getting more memory, for messages: "raise `max_memory`" in a program that has that.
 [[nodiscard]] std::string_view memoryMend();
 
-/// Check that an allocation fits into the memory.
-/// @param needed in bytes  @param what names the allocation in the message  @param mend the remedy besides more memory
+/// Check that an allocation of `needed` bytes fits into memory.
+/// @param what names the allocation in the message  @param mend the remedy besides more memory
 /// @throws InputError if it exceeds memoryLimit()
 void checkMemory(double needed, const std::string& what, const std::string& mend);
 
-/// Check that tiles can be expanded to so many voxels, at the least memory that any work on voxels takes.
+/// Check that `count` voxels fit into memory, at the fewest bytes per voxel of any computation.
 /// @param where  prefix of the message; may be empty  @param ranks that share the voxels
-/// @param stored the voxels that files hold one by one; they may lie in a scratch file (paging.h). Voxels that tiles
-///               expand to must fit into memory. @throws InputError
+/// @param stored voxels stored one by one in files: a scratch file may hold them (paging.h). The others, expanded from
+/// tiles, must fit into memory. @throws InputError
 void checkVoxels(std::uint64_t count, const std::string& where = "", int ranks = 1, std::uint64_t stored = 0);
 
 } // namespace vdblic

@@ -12,7 +12,7 @@
 
 namespace vdblic {
 
-/// The names of an enumeration's values, in the order of the values. Enumerations that parameters have specialise it.
+/// The names of an enumeration's values, in order. Specialised for each enumeration of a parameter.
 template<typename Enum>
 inline constexpr auto kNames = std::array<std::string_view, 0>{};
 

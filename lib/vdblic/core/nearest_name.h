@@ -7,8 +7,8 @@
 
 namespace vdblic {
 
-/// The name that a mistyped word means: one that begins with it, else the one at Levenshtein's distance of at most a
-/// third of its letters. Nothing if there is none.
+/// The name meant by a mistyped word: one that begins with it, else the nearest within a Levenshtein distance of a
+/// third of its letters, else nothing.
 [[nodiscard]] std::optional<std::string> nearestName(std::string_view word, const std::vector<std::string>& names);
 
 } // namespace vdblic

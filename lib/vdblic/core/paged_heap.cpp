@@ -9,9 +9,9 @@
 namespace vdblic {
 namespace {
 
-// Free runs whose pages are reused; pages of further free runs are discarded, so that they are never written.
+// Free runs kept resident for reuse; pages of further ones are discarded, so never written.
 constexpr std::size_t kMostWarm = 64;
-constexpr std::size_t kGrowth = std::size_t(64) << 20; // of the file
+constexpr std::size_t kGrowth = std::size_t(64) << 20; // bytes by which the file grows
 
 std::atomic<std::size_t> gThreads = 0;
 
@@ -40,7 +40,7 @@ PagedHeap::~PagedHeap()
     ::munmap(mRuns, mFile.capacity() / kRun * sizeof(Run));
 }
 
-/// In steps of 16 bytes, then of eighths of a power of two.
+/// Size classes: steps of 16 bytes, then eighths of a power of two.
 std::size_t PagedHeap::sizeNumber(std::size_t bytes)
 {
     if (bytes <= kFine) return (std::max(bytes, kLeast) - kLeast + kFineStep - 1) / kFineStep;
@@ -86,7 +86,7 @@ int PagedHeap::reserve(std::size_t bytes) noexcept
     return mFile.grow(bytes);
 }
 
-/// The first of free runs that follow one another; kNone if there are none.
+/// The first of `count` consecutive free runs, or kNone.
 std::uint32_t PagedHeap::takeFree(std::size_t count) noexcept
 {
     const auto number = std::uint32_t(count);
@@ -96,7 +96,8 @@ std::uint32_t PagedHeap::takeFree(std::size_t count) noexcept
     }
     if (const std::optional<std::uint32_t> first = mEmpty.take(number)) return *first;
     if (mWarmRuns == 0) return kNone;
-    while (const std::optional<FreeRuns::Range> range = mWarm.takeAny()) { // beside empty ones there may be room
+    while (const std::optional<FreeRuns::Range> range =
+               mWarm.takeAny()) { // together with empty neighbours they may suffice
         mFile.discard(range->first * kRun, range->count * kRun);
         mEmpty.add(*range);
     }
@@ -129,7 +130,7 @@ void PagedHeap::giveBack(std::uint32_t first, std::size_t count) noexcept
     std::unique_lock lock(mMutex);
     const bool staysWarm = mWarmRuns + count <= kMostWarm;
     if (!staysWarm) {
-        lock.unlock(); // nobody else knows of the runs
+        lock.unlock(); // the runs are not shared yet
         mFile.discard(first * kRun, count * kRun);
         lock.lock();
     }
@@ -162,7 +163,7 @@ void* PagedHeap::allocate(std::size_t bytes) noexcept
         run.used = run.firstFree = 0;
         for (std::size_t word = 0; word <= run.capacity / kWord; ++word)
             run.taken[word] = 0;
-        run.taken[run.capacity / kWord] = ~std::uint64_t(0) << run.capacity % kWord; // the rest does not exist
+        run.taken[run.capacity / kWord] = ~std::uint64_t(0) << run.capacity % kWord; // no places beyond the capacity
         prepend(of.runs, taken);
     }
     const std::uint32_t number = of.runs.first;

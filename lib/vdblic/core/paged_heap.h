@@ -35,35 +35,35 @@ class PagedHeap {
         return address >= mBegin && address < mEnd;
     }
 
-    /// Put so many bytes on the disk. @return 0, or the system's reason why not
+    /// Grow the file on disk to `bytes`. @return 0, or an errno
     [[nodiscard]] int reserve(std::size_t bytes) noexcept;
-    /// Why the file could not grow; 0 if it could.
+    /// The errno of the file's failed growth, or 0.
     [[nodiscard]] int problem() const { return mProblem; }
 
     /// Evict runs from resident memory.
     /// @param first, count may reach beyond the end
     void letGo(std::size_t first, std::size_t count) const noexcept;
-    [[nodiscard]] std::size_t runs() const { return mTop; } ///< that were ever used
+    [[nodiscard]] std::size_t runs() const { return mTop; } ///< runs ever used
 
   private:
     static constexpr std::uint32_t kNone = UINT32_MAX;
     static constexpr std::size_t kMostObjects = kRun / kLeast, kWord = 64, kWords = kMostObjects / kWord + 1;
     static constexpr std::size_t kFine = 1024, kFineStep = 16, kSteps = 8, kOctaves = 9; // to half a run
     static constexpr std::size_t kSizes = (kFine - kLeast) / kFineStep + 1 + kSteps * kOctaves;
-    static constexpr std::size_t kShards = 8; // threads allocate in runs of their own
+    static constexpr std::size_t kShards = 8; // each thread allocates in the runs of one shard
 
     enum class Use : std::uint8_t { kFree, kObjects, kLarge };
     struct Run {
-        std::uint32_t before, after;   ///< in its list
-        std::uint32_t size;            ///< number of the objects' size; of a large object: its runs
+        std::uint32_t before, after;   ///< neighbours in its list
+        std::uint32_t size;            ///< size class of the objects; for a large object its number of runs
         std::uint32_t shard, capacity; ///< of objects
-        std::uint32_t used, firstFree; ///< objects; the first word that may have a free one
+        std::uint32_t used, firstFree; ///< objects in use; first word that may have a free place
         std::array<std::uint64_t, kWords> taken;
     };
     struct List {
         std::uint32_t first = kNone, last = kNone;
     };
-    struct Shelf { ///< the runs with a free place for objects of a size
+    struct Shelf { ///< runs with a free place, of one size class
         std::mutex mutex;
         List runs;
     };
@@ -84,8 +84,8 @@ class PagedHeap {
     Run* mRuns; // untouched ones take no memory
     std::unique_ptr<std::atomic<Use>[]> mUse;
     std::unique_ptr<Shelf[]> mShelves;
-    std::mutex mMutex;      // of what follows
-    FreeRuns mWarm, mEmpty; // whose pages are used again as they are; which were given up
+    std::mutex mMutex;      // guards the members below
+    FreeRuns mWarm, mEmpty; // free runs with resident pages; with discarded pages
     std::size_t mWarmRuns = 0;
     std::atomic<std::size_t> mTop = 0;
     std::atomic<int> mProblem = 0;

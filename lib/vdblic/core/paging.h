@@ -6,11 +6,11 @@
 namespace vdblic::paging {
 
 /// \file
-/// How the library announces its need of memory to a program that can place memory elsewhere: in a scratch
-/// file (core/scratch_memory.h; docs/architecture.md, "Larger than memory"). Contents of memory, and so
-/// all results, are the same. In other programs all of this does nothing.
+/// The library announces its need of memory here. A program may then place memory in a scratch file
+/// (core/scratch_memory.h; docs/architecture.md, "Larger than memory"): results stay the same. In other programs these
+/// functions do nothing.
 
-/// Where a program's memory lies. Like its operator new it is of the process, not of an object. Thread-safe.
+/// A program's placement of memory: one per process, like its operator new. Thread-safe.
 class Memory {
   public:
     Memory() = default;
@@ -33,29 +33,26 @@ namespace detail {
 extern std::atomic<Memory*> gMemory;
 } // namespace detail
 
-/// Make room for a run's peak memory: begin a scratch file if that is near or above the limit. The file's blocks are
-/// then allocated on disk, so that the disk cannot become full later.
-/// @param bytes that the run takes
-/// @return whether memory is paged now and the scratch file holds as much
+/// Make room for a run's peak memory: if it nears or exceeds the limit, start a scratch file and allocate its blocks,
+/// so that the disk cannot fill up later.
+/// @param bytes peak of the run  @return whether memory is paged and the scratch file holds `bytes`
 /// @throws OutputError, naming the folder and the reason, if the scratch file cannot be made or grow so far
 bool makeRoom(double bytes);
 
-/// Begin paging, without room on the disk yet, if a job that reads files of so much memory would need it.
+/// Start paging, without reserving disk space, if files of `bytes` in memory need it.
 /// @throws OutputError if no scratch file can be made
 void expectFiles(double bytes);
 
-/// Whether memory and a scratch file in the free space of the disk can hold so many bytes. False without a scratch
-/// file.
+/// Whether memory plus a scratch file in the disk's free space hold `bytes`. False without a scratch file.
 [[nodiscard]] bool mayHold(double bytes);
 
-/// Called by threads that sweep much memory, before they touch the next bytes: a thread that outruns eviction waits
-/// here.
+/// Called by threads that sweep much memory, before they touch `bytes` more: a thread that outruns eviction waits here.
 inline void breathe(std::size_t bytes)
 {
     Memory* const memory = detail::gMemory.load(std::memory_order_acquire);
     if (__builtin_expect(memory != nullptr, 0)) memory->breathe(bytes);
 }
-inline constexpr std::size_t kLeafBytes = 16384;    ///< touched by work on a leaf, about
+inline constexpr std::size_t kLeafBytes = 16384;    ///< touched per leaf, about
 inline constexpr std::size_t kPointBytes = 1 << 19; ///< touched by a lookup far from the last one
 
 /// Why the scratch file could not grow, as a message; null if it could. May be called in a signal handler.

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <system_error>
-#include <utility>
 
 namespace vdblic {
 namespace {
@@ -87,7 +86,7 @@ void Parameter::check(const Words& words) const
         if (type == WordType::kFlag || type == WordType::kText) continue;
         const std::optional<double> number = detail::numberIn(word);
         const Limits& limits = info.limits;
-        const bool isIn = number && *number <= limits.most && // which no not-a-number is
+        const bool isIn = number && *number <= limits.most && // false for NaN
                           (limits.isAbove ? *number > limits.least : *number >= limits.least);
         if (!isIn) refuse();
     }

@@ -62,9 +62,9 @@ struct Parameter {
     [[nodiscard]] bool isList() const { return most > least; }
     /// The values allowed: "a whole number from 1 to 1000".
     [[nodiscard]] std::string kind() const;
-    /// @throws ParameterError if words are none, too many, no numbers or out of bounds
+    /// @throws ParameterError if words are missing, too many, not numeric or out of bounds
     void check(const Words& words) const;
-    /// The value in one text, as messages and files have it; empty if it is not given.
+    /// The value as one text, as in messages and files; empty if not given.
     [[nodiscard]] std::string value() const;
 };
 
@@ -76,12 +76,12 @@ using Parameters = std::vector<Parameter>;
 [[nodiscard]] const Parameter* find(const Parameters& parameters, std::string_view key);
 /// Check all values against their bounds. @throws ParameterError
 void checkLimits(const Parameters& parameters);
-/// Set those that are given, by key. @throws ParameterError, also on unknown keys
+/// Set the given parameters by key. @throws ParameterError, also on unknown keys
 void set(const Parameters& parameters, const std::map<std::string, Words>& given);
 
-/// A line for each value of a plan that is given or not the default: "plan: `size` 64 48 (given)".
-/// @param defaults, said, plan the same parameters: of nobody, as the user gave them, and as they are used
-/// @param chooser  who chose a value that the user did not give, by its parameter in the plan
+/// One line for each value of a plan that is given or differs from its default: "plan: `size` 64 48 (given)".
+/// @param defaults, said, plan the same parameters: default, as the user gave them, as used
+/// @param chooser  the source of a value that the user did not give, by its parameter in the plan
 [[nodiscard]] std::vector<std::string> planLines(
     const Parameters& defaults, const Parameters& said, const Parameters& plan,
     const std::function<std::string(const Parameter&)>& chooser = [](const auto&) { return "chosen"; });

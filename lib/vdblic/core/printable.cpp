@@ -22,7 +22,7 @@ Character firstOf(std::string_view text)
     const unsigned char head = byte(0);
     if (head < 0x80) return {head, 1};
     const std::size_t bytes = head >= 0xf0 ? 4 : head >= 0xe0 ? 3 : 2;
-    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000}; // by the number of bytes
+    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000}; // by number of bytes
     if (head < 0xc0 || head > 0xf4 || text.size() < bytes) return {};
     std::uint32_t code = head & (0x7fU >> bytes);
     for (std::size_t i = 1; i < bytes; ++i) {

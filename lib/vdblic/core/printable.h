@@ -5,13 +5,11 @@
 
 namespace vdblic {
 
-/// A text that may have come from a file, for a terminal or a log: one line of valid UTF-8. Control characters, those
-/// that change the direction of writing, ends of lines and bytes that are no UTF-8 become escapes as in C: `\n`,
-/// `\x1b`,
-/// `\u202e`. All else stays, so a text that was made printable stays as it is.
+/// A text of unknown origin for a terminal or a log: one line of valid UTF-8. Control characters, line ends, changes of
+/// the writing direction and invalid UTF-8 become escapes as in C: `\n`, `\x1b`, `\u202e`. Idempotent.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// A word as a shell reads it back: in quotes where it has to be.
+/// A word quoted for a shell, if it needs quotes.
 [[nodiscard]] std::string shellWord(const std::string& word);
 
 } // namespace vdblic

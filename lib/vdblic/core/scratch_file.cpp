@@ -24,7 +24,7 @@ namespace {
                                   folder.string(), std::generic_category().message(reason)));
 }
 
-/// A file that loses its name at once where the file system has none without.
+/// An open file without a name; unlinked at once where the file system has no unnamed files.
 int openUnnamed(const std::filesystem::path& folder)
 {
     const int unnamed = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
@@ -35,8 +35,7 @@ int openUnnamed(const std::filesystem::path& folder)
     return named;
 }
 
-/// Let the file system write changed pages where they are. Btrfs writes them elsewhere otherwise, for which a full disk
-/// has no room, although the file has its own.
+/// Turn off copy-on-write. Btrfs otherwise writes changed pages to new blocks, which a full disk lacks.
 void writeInPlace(int descriptor)
 {
     int flags = 0;
@@ -89,7 +88,7 @@ void ScratchFile::letGo(std::size_t begin, std::size_t bytes) const noexcept
 
 void ScratchFile::discard(std::size_t begin, std::size_t bytes) const noexcept
 {
-    // Where the file system cannot do it, the contents are written in vain.
+    // File systems without this operation write the contents needlessly.
     if (::fallocate(mDescriptor, FALLOC_FL_ZERO_RANGE | FALLOC_FL_KEEP_SIZE, ::off_t(begin), ::off_t(bytes)) != 0)
         letGo(begin, bytes);
 }

@@ -10,7 +10,7 @@ namespace vdblic {
 /// Only letGo() and discard() may be called by several threads.
 class ScratchFile {
   public:
-    /// @param readsAhead whether the system may map more than is asked for, which makes the resident memory jump
+    /// @param readsAhead whether the system may map neighbouring pages too, which makes resident memory jump
     /// @throws OutputError naming the folder and the reason
     ScratchFile(const std::filesystem::path& folder, bool readsAhead);
     ~ScratchFile();
@@ -19,14 +19,14 @@ class ScratchFile {
 
     [[nodiscard]] char* begin() const { return mBegin; }
     [[nodiscard]] std::size_t capacity() const { return mCapacity; } ///< bytes that it may grow to
-    [[nodiscard]] std::size_t size() const { return mSize; }         ///< bytes that are on the disk and may be used
+    [[nodiscard]] std::size_t size() const { return mSize; }         ///< bytes allocated on disk
 
-    /// Put so many bytes on the disk. @return 0, or the system's reason why not
+    /// Grow the file on disk to `size`. @return 0, or an errno
     [[nodiscard]] int grow(std::size_t size) noexcept;
 
-    /// Take a range out of the resident memory; its contents stay in the file.
+    /// Evict a range from resident memory; its contents stay in the file.
     void letGo(std::size_t begin, std::size_t bytes) const noexcept;
-    /// Give up the contents of a range: they need not be written. Its place on the disk stays.
+    /// Discard the contents of a range, so that they are never written. Its blocks stay allocated.
     void discard(std::size_t begin, std::size_t bytes) const noexcept;
 
   private:

@@ -16,7 +16,6 @@
 #include <cstring>
 #include <mutex>
 #include <pthread.h>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -34,16 +33,15 @@ constexpr double kSpread = 1.25; // bytes of the file for each byte of objects: 
 
 /// Keeps the process's resident memory below a limit.
 ///
-/// Runs leave the memory round and round in the order in which they lie in the file. The few that are in use come back
-/// from the system's cache at once; the others were used longest ago, because work sweeps over the whole memory.
+/// Evicts runs cyclically, in file order. Runs in use return from the page cache at once; the others are the least
+/// recently used, because work sweeps the whole memory.
 class ResidentKeeper {
   public:
     ResidentKeeper(const PagedHeap& heap, std::uint64_t limit); ///< @param heap must outlive this
 
     void keep();
-    /// Start a thread that keeps for ever, since threads also allocate without breathing. It takes no signals, and
-    /// little of the limit on data by its stack.
-    /// @return 0, or the system's reason why it cannot be started
+    /// Start a permanent thread that evicts, since threads also allocate without breathing. It takes no signals; its
+    /// stack counts little towards the limit on data. @return 0, or the errno of the failure
     [[nodiscard]] int startThread();
 
   private:
@@ -52,7 +50,7 @@ class ResidentKeeper {
     const PagedHeap& mHeap;
     std::uint64_t mMost, mStep, mCode;
     std::mutex mMutex;
-    std::size_t mNext = 0; // run to let go
+    std::size_t mNext = 0; // run to evict next
 };
 
 ResidentKeeper::ResidentKeeper(const PagedHeap& heap, std::uint64_t limit)
@@ -109,7 +107,7 @@ ScratchMemory::ScratchMemory(std::filesystem::path folder, std::uint64_t limit, 
                   mFolder.c_str());
 }
 
-/// On the disk; 0 if that is not known.
+/// Free bytes on the disk; 0 if unknown.
 std::uintmax_t ScratchMemory::freeBytes() const
 {
     std::error_code error;
@@ -117,11 +115,11 @@ std::uintmax_t ScratchMemory::freeBytes() const
     return error ? 0 : space.available;
 }
 
-/// Under the lock.
+/// Requires the lock.
 void ScratchMemory::begin()
 {
     if (isBegun()) return;
-    auto* const heap = new PagedHeap(*new ScratchFile(mFolder, mLimit >= kLarge)); // for ever
+    auto* const heap = new PagedHeap(*new ScratchFile(mFolder, mLimit >= kLarge)); // never freed
     auto* const keeper = new ResidentKeeper(*heap, mLimit);
     if (const int reason = keeper->startThread(); reason != 0)
         throw std::system_error(reason, std::generic_category(), "the thread that keeps to the memory");

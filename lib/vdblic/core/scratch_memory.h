@@ -62,7 +62,7 @@ class ScratchMemory : public paging::Memory {
     const std::filesystem::path mFolder;
     const std::uint64_t mLimit;
     const double mInFiles;
-    std::mutex mMutex; // of the beginning
+    std::mutex mMutex; // guards begin()
     PagedHeap* mHeap = nullptr;
     ResidentKeeper* mKeeper = nullptr;
     std::mutex mProblemMutex;

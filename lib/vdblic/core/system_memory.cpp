@@ -8,7 +8,6 @@
 #include <malloc.h>
 #include <string>
 #include <unistd.h>
-#include <utility>
 
 namespace vdblic {
 namespace {

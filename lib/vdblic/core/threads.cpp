@@ -23,19 +23,19 @@ std::size_t startableThreads(std::size_t most)
     constexpr std::size_t kStack = std::size_t(8) << 20;
     struct Started {
         pthread_t thread;
-        void* stack; // its own, because the C library would keep those that it makes
+        void* stack; // allocated here, because the C library caches its own stacks
     };
     std::vector<Started> started;
     started.reserve(most);
     std::mutex wait;
-    std::unique_lock all(wait); // all of them exist at once
+    std::unique_lock all(wait); // all threads exist at once
     const auto run = [](void* of) -> void* {
         const std::lock_guard lock(*static_cast<std::mutex*>(of));
         return nullptr;
     };
     sigset_t signals, before;
     ::sigfillset(&signals);
-    ::pthread_sigmask(SIG_SETMASK, &signals, &before); // threads do not get any
+    ::pthread_sigmask(SIG_SETMASK, &signals, &before); // the threads block all signals
     for (std::size_t i = 0; i < most; ++i) {
         void* const stack = ::mmap(nullptr, kStack, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         if (stack == MAP_FAILED) break;

@@ -2,7 +2,6 @@
 
 #include "vdblic/core/message.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <utility>
 

@@ -14,12 +14,12 @@
 
 namespace vdblic {
 
-/// A rank's halo (the leaves around its own ones), and its own leaves in the halos of other ranks. Both sides of
-/// an exchange list the same leaves in the same order, so messages hold values only.
+/// A rank's halo (the leaves around its own ones), and its own leaves in the halos of other ranks. Both sides of an
+/// exchange list the same leaves in the same order: messages hold values only.
 class HaloExchange final : public LeafOwners {
   public:
-    /// @param domain with this rank's own leaves, and as local ones those in its halo; must outlive this, like exchange
-    ///               and partition
+    /// @param domain with this rank's own leaves and, as local ones, its halo; must outlive this, like exchange and
+    /// partition
     /// @param depths of each rank's halo, whole leaves
     HaloExchange(Exchange& exchange, const Partition& partition, const Domain& domain,
                  std::vector<Rim<Space::kTexture>> depths);

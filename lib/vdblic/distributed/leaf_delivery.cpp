@@ -15,9 +15,9 @@ namespace {
 
 using DeliveredGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Int32Grid>;
 
-constexpr std::size_t kLeavesPerChunk = std::size_t(1) << 13; // some 8 MB
+constexpr std::size_t kLeavesPerChunk = std::size_t(1) << 13; // about 8 MB
 
-/// The numbers, lengths, kinds and sizes of a rank's leaves, which a writer needs before the leaves.
+/// The numbers, lengths, kinds and sizes of a rank's leaves, which the writer needs before the records.
 Exchange::Bytes listOf(const OwnLeaves& leaves)
 {
     Exchange::Bytes message;
@@ -30,7 +30,7 @@ Exchange::Bytes listOf(const OwnLeaves& leaves)
     return message;
 }
 
-/// Takes the records of a rank's own leaves, one after the other, and frees those taken.
+/// Reads the records of a rank's own leaves in order, and frees them.
 class RecordReader {
   public:
     explicit RecordReader(OwnLeaves leaves) : mLeaves(std::move(leaves)) {}
@@ -63,10 +63,10 @@ class RecordReader {
     std::size_t mLeaf = 0, mBlock = 0, mAt = 0; // mAt in the block
 };
 
-/// Puts the leaves of one grid into order, as they come from the ranks.
+/// Merges the leaves of one grid from all ranks in the grid's order.
 class ChunkWriter {
   public:
-    /// @param lists of all ranks  @param all leaves of the grid
+    /// @param lists of all ranks  @param all number of the grid's leaves
     ChunkWriter(const std::vector<Exchange::Bytes>& lists, std::size_t all, LeafStream& stream)
         : mStream(stream), mLengths(all), mOwners(all)
     {
@@ -95,7 +95,7 @@ class ChunkWriter {
         mStream.begin(std::move(leaves));
     }
 
-    /// @param records of the next chunk's leaves, from each rank
+    /// @param records of the next chunk's leaves, by rank
     void write(const std::vector<Exchange::Bytes>& records)
     {
         const std::size_t end = std::min(mLeaf + kLeavesPerChunk, mLengths.size());
@@ -113,7 +113,7 @@ class ChunkWriter {
 
   private:
     LeafStream& mStream;
-    std::vector<std::uint32_t> mLengths, mOwners; // of each leaf; its rank
+    std::vector<std::uint32_t> mLengths, mOwners; // of each leaf; its owner
     std::size_t mLeaf = 0;
 };
 
@@ -135,7 +135,7 @@ OwnLeaves storeOwn(const Domain& domain, const openvdb::GridBase& grid, VdbCompr
 
 void deliver(Exchange& exchange, std::vector<OwnLeaves> grids, LeafStream* stream)
 {
-    if (exchange.isAlone()) { // all leaves are here, in the order of the file
+    if (exchange.isAlone()) { // all leaves are here, in file order
         stream->begin(std::move(grids.front().stored));
         return stream->end();
     }
@@ -177,7 +177,7 @@ openvdb::GridBase::Ptr gathered(Exchange& exchange, const Domain& domain, const 
                 auto leaf = std::make_unique<Leaf>(domain.origin(number), typed.background());
                 message.get(leaf->buffer().data(), Leaf::SIZE);
                 leaf->setValueMask(domain.mask(number));
-                static_cast<GridT&>(*result).tree().addLeaf(leaf.release()); // takes it over
+                static_cast<GridT&>(*result).tree().addLeaf(leaf.release()); // takes ownership
             }
         }
     });
@@ -192,7 +192,7 @@ openvdb::GridBase::Ptr withoutValues(const Domain& domain, const openvdb::GridBa
         for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
             auto node = std::make_unique<Leaf>(openvdb::PartialCreate(), domain.origin(leaf), typed.background());
             node->setValueMask(domain.mask(leaf));
-            typed.tree().addLeaf(node.release()); // takes it over
+            typed.tree().addLeaf(node.release()); // takes ownership
         }
     });
     return result;

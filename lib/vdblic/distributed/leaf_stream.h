@@ -10,24 +10,24 @@
 
 namespace vdblic {
 
-/// Leaves on their way from the thread that receives them to the one that writes them. Each side is one thread.
+/// A queue of leaves between the receiving and the writing thread, one of each.
 class LeafStream final : public LeafSource {
   public:
-    /// @param grids that come through here
+    /// @param grids number of grids to pass
     explicit LeafStream(std::size_t grids) : mGrids(grids) {}
 
     [[nodiscard]] std::size_t grids() const override { return mGrids; }
     StoredLeaves leaves() override; ///< @throws Stopped after giveUp()
     std::string block() override;   ///< @throws Stopped after giveUp()
 
-    /// Begin a grid. @param leaves of it, without blocks
+    /// Begin a grid. @param leaves its list, without blocks
     void begin(StoredLeaves leaves);
-    /// Add a block; while too much waits to be written, wait.
+    /// Add a block; wait while too many bytes are queued.
     void give(std::string block);
     /// End a grid.
     void end();
 
-    /// Neither side waits for the other any more.
+    /// Release both sides from waiting.
     void giveUp();
 
   private:
@@ -37,8 +37,8 @@ class LeafStream final : public LeafSource {
     std::size_t mGrids;
     std::mutex mMutex;
     std::condition_variable mChanged;
-    std::deque<StoredLeaves> mItems; // the lists of a grid, or one block of it; an empty block ends it
-    std::size_t mBytes = 0;          // of the blocks in it
+    std::deque<StoredLeaves> mItems; // a grid's list, or a block; an empty block ends the grid
+    std::size_t mBytes = 0;          // of the queued blocks
     bool mGivenUp = false;
 };
 

@@ -7,7 +7,7 @@
 namespace vdblic {
 namespace {
 
-constexpr int kFar = 1 << 20; // voxels of the velocity, beyond every domain
+constexpr int kFar = 1 << 20; // velocity voxels, beyond every domain
 
 int dividedDown(int number, int by)
 {
@@ -30,7 +30,7 @@ Partition::Partition(const Domain& velocity, const std::array<int, 3>& factors, 
     mRoot = build(std::move(leaves), {openvdb::Coord(-kFar), openvdb::Coord(kFar - 1)}, 0, ranks);
 }
 
-/// @return the number of the node, or −1 less the rank
+/// @return the number of the node, or −1 − rank
 int Partition::build(std::vector<WeightedLeaf> leaves, const openvdb::CoordBBox& box, int firstRank, int ranks)
 {
     if (ranks == 1) {

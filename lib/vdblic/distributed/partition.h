@@ -11,25 +11,25 @@
 
 namespace vdblic {
 
-/// Which rank owns which part of index space: boxes whose faces lie between leaves of the velocity. The outer faces are
-/// far away, so every voxel has one owner, whatever the domain becomes. Immutable; any number of threads may read.
+/// The parts of index space owned by the ranks: boxes with faces between leaves of the velocity. The outer faces are
+/// far away, so every voxel of any domain has one owner. Immutable; any number of threads may read.
 ///
 /// Recursive coordinate bisection: Berger & Bokhari, "A partitioning strategy for nonuniform problems on
 /// multiprocessors", IEEE Transactions on Computers C-36, 1987. Every rank computes the same cuts.
 class Partition {
   public:
-    /// Cut a domain so that the ranks have about equally many of its voxels, across the longest axis of each part.
-    /// @param factors texture voxels in a voxel of the velocity, along each axis
+    /// Cut a domain into parts of about equally many voxels, across the longest axis of each part.
+    /// @param factors texture voxels in a velocity voxel, along each axis
     Partition(const Domain& velocity, const std::array<int, 3>& factors, int ranks);
 
     [[nodiscard]] int ranks() const { return int(mBoxes.size()); }
     [[nodiscard]] const std::array<int, 3>& factors() const { return mFactors; }
 
-    /// A rank's voxels of the velocity, and of the texture.
+    /// A rank's box, in voxels of the velocity and of the texture.
     [[nodiscard]] const VoxelBox<Space::kVelocity>& box(int rank) const { return mBoxes[std::size_t(rank)]; }
     [[nodiscard]] VoxelBox<Space::kTexture> textureBox(int rank) const;
 
-    /// The voxels of the rank that has most, over the mean of all ranks; 1 for an empty domain.
+    /// The most voxels of a rank over the mean of all ranks; 1 for an empty domain.
     [[nodiscard]] double imbalance(const Domain& velocity) const;
 
     /// The rank that owns a voxel.
@@ -42,7 +42,7 @@ class Partition {
     };
     struct Node {
         int axis, cut;            // the first voxel after the cut
-        int children[2] = {0, 0}; // a node's number; below 0, −1 less a rank
+        int children[2] = {0, 0}; // a node's number, or −1 − rank
     };
 
     int build(std::vector<WeightedLeaf> leaves, const openvdb::CoordBBox& box, int firstRank, int ranks);

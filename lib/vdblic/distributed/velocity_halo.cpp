@@ -22,7 +22,7 @@ using openvdb::Vec3f;
 using openvdb::Vec3STree;
 using VelocityLeaf = Vec3STree::LeafNodeType;
 
-/// Visit what is active in a box: onLeaf(leaf), and onTile(origin, value) for each part of a tile of a leaf's size.
+/// Visit the active parts of a box: onLeaf(leaf), and onTile(origin, value) for each leaf-sized part of a tile.
 template<typename OnLeaf, typename OnTile>
 void visit(const Vec3STree& tree, const CoordBBox& box, const OnLeaf& onLeaf, const OnTile& onTile)
 {
@@ -43,7 +43,7 @@ void visit(const Vec3STree& tree, const CoordBBox& box, const OnLeaf& onLeaf, co
     }
 }
 
-constexpr int kTileLevel = 1; // tiles of a leaf's size
+constexpr int kTileLevel = 1; // leaf-sized tiles
 
 using MaskWords = std::array<std::uint64_t, LeafVoxel::kCount / 64>;
 

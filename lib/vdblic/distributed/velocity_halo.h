@@ -9,21 +9,21 @@
 
 namespace vdblic {
 
-/// The active values of a velocity whose leaves lie in a box. Tiles are cut into tiles of a leaf's size.
+/// Move the active values in a box out of a velocity. Tiles are cut into leaf-sized tiles.
 /// @param tree loses those leaves  @param box whole leaves
 [[nodiscard]] openvdb::Vec3STree::Ptr takenOut(openvdb::Vec3STree& tree, const VoxelBox<Space::kVelocity>& box);
 
-/// Add to a rank's part of a velocity what other ranks own. Collective.
-/// @param tree   has at least the values in the rank's own box
-/// @param wanted the box that each rank is to have the values in, whole leaves
+/// Add other ranks' values to a rank's part of a velocity. Collective.
+/// @param tree   contains the values in the rank's own box
+/// @param wanted the box in which each rank needs values, whole leaves
 void addParts(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition,
               const std::vector<VoxelBox<Space::kVelocity>>& wanted);
 
-/// The active voxels of a velocity whose parts lie among the ranks in any way. Collective.
+/// The active voxels of a velocity whose parts are spread over the ranks in any way. Collective.
 /// @throws InputError if two ranks have the same voxel
 [[nodiscard]] openvdb::MaskTree::Ptr joinedTopology(const openvdb::Vec3STree& part, Exchange& exchange);
 
-/// Add to a rank's part of such a velocity what lies in the rank's own box. Collective.
+/// Add the values of the rank's own box to its part of such a velocity. Collective.
 void gatherParts(openvdb::Vec3STree& part, Exchange& exchange, const Partition& partition);
 
 } // namespace vdblic

@@ -59,16 +59,16 @@ class BricksOf {
     /// The index in its brick of a voxel's record. @param x, y, z coordinates in the brick, 0 to kDim − 1
     [[nodiscard]] VDBLIC_INLINE static constexpr int index(int x, int y, int z) { return (x * kDim + y) * kDim + z; }
 
-    /// Take on a domain; none of its leaves has a brick yet.
+    /// Adopt a domain; none of its leaves has a brick yet.
     void cover(std::shared_ptr<const Domain> domain)
     {
         mDomain = std::move(domain);
         mBricks = std::vector<std::unique_ptr<Record[]>>(mDomain->leafCount());
     }
 
-    /// Fill the bricks of some leaves, in parallel.
+    /// Fill the bricks of the given leaves, in parallel.
     /// @param leaves range of leaf numbers
-    /// @param fill   callback fill(leaf, records) with the leaf's number; sets its kSize records, x slowest
+    /// @param fill   called as fill(leaf number, records); sets the brick's kSize records, x slowest
     template<typename Leaves, typename Fill>
     void fill(const Leaves& leaves, const Fill& fill)
     {
@@ -80,7 +80,7 @@ class BricksOf {
         });
     }
 
-    /// Free the bricks of some leaves.
+    /// Free the bricks of the given leaves.
     template<typename Leaves>
     void release(const Leaves& leaves)
     {
@@ -88,12 +88,12 @@ class BricksOf {
             mBricks[leaf].reset();
     }
 
-    /// The bricks of a leaf and of the 26 around it, to find those of eight positions at once.
+    /// The bricks of a leaf and its 26 neighbours, to find those of eight positions at once.
     struct Window {
         LeafWindow leaves;
-        std::array<const float*, LeafWindow::kElsewhere + 1> bricks{}; ///< in each slot the records; null without brick
+        std::array<const float*, LeafWindow::kElsewhere + 1> bricks{}; ///< records in each slot; null without a brick
     };
-    /// @param origin of the leaf. The window holds as long as its bricks are neither filled nor released.
+    /// @param origin of the leaf. The window is valid until one of its bricks is filled or released.
     [[nodiscard]] Window window(const openvdb::Coord& origin) const
     {
         Window result{LeafWindow(*mDomain, origin)};
@@ -123,7 +123,7 @@ class BricksOf {
                 position - __builtin_convertvector(base, Float4)};
     }
 
-    /// locate(), kept out of line: for the rare position outside the window it was expected in.
+    /// locate(), out of line: for the rare position outside its expected window.
     [[nodiscard]] [[gnu::noinline]] Cell locateAnywhere(Float4 position) const { return locate(position); }
 
     /// A record of a leaf's brick. @param index of the record, see index()
@@ -142,16 +142,16 @@ class BricksOf {
     }
 
     /// Interpolate at eight positions.
-    /// @param window in which they are expected; elsewhere interpolation is slower
-    /// @param lanes  bits of the lanes to interpolate; the other rows are zero, as are rows outside every brick
+    /// @param window in which the positions are expected; others are slower
+    /// @param lanes  bits of the lanes to interpolate; other rows are zero, as are rows outside every brick
     VDBLIC_INLINE void interpolate(const Window& window, const Vector8& position, unsigned lanes,
                                    Vector (&rows)[8]) const
     {
         const Int8 x = floorToInt(position.x), y = floorToInt(position.y), z = floorToInt(position.z);
         static_assert(kDim == 9);
-        const auto nine = [](Int8 n) { return (n << 3) + n; }; // without a multiplication
+        const auto nine = [](Int8 n) { return (n << 3) + n; }; // 9 n without a multiplication
         alignas(32) int slots[8], lowest[8];
-        alignas(32) float weights[8][8]; // of a corner, of a lane
+        alignas(32) float weights[8][8]; // by corner and lane
         storeLanes(window.leaves.slots(x, y, z), slots);
         storeLanes((nine(nine(LeafVoxel::local(x)) + LeafVoxel::local(y)) + LeafVoxel::local(z)) * kNumbers, lowest);
         const auto fraction = [](Float8 p, Int8 base) { return p - __builtin_convertvector(base, Float8); };
@@ -201,7 +201,7 @@ class BricksOf {
                ((part(4, kX) + part(5, kX + 1)) + (part(6, kX + kY) + part(7, kX + kY + 1)));
     }
 
-    /// The values of a leaf's first voxels continue half a voxel below it where there is no leaf before. Move such a
+    /// Where no leaf comes before, the values of a leaf's first voxels extend half a voxel below it. Move such a
     /// position up to the voxels' centres, along as few axes as necessary. @return the leaf, or −1 outside
     [[gnu::noinline]] int clampToLeaf(Float4& position, Int4& base) const
     {
@@ -210,7 +210,7 @@ class BricksOf {
         const Int4 nearest = voxelOf(position), fixed = nearest == base;
         for (const Int4 axes : kAxes) {
             const auto unmoved = reinterpret_cast<Long2>(axes & fixed);
-            if ((unmoved[0] | unmoved[1]) != 0) continue; // the same as without the fixed axes
+            if ((unmoved[0] | unmoved[1]) != 0) continue; // same as without the fixed axes
             const Int4 moved = axes ? nearest : base;
             const int leaf = mDomain->findLeaf(moved);
             if (leaf < 0) continue;
@@ -258,7 +258,7 @@ void visitBrick(const TreeT& tree, const openvdb::Coord& origin, const Visit& vi
                     [&](int record, unsigned offset) { visit(record, values[offset], leaf->isValueOn(offset)); });
             }
         } else {
-            typename TreeT::ValueType constant{}; // an OpenVDB tile's, or the background
+            typename TreeT::ValueType constant{}; // of an OpenVDB tile or the background
             const bool active = tree.probeValue(origin + begin, constant);
             forEachVoxel([&](int record, unsigned) { visit(record, constant, active); });
         }

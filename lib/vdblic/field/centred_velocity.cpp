@@ -23,10 +23,10 @@ using openvdb::Vec3f;
 using openvdb::Vec3SGrid;
 using Components = std::array<FloatGrid::ConstPtr, 3>;
 
-// Transforms are products of floats in many files.
+// Many files have transforms that are products of floats.
 constexpr double kTransformTolerance = 1e-4;
 
-/// A grid of double precision in single precision; its inactive values become 0.
+/// A double-precision grid in single precision; inactive values become 0.
 template<typename Single, typename Double>
 typename Single::Ptr narrowed(const Double& wide)
 {
@@ -44,12 +44,12 @@ typename Single::Ptr narrowed(const Double& wide)
     for (; tile; ++tile)
         tile.setValue(Value(wide.constTree().getValue(tile.getCoord())));
     auto grid = Single::create(tree);
-    grid->insertMeta(wide); // name and class are metadata too
+    grid->insertMeta(wide); // copies name and class too
     grid->setTransform(wide.transform().copy());
     return grid;
 }
 
-/// A grid of single or double precision in single precision.
+/// A grid of either precision in single precision.
 template<typename Single, typename Double>
 typename Single::Ptr asSingle(const openvdb::GridBase::Ptr& grid)
 {
@@ -124,7 +124,7 @@ openvdb::MaskTree topologyOf(const Components& components, bool staggered)
     return topology;
 }
 
-/// A grid of zeros. @param box outside of which leaves get no values
+/// A grid of zeros. @param box leaves outside of it get no values
 Vec3SGrid::Ptr zeros(const openvdb::MaskTree& topology, const std::optional<openvdb::CoordBBox>& box)
 {
     if (!box)
@@ -136,14 +136,14 @@ Vec3SGrid::Ptr zeros(const openvdb::MaskTree& topology, const std::optional<open
                         ? std::make_unique<Leaf>(*mask, Vec3f(0), openvdb::TopologyCopy())
                         : std::make_unique<Leaf>(openvdb::PartialCreate(), mask->origin(), Vec3f(0));
         leaf->setValueMask(mask->getValueMask());
-        grid->tree().addLeaf(leaf.release()); // takes it over
+        grid->tree().addLeaf(leaf.release()); // takes ownership
     }
     return grid;
 }
 
 /// Set the active voxels of a grid to the values of their components at the voxel centres.
-/// @param box whose leaves are set  @param makeProbe gives a callable (axis, index, value) → whether the component is
-/// active there; called once a leaf
+/// @param box whose leaves are set  @param makeProbe makes, once per leaf, a callable (axis, index, value) → whether
+/// the component is active there
 template<typename MakeProbe>
 void setCentres(Vec3SGrid& centres, bool staggered, const std::optional<openvdb::CoordBBox>& box,
                 const MakeProbe& makeProbe)

@@ -9,13 +9,13 @@
 
 namespace vdblic {
 
-/// Make one grid on voxel centres, in the unit of its source, of the grids that hold a velocity. Double precision is
+/// Convert the grids of a velocity to one grid on voxel centres, in the unit of the source. Double precision is
 /// narrowed to single.
 ///
 /// Components are staggered if their grid class says so or if their transforms differ by half a voxel. The value at a
 /// voxel centre is then the mean of the two faces; where the far face has no value, the near one stands for both.
 /// @param path of the file, for messages
-/// @param box  whole leaves: those outside may have no values (LeafBuffer::empty()), in `found` and in the result
+/// @param box  whole leaves; leaves outside may lack values (LeafBuffer::empty()), in `found` and in the result
 /// @throws InputError if a transform is a frustum or sheared, the components' transforms do not fit together, or the
 ///         voxels exceed the memory
 [[nodiscard]] openvdb::Vec3SGrid::Ptr centredVelocity(const VelocityGrids& found, const std::string& path,

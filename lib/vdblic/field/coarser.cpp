@@ -6,7 +6,6 @@
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tree/LeafManager.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <type_traits>
@@ -14,7 +13,7 @@
 namespace vdblic {
 namespace {
 
-/// How the voxels of a grid become fewer.
+/// The downsampling of a grid.
 struct CoarserRule {
     bool isStaggered, countsEmpty;
 };
@@ -30,7 +29,7 @@ bool meanOver(const Leaf& fine, const openvdb::Coord& first, int component, cons
     const auto* const numbers = reinterpret_cast<const Number*>(fine.buffer().data());
     Number sum = 0;
     int active = 0;
-    for (int z = 0; z < count[2]; ++z) { // in the order that keeps the rounding alike along all axes
+    for (int z = 0; z < count[2]; ++z) { // same rounding along all axes
         Number sumOfRow = 0;
         for (int y = 0; y < count[1]; ++y) {
             Number sumOfPair = 0;

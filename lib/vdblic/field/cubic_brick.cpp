@@ -77,7 +77,7 @@ void CubicBrick::fill(const Velocities<Space::kTexture, Per::kStep>& velocities,
     }
 }
 
-/// Take the block's velocities and their coverage from the tree.
+/// Load the block's velocities and their coverage from the tree.
 void CubicBrick::gather(const Velocities<Space::kTexture, Per::kStep>& velocities)
 {
     const openvdb::tree::ValueAccessor<const openvdb::Vec3STree> values(velocities.stored);
@@ -97,7 +97,7 @@ void CubicBrick::gather(const Velocities<Space::kTexture, Per::kStep>& velocitie
     if (!whole) extend();
 }
 
-/// Continue the velocity into voxels without a value, two voxels far; their coverage stays 0.
+/// Extrapolate the velocity two voxels into voxels without a value; their coverage stays 0.
 void CubicBrick::extend()
 {
     std::vector<bool> known(mBlock.size());

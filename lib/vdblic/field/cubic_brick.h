@@ -12,8 +12,8 @@
 
 namespace vdblic {
 
-/// Velocities at the voxels of a texture leaf's brick by cubic convolution, which has no bends at the faces of the
-/// velocity's cells (Keys, "Cubic convolution interpolation for digital image processing", 1981, with a = −½).
+/// Velocities at the voxels of a texture leaf's brick by cubic convolution, smooth across the faces of the velocity's
+/// cells (Keys, "Cubic convolution interpolation for digital image processing", 1981, with a = −½).
 ///
 /// A voxel of the velocity without a value counts as the mean of its neighbours, those two voxels away included. The
 /// coverage is interpolated linearly. One object serves one thread.
@@ -30,7 +30,7 @@ class CubicBrick {
     static constexpr int kTaps = 4;
 
     /// The four velocity voxels around a texture voxel along an axis: the first one's index in the block, and weights.
-    /// Numbers 0 to 2 of a weight are for the velocity, number 3 is for the coverage.
+    /// Numbers 0 to 2 of a weight are for the velocity, number 3 for the coverage.
     struct Taps {
         int first = 0;
         std::array<Float4, kTaps> weights{};

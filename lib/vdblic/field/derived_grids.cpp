@@ -96,7 +96,7 @@ std::vector<openvdb::FloatGrid::Ptr> derivedGrids(const std::vector<std::string>
 double rotationShare(const openvdb::Vec3SGrid& velocities, const FromStored<Space::kWorld, Per::kSecond>& unit)
 {
     constexpr std::size_t kMostLeaves = 4096;
-    constexpr double kRounding = 2e-3; // differences next to values that have half precision
+    constexpr double kRounding = 2e-3; // relative to the values: rounding of half precision
     struct Sums {
         double q = 0, gradient = 0, difference = 0, value = 0;
     };

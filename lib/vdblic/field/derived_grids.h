@@ -31,9 +31,9 @@ void checkDerivedNames(const std::vector<std::string>& names);
                                                                 const openvdb::Vec3SGrid& velocities,
                                                                 const FromStored<Space::kWorld, Per::kSecond>& unit);
 
-/// How much of a velocity's gradient J is rotation that outweighs strain: Σ max(q, 0) / Σ ½|J|² over at most some
-/// million voxels in evenly chosen leaves. 1 for a rigid rotation; 0 for shear, strain and uniform flow, and where
-/// velocities differ from neighbour to neighbour by no more than rounding. Differences as in derivedGrids().
+/// The share of a velocity's gradient J that is rotation beyond strain: Σ max(q, 0) / Σ ½|J|² over at most some million
+/// voxels in evenly chosen leaves. 1 for a rigid rotation; 0 for shear, strain and uniform flow, and where neighbours
+/// differ by no more than rounding. Differences as in derivedGrids().
 [[nodiscard]] double rotationShare(const openvdb::Vec3SGrid& velocities,
                                    const FromStored<Space::kWorld, Per::kSecond>& unit);
 

@@ -25,7 +25,7 @@ Domain::Domain(openvdb::MaskTree::Ptr topology, int ranks) : mTopology(std::move
 {
     checkVoxels(mTopology->activeVoxelCount(), "", ranks, mTopology->activeLeafVoxelCount());
     mTopology->voxelizeActiveTiles();
-    // Leaves without an active voxel need no computation, and nodes without a leaf would be in every output.
+    // Leaves without an active voxel need no computation; nodes without a leaf would be in every output.
     openvdb::tools::pruneInactive(*mTopology);
     mTopology->getNodes(mLeaves);
     mOwn.resize(mLeaves.size());

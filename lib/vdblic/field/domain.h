@@ -20,8 +20,8 @@ namespace vdblic {
 /// A leaf is OpenVDB's block of 8³ voxels. Leaves are numbered in the order in which every tree of this topology visits
 /// them, so all grids on a domain share the numbering. Immutable; any number of threads may read.
 ///
-/// Of several processes that share the work, each knows the whole domain, computes its *own* leaves, and has values on
-/// its *local* ones: its own and those around them. A process alone owns all.
+/// Each of several processes that share the work knows the whole domain, computes its *own* leaves, and has values on
+/// its *local* ones: its own and their neighbours. A process alone owns all.
 class Domain {
   public:
     using Leaf = openvdb::MaskTree::LeafNodeType;
@@ -32,8 +32,7 @@ class Domain {
 
     /// @param topology active voxels and OpenVDB tiles; tiles are expanded to voxels
     /// @param ranks    that share the voxels' values
-    /// @throws InputError if the voxels spread over more index space than the table of leaves spans, or exceed the
-    ///         memory
+    /// @throws InputError if the voxels exceed the memory or the index range of the table of leaves
     explicit Domain(openvdb::MaskTree::Ptr topology, int ranks = 1);
 
     /// The same domain with other own and local leaves. @param own, local ascending; local ones include the own
@@ -51,12 +50,12 @@ class Domain {
     [[nodiscard]] const LeafBox& box(std::size_t leaf) const { return mBoxes[leaf]; }
     [[nodiscard]] std::size_t voxelCount() const { return mVoxelCount; } ///< of all leaves, own or not
 
-    /// A number for the first voxel of a leaf, from which the others follow by their offsets. It depends on the
-    /// domain's voxels alone, and is below 2⁴³.
+    /// The number of a leaf's first voxel; offsets in the leaf give the others. Depends on the domain's voxels alone;
+    /// below 2⁴³.
     [[nodiscard]] std::uint64_t firstVoxelNumber(std::size_t leaf) const;
 
     /// The number of the local leaf that covers a voxel, active or not; −1 if there is none.
-    /// @param voxel an openvdb::Coord, or what else has three coordinates
+    /// @param voxel an openvdb::Coord or any type with three coordinates
     template<typename Voxel>
     [[nodiscard]] VDBLIC_INLINE int findLeaf(const Voxel& voxel) const
     {
@@ -85,7 +84,7 @@ class Domain {
   private:
     openvdb::MaskTree::Ptr mTopology;
     void placeLeaves();
-    [[nodiscard]] std::size_t blockIndex(const openvdb::Coord& voxel) const; // in mBlocks
+    [[nodiscard]] std::size_t blockIndex(const openvdb::Coord& voxel) const; // index in mBlocks
 
     std::vector<const Leaf*> mLeaves;
     std::vector<LeafBox> mBoxes; // of the leaves
@@ -106,9 +105,9 @@ class LeafValues {
     using Tree = typename openvdb::tree::Tree4<T, 5, 4, 3>::Type;
 
     LeafValues() = default;
-    /// On the local leaves.
+    /// Values on the local leaves.
     LeafValues(const Domain& domain, T value) : LeafValues(domain, value, domain.local()) {}
-    /// Every voxel of every leaf starts with `value`; exactly the domain's voxels are active.
+    /// Values on the leaves `on`: all equal to `value`; exactly the domain's voxels are active.
     LeafValues(const Domain& domain, T value, Domain::Leaves on)
         : mTree(std::make_shared<Tree>(value)), mData(domain.leafCount(), nullptr)
     {
@@ -120,10 +119,10 @@ class LeafValues {
             mData[on[i]] = leaves[i]->buffer().data();
         });
         for (std::unique_ptr<Leaf>& leaf : leaves)
-            mTree->addLeaf(leaf.release()); // takes it over
+            mTree->addLeaf(leaf.release()); // takes ownership
     }
 
-    /// The values of a tree whose leaves are some of the domain's, and have its active voxels there.
+    /// The values of a tree. Its leaves are leaves of the domain, with the domain's active voxels.
     LeafValues(const Domain& domain, std::shared_ptr<Tree> tree)
         : mTree(std::move(tree)), mData(domain.leafCount(), nullptr)
     {

@@ -12,10 +12,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <type_traits>
-#include <utility>
 
 namespace vdblic {
 namespace {
@@ -23,7 +21,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3d;
 
-/// Keep the voxels for which keep(index) holds. makeKeep() makes keep once a leaf.
+/// Keep the voxels for which keep(index) is true. makeKeep() is called once per leaf.
 template<typename MakeKeep>
 void filterVoxels(openvdb::MaskTree& topology, const MakeKeep& makeKeep)
 {

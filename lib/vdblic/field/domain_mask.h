@@ -20,15 +20,15 @@ struct DomainParams {
     std::string mask;
     std::optional<std::array<int, 6>> box;         ///< first and last voxel of the velocity, x y z x y z
     std::optional<std::array<double, 6>> worldBox; ///< lower and upper corner; a voxel is included by its centre
-    Refinement refinement{};                       ///< of the voxels that are computed: `mask` and `worldBox` cut those
+    Refinement refinement{}; ///< of the computed voxels; `mask` and `worldBox` select refined voxels
 
     void validate() const; ///< @throws ParameterError
 };
 [[nodiscard]] Parameters parametersOf(DomainParams& params);
 
-/// The domain of a frame: the active voxels of the velocity, refined, that the parameters include.
+/// The domain of a frame: the velocity's active voxels, refined and cut by the parameters.
 ///
-/// @param topology the velocity's active voxels and tiles; tiles are expanded only inside the boxes
+/// @param topology the velocity's active voxels and tiles; only tiles inside the boxes are expanded
 /// @param transform of the velocity; the mask may have another
 /// @param ranks that share the voxels
 /// @throws InputError if the mask cannot be read, its type is not supported, or the voxels exceed the memory

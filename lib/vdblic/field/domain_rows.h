@@ -37,7 +37,7 @@ VDBLIC_INLINE void storeRow(Int8 numbers, std::int32_t* values, int row)
     __builtin_memcpy(values + row * std::ptrdiff_t(LeafVoxel::kDim), &numbers, sizeof numbers);
 }
 
-/// A comparison's result that is true in a row's active voxels. @param mask of the leaf
+/// A lane mask of a row's active voxels. @param mask of the leaf
 [[nodiscard]] VDBLIC_INLINE Int8 activeRow(const Domain::Mask& mask, int row)
 {
     return maskOf(mask.getWord<std::uint8_t>(openvdb::Index(row)));
@@ -51,8 +51,8 @@ VDBLIC_INLINE void storeRow(Int8 numbers, std::int32_t* values, int row)
     return leaf >= 0 && domain.isActive(leaf, Domain::offset(voxel));
 }
 
-/// Call visit(leaf, offset, weight) for the active voxels among the corners of the cell that a position, in index
-/// space, lies in, with their trilinear weights.
+/// Call visit(leaf, offset, weight) for each active corner of the cell around a position in index space, with its
+/// trilinear weight.
 template<typename Visit>
 VDBLIC_INLINE void forCorners(const Domain& domain, Float4 position, const Visit& visit)
 {
@@ -60,7 +60,7 @@ VDBLIC_INLINE void forCorners(const Domain& domain, Float4 position, const Visit
     const Float4 fraction = position - __builtin_convertvector(base, Float4);
     for (int corner = 0; corner < 8; ++corner) {
         const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
-        const auto voxel = Int4(Unsigned4(base) + Unsigned4(step)); // wraps around far outside
+        const auto voxel = Int4(Unsigned4(base) + Unsigned4(step)); // overflows far outside
         const int leaf = domain.findLeaf(voxel);
         if (leaf < 0 || !domain.isActive(leaf, Domain::offset(voxel))) continue;
         float weight = 1;

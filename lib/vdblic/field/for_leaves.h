@@ -9,7 +9,7 @@
 
 namespace vdblic {
 
-/// Call work(leaf) for each of some leaves, in parallel. Keeps to the memory (core/paging.h).
+/// Call work(leaf) for each given leaf, in parallel. Throttled by paging::breathe().
 template<typename Work>
 void forLeaves(Domain::Leaves leaves, const Work& work)
 {

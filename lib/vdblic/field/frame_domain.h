@@ -8,8 +8,7 @@
 
 namespace vdblic {
 
-/// The voxels of a frame: those of the texture, and those of the velocity that they lie in. Both are the same without
-/// refinement.
+/// The voxels of a frame: the texture's, and the velocity voxels around them. Both are the same without refinement.
 struct FrameDomain {
     std::shared_ptr<const Domain> texture, velocity;
     Refinement refinement;

@@ -15,7 +15,7 @@
 
 namespace vdblic {
 
-/// One number for each value of a row. As a template argument, a vector type alone would lose its alignment.
+/// One number per value of a row. A struct, because a bare vector type loses its alignment as a template argument.
 struct NumberRow {
     Float8 numbers{};
 };
@@ -35,7 +35,7 @@ VDBLIC_INLINE Vector8 larger(const Vector8& a, const Vector8& b)
     return *std::max_element(lanes, lanes + 8);
 }
 
-/// The values of a row, 0 where they are not active. @param mask of the leaf
+/// The active values of a row, 0 elsewhere. @param mask of the leaf
 VDBLIC_INLINE NumberRow activeValues(const Domain::Mask& mask, const float* values, int row)
 {
     return {activeRow(mask, row) ? loadRow(values, row) : Float8{}};
@@ -55,7 +55,7 @@ VDBLIC_INLINE Vector8 rowOf(const openvdb::Vec3f& value)
     return {broadcast8(value[0]), broadcast8(value[1]), broadcast8(value[2])};
 }
 
-/// Raise the results so far to those of a leaf's rows; otherwise as largestValues().
+/// Raise the results to those of a leaf's rows; otherwise as largestValues().
 template<typename Value, typename Row, typename Measure>
 VDBLIC_KERNEL void addRows(const Domain::Mask& mask, const Value* values, const Measure& measure, Row& most)
 {
@@ -68,7 +68,7 @@ VDBLIC_KERNEL void addRows(const Domain::Mask& mask, const Value* values, const 
 /// The largest results of `measure` over the active voxels and tiles of a tree, lane by lane of its rows. Leaves are
 /// visited in parallel.
 ///
-/// @param measure of a row's values, a NumberRow or Vector8 of results; 0 for values of 0, and nowhere less
+/// @param measure maps a row's values to a NumberRow or Vector8; smallest, 0, for values of 0
 template<typename TreeT, typename Measure>
 [[nodiscard]] auto largestValues(const TreeT& tree, const Measure& measure)
 {

@@ -9,9 +9,9 @@
 
 namespace vdblic {
 
-/// Coordinates in a leaf along one axis that follow one another.
+/// A range of coordinates in a leaf along one axis.
 struct LeafSpan {
-    std::int8_t first = 0, last = -1; ///< by default none
+    std::int8_t first = 0, last = -1; ///< empty by default
     [[nodiscard]] constexpr bool isEmpty() const { return last < first; }
     constexpr bool operator==(const LeafSpan&) const = default;
 };
@@ -20,13 +20,13 @@ struct LeafSpan {
 struct LeafBox {
     LeafSpan spans[3];   ///< along x, y and z
     bool isExact = true; ///< whether all voxels of the box are active
-    bool isFull = false; ///< whether all voxels of the leaf are
+    bool isFull = false; ///< whether all voxels of the leaf are active
 
-    /// Around no voxel.
+    /// An empty box.
     LeafBox() = default;
     explicit LeafBox(const openvdb::util::NodeMask<LeafVoxel::kLog2Dim>& mask)
     {
-        std::uint64_t plane = 0; // rows and voxels of all planes across x
+        std::uint64_t plane = 0; // union of all planes across x
         unsigned planes = 0, rows = 0, voxels = 0;
         for (int x = 0; x < LeafVoxel::kDim; ++x) {
             const auto part = mask.getWord<std::uint64_t>(openvdb::Index(x));

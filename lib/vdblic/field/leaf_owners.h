@@ -12,8 +12,8 @@
 
 namespace vdblic {
 
-/// The ranks that own the leaves of a domain, as one of them sees them in a step. Values on leaves that are local but
-/// not own, the *halo*, belong to others. SoleOwner is a process alone.
+/// The ranks that own the leaves of a domain, as one of them sees them in a step. Local leaves that are not own, the
+/// *halo*, belong to others. SoleOwner is a process alone.
 ///
 /// All functions but areSeveral() are collective.
 class LeafOwners {
@@ -22,24 +22,24 @@ class LeafOwners {
 
     [[nodiscard]] virtual bool areSeveral() const = 0;
 
-    /// Add the hits in the halo to those of the leaves' owners.
-    /// @param hitsOf gives the Hits words of a local leaf
+    /// Add the hits in the halo to the owners' leaves.
+    /// @param hitsOf returns the Hits words of a local leaf
     virtual void addHits(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const = 0;
 
-    /// Take the values in the halo from the leaves' owners.
-    /// @param leaves up to how far from the own ones
+    /// Receive the values in the halo from their owners.
+    /// @param leaves depth of the halo to receive, from the own leaves on
     virtual void takeHalo(LeafValues<float>& values, int leaves = kWholeHalo) const = 0;
     virtual void takeHalo(LeafValues<std::int32_t>& values, int leaves = kWholeHalo) const = 0;
     static constexpr int kWholeHalo = -1;
 
-    /// Send what there is about each leaf of a domain's halo to the leaf's owner.
-    /// @param domain of this step or of the next: its own leaves are this rank's
-    /// @param write  adds to the message about a leaf; what adds nothing is not sent
-    /// @param read   takes the message about an own leaf
+    /// Send a message about each leaf of a domain's halo to the leaf's owner.
+    /// @param domain of this step or the next: its own leaves are this rank's
+    /// @param write  appends to the message about a leaf; empty messages are not sent
+    /// @param read   receives the message about an own leaf
     virtual void send(const Domain& domain, const std::function<void(std::size_t leaf, Exchange::Bytes&)>& write,
                       const std::function<void(std::size_t leaf, MessageReader&)>& read) const = 0;
 
-    /// Tell all ranks something. @return what each of them tells, by rank
+    /// Send a message to all ranks. @return the messages of all ranks, by rank
     [[nodiscard]] virtual std::vector<Exchange::Bytes> tell(const Exchange::Bytes& message) const = 0;
 
     /// Replace each number by its sum over all ranks.

@@ -11,7 +11,7 @@
 
 namespace vdblic {
 
-/// A leaf and the 26 around it: finds the leaves of eight voxels at once.
+/// A leaf and its 26 neighbours: finds the leaves of eight voxels at once.
 ///
 /// The leaves fill slots 0 to 26, x slowest; kCentre is the leaf itself, kElsewhere stands for all outside the window.
 struct LeafWindow {
@@ -42,7 +42,7 @@ struct LeafWindow {
     {
         const Int8 i = LeafVoxel::leafCoordinate(x) - first[0], j = LeafVoxel::leafCoordinate(y) - first[1],
                    k = LeafVoxel::leafCoordinate(z) - first[2];
-        const auto a = Unsigned8(i), b = Unsigned8(j), c = Unsigned8(k); // what is far away may wrap around
+        const auto a = Unsigned8(i), b = Unsigned8(j), c = Unsigned8(k); // far voxels may overflow
         constexpr unsigned kLast = kDim - 1;
         const Int8 elsewhere = Int8((a > kLast) | (b > kLast) | (c > kLast));
         const auto inside = Int8((a << 3) + a + (b << 1) + b + c); // slot(i, j, k) without multiplications
@@ -50,12 +50,12 @@ struct LeafWindow {
     }
 };
 
-/// A voxel found through a LeafWindow, as one code: its leaf's slot, and its offset in the leaf. A negative code is the
-/// index of a voxel of slot kElsewhere in a list kept beside.
+/// A voxel found through a LeafWindow, as one code: its leaf's slot and its offset in the leaf. A negative code is the
+/// index of a voxel outside the window in a separate list.
 struct WindowVoxel {
     int code;
 
-    /// The codes of eight voxels in the window. @param slots theirs
+    /// The codes of eight voxels in the window. @param slots of the voxels
     [[nodiscard]] VDBLIC_INLINE static Int8 encode(Int8 slots, Int8 x, Int8 y, Int8 z)
     {
         return slots << kOffsetBits | LeafVoxel::offset(x, y, z);
@@ -67,7 +67,7 @@ struct WindowVoxel {
     [[nodiscard]] VDBLIC_INLINE constexpr std::size_t farIndex() const { return std::size_t(-1 - code); }
     [[nodiscard]] VDBLIC_INLINE constexpr int slot() const
     {
-        return int(unsigned(code) >> kOffsetBits); // of a voxel that is not far
+        return int(unsigned(code) >> kOffsetBits); // of a voxel in the window
     }
     [[nodiscard]] VDBLIC_INLINE constexpr unsigned offset() const { return unsigned(code & kOffsetMask); }
 

@@ -12,10 +12,10 @@
 
 namespace vdblic {
 
-/// Points in index space by cells of one spacing, to find those near a position. Distances are in spacings.
+/// Points in index space, binned in cells of one spacing, for neighbour search. Distances are in spacings.
 ///
-/// Cells are at the same places for any domain. Any number of threads may look, each with a Look of its own, and none
-/// while points are added.
+/// Cells do not depend on the domain. Any number of threads may search, each with its own Look, but not while points
+/// are added.
 class NeighbourhoodGrid {
   public:
     explicit NeighbourhoodGrid(const std::array<float, 3>& spacing)
@@ -30,7 +30,7 @@ class NeighbourhoodGrid {
         return {int(std::floor(at[0])), int(std::floor(at[1])), int(std::floor(at[2]))};
     }
 
-    /// Add a point. @param number by which anyWithin() tells of it
+    /// Add a point. @param number passed to the predicate of anyWithin()
     void add(const std::array<float, 3>& position, std::uint32_t number)
     {
         const openvdb::Coord cell = this->cell(position);
@@ -43,7 +43,7 @@ class NeighbourhoodGrid {
       public:
         explicit Look(const NeighbourhoodGrid& grid) : mGrid(grid), mCells(grid.mCells) {}
 
-        /// Whether is(number) holds for a point nearer than a distance. @param distance 1 at most
+        /// Whether is(number) is true for a point nearer than a distance. @param distance 1 at most
         template<typename Is>
         [[nodiscard]] bool anyWithin(const std::array<float, 3>& position, float distance, const Is& is) const
         {

@@ -29,7 +29,7 @@ int floorDivide(int number, int divisor)
     return (number >= 0 ? number : number - divisor + 1) / divisor;
 }
 
-/// The n-th of the blocks that fill a cube, as many along each axis as there are factors, x slowest.
+/// The n-th block of a cube with `factors` blocks along each axis, x slowest.
 Coord blockOf(int n, const std::array<int, 3>& factors)
 {
     return {n / (factors[1] * factors[2]), n / factors[2] % factors[1], n % factors[2]};
@@ -40,7 +40,7 @@ Coord firstOf(const Coord& velocityVoxel, const std::array<int, 3>& factors)
     return {velocityVoxel[0] * factors[0], velocityVoxel[1] * factors[1], velocityVoxel[2] * factors[2]};
 }
 
-/// The mask of one of the leaves over a velocity leaf. @param block number of the leaf along each axis
+/// The mask of a texture leaf over a velocity leaf. @param block number of the texture leaf along each axis
 MaskLeaf::NodeMaskType refinedMask(const MaskLeaf::NodeMaskType& velocity, const Coord& block,
                                    const std::array<int, 3>& factors)
 {
@@ -138,7 +138,7 @@ MaskTree::Ptr Refinement::refined(const MaskTree& velocity, int ranks) const
     MaskTree expanded(velocity);
     expanded.voxelizeActiveTiles();
     const openvdb::tree::LeafManager<const MaskTree> leaves(expanded);
-    std::vector<std::vector<std::unique_ptr<MaskLeaf>>> made(leaves.leafCount()); // over each velocity leaf
+    std::vector<std::vector<std::unique_ptr<MaskLeaf>>> made(leaves.leafCount()); // by velocity leaf
     tbb::parallel_for(std::size_t(0), leaves.leafCount(), [&](std::size_t i) {
         const MaskLeaf& coarseLeaf = leaves.leaf(i);
         const Coord first = firstOf(coarseLeaf.origin(), factors);

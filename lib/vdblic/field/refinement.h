@@ -17,7 +17,7 @@ enum class Interpolation { kLinear, kCubic };
 template<>
 inline constexpr auto kNames<Interpolation> = std::to_array<std::string_view>({"linear", "cubic"});
 
-/// How many texture voxels fill a voxel of the velocity, along each axis.
+/// The number of texture voxels in a velocity voxel along each axis.
 ///
 /// Texture index f lies at velocity index (f + ½)/N − ½ along each axis, so N³ texture voxels fill a velocity voxel
 /// exactly: those of velocity voxel v are vN to vN + N − 1. The texture leaves over one velocity leaf are whole leaves,
@@ -27,12 +27,12 @@ struct Refinement {
 
     std::array<int, 3> factors{1, 1, 1};
     Interpolation interpolation = Interpolation::kLinear; ///< of the velocity between its voxels
-    bool isGiven = false; ///< whether the factors were asked for; a method may choose others if not
+    bool isGiven = false;                                 ///< whether by the user; if not, a method may choose others
 
     void validate() const; ///< @throws ParameterError if a factor is not 1 to kMost
 
     [[nodiscard]] bool isNone() const { return factors == std::array{1, 1, 1}; }
-    [[nodiscard]] int voxels() const { return factors[0] * factors[1] * factors[2]; } ///< of the texture in one
+    [[nodiscard]] int voxels() const { return factors[0] * factors[1] * factors[2]; } ///< per velocity voxel
 
     /// Velocity index of a texture index: index · scale() + shift(), along an axis.
     [[nodiscard]] float scale(int axis) const { return 1 / float(factors[std::size_t(axis)]); }

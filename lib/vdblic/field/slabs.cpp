@@ -9,9 +9,9 @@ namespace vdblic {
 
 std::size_t Slabs::fewestLeaves()
 {
-    // The bricks of a slab and its neighbours are a few megabytes and are used again while the caches hold them.
+    // A few megabytes of bricks, of a slab and its neighbours, stay in the caches.
     constexpr std::size_t kAlone = 96;
-    // Threads keep a distance from one another, so a slab for several needs more leaves for each.
+    // Threads keep a distance from one another, so each needs more leaves in a slab.
     constexpr std::size_t kForThread = 512;
     const std::size_t threads = threadCount();
     return threads == 1 ? kAlone : kForThread * threads;
@@ -50,7 +50,7 @@ Slabs::Slabs(const Slabs& refined, const Domain& velocity, const Refinement& ref
     sortSlabs();
 }
 
-/// By layers, from the first on; within one by number.
+/// Sort by layer, then by number.
 void Slabs::sortLeaves(const Domain& domain)
 {
     const auto layerOf = [&](std::uint32_t leaf) { return domain.origin(leaf)[mAxis]; };

@@ -9,8 +9,8 @@
 
 namespace vdblic {
 
-/// A domain's local leaves in slabs across its longest axis. Work that reaches no farther than a few leaves can sweep
-/// over a large domain with only the slabs around in memory.
+/// A domain's local leaves in slabs across its longest axis. Work with a reach of a few leaves can sweep over a large
+/// domain with only the nearby slabs in memory.
 ///
 /// Slabs are as thin as possible with enough leaves for many threads; a small domain is one slab. Immutable; any number
 /// of threads may read.
@@ -21,18 +21,18 @@ class Slabs {
     /// @param refinement of the domain: no leaf of the velocity lies under two slabs
     explicit Slabs(const Domain& domain, const Refinement& refinement = {});
 
-    /// Leaves that a slab has at least, for the threads that there are, if the domain has so many.
+    /// The fewest leaves of a slab, by the number of threads, in a domain that has as many.
     [[nodiscard]] static std::size_t fewestLeaves();
 
     /// The leaves of the velocity's domain under each slab of a refined domain. @param refined made with `refinement`
     Slabs(const Slabs& refined, const Domain& velocity, const Refinement& refinement);
 
-    [[nodiscard]] int axis() const { return mAxis; } ///< along which slab follows slab: the domain's longest
+    [[nodiscard]] int axis() const { return mAxis; } ///< across which the slabs lie: the domain's longest
     [[nodiscard]] std::size_t size() const { return mSlabs.size(); }
     [[nodiscard]] Leaves operator[](std::size_t slab) const;
 
-    /// Call work(slab) for each slab in order. Every slab within `reach` leaves of it was passed to open(slab) before;
-    /// slabs that no later slab reaches are passed to close(slab).
+    /// Call work(slab) for each slab in order. Every slab within `reach` leaves is passed to open() before; slabs out
+    /// of reach of all later ones are passed to close().
     template<typename Open, typename Close, typename Work>
     void sweep(int reach, const Open& open, const Close& close, const Work& work) const
     {

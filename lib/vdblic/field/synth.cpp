@@ -46,7 +46,7 @@ void SynthParams::validate() const
     (void)findAnalyticFlow(flow);
     checkBoxSize(size);
     checkVoxelSize(voxelSize);
-    constexpr double kLongest = 1e6; // seconds; the sines of the flows lose precision far beyond
+    constexpr double kLongest = 1e6; // seconds; the flows' sines lose precision beyond
     if (!(dt > 0 && dt <= kLongest)) {
         throw ParameterError(fmt::format("dt {}: must be a positive number of seconds, at most {}", dt, kLongest));
     }
@@ -83,7 +83,7 @@ void synthSequence(const SynthParams& params, Reporter& reporter)
 {
     params.validate();
     const FlowFunction flow = flowInBox(findAnalyticFlow(params.flow), params.size, params.voxelSize);
-    constexpr double kBytes = 26; // a voxel: its values, and the same as the file will have them
+    constexpr double kBytes = 26; // per voxel: its values in memory and in the file
     paging::makeRoom(kBytes * params.size[0] * params.size[1] * params.size[2]);
     const std::shared_ptr<const Domain> domain = boxDomain(params.size);
     const auto transform = openvdb::math::Transform::createLinearTransform(params.voxelSize);

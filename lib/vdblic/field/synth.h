@@ -10,7 +10,7 @@
 
 namespace vdblic {
 
-/// How to make a velocity sequence of an analytic flow.
+/// Parameters of a synthetic velocity sequence.
 struct SynthParams {
     std::string flow;     ///< the name of one of analyticFlows()
     std::string output;   ///< a pattern, or a file if there is one frame
@@ -37,7 +37,7 @@ struct SynthParams {
 /// Write one file a frame with the grid of sampleFlow() and its metadata `frame` (int64), `time` and `dt` (double, in
 /// seconds).
 ///
-/// The time of a frame depends only on its number, so parts of a sequence can be made separately.
+/// A frame's time depends only on its number, so parts of a sequence can be made separately.
 /// @throws ParameterError, OutputError
 void synthSequence(const SynthParams& params, Reporter& reporter);
 

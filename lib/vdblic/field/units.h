@@ -8,14 +8,13 @@
 namespace vdblic {
 
 /// \file
-/// Spaces and times in types, so that a number in one is not taken for a number in another. Outside kernels only: those
-/// take the numbers out.
+/// Spaces and times as types: mixing them does not compile. Kernels take plain numbers.
 
 /// Where lengths are measured: in the texture's voxels, in the velocity's, or in world units. Both are index spaces
 /// with voxel centres at integers; without refinement they are the same.
 enum class Space { kTexture, kVelocity, kWorld };
 
-/// What a velocity is per: a second, the time between two frames, or a step, which with substeps is a part of that.
+/// The time unit of a velocity: a second, the time between two frames, or a step, which is a part of it with substeps.
 enum class Per { kSecond, kFrame, kStep };
 
 /// A voxel.
@@ -30,7 +29,7 @@ struct VoxelBox {
     openvdb::CoordBBox voxels;
 };
 
-/// Voxels around a box, along each axis.
+/// Widths around a box, in voxels along each axis.
 template<Space kSpace>
 struct Rim {
     openvdb::Coord voxels{0, 0, 0};
@@ -50,7 +49,7 @@ struct Speeds {
     [[nodiscard]] float operator[](std::size_t axis) const { return along[axis]; }
 };
 
-/// Matrix from stored velocities to velocities in a space, per a time.
+/// Matrix from stored velocities to velocities in a space, per time unit.
 template<Space kSpace, Per kTime>
 struct FromStored {
     openvdb::Mat3d matrix;

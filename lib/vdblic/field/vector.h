@@ -26,8 +26,8 @@ using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
 /// Particles or rays processed side by side: enough loads in flight to hide the memory's latency.
 inline constexpr int kLanes = 8;
 
-/// For functions that hold a hot loop: compiled for AVX2 and AVX-512 besides the baseline; the version is chosen when
-/// the program is loaded. All versions give equal bits, because nothing in this project is contracted or reassociated.
+/// For functions with a hot loop: compiled for the baseline, AVX2 and AVX-512; the program loader chooses. All versions
+/// give equal bits, because nothing in this project is contracted or reassociated.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define VDBLIC_KERNEL [[gnu::flatten, gnu::target_clones("avx512f", "avx2", "default")]]
 #else
@@ -54,8 +54,8 @@ VDBLIC_INLINE Int8 broadcastInt8(int x)
     return all;
 }
 
-/// Numbers without their fractions; −2³¹ for those that no int holds and for not-a-number. x86-64 converts them so,
-/// other processors to the nearest int and to 0.
+/// Numbers truncated to integers; −2³¹ for NaN and numbers out of range. x86-64 does so itself; other processors
+/// saturate, and give 0 for NaN.
 template<typename Ints, typename Floats>
 VDBLIC_INLINE Ints truncated(Floats x)
 {
@@ -104,7 +104,7 @@ VDBLIC_INLINE void storeLanes(VectorT vector, Number (&lanes)[8])
 {
     static_assert(sizeof lanes == sizeof vector);
     __builtin_memcpy(&lanes, &vector, sizeof vector);
-    asm("" : "+m"(lanes)); // else the compiler would take them out of the register
+    asm("" : "+m"(lanes)); // keeps the compiler from extracting from the register
 }
 
 /// A comparison's result that is true in the lanes whose bits are set.

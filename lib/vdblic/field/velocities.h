@@ -15,7 +15,7 @@ struct StoredSpeeds {
     [[nodiscard]] float operator[](std::size_t axis) const { return along[axis]; }
 };
 
-/// The stored velocities of one frame, and what they are in a space, per a time.
+/// The stored velocities of one frame, and their conversion to a space and time unit.
 template<Space kSpace, Per kTime>
 struct Velocities {
     const openvdb::Vec3STree& stored; ///< on voxel centres, in any unit

@@ -17,7 +17,7 @@ using PerStep = Velocities<Space::kTexture, Per::kStep>;
 VDBLIC_KERNEL void fillBrick(const PerStep& start, const PerStep& end, const openvdb::Coord& origin, Record* records)
 {
     constexpr int kDim = LeafVoxel::kDim;
-    VelocityLeaf starts[2][2][2], ends[2][2][2]; // the leaf's and those after it
+    VelocityLeaf starts[2][2][2], ends[2][2][2]; // the leaf and its successors
     for (int i = 0; i < 8; ++i) {
         const int x = i >> 2, y = i >> 1 & 1, z = i & 1;
         const openvdb::Coord there = origin.offsetBy(kDim * x, kDim * y, kDim * z);
@@ -28,7 +28,7 @@ VDBLIC_KERNEL void fillBrick(const PerStep& start, const PerStep& end, const ope
         for (int y = 0; y <= kDim; ++y) {
             const int i = LeafVoxel::leafCoordinate(x), j = LeafVoxel::leafCoordinate(y), row = LeafVoxel::row(x, y);
             Record* const to = records + Bricks::index(x, y, 0);
-            Float8 rows[kDim]; // first as columns
+            Float8 rows[kDim]; // columns at first
             const auto setColumns = [&](const VelocityLeaf& leaf, Float8* columns) {
                 const VelocityLeaf::Row values = leaf.row(row);
                 columns[0] = values.velocities.x;

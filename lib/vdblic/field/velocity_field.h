@@ -42,13 +42,12 @@ template<Space kSpace, Per kTime>
     return {{std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])}};
 }
 
-/// The velocity over one time step, in texture voxels per step, trilinear in space and linear in time between two
-/// frames. Positions are in the index space of the texture, which may be finer than the velocity's; bricks hold the
-/// velocity's own voxels. With cubic interpolation bricks hold the texture's voxels, and the velocity is trilinear
-/// between them.
+/// The velocity over one time step, in texture voxels per step: trilinear in space, linear in time between two frames.
+/// Positions are in the texture's index space, which may be finer than the velocity's. Bricks hold the velocity's own
+/// voxels, or with cubic interpolation the texture's, trilinear in between.
 ///
-/// A voxel that has a velocity in only one of the frames keeps it for the whole step, the moment of the other frame
-/// excluded. Any number of threads may sample, and none while leaves are filled or released.
+/// A voxel with a velocity in only one frame keeps it for the whole step, but for the moment of the other frame. Any
+/// number of threads may sample, but not while leaves are filled or released.
 class VelocityField {
   public:
     /// Begin a step; no leaf can be sampled yet.
@@ -56,13 +55,13 @@ class VelocityField {
     void prepare(FrameDomain domain, const Velocities<Space::kVelocity, Per::kStep>& start,
                  const Velocities<Space::kVelocity, Per::kStep>& end);
 
-    /// Fill leaves of the sampled velocity's domain. They can be sampled then from half a voxel before their first
+    /// Fill leaves of the sampled velocity's domain. They can then be sampled from half a voxel below their first
     /// voxels' centres to the centres of the voxels after their last.
     void fill(Slabs::Leaves leaves);
-    /// Free the memory of filled leaves; they cannot be sampled any longer.
+    /// Free filled leaves, which can then no longer be sampled.
     void release(Slabs::Leaves leaves) { mBricks.release(leaves); }
 
-    /// prepare() and fill() everything.
+    /// prepare() and fill() all leaves.
     void build(FrameDomain domain, const Velocities<Space::kVelocity, Per::kStep>& start,
                const Velocities<Space::kVelocity, Per::kStep>& end);
 
@@ -92,8 +91,8 @@ class VelocityField {
     }
 
     /// Sample eight positions at once.
-    /// @param window of window(), around where they are expected; elsewhere sampling is slower
-    /// @param lanes  those to sample; the others' results have no meaning
+    /// @param window of window(), where the positions are expected; others are slower
+    /// @param lanes  lanes to sample; the results of others have no meaning
     [[nodiscard]] VDBLIC_INLINE Vector8 sample(const Bricks::Window& window, const Vector8& position, Float8 time,
                                                const Vector8& outside, unsigned lanes) const
     {
@@ -115,10 +114,10 @@ class VelocityField {
     /// An upper bound of the velocity's magnitude anywhere.
     [[nodiscard]] const Speeds<Space::kTexture, Per::kStep>& largest() const { return mLargest; }
 
-    /// Of the texture.
+    /// The texture's domain.
     [[nodiscard]] const Domain& domain() const { return *mDomain.texture; }
     [[nodiscard]] const FrameDomain& frameDomain() const { return mDomain; }
-    /// The texture's domain, and that of the bricks.
+    /// The domains of texture and bricks.
     [[nodiscard]] const FrameDomain& sampledDomain() const { return mSampled; }
 
   private:

@@ -11,12 +11,12 @@
 
 namespace vdblic {
 
-/// The velocities of a frame in one leaf of index space, be they a leaf, a part of a tile or none.
+/// The velocities of a frame in one leaf of index space: of a leaf node, a part of a tile, or none.
 class VelocityLeaf {
   public:
-    /// Without velocities.
+    /// No velocities.
     VelocityLeaf() = default;
-    /// @param velocities stored ones must outlive this  @param origin of the leaf
+    /// @param velocities the stored ones must outlive this  @param origin of the leaf
     template<Space kSpace, Per kTime>
     VelocityLeaf(const Velocities<kSpace, kTime>& velocities, const openvdb::Coord& origin)
         : mLeaf(velocities.stored.probeConstLeaf(origin))
@@ -66,7 +66,7 @@ class VelocityLeaf {
     Float4 mUnit[3] = {}; // FromStored::matrix, by columns
     const openvdb::Vec3STree::LeafNodeType* mLeaf = nullptr;
     const openvdb::Vec3f* mStored = nullptr; // the leaf's
-    openvdb::Vec3f mConstant{0};             // without a leaf
+    openvdb::Vec3f mConstant{0};             // of a tile
     bool mIsActive = false;
 };
 

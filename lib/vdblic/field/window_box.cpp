@@ -44,14 +44,14 @@ WindowBox::WindowBox(const Domain& domain, const LeafWindow& window)
     if (!mIsExact) growFromMiddle(domain, window);
 }
 
-/// Become the leaves from a first to a last one of the window, along one axis.
+/// Set one axis to a range of the window's leaves.
 void WindowBox::set(const LeafWindow& window, int axis, int firstLeaf, int lastLeaf)
 {
     mFirst[axis] = (window.first[axis] + firstLeaf) * LeafVoxel::kDim;
     mLast[axis] = (window.first[axis] + lastLeaf + 1) * LeafVoxel::kDim - 1;
 }
 
-/// Become the smallest box around the window's voxels. @return whether it has no others
+/// Set the smallest box around the window's voxels. @return whether the box has no other voxels
 bool WindowBox::coverWindow(const Domain& domain, const LeafWindow& window)
 {
     constexpr int kVoxels = LeafWindow::kDim * LeafVoxel::kDim;
@@ -80,14 +80,14 @@ bool WindowBox::coverWindow(const Domain& domain, const LeafWindow& window)
     }
     return allLeaves(window, [&](int leaf, int x, int y, int z) {
         const LeafSpan inX = parts[0][std::size_t(x)], inY = parts[1][std::size_t(y)], inZ = parts[2][std::size_t(z)];
-        if (inX.isEmpty() || inY.isEmpty() || inZ.isEmpty()) return true; // then the leaf is not in the box, either
+        if (inX.isEmpty() || inY.isEmpty() || inZ.isEmpty()) return true; // the leaf is outside the box
         if (leaf < 0) return false;
         const LeafSpan(&has)[3] = domain.box(std::size_t(leaf)).spans;
         return has[0] == inX && has[1] == inY && has[2] == inZ;
     });
 }
 
-/// Become the leaf in the middle and full leaves around it; empty if the leaf in the middle is not full.
+/// Set the middle leaf and full leaves around it; empty if the middle leaf is not full.
 void WindowBox::growFromMiddle(const Domain& domain, const LeafWindow& window)
 {
     int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // leaves of the window along each axis

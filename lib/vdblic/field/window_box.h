@@ -7,27 +7,26 @@
 
 namespace vdblic {
 
-/// A box of voxels that the domain has, in a leaf and the 26 around it: what needs no look at the masks.
+/// A box of domain voxels in a leaf and its 26 neighbours, where no mask needs to be read.
 ///
-/// If the window's voxels of the domain are exactly a box, it is that one. Else it is the leaf in the middle, grown by
-/// full leaves as far as it remains a box, and empty if that leaf is not full. Immutable; any number of threads may
-/// read.
+/// If the window's voxels form a box, that box. Else the middle leaf, grown by full leaves while it remains a box;
+/// empty if that leaf is not full. Immutable; any number of threads may read.
 class WindowBox {
   public:
     WindowBox(const Domain& domain, const LeafWindow& window);
 
-    /// Whether the domain has no voxel of the window outside the box.
+    /// Whether all of the domain's voxels in the window are in the box.
     [[nodiscard]] bool isExact() const { return mIsExact; }
     /// Whether the domain has every voxel of the window.
     [[nodiscard]] bool isWindow() const { return mIsWindow; }
 
-    /// Which of eight cells, each with its corner before the other ones, have all corners in the box.
+    /// Lanes of the cells whose corners are all in the box. @param x, y, z lowest corner
     [[nodiscard]] VDBLIC_INLINE Int8 holdsCell(Int8 x, Int8 y, Int8 z) const
     {
         return (x >= mFirst[0]) & (x < mLast[0]) & (y >= mFirst[1]) & (y < mLast[1]) & (z >= mFirst[2]) &
                (z < mLast[2]);
     }
-    /// Which of eight coordinates are the box's. @param axis 0 to 2
+    /// Lanes of the coordinates in the box. @param axis 0 to 2
     [[nodiscard]] VDBLIC_INLINE Int8 holds(int axis, Int8 coordinate) const
     {
         return (coordinate >= mFirst[axis]) & (coordinate <= mLast[axis]);

@@ -6,18 +6,18 @@
 
 namespace vdblic {
 
-/// The time between two frames, or with substeps a part of it, in which a texture is made.
+/// A time step: the time between two frames or, with substeps, a part of it. It has one texture.
 struct FlowStep {
     const VelocityFrame& start;
     const VelocityFrame& end;
     double interval = 1;                   ///< seconds between the frames on disk around the step
-    int substeps = 1;                      ///< steps in that interval
-    int substep = 0;                       ///< number of this one
+    int substeps = 1;                      ///< steps in the interval
+    int substep = 0;                       ///< number of this step in the interval
     double time = 0;                       ///< seconds, at the start
     const LeafOwners& owners = kSoleOwner; ///< of the leaves of the first frame's domain
-    const FlowStep* whole = nullptr;       ///< the interval that the step is a part of; null if it is all of it
-    bool isShown = true;                   ///< whether its texture is written, and does not only prepare others
-    bool withHits = false;                 ///< whether TextureFrame::hits is asked for; of methods that scatter
+    const FlowStep* whole = nullptr;       ///< the whole interval; null if the step is the whole
+    bool isShown = true;                   ///< whether its texture is written; others prepare later ones
+    bool withHits = false;                 ///< whether to return TextureFrame::hits; for methods that scatter
 
     [[nodiscard]] double seconds() const { return interval / substeps; }
 

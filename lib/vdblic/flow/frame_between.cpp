@@ -15,7 +15,7 @@ using openvdb::Vec3f;
 using openvdb::Vec3STree;
 using Values = openvdb::tree::ValueAccessor<const Vec3STree>;
 
-/// Interpolates between two trees where both are active, and takes the value of the one that is active elsewhere.
+/// Interpolates between two trees where both are active; elsewhere uses the active one.
 class ValuesBetween {
   public:
     ValuesBetween(const Vec3STree& before, const Vec3STree& after, const openvdb::Mat3s& unit, float fraction)
@@ -23,7 +23,7 @@ class ValuesBetween {
     {
     }
 
-    /// One of the trees must be active there.
+    /// One of the trees must be active at the voxel.
     [[nodiscard]] Vec3f at(const Coord& voxel)
     {
         Vec3f before, after;
@@ -35,7 +35,7 @@ class ValuesBetween {
 
   private:
     Values mBefore, mAfter;
-    openvdb::Mat3s mUnit; // from values after to the unit of those before
+    openvdb::Mat3s mUnit; // from the second tree's unit to the first's
     float mFraction;
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 using openvdb::Coord;
 
-/// Let a domain have other local leaves. @param own, local boxes in its index space
+/// Replace a domain's local leaves. @param own, local boxes in its index space
 template<Space kSpace>
 void setPart(std::shared_ptr<const Domain>& domain, const VoxelBox<kSpace>& own, const VoxelBox<kSpace>& local)
 {
@@ -38,9 +38,9 @@ void keepPart(VelocityFrame& frame, int rank, openvdb::Vec3SGrid& values)
     setPart(frame.domain.velocity, own, own);
 }
 
-constexpr int kLeaf = LeafVoxel::kDim, kFewest = 2; // leaves: mean along the flow and sharpening reach one each
+constexpr int kLeaf = LeafVoxel::kDim, kFewest = 2; // leaves: one each for the mean along the flow and for sharpening
 
-/// The depth of a halo in which paths of some length stay. @param farthest along each axis [texture voxels]
+/// The depth of a halo that contains paths of a given length. @param farthest along each axis [texture voxels]
 Rim<Space::kTexture> depthFor(const std::array<double, 3>& farthest)
 {
     constexpr double kFarAway = 1e6;

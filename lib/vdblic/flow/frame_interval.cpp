@@ -5,7 +5,7 @@ namespace vdblic {
 std::optional<FrameInterval> frameInterval(std::optional<double> given, const FrameTimes& current,
                                            const FrameTimes* next, double skipped)
 {
-    constexpr double kLeast = 1e-18, kMost = 1e18; // as of `frame_spacing`
+    constexpr double kLeast = 1e-18, kMost = 1e18; // the limits of `frame_spacing`
     const auto isTime = [](double seconds) { return seconds >= kLeast && seconds <= kMost; };
     if (given) return FrameInterval{*given * skipped, "as given"};
     if (next && current.time && next->time) {

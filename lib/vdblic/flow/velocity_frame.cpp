@@ -14,11 +14,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -42,7 +39,7 @@ VDBLIC_KERNEL bool isFinite(const Domain::Mask& mask, const Vec3f* values)
     Int8 isOdd{};
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const Vector8 v = activeValues(mask, values, row);
-        const Float8 zero = (v.x - v.x) + (v.y - v.y) + (v.z - v.z); // not-a-number if one of them is not finite
+        const Float8 zero = (v.x - v.x) + (v.y - v.y) + (v.z - v.z); // NaN unless all are finite
         isOdd |= zero != 0;
     }
     return !anyOf(isOdd);
@@ -68,7 +65,7 @@ std::pair<std::size_t, Coord> findNonFinite(const Vec3SGrid& grid)
     std::size_t count = 0;
     Coord first;
     auto value = grid.cbeginValueOn();
-    if (all) value.setMaxDepth(value.getLeafDepth() - 1); // only tiles are left
+    if (all) value.setMaxDepth(value.getLeafDepth() - 1); // visit tiles only
     for (; value; ++value) {
         if (isFinite(*value)) continue;
         if (count == 0) first = value.getCoord();
@@ -93,7 +90,7 @@ void mendNonFinite(VelocityFrame& frame, NonFinite nonFinite)
     frame.remarks.push_back(found + "; set to zero");
 }
 
-/// A text of a grid's metadata, or else of the file's; empty if neither has it.
+/// A text of a grid's metadata, else of the file's, else empty.
 std::string textMetadata(const openvdb::GridBase& grid, const openvdb::MetaMap& file, const char* key)
 {
     for (const openvdb::MetaMap* metadata : {static_cast<const openvdb::MetaMap*>(&grid), &file}) {
@@ -145,7 +142,7 @@ FrameTimes timesOf(const openvdb::GridBase& grid, const openvdb::MetaMap& file)
         return ofGrid ? ofGrid : numericMetadata(file, key);
     };
     FrameTimes times{of("time"), of("dt")};
-    const bool hasOther = !times.dt && (grid["dt"] || file["dt"]); // a text, say
+    const bool hasOther = !times.dt && (grid["dt"] || file["dt"]); // of another type, such as text
     if (hasOther) times.dt = std::numeric_limits<double>::quiet_NaN();
     return times;
 }
@@ -180,7 +177,7 @@ VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params, 
     const auto isKept = [&](const openvdb::GridBase& grid, const openvdb::Coord& origin) {
         const bool isCentred = isVector(grid) && grid.getGridClass() != openvdb::GRID_STAGGERED;
         openvdb::CoordBBox box = part->box.voxels;
-        if (!isCentred) box.expand(LeafVoxel::kDim); // the values at voxel centres need those of the next voxels
+        if (!isCentred) box.expand(LeafVoxel::kDim); // the values at voxel centres need the next voxels' faces
         return box.isInside(origin);
     };
     const VdbFile contents = file.contents ? *file.contents

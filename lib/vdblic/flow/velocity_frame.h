@@ -24,7 +24,7 @@ template<>
 inline constexpr auto kNames<VelocityUnit> = std::to_array<std::string_view>({"world/s", "world/frame", "voxel/s",
                                                                               "voxel/frame"});
 
-/// Mantaflow stores voxels per its own unit of time, of which 2.5 make a second (measured at 24, 30 and 48 fps).
+/// Mantaflow stores voxels per unit of its own time: 2.5 units make a second (measured at 24, 30 and 48 fps).
 inline constexpr double kMantaflowScale = 2.5;
 
 /// The treatment of velocities that are not finite.
@@ -38,30 +38,30 @@ struct VelocityParams {
     std::optional<VelocityUnit> unit; ///< none: voxel/s for Mantaflow, else world/s
     double scale = 1;                 ///< factor on the values
     NonFinite nonFinite = NonFinite::kRefuse;
-    double motion = 1;              ///< factor on displacements, which leaves the speed as it is
-    std::vector<std::string> carry; ///< names of other grids of the file to return
+    double motion = 1;              ///< factor on displacements; speeds stay
+    std::vector<std::string> carry; ///< names of other grids of the file to pass on
 
     void validate() const; ///< @throws ParameterError
 };
 [[nodiscard]] Parameters parametersOf(VelocityParams& params);
 
-/// How stored velocities are understood.
+/// The interpretation of stored velocities.
 struct VelocityConvention {
     VelocityUnit unit = VelocityUnit::kWorldPerSecond;
     double scale = 1;
     bool mantaflow = false; ///< a cache of Blender's Mantaflow
 };
-/// @param grid of the velocity, or of its first component, as it is stored
+/// @param grid of the velocity or its first component, as stored
 [[nodiscard]] VelocityConvention conventionOf(const openvdb::GridBase& grid, const VelocityParams& params);
 
-/// Times of a frame [s], as far as its metadata has them.
+/// Times of a frame [s], as far as metadata state them.
 struct FrameTimes {
     std::optional<double> time, dt;
 };
-/// @param grid of the velocity; what its metadata lack is taken from the file's
+/// @param grid of the velocity  @param file metadata for entries that the grid lacks
 [[nodiscard]] FrameTimes timesOf(const openvdb::GridBase& grid, const openvdb::MetaMap& file);
 
-/// The velocity at one time, and the voxels of the texture to make of it.
+/// The velocity at one time, and the voxels of its texture.
 struct VelocityFrame : VelocityConvention, FrameTimes {
     VelocityFrame() = default;
     /// A velocity in memory. @param velocity in world units per second, on voxel centres
@@ -78,16 +78,16 @@ struct VelocityFrame : VelocityConvention, FrameTimes {
     std::string sourceCreator;      ///< file metadata `creator`
     double motion = 1;              ///< VelocityParams::motion
     std::string start;              ///< date of time 0, of the grid's or the file's metadata
-    std::string lengthUnit;         ///< of world space, the same
+    std::string lengthUnit;         ///< of world space, from the same metadata
     openvdb::GridPtrVec carried;
     std::vector<std::string> remarks; ///< choices made on the user's behalf
-    std::string stamp;                ///< VelocitySequence::stampOf() from just before reading
+    std::string stamp;                ///< VelocitySequence::stampOf() just before reading
     double readSeconds = 0;           ///< spent on reading
 
     // If several ranks share the run, values and domain are this rank's part.
     std::shared_ptr<const Partition> partition; ///< null for a process alone
     std::vector<Rim<Space::kVelocity>> rims;    ///< how far each rank's values go beyond its box
-    StoredSpeeds largest;                       ///< of the values in the rank's box
+    StoredSpeeds largest;                       ///< in the rank's box
 
     // @param interval seconds from this frame to the next
     [[nodiscard]] FromStored<Space::kWorld, Per::kSecond> toWorldPerSecond(double interval) const;
@@ -101,17 +101,17 @@ struct VelocityFrame : VelocityConvention, FrameTimes {
     }
 };
 
-/// What is needed of a velocity.
+/// The part of a velocity to read.
 struct VelocityPart {
     VoxelBox<Space::kVelocity> box; ///< whole leaves
-    bool verify = true;             ///< whether the file's checksums are checked, which takes all its bytes
+    bool verify = true;             ///< whether to verify the file's checksums, which reads all its bytes
 };
 
 /// Read the velocity of one file, or of a volume in memory, in any of the conventions of docs/formats.md.
 ///
 /// @throws InputError if there is none, its transform is sheared or a frustum, or a value is not finite; the
 ///         message names file, grid, first voxel and count
-/// @param part whose values are needed; leaves outside its box may have none (LeafBuffer::empty())
+/// @param part to read; leaves outside its box may lack values (LeafBuffer::empty())
 /// @return a frame without a domain
 [[nodiscard]] VelocityFrame readVelocity(const FrameFile& file, const VelocityParams& params,
                                          const std::optional<VelocityPart>& part = std::nullopt);

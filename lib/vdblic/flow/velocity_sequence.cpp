@@ -26,7 +26,7 @@ std::string frameStamp(const FrameFile& file, const DomainParams& domain)
     return fmt::format("{}, mask {}", stamp, fileStamp(mask.path(file.frame - file.repeats)));
 }
 
-/// Why a frame's metadata do not tell the time to the next frame.
+/// The reason why a frame's metadata do not give the time to the next frame.
 std::string missingTime(const VelocityFrame& frame)
 {
     const openvdb::MetaMap& metadata = *frame.values;
@@ -61,7 +61,7 @@ std::optional<VelocityFrame> VelocitySequence::next()
     if (!file) return std::nullopt;
     VelocityFrame frame = loadPart(*file);
     if (!mPartition) mPartition = frame.partition;
-    // Deferred, too, where no thread can be started.
+    // Deferred if no thread can be started.
     lookAhead(file->contents ? std::launch::deferred : std::launch::async | std::launch::deferred);
     checkSuccession(frame);
     mLastValues = frame.values;
@@ -88,14 +88,14 @@ std::optional<VelocityFrame> VelocitySequence::after()
 
 FrameInterval VelocitySequence::intervalAfter(const VelocityFrame& current, const VelocityFrame* next)
 {
-    // A frame spacing holds for neighbours on disk; over frames that are left out, more time passes.
+    // A frame spacing holds for neighbours on disk: skipped frames add to the time.
     double skipped = 1;
     if (next) {
         const std::int64_t difference = next->file.frame - current.file.frame;
         if (mSpacing == 0) mSpacing = mParams.input.pattern == "-" ? difference : frameSpacing(mParams.input);
         if (difference > 0 && mSpacing > 0) skipped = double(difference) / double(mSpacing);
     }
-    const bool isSame = next && next->file.repeats > 0; // of a field that stands still
+    const bool isSame = next && next->file.repeats > 0; // a steady field
     const FrameTimes* const end = next && !isSame ? next : nullptr;
     const auto interval = frameInterval(mParams.frameSpacing, current, end, skipped);
     if (!interval) {
@@ -122,7 +122,7 @@ void VelocitySequence::describe(const VelocityFrame& frame, const FrameInterval&
                     interval.seconds, interval.source, largest));
 }
 
-/// @param part whose values are needed
+/// @param part to read
 VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<VelocityPart>& part) const
 {
     Stopwatch watch;
@@ -151,7 +151,7 @@ VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<
     return frame;
 }
 
-/// Read a frame's part. All ranks cut the first frame's domain in the same way.
+/// Read a frame's part. All ranks cut the first frame's domain alike.
 VelocityFrame VelocitySequence::loadPart(const FrameFile& file) const
 {
     const int rank = mExchange.rank(), ranks = mExchange.size();

@@ -17,7 +17,7 @@ struct VelocitySequenceParams {
 
     void validate() const; ///< @throws ParameterError
 };
-/// Those of the velocity and of the frame spacing; the sequence and its domain have their own.
+/// The parameters of velocity and frame spacing; the sequence and its domain have their own.
 [[nodiscard]] Parameters parametersOf(VelocitySequenceParams& params);
 
 } // namespace vdblic

@@ -6,8 +6,7 @@ namespace vdblic {
 
 /// The 4 × 4 matrix of a linear transform from index to world space, for row vectors, as OpenVDB has it.
 ///
-/// Unlike openvdb::math::MapBase::getAffineMap() it takes voxels of any size: that throws where they have hardly a
-/// volume.
+/// Unlike openvdb::math::MapBase::getAffineMap(), which throws on tiny voxels, it takes voxels of any size.
 [[nodiscard]] inline openvdb::Mat4d affineRows(const openvdb::math::Transform& transform)
 {
     const openvdb::math::MapBase& map = *transform.baseMap();

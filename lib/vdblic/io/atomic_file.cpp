@@ -18,7 +18,6 @@
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
-#include <utility>
 
 namespace vdblic {
 namespace {
@@ -28,8 +27,8 @@ namespace {
     throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::generic_category().message(errno)));
 }
 
-/// Whether a path is one of this process's standard streams, or a pipe, a device, a socket: bytes go through it, and no
-/// file of its name could take its place.
+/// Whether a path is a standard stream of this process, a pipe, a device or a socket, which no renamed file can
+/// replace.
 bool isStream(const std::filesystem::path& path)
 {
     struct stat there {
@@ -75,7 +74,7 @@ std::filesystem::path folderOf(const std::filesystem::path& path)
     return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-/// Flush a folder to disk. On some file systems that is impossible, which is no error.
+/// Flush a folder to disk. A file system that cannot do so is no error.
 void flushFolder(const std::filesystem::path& folder)
 {
     const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -111,7 +110,7 @@ bool removeIfDead(const std::filesystem::path& path)
     return true;
 }
 
-/// The host's name is part of a temporary file's: where NFS is mounted without locks, a lock holds on its host only.
+/// The host's name, a part of temporary names: on NFS without locks, a lock holds on its host only.
 std::string hostName()
 {
     std::array<char, 65> name{}; // Linux allows 64 characters
@@ -128,25 +127,25 @@ std::filesystem::path temporaryName(const std::filesystem::path& final, int numb
     return folderOf(final) / fmt::format(".{}.{}-{}.part", name, hostName(), number);
 }
 
-/// Write to standard output itself: by its name, one that is closed would be opened anew, as what holds its place.
+/// Write to the descriptor of standard output: its name would open whatever has replaced a closed one.
 void writeToStandardOutput(std::string_view text)
 {
     while (!text.empty()) {
         const ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());
-        if (count < 0 && errno == EINTR) throw Stopped{}; // while it waited for the reader
+        if (count < 0 && errno == EINTR) throw Stopped{}; // interrupted while waiting for the reader
         if (count < 0) fail("standard output", "cannot be written");
         text.remove_prefix(std::size_t(count));
     }
 }
 
-/// Remove the files of dead processes from a number on.
+/// Remove dead processes' temporary files, from a number up to the first one that stays.
 void removeLeftovers(const std::filesystem::path& final, int number)
 {
     while (removeIfDead(temporaryName(final, number)))
         ++number;
 }
 
-/// Take the first temporary name of an output that no living process has, and remove the files of dead processes.
+/// Choose the first temporary name of an output without a living owner, and remove the files of dead processes.
 /// @param create makes the file; false with EEXIST if the name is taken
 template<typename Create>
 std::filesystem::path takeName(const std::filesystem::path& final, const Create& create)
@@ -290,7 +289,7 @@ bool writeReport(const std::filesystem::path& named, std::string_view text)
     errno = 0;
     std::ofstream stream(path, std::ios::binary | std::ios::app);
     stream << text << std::flush;
-    if (!stream && errno == EINTR) throw Stopped{}; // while it waited for the reader
+    if (!stream && errno == EINTR) throw Stopped{}; // interrupted while waiting for the reader
     if (!stream) fail(path, "cannot be written");
     return isFile;
 }

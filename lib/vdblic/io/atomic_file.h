@@ -22,9 +22,8 @@ class AtomicFile {
   public:
     enum class Temporary { kUnnamedIfPossible, kNamed };
 
-    /// @throws ParameterError if a folder, a device or a pipe has the final name; OutputError if the folder does not
-    /// exist
-    ///         or is not writable
+    /// @throws ParameterError if a folder, a device or a pipe has the final name; OutputError if the folder is missing
+    /// or not writable
     explicit AtomicFile(const std::filesystem::path& final, Temporary kind = Temporary::kUnnamedIfPossible);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
@@ -42,7 +41,7 @@ class AtomicFile {
     bool mUnnamed = false;
 };
 
-/// Remove what killed writers of an output have left beside it on this host, under temporary names.
+/// Remove the temporary files that killed writers of an output left on this host.
 void removeLeftovers(const std::filesystem::path& output);
 
 /// Check that an output will not replace an input. @throws ParameterError if they are the same file
@@ -50,7 +49,7 @@ void checkNotInput(const std::filesystem::path& output, const std::filesystem::p
 /// Check that two outputs of a run have different paths; they need not exist. @throws ParameterError
 void checkDistinct(const std::filesystem::path& output, const std::filesystem::path& other);
 
-/// Check that an output is no folder, device or pipe, so that nothing but a file is replaced. @throws ParameterError
+/// Check that an output replaces nothing but a regular file. @throws ParameterError
 void checkReplaceable(const std::filesystem::path& output);
 /// Check that an AtomicFile can be written, before the work that fills it. @throws ParameterError, OutputError
 void checkOutput(const std::filesystem::path& output);

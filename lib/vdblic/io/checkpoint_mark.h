@@ -4,7 +4,7 @@
 
 namespace vdblic {
 
-/// The metadata by which the file of a checkpoint, or a part of one, is known.
+/// Metadata keys that identify a checkpoint, or a part of one.
 struct CheckpointKeys {
     static constexpr const char *kSteps = "steps", *kInterval = "interval", *kTime = "time",
                                 *kSpacing = "number_spacing", *kMotion = "scaled_motion";
@@ -14,7 +14,7 @@ struct CheckpointKeys {
 /// file counts as none, so only a recognised checkpoint is ever replaced or removed.
 [[nodiscard]] bool isCheckpoint(const std::filesystem::path& path);
 
-/// Check that a checkpoint can be written, in the place of another or of nothing. @throws ParameterError, OutputError
+/// Check that a checkpoint can be written, over nothing or another checkpoint. @throws ParameterError, OutputError
 void checkCheckpoint(const std::filesystem::path& path);
 
 } // namespace vdblic

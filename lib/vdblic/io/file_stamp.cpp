@@ -4,7 +4,6 @@
 
 #include <fmt/chrono.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <fstream>
 #include <sys/stat.h>

@@ -99,7 +99,7 @@ std::filesystem::path FramePattern::companion(std::string_view name) const
     return mFolder / fmt::format("{}{}{}{}", name, common.empty() ? "" : ".", common, mSuffix);
 }
 
-/// The part of a file's name in the place of the field; nothing if the rest differs.
+/// The text in the field's place in a file's name; nothing if the rest of the name differs.
 std::optional<std::string_view> FramePattern::fieldOf(std::string_view name) const
 {
     if (name.size() <= mPrefix.size() + mSuffix.size()) return std::nullopt;

@@ -33,7 +33,7 @@ class FramePattern {
     /// lic.%04d.vdb, lic.level1.vdb for lic.vdb.
     [[nodiscard]] FramePattern ofLevel(int level) const;
 
-    /// A pattern that files on disk match, which differ from this one's in the width of the field; empty if none do.
+    /// A pattern with another field width that files on disk match; empty if there is none.
     /// @param name of the file to match; empty: any
     [[nodiscard]] std::string onDisk(const std::string& name = {}) const;
 

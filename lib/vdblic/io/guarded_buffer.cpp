@@ -53,7 +53,7 @@ std::streamsize GuardedBuffer::xsgetn(char* bytes, std::streamsize count)
 {
     if (!mStream) return std::filebuf::xsgetn(bytes, count);
     if (mUncompressed == count && count > allocated()) {
-        throw InputError(fmt::format("a node's values take {} bytes, it says, which cannot be", count));
+        throw InputError(fmt::format("a node's values state a size of {} bytes, which is impossible", count));
     }
     const std::streamsize done = std::filebuf::xsgetn(bytes, count);
     note(bytes, done);

@@ -16,8 +16,7 @@ namespace vdblic {
 class GuardedBuffer : public std::filebuf {
   public:
     /// Check all reads from now on.
-    /// @param stream the stream over this buffer, on which OpenVDB keeps the current grid's compression; must outlive
-    /// this
+    /// @param stream over this buffer; OpenVDB keeps the current grid's compression on it. Must outlive this
     void guard(std::istream& stream, const VdbLayout& layout);
 
   protected:

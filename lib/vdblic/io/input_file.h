@@ -4,8 +4,8 @@
 
 namespace vdblic {
 
-/// Refuse an input that is no regular file, before it is opened: on a pipe or a device opening or reading may wait for
-/// ever. What does not exist passes, and fails when it is opened.
+/// Refuse an input that is not a regular file, before it is opened: a pipe or a device may block for ever. A missing
+/// file passes, and fails when opened.
 /// @throws InputError naming the file
 void checkRegular(const std::filesystem::path& path);
 

@@ -8,10 +8,10 @@
 
 namespace vdblic {
 
-/// The files that a job reads, which none of its outputs may replace, by whatever name.
+/// The input files of a job: no output may replace one, under any name.
 class InputFiles {
   public:
-    /// @param input that need not exist; an empty path is none
+    /// @param input may be missing; an empty path is ignored
     void add(const std::filesystem::path& input);
     /// @throws ParameterError if the output is one of them
     void check(const std::filesystem::path& output) const;

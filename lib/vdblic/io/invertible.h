@@ -10,7 +10,7 @@ namespace vdblic {
 /// Whether each place in world space is at one finite place in index space.
 [[nodiscard]] inline bool isInvertible(const openvdb::math::Transform& transform)
 {
-    constexpr double kFlat = 1e-12; // shares of the longest side, and of the sides' product
+    constexpr double kFlat = 1e-12; // relative to the longest side, and to the product of the sides
     const openvdb::Vec3d sides = transform.voxelSize(), origin = transform.indexToWorld(openvdb::Vec3d(0));
     const double longest = std::max({sides[0], sides[1], sides[2]}), volume = transform.baseMap()->determinant();
     return std::isfinite(longest) && std::min({sides[0], sides[1], sides[2]}) > kFlat * longest &&

@@ -15,7 +15,7 @@
 namespace vdblic {
 namespace {
 
-constexpr int kMostDepth = 16; // nlohmann::json prints, copies and frees what is nested by recursion
+constexpr int kMostDepth = 16; // nlohmann::json prints, copies and frees nested values by recursion
 
 /// "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while parsing value - unexpected
 /// ..." → "line 3, column 5: unexpected ..."

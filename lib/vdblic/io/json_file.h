@@ -10,8 +10,8 @@ namespace vdblic {
 /// Read a JSON file. @throws InputError naming the file, and line, column and reason if it is no JSON
 [[nodiscard]] nlohmann::json readJson(const std::filesystem::path& path);
 
-/// JSON as a text with a line break at its end. Names of files and of grids need not be valid UTF-8, JSON must be: what
-/// is not becomes U+FFFD. @param indent spaces
+/// JSON as a text with a line break at its end. Invalid UTF-8, as in names of files or grids, becomes U+FFFD.
+/// @param indent spaces
 [[nodiscard]] std::string jsonText(const nlohmann::json& json, int indent = 2);
 [[nodiscard]] std::string jsonText(const nlohmann::ordered_json& json, int indent = 2);
 

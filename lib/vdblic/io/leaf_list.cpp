@@ -22,9 +22,9 @@ std::vector<std::uint64_t> listedLengths(const openvdb::Metadata* stored, const 
     const auto* given = dynamic_cast<const openvdb::io::DelayedLoadMetadata*>(stored);
     if (!given || (format.compression & LeafFormat::kCompressed) == 0) return {};
     openvdb::io::DelayedLoadMetadata list(*given);
-    list.resizeMask(leaves); // OpenVDB aborts where a list is too short
+    list.resizeMask(leaves); // OpenVDB aborts on a list that is too short
     list.resizeCompressedSize(leaves);
-    constexpr std::int64_t kSize = sizeof(std::int64_t); // what the list counts for no values, which half floats lack
+    constexpr std::int64_t kSize = sizeof(std::int64_t); // counted even without values; half floats then lack it
     std::vector<std::uint64_t> lengths(leaves);
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < leaves; ++i) {

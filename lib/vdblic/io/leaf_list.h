@@ -24,9 +24,9 @@ inline constexpr bool kHasLeafList = VDBLIC_HAS_LEAF_LIST;
 /// Add the list to a grid's metadata.
 void insertLeafList(openvdb::MetaMap& grid, const StoredLeaves& leaves);
 
-/// The lengths of all records by the list.
-/// @param list nullptr if there is none  @param bytes that all records take
-/// @return nothing if there is no list, or it does not add up
+/// The lengths of all records, from the list.
+/// @param list nullptr if there is none  @param bytes of all records
+/// @return nothing if there is no list, or it is inconsistent
 [[nodiscard]] std::vector<std::uint64_t> listedLengths(const openvdb::Metadata* list, const LeafFormat& format,
                                                        std::size_t leaves, std::uint64_t bytes);
 

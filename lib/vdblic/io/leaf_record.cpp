@@ -58,7 +58,7 @@ void appendLeafRecord(std::istream& stream, const LeafFormat& format, std::uint6
     std::memcpy(&size, append(bytes, stream, sizeof size), sizeof size);
     const std::uint64_t count = size < 0 ? -std::uint64_t(size) : std::uint64_t(size);
     if (size <= 0 ? count != values * format.valueBytes : count > fileSize) {
-        throw InputError(fmt::format("a leaf's values take {} bytes, it says, which cannot be", count));
+        throw InputError(fmt::format("a leaf's values state a size of {} bytes, which is impossible", count));
     }
     append(bytes, stream, std::size_t(count));
 }

@@ -38,8 +38,8 @@ struct LeafFormat {
     [[nodiscard]] std::size_t headBytes(int kind) const;
 };
 
-/// Append the next record to `bytes`. The record's sizes are then those that its values must have.
-/// @param stream throws at its end  @param fileSize limits what a record may ask for
+/// Append the next record to `bytes`, after checking the size that it states for its values.
+/// @param stream throws at its end  @param fileSize limits the size of a record
 /// @throws InputError with the reason, but not the file
 void appendLeafRecord(std::istream& stream, const LeafFormat& format, std::uint64_t fileSize, std::vector<char>& bytes);
 

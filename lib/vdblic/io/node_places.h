@@ -4,9 +4,9 @@
 
 namespace vdblic {
 
-/// Whether each node of a grid lies where its parent has it. OpenVDB takes the places of a root's children, and those
-/// of leaves in formats before 222, as a file has them: nodes may overlap then, or lie outside of the tree's box, which
-/// every algorithm relies upon.
+/// Whether each node's origin is its place in its parent. OpenVDB does not check the origins in a file, those of a
+/// root's children and (before format 222) of leaves. Nodes might overlap, or lie outside the tree's box on which every
+/// algorithm relies.
 [[nodiscard]] bool hasNodesInPlace(const openvdb::GridBase& grid);
 
 } // namespace vdblic

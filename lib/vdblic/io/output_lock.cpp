@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view kMark = "vdblic lock: ";
 
-/// This process, for people.
+/// Process, host and command, for messages.
 std::string nameOfProcess()
 {
     std::array<char, 65> host{}; // Linux allows 64 characters
@@ -57,7 +57,7 @@ int openLock(const std::filesystem::path& file)
 {
     constexpr int kFlags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
     const int made = ::open(file.c_str(), O_RDWR | O_CREAT | kFlags, 0666);
-    return made < 0 && errno == EACCES ? ::open(file.c_str(), O_RDONLY | kFlags) : made; // of another user
+    return made < 0 && errno == EACCES ? ::open(file.c_str(), O_RDONLY | kFlags) : made; // a file of another user
 }
 
 } // namespace
@@ -86,11 +86,11 @@ OutputLock::OutputLock(std::filesystem::path file, const std::filesystem::path& 
                                              content.substr(std::min(kMark.size(), content.size()))));
         }
         if (hasName(mFile, mDescriptor)) break;
-        ::close(std::exchange(mDescriptor, -1)); // its holder has just removed it
+        ::close(std::exchange(mDescriptor, -1)); // the holder has just removed it
     }
     mLitter.emplace(mFile.string());
     const std::string holder = fmt::format("{}{}", kMark, nameOfProcess());
-    // Whom a message names is of use, but no condition.
+    // The holder's text serves messages only: a failed write is no error.
     if (::ftruncate(mDescriptor, 0) == 0) (void)!::pwrite(mDescriptor, holder.data(), holder.size(), 0);
 }
 

@@ -6,8 +6,8 @@
 
 namespace vdblic {
 
-/// The paths in a stream, as they come. Line ends (LF, CR LF or CR) separate them, or NULs (`find -print0`): whichever
-/// comes first in the stream. Empty ones are passed over.
+/// The paths in a stream, in order. Line ends (LF, CR LF or CR) or NULs (`find -print0`) separate them: whichever comes
+/// first in the stream. Empty ones are skipped.
 class PathList {
   public:
     /// @param stream must outlive this

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstddef>
 #include <regex>
-#include <string_view>
 #include <system_error>
 #include <vector>
 

@@ -185,7 +185,7 @@ void warnOfOtherNumbers(const SequenceParams& params, Reporter& reporter)
         if (!pattern.hasField() || pattern.framesOnDisk().empty()) return;
         const std::string text = leftOutText(params.pattern, pattern);
         if (!text.empty()) reporter.warn(text);
-    } catch (const Error&) { // is told where the sequence is opened
+    } catch (const Error&) { // reported when the sequence is opened
     }
 }
 

@@ -44,7 +44,7 @@ struct SequenceParams {
     std::string frames;                     ///< a frame list; empty for every frame found
     bool clampFrames = false;               ///< leave out listed frames before the first or after the last on disk
     std::optional<std::int64_t> renumber{}; ///< number paths on standard input from here, whatever their names
-    int steadyFrames = 1;                   ///< above 1: the sequence is one frame that is repeated so often
+    int steadyFrames = 1;                   ///< above 1: times that the sequence's single frame is repeated
 };
 
 /// The parameters of an input sequence. @param name of the positional argument  @param text that describes the sequence

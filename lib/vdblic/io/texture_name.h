@@ -13,7 +13,7 @@ struct SequenceParams;
 /// File metadata that names the texture's grid.
 inline constexpr const char* kTextureKey = "texture";
 
-/// File metadata that tells what inactive voxels of the texture are: kEmpty, or without it voxels without a value.
+/// File metadata about inactive voxels of the texture: kEmpty; without it they have no value.
 inline constexpr const char *kInactiveKey = "inactive", *kEmpty = "empty";
 
 /// Whether inactive voxels of a file's texture are empty.

@@ -25,8 +25,8 @@ namespace vdb_io = openvdb::io;
 
 constexpr std::size_t kLeavesPerBlock = 256;
 
-/// @param stored the flags that the grid is stored with  @param listed those that OpenVDB makes the list with, which
-/// are others for fog volumes and level sets: they are not stored by zip
+/// @param stored compression flags of the grid: without zip for fog volumes and level sets
+/// @param listed flags by which OpenVDB makes its list
 template<typename GridT, typename Leaf>
 StoredLeaves storeLeaves(const GridT& grid, const std::vector<const Leaf*>& leaves, std::uint32_t stored,
                          std::uint32_t listed)
@@ -55,7 +55,7 @@ StoredLeaves storeLeaves(const GridT& grid, const std::vector<const Leaf*>& leav
             result.lengths[i] = std::uint32_t(record.size());
             result.kinds[i] = kind;
             if (!sizes) continue;
-            // The list counts 8 bytes for the size even of no values.
+            // The list counts 8 bytes for the size, even without values.
             constexpr std::size_t kSize = sizeof(std::int64_t);
             const std::size_t size =
                 stored == listed
@@ -80,7 +80,7 @@ StoredLeaves storeLeaves(const GridT& grid, std::uint32_t stored, std::uint32_t 
 
 } // namespace
 
-/// The flags that a grid is stored with: they depend on its class.
+/// The compression flags of a grid, by its class.
 std::uint32_t VdbAssembly::flagsOf(const openvdb::GridBase& grid) const
 {
     std::ostringstream scratch;
@@ -158,7 +158,7 @@ void VdbAssembly::writeGrid(vdb_io::GridDescriptor& descriptor, const openvdb::G
     insertLeafList(*head, leaves);
     const std::size_t nodes = grid->memUsage(); // before statistics, for which OpenVDB 12.1 allocates values
     head->addStatsMetadata();
-    if (source) {                                             // OpenVDB counts the values of the nodes, which have none
+    if (source) { // OpenVDB's figure includes values, which these nodes lack
         static_assert(sizeof(float) == sizeof(std::int32_t)); // of the grids that store() takes
         const std::size_t values = leaves.kinds.size() * LeafFormat::kVoxels * sizeof(float);
         head->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES, openvdb::Int64Metadata(std::int64_t(nodes + values)));

@@ -22,7 +22,7 @@ struct StoredLeaves {
 };
 
 enum class VdbCompression;
-/// Some leaves of a grid as writeVdb() stores them. @tparam GridT a float or an int32 grid
+/// Store leaves of a grid as writeVdb() does. @tparam GridT a float or an int32 grid
 template<typename GridT>
 [[nodiscard]] StoredLeaves storeLeaves(const GridT& grid,
                                        const std::vector<const typename GridT::TreeType::LeafNodeType*>& leaves,
@@ -34,7 +34,7 @@ class LeafSource {
     virtual ~LeafSource() = default;
     /// The number of those grids.
     [[nodiscard]] virtual std::size_t grids() const = 0;
-    /// The leaves of the next grid, without blocks. Called once for each grid.
+    /// The list of the next grid's leaves, without blocks. Called once per grid.
     virtual StoredLeaves leaves() = 0;
     /// The next block of that grid's leaves; empty after the last one.
     virtual std::string block() = 0;
@@ -55,7 +55,7 @@ class VdbAssembly : public openvdb::io::Archive {
     void assemble(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
                   LeafSource* source = nullptr) const;
 
-    /// Some leaves of a grid, stored as write() would. @param grid gives class, precision and background
+    /// Store leaves of a grid as write() does. @param grid gives class, precision and background
     /// @tparam GridT a float or an int32 grid
     template<typename GridT>
     [[nodiscard]] StoredLeaves store(const GridT& grid,

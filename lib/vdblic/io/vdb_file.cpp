@@ -21,7 +21,6 @@
 #include <openvdb/io/Compression.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -59,8 +58,7 @@ std::uint32_t compressionFlags(VdbCompression compression)
     return io::COMPRESS_ACTIVE_MASK | (compression == VdbCompression::kBlosc ? io::COMPRESS_BLOSC : io::COMPRESS_NONE);
 }
 
-/// Refuse transforms that cannot be inverted, and voxels whose distances to others no integer of 32 bits holds, as all
-/// indices of OpenVDB are.
+/// Refuse singular transforms, and voxels beyond kFarthestIndex.
 void checkPlaces(const VdbFile& file)
 {
     for (const openvdb::GridBase::Ptr& grid : file.grids) {
@@ -246,7 +244,7 @@ void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVe
         stampChecksums(stream);
         stream.close();
     } catch (const std::bad_alloc&) {
-        throw; // a matter of memory, not of the disk
+        throw; // lack of memory, no failure of the disk
     } catch (const std::exception& e) {
         // The exception of a stream has no reason; errno has.
         const std::string reason = errno != 0 ? std::generic_category().message(errno) : clamped(e.what());

@@ -65,16 +65,13 @@ using LeafFilter = std::function<bool(const openvdb::GridBase& grid, const openv
 ///
 /// Before OpenVDB parses the file, these are checked: the header, the checksums if there are any, and the memory that
 /// the grids need. HazardHooks cover crashes of OpenVDB on hostile bytes that pass these checks.
-/// @param isKept whether a leaf gets its values; the others are there, but have none (LeafBuffer::empty()), and long
-/// runs
-///               of them are passed over by OpenVDB's list of the leaves' sizes. Grids of points, bool and masks are
-///               whole
-/// @param verify whether checksums are checked, which takes all bytes
+/// @param isKept whether a leaf gets its values. Other leaves have none (LeafBuffer::empty()); long runs of them are
+/// skipped by OpenVDB's list of leaf sizes. Grids of points, bool and masks are read whole
+/// @param verify whether checksums are checked, which reads all bytes
 /// @throws InputError naming the file and the reason
 [[nodiscard]] VdbFile readVdb(const std::filesystem::path& path, const LeafFilter& isKept = {}, bool verify = true);
 
-/// Let the system read a file into its cache, which takes no memory of the process. Returns before that is done. What
-/// goes wrong is left to readVdb() to tell.
+/// Let the system read a file into its cache, outside the process's memory. Returns at once; readVdb() reports errors.
 void cacheFile(const std::filesystem::path& path);
 
 /// Check a file's header and checksums without reading its grids.
@@ -93,7 +90,7 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
 
 class LeafSource;
 /// writeVdb() of grids whose leaves are stored already. @param source of the leaves of the first grids, or null
-/// @throws what the source throws, if that is no std::exception
+/// @throws exceptions of the source that are no std::exception
 void writeStoredVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
                     const openvdb::MetaMap& metadata, VdbCompression compression, LeafSource* source);
 

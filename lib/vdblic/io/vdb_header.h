@@ -19,7 +19,7 @@ struct VdbHeader {
 /// @throws InputError naming the file and the reason
 [[nodiscard]] VdbHeader readVdbHeader(const std::filesystem::path& path);
 
-/// Remove metadata that have OpenVDB's own names but other types: OpenVDB throws wherever it sets such.
+/// Remove metadata that have OpenVDB's own names but other types: OpenVDB throws when it sets them.
 void removeForeignMetadata(const openvdb::GridPtrVec& grids);
 
 /// The bounding box of a grid's active voxels, as its writer stored it; few writers omit it.

@@ -13,9 +13,7 @@
 
 #include <cstddef>
 #include <istream>
-#include <memory>
 #include <streambuf>
-#include <type_traits>
 #include <utility>
 #include <vector>
 

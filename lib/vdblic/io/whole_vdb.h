@@ -6,7 +6,7 @@
 
 namespace vdblic {
 
-/// Whether an output is there and whole, by its header and its checksums. @param reporter is told why it is not
+/// Whether an output exists and is whole, by its header and checksums. @param reporter gets the reason if not
 [[nodiscard]] bool isWholeVdb(const std::filesystem::path& output, Reporter& reporter);
 
 } // namespace vdblic

@@ -14,7 +14,7 @@
 namespace vdblic {
 namespace {
 
-/// The cells around eight positions, and the positions in them.
+/// The cells around eight positions, and the positions in their cells.
 struct Cells {
     Int8 x, y, z;
     Vector8 fraction;
@@ -28,7 +28,7 @@ struct Cells {
     }
 };
 
-/// Numbers of a leaf's voxels and of those around it, in an array small enough for the first-level cache.
+/// The numbers of a leaf and its surroundings, in an array that fits into the first-level cache.
 template<int kTaps>
 class Surroundings {
   public:
@@ -37,9 +37,8 @@ class Surroundings {
     static constexpr int kMargin = (kRim + 3) / 4 * 4; ///< at both ends of a row, so that it is copied by whole vectors
     static constexpr int kRow = LeafVoxel::kDim + 2 * kMargin;
 
-    /// @param row called as row(leaf, number of the row), points to the row's 8 numbers until it is called again; leaf
-    /// −1
-    ///            is outside the domain
+    /// @param row called as row(leaf, row number), returns a pointer to 8 numbers, valid until the next call; leaf −1
+    /// is outside the domain
     template<typename RowOf>
     VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row)
     {
@@ -103,8 +102,8 @@ class Surroundings {
     std::array<float, std::size_t(kDim) * kDim * kRow> mValues;
 };
 
-/// What Surroundings would interpolate of the domain's coverage, 1 in the box and 0 outside.
-/// @param origin of the leaf that the cells are counted from
+/// The domain's coverage as Surroundings would interpolate it, 1 in the box and 0 outside.
+/// @param origin of the leaf from which cells are counted
 VDBLIC_INLINE Float8 coverageOf(const WindowBox& box, const openvdb::Coord& origin, const Cells& cells)
 {
     Float8 coverage = broadcast8(1);
@@ -178,7 +177,7 @@ struct AlongFlow {
     }
 
   private:
-    /// Of length 1, or 0 where there is no motion or its square overflows.
+    /// Unit vectors; 0 where there is no motion or its square overflows.
     [[nodiscard]] VDBLIC_INLINE static Vector8 unit(const Vector8& v)
     {
         const Float8 squared = squaredLength(v);

@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 namespace vdblic {
 
 void FinishParams::validate() const
@@ -22,10 +20,10 @@ LeafValues<float> finish(const VelocityFrame& frame, double interval, LeafValues
                          const FinishParams& params)
 {
     if (params.taps == 0) return texture;
-    // Only directions count: a step may be the whole interval.
+    // Only directions count, so the step may be the whole interval.
     const auto velocities = frame.domain.refinement.toTexture(FlowStep{frame, frame, interval}.startVelocities());
     const Domain& domain = *frame.domain.texture;
-    // The mean replaces the texture, so that there are never three.
+    // The mean replaces the texture: at most two are in memory.
     texture = meanAlongFlow(domain, frame.domain.refinement, velocities, texture, params.taps);
     return sharpened(domain, texture, params.sharpen, {0, 1});
 }

@@ -25,7 +25,7 @@ LeafVelocities::LeafVelocities(const Velocities<Space::kTexture, Per::kStep>& ve
         mCorners[std::size_t(axis)] = mCells[std::size_t(axis)].back().first + 2;
     }
     const openvdb::tree::ValueAccessor<const openvdb::Vec3STree> values(velocities.stored);
-    std::array<Line, kMostCorners> plane; // of records, at one x
+    std::array<Line, kMostCorners> plane; // records at one x
     for (int x = 0; x < mCorners[0]; ++x) {
         for (int y = 0; y < mCorners[1]; ++y) {
             for (int z = 0; z < mCorners[2]; ++z) {

@@ -13,10 +13,10 @@
 
 namespace vdblic {
 
-/// Velocities at the voxel centres of one leaf of a texture, in its voxels per step; 0 where there is none.
+/// Velocities at the voxel centres of a texture leaf, in texture voxels per step; 0 without a velocity.
 ///
-/// Without refinement they are the stored values; else they are interpolated trilinearly between those corners of the
-/// velocity's cell that have a value, as VelocityField does.
+/// Without refinement, the stored values. Else trilinear between the valid corners of the velocity's cell, as in
+/// VelocityField.
 class LeafVelocities {
   public:
     /// @param origin of the texture's leaf
@@ -32,8 +32,7 @@ class LeafVelocities {
   private:
     static constexpr int kMostCorners = LeafVoxel::kDim + 1; // of cells along an axis: one voxel a cell
 
-    /// The cell that a texture voxel's centre lies in, along one axis: its first corner's index, and the fraction of
-    /// the cell.
+    /// The cell around a texture voxel's centre along one axis: index of its first corner, and fraction of the cell.
     struct Cell {
         int first = 0;
         float fraction = 0;
@@ -45,7 +44,7 @@ class LeafVelocities {
         const Cell x = mCells[0][std::size_t(voxel.x)];
         const auto& before = mLines[std::size_t(voxel.y)][std::size_t(x.first)];
         const auto& after = mLines[std::size_t(voxel.y)][std::size_t(x.first) + 1];
-        std::array<Float4, kMostCorners> line; // of records, at this x and y
+        std::array<Float4, kMostCorners> line; // records at one x and y
         for (int k = 0; k < mCorners[2]; ++k)
             line[std::size_t(k)] = mix(before[std::size_t(k)], after[std::size_t(k)], x.fraction);
         Float4 rows[LeafVoxel::kDim];
@@ -73,13 +72,12 @@ class LeafVelocities {
 
     openvdb::Mat3s mToStep;
     bool mIsRefined;
-    VelocityLeaf mStored; // not refined
-    // Refined: stored values premultiplied by their coverage, which is the fourth number, as far as the leaf needs
-    // them.
+    VelocityLeaf mStored; // without refinement
+    // With refinement: values times coverage, and as fourth number the coverage.
     using Line = std::array<Float4, kMostCorners>;
     std::array<int, 3> mCorners{}; // along each axis
     std::array<std::array<Cell, LeafVoxel::kDim>, 3> mCells{};
-    std::array<std::array<Line, kMostCorners>, LeafVoxel::kDim> mLines; // along z, at each texture y and corner x
+    std::array<std::array<Line, kMostCorners>, LeafVoxel::kDim> mLines; // along z, by texture y and corner x
 };
 
 } // namespace vdblic

@@ -10,12 +10,12 @@ namespace vdblic {
 namespace {
 
 constexpr int kInnerDim = LeafVoxel::kDim;
-constexpr int kDim = kInnerDim + 2; // a leaf and one voxel around it
+constexpr int kDim = kInnerDim + 2; // a leaf with a rim of one voxel
 
-/// One number for each voxel of a leaf and one voxel around it, x slowest.
+/// One number for each voxel of a leaf and its rim, x slowest.
 using Cube = float[kDim][kDim][kDim];
 
-/// Fill a cube. @param row called as row(leaf, number of the row), gives the row's 8 numbers; leaf −1 is outside
+/// Fill a cube. @param row called as row(leaf, row number), returns 8 numbers; leaf −1 is outside
 template<typename RowOf>
 VDBLIC_INLINE void gather(const LeafWindow& window, const RowOf& row, Cube& cube)
 {

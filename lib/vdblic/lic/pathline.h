@@ -21,7 +21,7 @@ struct Segment {
     unsigned lanes;               ///< bits of the lanes that took this step
 };
 
-/// Particles to advance together, and the paths they took.
+/// Particles to advance together, and their paths.
 struct PathBatch {
     Vector8 position{};            ///< index space; updated
     Vector8 slope{};               ///< velocity there at the step's start; updated to the velocity at its end
@@ -37,9 +37,9 @@ namespace pathline {
 inline constexpr float kMaxStride = 8;
 inline constexpr float kMinDuration = 1.0f / 4096;
 
-/// Offsets across a path that are added to the positions of its samples in turn: the corners of a tetrahedron, without
-/// their parts along the path. A path that runs near the border of two rows of voxels then leaves values in both, as
-/// its distance to them asks for; without the offsets it changes rows abruptly.
+/// Offsets across a path, added to its samples in turn: the corners of a tetrahedron, without their parts along the
+/// path. A path near the border of two voxel rows thus leaves values in both, in proportion to its distance; without
+/// offsets it would change rows abruptly.
 struct Offsets {
     static constexpr int kCount = 4;
     Vector8 of[kCount];
@@ -74,14 +74,14 @@ VDBLIC_INLINE float strideLimit(Float4 slope)
 
 /// Advance every particle of a batch by one time step, or by a part of it.
 ///
-/// Classical RK4. The end slope k5 serves as the next step's first (FSAL) and gives the embedded third-order error
-/// estimate |h/6 (k4 − k5)|; the duration h is cut and grown to keep the estimate under the tolerance. Fourth order in
-/// space; second in time, because velocity is linear between frames (Liu & Moorhead 2004, Table 1). A stage without a
-/// velocity continues with that of the stage before. A path stops after the segment that left the domain.
-/// Each lane is a pure function of its own position and slope. Hairer, Nørsett & Wanner, Solving ODEs I, II.4.
+/// Classical RK4. The end slope k5 is the next step's first (FSAL) and gives the embedded third-order error estimate
+/// |h/6 (k4 − k5)|; the duration h adapts to keep it under the tolerance. Fourth order in space; second in time,
+/// because velocity is linear between frames (Liu & Moorhead 2004, Table 1). A stage without a velocity uses the
+/// previous stage's. A path stops after the segment that left the domain. Each lane is a pure function of its own
+/// position and slope. Hairer, Nørsett & Wanner, Solving ODEs I, II.4.
 ///
 /// @param window of the leaf that the particles are in, or an empty one; affects speed only
-/// @param from, to the part of the step, 0 to 1; `arrived` is then of its end
+/// @param from, to part of the step, 0 to 1; `arrived` refers to its end
 /// Thread-safe for distinct batches.
 VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window& window, const PathlineParams& params,
                                 PathBatch& batch, float from = 0, float to = 1)
@@ -114,7 +114,7 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window
             for (int i = 0; i < kLanes; ++i) {
                 const unsigned lane = 1u << i;
                 if (!(active & lane)) continue;
-                // The estimate shrinks with the fourth power of the duration; aim a little below the tolerance.
+                // The estimate falls with the fourth power of the duration; aim slightly below the tolerance.
                 const float ratio2 = tolerance2 / std::max(error2[i], 1e-12f * tolerance2);
                 const float root = __builtin_sqrtf(__builtin_sqrtf(__builtin_sqrtf(ratio2)));
                 const float wanted = duration[i] * std::clamp(0.9f * root, 0.2f, 4.0f);
@@ -146,8 +146,8 @@ VDBLIC_INLINE void advancePaths(const VelocityField& field, const Bricks::Window
     }
 }
 
-/// The voxels that the paths of a batch pass: samples at the middles of equally long pieces of each segment, so that
-/// the samples' mean is the segment's.
+/// The voxels on a batch's paths: samples at the middles of equal pieces of each segment, so that their mean is the
+/// segment's.
 struct PathSamples {
     /// One sample of each lane, as the code of a WindowVoxel; far ones are indices in `far`.
     struct Row {
@@ -171,7 +171,7 @@ struct PathSamples {
     std::vector<Row> rows;
     std::vector<Voxel> far; ///< the samples outside the window
 
-    /// The voxel of a sample, near or far. @param window that the samples were taken with
+    /// The voxel of a sample, near or far. @param window of the sampling
     [[nodiscard]] VDBLIC_INLINE Voxel find(WindowVoxel sample, const LeafWindow& window) const
     {
         return sample.isFar() ? far[sample.farIndex()]
@@ -184,13 +184,12 @@ struct PathSamples {
 /// @param window  that the samples' codes refer to
 /// @param spacing largest distance between samples along the path [voxels]
 /// @param until   samples before this time count as early, as a fraction of the time step
-/// Cubic Hermite dense output: Hairer, Nørsett & Wanner, Solving ODEs I, II.6. Arc length is taken from a speed that
-/// changes linearly over the segment.
+/// Cubic Hermite dense output: Hairer, Nørsett & Wanner, Solving ODEs I, II.6. Arc length assumes that speed is linear
+/// in time over the segment.
 VDBLIC_INLINE void samplePaths(const PathBatch& batch, const Domain& domain, const LeafWindow& window, float spacing,
                                float until, PathSamples& samples)
 {
-    // The least speed keeps a path at rest from dividing by zero; only a velocity that overflowed asks for more
-    // samples.
+    // The least speed avoids a division by zero for paths at rest; only an overflowed velocity needs more samples.
     constexpr float kLeastSpeed = 1e-3f, kMostSamples = 1024;
     samples.runs.clear();
     samples.far.clear();

@@ -1,7 +1,5 @@
 #include "vdblic/lic/pathline_params.h"
 
-#include "vdblic/core/errors.h"
-
 #include <fmt/format.h>
 
 namespace vdblic {

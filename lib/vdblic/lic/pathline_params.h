@@ -4,7 +4,7 @@
 
 namespace vdblic {
 
-/// How pathlines are integrated and sampled.
+/// Integration and sampling of pathlines.
 struct PathlineParams {
     float tolerance = 0.05f;    ///< largest estimated error of one integration step [voxels]
     float sampleSpacing = 0.5f; ///< distance between samples along the path [voxels]

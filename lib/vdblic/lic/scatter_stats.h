@@ -4,10 +4,10 @@
 
 namespace vdblic {
 
-/// What one step did; every figure is the same for any number of threads.
+/// Counters of one step; equal for any number of threads.
 struct ScatterStats {
-    std::size_t particles = 0;   ///< pathlines of earlier steps that went on
-    std::size_t blocked = 0;     ///< pathlines of earlier steps that ended because their voxel had its seed
+    std::size_t particles = 0;   ///< continued pathlines of earlier steps
+    std::size_t blocked = 0;     ///< pathlines of earlier steps that ended in a voxel with a seed
     std::size_t released = 0;    ///< new particles: pathlines advected from scratch
     std::size_t reused = 0;      ///< seeds released onto particles of earlier steps: pathline reuse
     std::size_t copied = 0;      ///< seeds released downstream on a pathline of this step: pathline copying

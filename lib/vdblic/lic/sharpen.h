@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// Values outside are moved to the nearer end.
+/// The range to which values are clamped.
 struct ValueRange {
     float least = -std::numeric_limits<float>::infinity(), most = std::numeric_limits<float>::infinity();
 };
@@ -21,7 +21,7 @@ struct ValueRange {
 [[nodiscard]] LeafValues<float> sharpened(const Domain& domain, const LeafValues<float>& texture, float strength,
                                           const ValueRange& range = {});
 
-/// The same for the voxels of one leaf; 0 where it has none. @param result 512 values, x slowest. Thread-safe.
+/// The same for one leaf; 0 outside the domain. @param result 512 values, x slowest. Thread-safe.
 void sharpen(const Domain& domain, const LeafValues<float>& texture, std::size_t leaf, float strength,
              const ValueRange& range, float* result);
 

@@ -21,11 +21,10 @@ struct StageTimes {
     }
 };
 
-/// Tells the stages of a step their times. While an inner stage goes on, the outer one's time stands still. Not
-/// thread-safe.
+/// Adds up the time of a step's stages. An inner stage pauses the outer one's time. Not thread-safe.
 class StageClock {
   public:
-    /// The time from its construction to its end goes to a stage.
+    /// Adds its lifetime to a stage.
     class Stage {
       public:
         Stage(StageClock& clock, double& seconds) : mClock(clock), mOuter(clock.mNow) { clock.switchTo(&seconds); }

@@ -21,11 +21,10 @@
 namespace vdblic {
 namespace {
 
-/// Weights of samples at the middles of equal parts of a half of the kernel, by how many there are. One object serves
-/// one thread.
+/// Weights of samples at the middles of equal parts of half the kernel, by their number. One object serves one thread.
 class HannWeights {
   public:
-    /// Those of so many samples, from the kernel's middle on.
+    /// The weights of a number of samples, from the kernel's middle on.
     const std::vector<float>& of(std::size_t samples)
     {
         if (mKnown.size() <= samples) mKnown.resize(samples + 1);
@@ -41,17 +40,17 @@ class HannWeights {
     std::vector<std::vector<float>> mKnown;
 };
 
-/// Weighted input along the streamlines of eight voxels at a time. One object serves one thread.
+/// Sums of weighted input along the streamlines of eight voxels at a time. One object serves one thread.
 struct StreamlineSums {
     const LeafValues<float>& input;
     const PathlineParams& pathline;
     PathBatch batch{};
     PathSamples samples{};
     std::array<float, LeafVoxel::kCount> parts{}; // of the kernel, at the leaf's voxels
-    std::vector<float> values{};                  // along one half of a streamline
+    std::vector<float> values{};                  // input along one half of a streamline
     HannWeights hann{};
 
-    /// Add one half of the streamlines of voxels in a row, given by the bits of `lanes`.
+    /// Add one half of the streamlines of a row's voxels. @param lanes bits of the voxels
     VDBLIC_INLINE void addHalf(const VelocityField& field, const Bricks::Window& fieldWindow, const LeafWindow& window,
                                const openvdb::Coord& row, unsigned lanes, Float8& sum, Float8& weight)
     {
@@ -76,7 +75,7 @@ struct StreamlineSums {
         }
     }
 
-    /// The input along the first part of one lane's path, up to where it leaves the domain.
+    /// The input along the first part of a lane's path, up to where it leaves the domain.
     void collect(const Domain& domain, const LeafWindow& window, int lane, float part)
     {
         int most = 0;
@@ -109,7 +108,7 @@ VDBLIC_KERNEL void convolveLeaf(StreamlineSums& sums, const VelocityField& downs
         Float8 sum{}, weight{};
         sums.addHalf(downstream, below, window, first, lanes, sum, weight);
         sums.addHalf(upstream, above, window, first, lanes, sum, weight);
-        const Float8 here = loadRow(sums.input[leaf], row); // where the flow is too fast to be sampled
+        const Float8 here = loadRow(sums.input[leaf], row); // where the flow is too fast to sample
         const Float8 mean = (weight > 0 ? sum / weight : here) / white;
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (lanes >> z & 1) texture[LeafVoxel::kDim * row + z] = mean[z];

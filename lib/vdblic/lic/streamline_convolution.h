@@ -19,11 +19,11 @@ struct StreamlineConvolution {
     const FlowStep& step; ///< whose first frame is convolved
     double half;          ///< of the kernel [steps]
     const PathlineParams& pathline;
-    /// Where the kernel is not everywhere that long: gives the part of each half to take, 0 to 1, of a leaf's voxels.
+    /// For kernels of varying length: sets the share of each half to use, 0 to 1, for a leaf's voxels.
     std::function<void(std::size_t leaf, float* parts)> partsOf{};
 
-    /// On the frame's own leaves, all local ones. @param input on local leaves  @param white its largest value, 1 of
-    /// the result
+    /// The texture on the frame's own leaves, with room for all local ones.
+    /// @param input on local leaves  @param white its largest value, mapped to 1
     [[nodiscard]] LeafValues<float> operator()(const LeafValues<float>& input, float white, StageClock& clock) const;
 };
 

@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -31,7 +30,7 @@ using PointLeaf = PointDataTree::LeafNodeType;
 constexpr const char *kPosition = "P", *kId = "id", *kOrder = "order", *kRadius = "pscale", *kOpacity = "Alpha";
 constexpr const char* kSource = "source";
 
-/// A float in 16 bits, and one between 0 and 1 in 8.
+/// Codecs: a float as 16 bits; a float in [0, 1] as 8 bits.
 using HalfCodec = openvdb::points::TruncateCodec;
 using UnitCodec = openvdb::points::FixedPointCodec<true, openvdb::points::UnitRange>;
 
@@ -68,10 +67,10 @@ float finite(float value, const std::string& name)
 /// All points of a grid in the order of the file.
 struct StoredPoints {
     std::vector<std::int32_t> id, order, source;
-    Lines values; // without lines
+    Lines values; // without its lines
 };
 
-/// Check what OpenVDB takes for granted of a leaf. @throws InputError
+/// Check a leaf's properties that OpenVDB takes for granted. @throws InputError
 void check(const PointLeaf& leaf)
 {
     const openvdb::points::AttributeSet& attributes = leaf.attributeSet();

@@ -23,8 +23,8 @@ inline constexpr const char* kLineAge = "age"; ///< attribute of Lines::ages
 inline constexpr auto kLineAttributes =
     std::to_array<std::string_view>({"P", "id", "order", "pscale", "Alpha", kLineAge, "source"});
 
-/// The grid of lines. Positions have 16 bits a coordinate within a voxel, scalars the 16 bits of a half unless their
-/// values exceed its range. Computed in parallel; the bytes do not depend on the number of threads.
+/// The grid of lines. Positions have 16 bits a coordinate within a voxel; scalars are halfs, or floats if a value
+/// exceeds that range. Computed in parallel; the bytes do not depend on the number of threads.
 /// @param transform of the velocity
 [[nodiscard]] openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transform& transform);
 
@@ -33,8 +33,8 @@ inline constexpr auto kLineAttributes =
 ///         scalar's is not finite, or the points of a line are not numbered from 0 on
 [[nodiscard]] Lines linesOf(const openvdb::GridBase& grid);
 
-/// A scalar at points, linear between its voxels: the mean of the finite values around a point, NaN where there is
-/// none. Computed in parallel.
+/// A scalar at points, trilinear: the weighted mean of the finite values around a point, NaN without one.
+/// Computed in parallel.
 /// @param transform of the index space of the points
 [[nodiscard]] std::vector<float> valuesAt(const openvdb::FloatGrid& scalar, std::span<const openvdb::Vec3f> points,
                                           const openvdb::math::Transform& transform);

@@ -9,12 +9,12 @@
 
 namespace vdblic {
 
-/// Polylines of one moment. The points of a line are consecutive, from the end of its tail to its head.
+/// Polylines at one time. The points of a line are consecutive, from its tail to its head.
 struct Lines {
     struct Line {
-        std::int32_t id;          ///< the same in all frames; no two lines of a frame share it
+        std::int32_t id;          ///< the same in all frames; unique in a frame
         std::uint32_t begin, end; ///< its points: [begin, end)
-        std::uint8_t source = 0;  ///< number of the source that its particle last was in; 0 for none
+        std::uint8_t source = 0;  ///< number of the source that its particle was last in; 0 for none
     };
     /// A quantity with a value at each point; NaN where the flow has none.
     struct Scalar {

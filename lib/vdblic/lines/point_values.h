@@ -11,8 +11,7 @@
 namespace vdblic {
 
 /// Append an attribute to a grid of points.
-/// @param index  that the grid was made from  @param values one a point, in the order of the points that the index is
-/// of
+/// @param index  from which the grid was made  @param values one per point, in the order of the index's points
 template<typename T, typename Codec = openvdb::points::NullCodec>
 void appendValues(openvdb::points::PointDataGrid& grid, const openvdb::tools::PointIndexGrid& index,
                   const std::string& name, const std::vector<T>& values)

@@ -11,8 +11,8 @@
 
 namespace vdblic {
 
-/// Values on own leaves, handed over to the ranks that own the leaves in another partition. Collective.
-/// @param from, to the same domain before and in that partition
+/// Hand values on own leaves over to the owners of the leaves in another partition. Collective.
+/// @param from, to the same domain in the old and the new partition
 template<typename T>
 [[nodiscard]] LeafValues<T> handedOver(const LeafOwners& owners, const Domain& from, const Domain& to,
                                        const LeafValues<T>& values)

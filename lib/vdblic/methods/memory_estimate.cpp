@@ -9,7 +9,7 @@
 namespace vdblic {
 namespace {
 
-constexpr double kTexture = 41; // bytes a voxel, the less than one particle a voxel of AUFLIC with history included
+constexpr double kTexture = 41; // bytes per voxel, including AUFLIC's particles, fewer than one per voxel
 constexpr double kTextureBrick = sizeof(float) * 2 * BricksOf<2>::kSize;
 
 } // namespace

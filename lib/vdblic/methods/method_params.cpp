@@ -9,7 +9,7 @@ int lifeSpanOf(const MethodParams& params)
 
 int twoLifeSpansOf(const MethodParams& params)
 {
-    return 2 * params.texture.lifeSpan; // longer ones bring a part no nearer to the whole run
+    return 2 * params.texture.lifeSpan; // longer ones bring a part no closer to the whole run
 }
 
 void describeLifeSpan(const MethodParams& params, openvdb::MetaMap& metadata)

@@ -13,7 +13,7 @@ namespace vdblic {
 /// All methods, in the order in which help and reports list them.
 [[nodiscard]] std::span<const TextureMethod* const> textureMethods();
 
-/// The method of a name. @throws ParameterError that lists all names
+/// The method of a name. @throws ParameterError, which lists all names
 [[nodiscard]] const TextureMethod& textureMethod(std::string_view name);
 
 /// The textures of `params.texture.method`. @throws ParameterError

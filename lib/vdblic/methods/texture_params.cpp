@@ -12,7 +12,7 @@
 namespace vdblic {
 namespace {
 
-/// What the methods do: "auflic: accelerated UFLIC; lic: each frame on its own."
+/// Descriptions of all methods: "auflic: accelerated UFLIC; lic: each frame on its own."
 const std::string& methodTexts()
 {
     static const std::string text = [] {
@@ -33,7 +33,7 @@ Parameter methodParameter(TextureParams& params)
     for (const TextureMethod* const method : textureMethods())
         result.choices.emplace_back(method->name);
     if (std::find(result.choices.begin(), result.choices.end(), params.method->name) == result.choices.end())
-        result.choices.emplace_back(params.method->name); // a program's own
+        result.choices.emplace_back(params.method->name); // a method of the calling program
     return result;
 }
 

@@ -6,21 +6,21 @@
 
 namespace vdblic {
 
-/// How textures are made.
+/// Parameters of textures.
 ///
-/// With substeps every voxel still has one seed a frame, released in a substep that differs from tile to tile, and a
-/// value lives as many frames as without: the work of a step and the memory do not grow with their number.
+/// With substeps every voxel still has one seed a frame, released in a substep that differs from tile to tile, and
+/// values live as many frames: the work of a step and the memory do not grow with the substeps.
 struct TextureParams {
     const TextureMethod* method = &kAuflic; ///< never null
     int lifeSpan =
         4; ///< frames over which a seed scatters its value; AUFLIC's fade at that pace; of LIC and UFAC the kernel's
     static constexpr int kMostSubsteps = 256;
-    int substeps = 1;            ///< time steps from a frame to the next
-    float releaseWindow = 0.25f; ///< AUFLIC: part of a frame, from its start, in which a seed may be released
+    int substeps = 1;            ///< time steps per frame
+    float releaseWindow = 0.25f; ///< AUFLIC: part of a frame, from its start, in which seeds may be released
     PathlineParams pathline;
     FeedbackParams feedback;
 
-    /// Half of the kernel along streamlines [steps]: with it streaks are as long as UFLIC's in a steady flow.
+    /// Half the kernel along streamlines [steps]: streaks are then as long as UFLIC's in a steady flow.
     [[nodiscard]] double kernelHalf() const { return 0.5 * lifeSpan * substeps; }
 
     void validate() const; ///< @throws ParameterError

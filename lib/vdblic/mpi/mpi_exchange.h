@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// The processes that `mpirun` or `srun` started. Only one object in a process: it initialises MPI and ends it.
+/// The processes started by `mpirun` or `srun`. One object per process: it initialises and finalises MPI.
 class MpiExchange final : public Exchange {
   public:
     /// @param argc, argv of main()

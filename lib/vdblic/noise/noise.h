@@ -15,11 +15,11 @@ inline constexpr int kNoiseMax = 65535;
 
 /// White noise: a value for each voxel of index space, uniform in [0, kNoiseMax] and independent of every other.
 ///
-/// A pure function of its arguments: any part of a domain can be computed alone and in any order. A loop over z
-/// computes noiseColumn() once; a value then costs one mixing of 64 bits.
+/// A pure function of its arguments: any part of a domain can be computed alone, in any order. A loop over z calls
+/// noiseColumn() once; a value then costs one mixing of 64 bits.
 VDBLIC_INLINE std::uint64_t noiseColumn(std::int32_t x, std::int32_t y, std::uint32_t seed)
 {
-    constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15u; // keeps the origin under seed 0 off the fixed point 0
+    constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15u; // keeps the origin at seed 0 off the fixed point 0
     const std::uint64_t column = std::uint64_t(std::uint32_t(x)) << 32 | std::uint32_t(y);
     return mixBits(column + kGoldenRatio) + (std::uint64_t(seed) << 32);
 }

@@ -69,7 +69,7 @@ std::int32_t NoiseField::ofStep(const openvdb::Coord& voxel, std::uint64_t numbe
 float NoiseField::entering(const openvdb::Coord& voxel, double time, int span) const
 {
     const double first = time - 0.5 * span, frame = std::floor(first);
-    const auto part = float(first - frame); // of the first frame that lies before the span
+    const auto part = float(first - frame); // of the first frame, before the span
     float sum = 0, squares = 0;
     for (int i = 0; i <= span; ++i) {
         const float weight = i == 0 ? 1 - part : i == span ? part : 1;

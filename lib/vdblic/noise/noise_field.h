@@ -24,21 +24,20 @@ class NoiseField {
     void fill(const openvdb::Coord& origin, std::int32_t* values) const;
     /// The value of a single voxel.
     [[nodiscard]] std::int32_t at(const openvdb::Coord& voxel) const;
-    /// Those of the corners of a cube, z the fastest. @param first corner  @param edge of the cube [voxels]
+    /// The values at the corners of a cube, z the fastest. @param first corner  @param edge of the cube [voxels]
     /// @param values receives eight
     void atCorners(const openvdb::Coord& first, int edge, std::int32_t* values) const;
 
-    /// White noise that is new in every step: of a voxel and any number, as a step's.
+    /// White noise that changes in every step, by voxel and step number.
     [[nodiscard]] std::int32_t ofStep(const openvdb::Coord& voxel, std::uint64_t number) const;
 
-    /// The noise that fluid brings which entered the domain through a voxel: white noise of the frames, averaged over
-    /// `span` frames around the time of entry, as the noise farther upstream would be along pathlines.
+    /// The noise of fluid that entered the domain through a voxel: white noise in time, averaged over `span` frames
+    /// around the time of entry, as noise upstream would be along pathlines.
     /// @param time of entry, in frames  @param span at least 1
-    /// @return of mean 0, scaled to the standard deviation of uniform noise in [0, 1]
+    /// @return of mean 0, with the standard deviation of uniform noise in [0, 1]
     [[nodiscard]] float entering(const openvdb::Coord& voxel, double time, int span) const;
-    /// Whether a voxel takes the value of entering fluid in a step: at random, as often as its fluid comes from
-    /// outside.
-    /// @param stayed the part of the voxel's fluid, 0 to 1, that was inside a step ago
+    /// Whether a voxel takes the value of entering fluid in a step: at random, with the probability that its fluid
+    /// comes from outside. @param stayed share of the voxel's fluid, 0 to 1, that was inside one step before
     [[nodiscard]] bool fromOutside(const openvdb::Coord& voxel, std::uint64_t step, float stayed) const;
 
   private:
@@ -48,7 +47,7 @@ class NoiseField {
 
 /// The input of the first step: the noise, fixed-point (kNoiseMax), on a domain's own leaves. Made in parallel.
 [[nodiscard]] LeafValues<std::int32_t> noiseInput(const Domain& domain, const NoiseField& noise);
-/// The same numbers on the given leaves, 0 where the domain has no voxel.
+/// The same values on the given leaves, 0 outside the domain.
 [[nodiscard]] LeafValues<float> noiseValues(const Domain& domain, const NoiseField& noise, Domain::Leaves on);
 
 } // namespace vdblic

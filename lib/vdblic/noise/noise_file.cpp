@@ -11,15 +11,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 namespace vdblic {
 namespace {
 
-constexpr double kBytes = 9; // of a voxel: its value, and the same as the file will have it
+constexpr double kBytes = 9; // per voxel: its value in memory and in the file
 
 openvdb::GridBase::Ptr findGrid(const GridReference& reference)
 {

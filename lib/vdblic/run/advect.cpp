@@ -1,6 +1,5 @@
 #include "vdblic/run/advect.h"
 
-#include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/io/atomic_file.h"
@@ -31,10 +30,10 @@
 namespace vdblic {
 namespace {
 
-/// Ranks that write files at the same time. Carried grids are at rank 0 only, which then writes all.
+/// The most ranks that write files at the same time. Carried grids are at rank 0 only, which then writes all files.
 constexpr int kMostWriters = 8;
 
-/// A run over the frames of a sequence, from files to files.
+/// A run over the frames of a sequence, file to file.
 class Advection : private RunObserver {
   public:
     Advection(const AdvectPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange)
@@ -57,7 +56,7 @@ class Advection : private RunObserver {
         report(mWatch.lap());
     }
 
-    /// After an error or a request to stop: finish open files, and leave a checkpoint of the finished textures.
+    /// After an error or a request to stop: finish open files, and write a checkpoint of the finished textures.
     void abandon() noexcept
     {
         try {
@@ -76,7 +75,7 @@ class Advection : private RunObserver {
     }
 
   private:
-    /// Begin with the first frame, or where an interrupted run was.
+    /// Start with the first frame, or at the position of an interrupted run.
     std::optional<RunPosition> begins(VelocitySequence& flow) override
     {
         mResumed = mCheckpoint.find();
@@ -92,7 +91,7 @@ class Advection : private RunObserver {
         mCheckpoint.restore(*mResumed, first, texture, mFinished);
         for (const std::filesystem::path& output : mFinished)
             mWriter.pass(output);
-        mResumed.reset(); // with the state that it holds
+        mResumed.reset(); // with its state
     }
 
     void frameRead(const VelocityFrame& frame) override
@@ -109,7 +108,7 @@ class Advection : private RunObserver {
         if (!std::exchange(mHasBegun, true)) mWatch = Stopwatch();
     }
 
-    /// Before the texture is written: if its path cannot be reported, a checkpoint holds this step all the same.
+    /// Called before the texture is written: if reporting its path fails, a checkpoint still covers this step.
     void stepDone(const RunPosition& position, const VelocityFrame& next) override
     {
         mCheckpoint.stepDone(position, next);
@@ -122,7 +121,7 @@ class Advection : private RunObserver {
         mCheckpoint.write(mRun.texture());
     }
 
-    /// Frames that are added later follow the last but one step: the last one has no frame to lead to.
+    /// Frames added later continue from the last step but one: the last one has no next frame.
     void lastBegins() override
     {
         mWriter.finish();
@@ -136,7 +135,7 @@ class Advection : private RunObserver {
         mReport.frames.push_back({number, made.domain->voxelCount(), made.stats, frame.readSeconds, made.times});
         mReporter.detail(frameLine(mReport.frames.back()));
         TextureFile file = makeTextureFile(mPlan, made, number);
-        made.texture = {}; // its grid is freed as soon as its leaves are stored
+        made.texture = {}; // frees each grid once its leaves are stored
         Stopwatch watch;
         std::vector<OwnLeaves> own = mRun.shared().store(frame, file, mWriter.isMineNext());
         mReport.frames.back().write = watch.lap();
@@ -171,7 +170,7 @@ class Advection : private RunObserver {
     TextureRun mRun;
     FrameWriter mWriter;
     RunReport mReport;
-    std::optional<Checkpoint> mResumed;           // until the run goes on from it
+    std::optional<Checkpoint> mResumed;           // until the run resumes from it
     std::vector<std::filesystem::path> mFinished; // outputs of the interrupted run
     Stopwatch mWatch;                             // since the first step
     bool mHasBegun = false;
@@ -195,7 +194,7 @@ void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& r
     std::optional<AdvectPlan> plan;
     std::istringstream text;
     std::optional<Advection> advection;
-    bool isRunning = false; // at every rank or at none
+    bool isRunning = false; // the same at all ranks
     try {
         params.validate();
         const bool isShared = params.flow.input.pattern == "-" && !exchange.isAlone();
@@ -209,7 +208,7 @@ void advectSequence(const AdvectParams& params, std::istream& lines, Reporter& r
         exchange.agree();
         isRunning = true;
         advection->run();
-        exchange.agree(); // also that rank 0 could write its report
+        exchange.agree(); // also confirms that rank 0 wrote its report
     } catch (...) {
         exchange.fail(std::current_exception());
         if (isRunning) advection->abandon();

@@ -17,7 +17,7 @@
 namespace vdblic {
 namespace {
 
-constexpr int kMostPreroll = 10000; // and of a lead-in
+constexpr int kMostPreroll = 10000; // also of a lead-in
 
 } // namespace
 

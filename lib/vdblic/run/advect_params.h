@@ -11,28 +11,28 @@
 
 namespace vdblic {
 
-/// From a velocity sequence to a texture sequence.
+/// Parameters from a velocity sequence to a texture sequence.
 struct AdvectParams : MethodParams {
     VelocitySequenceParams flow;
     std::string output;          ///< pattern of the texture files
     std::optional<int> finish{}; ///< FinishParams::taps; nothing: the method's
     std::string noise;           ///< FILE or FILE:GRID; empty: generated from the seed
     std::uint32_t seed = 1;      ///< of the generated noise
-    /// Frames that the first one stands still for before it is written; nothing: TextureMethod::preroll.
+    /// Frames during which the first one stands still before it is written; nothing: TextureMethod::preroll.
     std::optional<int> preroll;
-    /// Frames on disk before the first of `flow.input.frames` that are computed but not written, at most; nothing:
+    /// Most frames on disk before the first of `flow.input.frames` to compute and not write; nothing:
     /// TextureMethod::leadIn.
     std::optional<int> leadIn{};
-    /// Displacement of the first frame's faster half (Displacements) that `flow.velocity.motion` is chosen for
-    /// [voxels].
+    /// Target displacement of the first frame's faster half (Displacements) [voxels], which sets
+    /// `flow.velocity.motion`.
     std::optional<double> voxelsPerFrame{};
     std::string textureName = "density";
     std::vector<std::string> derived{}; ///< further grids: of kDerivedNames, kVelocityName, kHitsGrid
     TextureFormat format{};
     std::string json{};                   ///< file for the RunReport; empty: none
-    bool resume = false;                  ///< go on from the checkpoint that an earlier run left, if there is one
+    bool resume = false;                  ///< continue from the checkpoint of an earlier run, if any
     bool restart = false;                 ///< remove that checkpoint and start from the beginning
-    bool keepCheckpoint = false;          ///< leave a checkpoint when all is done, so that further frames can follow
+    bool keepCheckpoint = false;          ///< keep a checkpoint at the end, so that further frames can follow
     std::optional<int> checkpointEvery{}; ///< frames between checkpoints, 0 for none; nothing: CheckpointSchedule's
 
     void validate() const; ///< @throws ParameterError

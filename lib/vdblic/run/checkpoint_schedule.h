@@ -5,7 +5,7 @@
 
 namespace vdblic {
 
-/// When a run writes its checkpoints.
+/// Schedules a run's checkpoints.
 class CheckpointSchedule {
   public:
     using Clock = std::chrono::steady_clock;
@@ -16,11 +16,11 @@ class CheckpointSchedule {
     [[nodiscard]] bool enabled() const { return mEvery != 0; }
     void stepDone() { ++mSteps; }
 
-    /// By time, a checkpoint is due half a minute after the last one, or later if writing them would otherwise take
-    /// more than a fiftieth of the run.
+    /// By time, a checkpoint is due half a minute after the last one, or later to keep their cost below a fiftieth of
+    /// the run.
     [[nodiscard]] bool isDue() const;
 
-    /// A checkpoint was written. @param cost time that writing it took
+    /// Record a checkpoint. @param cost time to write it
     void wrote(Clock::duration cost);
 
   private:

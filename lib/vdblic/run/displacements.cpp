@@ -28,7 +28,7 @@ void Displacements::add(const VelocityFrame& frame, double interval)
     };
     const openvdb::Vec3STree& tree = frame.values->tree();
     const openvdb::tree::LeafManager<const openvdb::Vec3STree> leaves(tree);
-    constexpr std::size_t kGrain = 256; // leaves: far more work than adding up counts
+    constexpr std::size_t kGrain = 256; // leaves: far more work than merging counts
     mCounts = added(mCounts, tbb::parallel_reduce(
                                  leaves.leafRange(kGrain), Counts(kSteps),
                                  [&](const auto& range, Counts counts) {

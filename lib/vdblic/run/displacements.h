@@ -9,8 +9,8 @@ namespace vdblic {
 class Exchange;
 struct VelocityFrame;
 
-/// How far voxels move from a frame to the next [voxels of the velocity], over frames. Counts add up to the same for
-/// any number of threads.
+/// Histogram of displacements between frames [velocity voxels], over several frames. Counts are the same for any number
+/// of threads.
 class Displacements {
   public:
     /// Count a frame's active voxels, in parallel. @param interval seconds between frames
@@ -18,15 +18,15 @@ class Displacements {
     /// Sum the counts of all ranks; collective.
     void join(Exchange& exchange);
 
-    /// The displacement of the faster half of the flow: half of all motion is of voxels that move at least so far, to a
-    /// hundredth. Still voxels around a flow and single fast ones do not change it much. 0 if nothing moves.
+    /// The displacement d of the flow's faster half, to a hundredth: half of all motion is of voxels that move at least
+    /// d. Still voxels around a flow and single fast ones hardly change it. 0 without motion.
     [[nodiscard]] double ofFasterHalf() const;
 
   private:
-    // Squares are counted by the sign-free upper bits of a float: 32 steps between two powers of two.
+    // Bins are the upper bits of a squared displacement as a float: 32 between two powers of two.
     static constexpr int kDroppedBits = 18;
     static constexpr std::size_t kSteps = 0x7f800000u >> kDroppedBits; // below infinity
-    using Counts = std::vector<std::uint64_t>; // not an array: there is one for each task, and stacks may be small
+    using Counts = std::vector<std::uint64_t>; // no array: each task has one, and stacks may be small
 
     Counts mCounts = Counts(kSteps);
 };

@@ -40,7 +40,7 @@ void FrameWriter::finishWriting()
     const auto tryToReport = [this](const Paths& paths) {
         try {
             report(paths);
-        } catch (...) { // nobody reads the reports
+        } catch (...) { // no reader of the reports
         }
     };
     const auto waiting = double(mWaiting.size());
@@ -51,7 +51,7 @@ void FrameWriter::finishWriting()
     tryToReport(finishBegun());
 }
 
-/// Begin to write the files that wait, after those before. @return the files that are now finished
+/// Start to write the waiting files, after the previous ones. @return the files that are now finished
 FrameWriter::Paths FrameWriter::begin()
 {
     Paths finished = finishBegun();
@@ -59,7 +59,7 @@ FrameWriter::Paths FrameWriter::begin()
     const auto rank = std::size_t(mExchange.rank());
     if (rank < mWaiting.size()) {
         mStream.emplace(mFile.computed);
-        // Where no thread can be started, a process alone writes when it waits for the file. Of several each needs one.
+        // If no thread can start, a single process writes when it waits for the file. Several ranks each need a thread.
         const auto how = mExchange.isAlone() ? std::launch::async | std::launch::deferred : std::launch::async;
         const auto write = [this, path = mWaiting[rank].path, held = std::make_shared<TextureFile>(std::move(mFile))] {
             const TextureFile file = std::move(*held); // freed when written; `held` lives as long as mPending
@@ -72,7 +72,7 @@ FrameWriter::Paths FrameWriter::begin()
             }
             return watch.lap();
         };
-        mPending = std::async(how, write); // not moved: a thread that fails to start would have it
+        mPending = std::async(how, write); // not moved: lost if a thread fails to start
     }
     deliverWaiting();
     for (Waiting& file : mWaiting)
@@ -99,7 +99,7 @@ void FrameWriter::deliverWaiting()
     mSent += mExchange.sent() - before;
 }
 
-/// Wait until the files that were begun are finished. @return their paths
+/// Wait until the files being written are finished. @return their paths
 FrameWriter::Paths FrameWriter::finishBegun()
 {
     Paths paths = std::exchange(mBegun, {});
@@ -113,7 +113,7 @@ FrameWriter::Paths FrameWriter::finishBegun()
     return paths;
 }
 
-/// End the thread that writes, if it waits for leaves that will not come.
+/// End the writing thread if it waits for leaves that will not come.
 void FrameWriter::giveUp()
 {
     if (mStream) mStream->giveUp();

@@ -15,14 +15,14 @@
 
 namespace vdblic {
 
-/// Writes the files of a sequence while the next ones are computed, and reports those that are finished.
+/// Writes the files of a sequence while the next ones are computed, and reports finished ones.
 ///
-/// Ranks that share the run write in turn: a file waits, as stored leaves at the ranks that computed them, until there
-/// is one for each writer. All ranks call all functions with the same files. Not thread-safe.
+/// Ranks that share the run write in turn: a file waits, as stored leaves at the ranks that computed them, until each
+/// writer has one. All ranks call all functions with the same files. Not thread-safe.
 class FrameWriter {
   public:
-    /// @param total   number of files, 0 if it is unknown
-    /// @param writers ranks that write, the first ones; at least 1
+    /// @param total   number of files, 0 if unknown
+    /// @param writers number of writing ranks, from rank 0 on; at least 1
     FrameWriter(Reporter& reporter, Exchange& exchange, std::size_t total, VdbCompression compression, int writers);
     ~FrameWriter();
     FrameWriter(const FrameWriter&) = delete;
@@ -31,31 +31,31 @@ class FrameWriter {
     /// Whether this rank writes the next file.
     [[nodiscard]] bool isMineNext() const { return int(mWaiting.size()) == mExchange.rank(); }
 
-    /// Write a file, after the ones before are finished. Collective if it is the last writer's turn.
-    /// @param file is ignored where !isMineNext()
-    /// @param own  this rank's leaves of the grids that were computed, for each grid
+    /// Write a file, after the previous ones are finished. Collective on the last writer's turn.
+    /// @param file ignored where !isMineNext()
+    /// @param own  this rank's leaves of the computed grids, by grid
     /// @throws OutputError of an earlier file; what the reporter throws, while the file is being written
     void write(std::filesystem::path path, TextureFile file, std::vector<OwnLeaves> own);
 
-    /// Wait until all files are finished. Collective. @throws OutputError, what the reporter throws
+    /// Wait until all files are finished. Collective. @throws OutputError, and exceptions of the reporter
     void finish();
-    /// The same after an error, even if the reporter throws. Files that not all ranks gave to write() are left out.
+    /// The same after an error, even if the reporter throws. Skips files that not all ranks passed to write().
     /// @throws OutputError
     void finishWriting();
 
-    /// Report a file that an earlier run has written.
+    /// Report a file written by an earlier run.
     void pass(const std::filesystem::path& path);
 
-    /// Seconds that writing each finished file took; at rank 0.
+    /// Seconds to write each finished file; at rank 0.
     [[nodiscard]] const std::vector<double>& seconds() const { return mSeconds; }
 
-    /// The number of files that there will be, 0 if it is unknown.
+    /// The number of files of the run, 0 if unknown.
     [[nodiscard]] std::size_t total() const { return mTotal; }
 
     /// The number of files that are complete on disk.
     [[nodiscard]] std::size_t done() const { return mDone; }
 
-    /// Bytes of leaves that this rank gave to others.
+    /// Bytes of leaves that this rank sent to others.
     [[nodiscard]] std::uint64_t sent() const { return mSent; }
 
   private:
@@ -78,9 +78,9 @@ class FrameWriter {
     VdbCompression mCompression;
     std::size_t mWriters;
     std::vector<Waiting> mWaiting; // one for each writer, from rank 0 on
-    TextureFile mFile;             // this rank's among them
+    TextureFile mFile;             // this rank's file of these
     Paths mBegun;
-    std::optional<LeafStream> mStream; // to the thread that writes
+    std::optional<LeafStream> mStream; // to the writing thread
     std::vector<double> mSeconds;
     std::uint64_t mSent = 0;
     std::future<double> mPending; // last member: its thread uses the others

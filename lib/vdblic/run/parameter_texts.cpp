@@ -32,7 +32,7 @@ ParameterTexts parameterTexts(const AdvectPlan& plan)
             text += fmt::format(" ({})", fileStamp(parseGridReference(text).path));
         texts.emplace_back(parameter.key, text);
     }
-    // What no tool sets.
+    // Parameters without an option.
     const FeedbackParams& feedback = plan.params.texture.feedback;
     texts.emplace_back("mean_along_flow", fmt::format("{}", feedback.taps));
     texts.emplace_back("deviation", fmt::format("{}", feedback.deviation));

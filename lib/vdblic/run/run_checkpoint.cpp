@@ -26,7 +26,7 @@
 namespace vdblic {
 namespace {
 
-/// A part of a texture's state as a checkpoint holds it.
+/// A part of a texture's state in a checkpoint.
 struct SavedPart {
     VdbFile file;
     openvdb::CoordBBox box;
@@ -47,7 +47,7 @@ std::size_t partsOf(const FlowTexture& texture)
     return memory ? memory->parts() : 1;
 }
 
-/// Other files stay.
+/// Remove a checkpoint, but no other file.
 void removeCheckpoint(const std::filesystem::path& path, std::error_code& error)
 {
     if (isCheckpoint(path)) std::filesystem::remove(path, error);
@@ -83,7 +83,7 @@ std::optional<Checkpoint> RunCheckpoint::find()
     return checkpoint;
 }
 
-/// Refuse a foreign file under the checkpoint's name, to read or to replace.
+/// Refuse to read or replace a foreign file with the checkpoint's name.
 void RunCheckpoint::refuseForeign() const
 {
     const std::filesystem::path& path = mOutputs.checkpoint();
@@ -126,7 +126,7 @@ void RunCheckpoint::addFinished(const FrameFile& file, int substeps, std::vector
 {
     for (int substep = 0; substep < substeps; ++substep) {
         outputs.push_back(mOutputs.texture(file.frame, substep));
-        if (!mExchange.isFirst()) continue; // which tells of them
+        if (!mExchange.isFirst()) continue; // the first rank reports them
         const std::string fault = faultOf(outputs.back(), mOutputs.number(file.frame, substep), mPlan);
         if (fault.empty()) continue;
         refuseCheckpoint(mOutputs.checkpoint(), fmt::format("tells that {} was finished, but {}: put it back",
@@ -153,7 +153,7 @@ void RunCheckpoint::restore(const Checkpoint& checkpoint, const VelocityFrame& f
     const auto isElsewhere = [&](const CheckpointPart& one) {
         return frame.partition && !frame.partition->textureBox(mExchange.rank()).voxels.hasOverlap(one.box);
     };
-    const auto next = [&]() -> std::optional<VdbFile> { // one at a time is in memory
+    const auto next = [&]() -> std::optional<VdbFile> { // only one is in memory at a time
         if (state != checkpoint.states.end()) return *state++;
         part = std::find_if_not(part, checkpoint.parts.end(), isElsewhere);
         return part != checkpoint.parts.end() ? std::optional(readPart(checkpoint, *part++)) : std::nullopt;
@@ -202,14 +202,14 @@ void RunCheckpoint::write(const FlowTexture& texture)
     mUnsaved.reset();
     const auto start = CheckpointSchedule::Clock::now();
     Checkpoint checkpoint{unsaved.position, mInputs, {}};
-    // A step depends on the frames at both ends of its interval and on none after them.
+    // A step depends on the frames at both ends of its interval, on none after them.
     const std::size_t lastStep = std::max(unsaved.position.steps, std::uint64_t(1)) - 1;
     checkpoint.inputs.resize(std::min<std::size_t>(mPlan.framesDone(lastStep) + 2, mInputs.size()));
     try {
         if (mExchange.isAlone() && partsOf(texture) == 1) {
             checkpoint.states.push_back(stateOf(texture, 0, *unsaved.transform).file);
             writeCheckpoint(mOutputs.checkpoint(), checkpoint, mParameters);
-            removeParts({}); // of a larger state before
+            removeParts({}); // of an earlier, larger state
         } else {
             writeParts(texture, unsaved, std::move(checkpoint));
         }
@@ -224,7 +224,7 @@ void RunCheckpoint::write(const FlowTexture& texture)
     mSchedule.wrote(CheckpointSchedule::Clock::now() - start);
 }
 
-/// Every rank writes its parts, then rank 0 the file that lists them: until then the checkpoint before is valid.
+/// Every rank writes its parts, then rank 0 the file that lists them: until then the previous checkpoint is valid.
 void RunCheckpoint::writeParts(const FlowTexture& texture, const Unsaved& unsaved, Checkpoint checkpoint)
 {
     const std::vector<std::size_t> counts = mExchange.join(std::vector<std::size_t>{partsOf(texture)});
@@ -252,7 +252,7 @@ void RunCheckpoint::writeParts(const FlowTexture& texture, const Unsaved& unsave
     if (mExchange.isFirst()) removeParts(unsaved.position.steps);
 }
 
-/// Remove the parts of checkpoints. @param but steps whose parts stay
+/// Remove the parts of checkpoints. @param but steps of the parts to keep
 void RunCheckpoint::removeParts(std::optional<std::uint64_t> but) const
 {
     for (const std::filesystem::path& part : mOutputs.checkpointParts(but)) {

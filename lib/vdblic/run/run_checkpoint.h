@@ -26,7 +26,7 @@ struct FrameFile;
 struct VelocityFrame;
 class RunOutputs;
 
-/// The checkpoint of a run: taken up at the start, written between steps, removed at the end (docs/advect.md).
+/// The checkpoint of a run: read at the start, written between steps, removed at the end (docs/advect.md).
 /// Not thread-safe.
 class RunCheckpoint {
   public:
@@ -34,48 +34,48 @@ class RunCheckpoint {
     /// @param exchange with the ranks that share the run; find(), write() and remove() are collective
     RunCheckpoint(const AdvectPlan& plan, RunOutputs& outputs, Reporter& reporter, Exchange& exchange);
 
-    // Going on from the checkpoint of an interrupted run, in the order of the calls.
+    // To resume an interrupted run, in the order of the calls:
 
-    /// Read it, if the parameters ask for that and there is one.
-    /// @throws InputError; ParameterError, also if there is one and the parameters say nothing about it
+    /// Read the checkpoint, if it exists and the parameters ask for it.
+    /// @throws InputError; ParameterError, also if it exists and the parameters neither resume nor restart
     [[nodiscard]] std::optional<Checkpoint> find();
 
-    /// Pass over the frames that the interrupted run finished. @return their outputs
-    /// @throws InputError if one of them, input or output, is missing or differs
+    /// Skip the frames that the interrupted run finished. @return their outputs
+    /// @throws InputError if an input or output of them is missing or differs
     [[nodiscard]] std::vector<std::filesystem::path> passOver(const Checkpoint& checkpoint, VelocitySequence& flow);
 
-    /// Check that the sequence may end with a frame. @throws InputError if textures after that frame are finished
+    /// Check that the sequence may end with a frame. @throws InputError if textures of later frames are finished
     void checkEnds(const Checkpoint& checkpoint, const FrameFile& last) const;
 
-    /// Put the state of the interrupted run into a new one.
-    /// @param frame   that the next step starts from or after
+    /// Restore the interrupted run's state into a new texture.
+    /// @param frame   from or after which the next step starts
     /// @param outputs of passOver(); receives the finished substeps of the frame
     /// @throws InputError
     void restore(const Checkpoint& checkpoint, const VelocityFrame& frame, FlowTexture& texture,
                  std::vector<std::filesystem::path>& outputs) const;
 
-    // Running.
+    // During the run:
 
-    /// Record the stamp of a frame that was read. @throws InputError if the interrupted run read another
+    /// Record the stamp of a frame that was read. @throws InputError if it differs from the interrupted run's
     void noteInput(const std::filesystem::path& path, const std::string& stamp);
 
-    /// A step begins; if it fails midway there is no state to go on from.
+    /// Called when a step begins; if it fails midway there is no state to resume from.
     void stepBegins() { mUnsaved.reset(); }
-    /// A step is made. @param frame that the next step starts from
+    /// Called when a step is done. @param frame from which the next step starts
     void stepDone(const RunPosition& position, const VelocityFrame& frame);
 
     [[nodiscard]] bool isDue() const { return mSchedule.isDue(); }
-    /// Whether there is a state to go on from that no checkpoint holds, and checkpoints are wanted.
+    /// Whether checkpoints are wanted and the current state is in none.
     [[nodiscard]] bool isUnsaved() const { return mUnsaved && mSchedule.enabled(); }
 
-    /// Write a checkpoint of the last step; outputs up to there must be on disk. @throws InputError, OutputError
+    /// Write a checkpoint of the last step, whose outputs must be on disk. @throws InputError, OutputError
     void write(const FlowTexture& texture);
 
-    /// Remove it, if there is one. @throws OutputError
+    /// Remove the checkpoint, if any. @throws OutputError
     void remove() const;
 
   private:
-    /// A state that no checkpoint holds.
+    /// A state in no checkpoint.
     struct Unsaved {
         RunPosition position;
         openvdb::math::Transform::Ptr transform; // of the grids in the checkpoint
@@ -93,7 +93,7 @@ class RunCheckpoint {
     Exchange& mExchange;
     ParameterTexts mParameters;
     CheckpointSchedule mSchedule;
-    std::vector<std::string> mInputs, mExpected; // stamps of the frames read by this run and by the interrupted one
+    std::vector<std::string> mInputs, mExpected; // stamps of the frames read by this run, and by the interrupted one
     std::optional<Unsaved> mUnsaved;
 };
 

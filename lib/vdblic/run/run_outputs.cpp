@@ -96,7 +96,7 @@ std::vector<std::filesystem::path> RunOutputs::checkpointParts(std::optional<std
 void RunOutputs::check(std::size_t textures)
 {
     if (textures > 0) checkOutputPattern(mTextures, textures);
-    checkCheckpoint(mCheckpoint); // RunCheckpoint::find() tells of a file that is there
+    checkCheckpoint(mCheckpoint); // RunCheckpoint::find() reports an existing file
     if (mPlan.input.pattern != "-") {
         const std::vector<std::int64_t> frames = selectedFrames(mPlan.input);
         const FramePattern input(mPlan.input.pattern);
@@ -114,7 +114,7 @@ void RunOutputs::check(std::size_t textures)
     if (mParams.json.empty()) return;
     checkNoFrame(mParams.json, mTextures);
     checkDistinct(mParams.json, mCheckpoint);
-    checkReport(mParams.json); // found out now, not after hours
+    checkReport(mParams.json); // fails early
 }
 
 void RunOutputs::checkInputs(const FrameFile& velocity) const

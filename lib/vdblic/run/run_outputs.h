@@ -13,16 +13,16 @@ namespace vdblic {
 struct AdvectParams;
 struct AdvectPlan;
 
-/// The number of a texture: the first frame keeps its number, and substeps count on.
-/// @param substep its number after the frame. @throws ParameterError if the number is too large
+/// The number of a texture: the first frame keeps its number; substeps count on.
+/// @param substep after the frame. @throws ParameterError if the number is too large
 [[nodiscard]] std::int64_t textureNumber(std::int64_t first, std::int64_t frame, int substeps, int substep);
 
-/// The files that a run over a sequence writes: textures, a checkpoint beside them, and a report if one is wanted.
+/// The output files of a run over a sequence: textures, a checkpoint beside them, and an optional report.
 class RunOutputs {
   public:
     /// @param plan must outlive this. @throws ParameterError if the output is no pattern
     explicit RunOutputs(const AdvectPlan& plan);
-    /// With a checkpoint of another name.
+    /// As above, with another checkpoint name.
     RunOutputs(const AdvectPlan& plan, std::filesystem::path checkpoint);
 
     /// Number the outputs from the sequence's first frame; later calls change nothing.
@@ -35,11 +35,11 @@ class RunOutputs {
         return mTextures.path(number(frame, substep));
     }
     [[nodiscard]] const std::filesystem::path& checkpoint() const { return mCheckpoint; }
-    /// What a run locks for as long as it writes them: two runs would mix their outputs.
+    /// The lock file of a run while it writes: two runs would mix their outputs.
     [[nodiscard]] std::filesystem::path lock() const;
     /// A part of the checkpoint after `steps` steps.
     [[nodiscard]] std::filesystem::path checkpointPart(std::uint64_t steps, std::size_t part) const;
-    /// The parts of the checkpoint that are on disk. @param but after these steps
+    /// The parts of the checkpoint on disk. @param but steps of the parts to leave out
     [[nodiscard]] std::vector<std::filesystem::path> checkpointParts(std::optional<std::uint64_t> but) const;
 
     /// Check that all outputs have different names and can be written.

@@ -19,16 +19,16 @@ struct FrameReport {
     double write = 0; ///< seconds to write the texture
 };
 
-/// The frames that one run computed.
+/// The computed frames of a run.
 struct RunReport {
     std::vector<FrameReport> frames;
     double seconds = 0; ///< wall time from the first step to the last output
 };
 
-/// The work of a frame, in words.
+/// A line about a frame's work.
 [[nodiscard]] std::string frameLine(const FrameReport& frame);
 
-/// The time of a run by stage, as in Table 2 of Liu & Moorhead 2004, and how evenly it spreads over the frames.
+/// The time of a run by stage, as in Table 2 of Liu & Moorhead 2004, and its spread over the frames.
 [[nodiscard]] std::vector<std::string> runLines(const RunReport& report);
 
 /// All figures, as JSON with two spaces of indentation (docs/advect.md).

@@ -17,13 +17,13 @@
 namespace vdblic {
 namespace {
 
-constexpr double kLeast = 0.25; // voxels a step: streaks of a voxel
+constexpr double kLeast = 0.25; // voxels a step: gives streaks of one voxel
 constexpr double kGood = 4;
 
-/// Several steps in one, if enough frames are left. @param moves voxels a step
+/// Advice to join steps, if enough frames remain. @param moves voxels a step
 std::optional<std::string> longerSteps(double moves, const std::vector<std::int64_t>& frames)
 {
-    constexpr std::size_t kFewest = 4; // frames that are left
+    constexpr std::size_t kFewest = 4; // frames that remain
     const auto every = std::size_t(std::min(std::ceil(1 / moves), 1e6));
     if (frames.size() <= (kFewest - 1) * every) return std::nullopt;
     const auto spacing = std::size_t(frames[1] - frames[0]) * every;
@@ -31,7 +31,7 @@ std::optional<std::string> longerSteps(double moves, const std::vector<std::int6
                        moves * double(every));
 }
 
-/// Streaks are a few voxels thick: a coarse grid shows few of them.
+/// Streaks are a few voxels thick: a coarse grid has room for few.
 void adviseOnVoxels(const VelocityInfo& velocity, const GridInfo* grid, std::vector<std::string>& advice)
 {
     constexpr double kFew = 250e3, kGoodVolume = 1e6, kGoodLayer = 250e3;

@@ -9,7 +9,7 @@
 
 namespace vdblic {
 
-/// What a sequence needs before its texture is worth computing or looking at, each with the option that gives it.
+/// Advice before computing or viewing a sequence's texture, each with its option.
 [[nodiscard]] std::vector<std::string> adviceFor(const SequenceInfo& info);
 
 /// The grid of the velocity, or the first of three scalars; null if there is none.
@@ -18,21 +18,20 @@ namespace vdblic {
 /// The axis along which a box has a single layer of voxels; −1: none, or several.
 [[nodiscard]] int layerAxis(const openvdb::CoordBBox& box);
 
-/// Factors on the world's axes that give a flat domain, such as weather, a height; nothing if it is not flat.
+/// World-axis factors that give a flat domain, such as weather, a height; nothing if it is not flat.
 [[nodiscard]] std::optional<std::array<double, 3>> stretchOf(const GridInfo& grid);
 
-/// Whether a flow makes streaks that can be seen and stay in place. @param moves displacement of its faster half
-/// [voxels a step]
+/// Whether a flow makes visible, stable streaks. @param moves displacement of its faster half [voxels a step]
 [[nodiscard]] bool makesStreaks(double moves);
 
-/// What to do about a flow that moves too little or too far in a step for streaks; nothing if it does neither.
+/// Advice on a flow with too small or too large steps for streaks; nothing if they suit.
 /// @param moves  displacement of its faster half [voxels a step]
-/// @param frames of the sequence, those that are used
-/// @param others units with which it would move some voxels, "voxel/s: 3.2"
+/// @param frames used frames of the sequence
+/// @param others units that give suitable steps, "voxel/s: 3.2"
 [[nodiscard]] std::optional<std::string> motionAdvice(double moves, const std::vector<std::int64_t>& frames,
                                                       const std::vector<std::string>& others = {});
 
-/// Frames as a frame list takes them: "1-4,8".
+/// Frames as a frame list: "1-4,8".
 [[nodiscard]] std::string frameListText(const std::vector<std::int64_t>& frames);
 
 } // namespace vdblic

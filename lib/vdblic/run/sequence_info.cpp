@@ -33,7 +33,7 @@ namespace {
 using ValueGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
                                      openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
 
-/// Set the frames of a sequence that are on disk, and those that are missing. @return their files
+/// Set the sequence's frames on disk, and the missing ones. @return the files
 std::vector<FrameFile> findFiles(const SequenceParams& input, SequenceInfo& info)
 {
     if (input.pattern == "-")
@@ -47,7 +47,7 @@ std::vector<FrameFile> findFiles(const SequenceParams& input, SequenceInfo& info
         return files;
     }
     const std::vector<std::int64_t> found = pattern.framesOnDisk();
-    if (found.empty()) (void)selectFrames(input); // tells what matches
+    if (found.empty()) (void)selectFrames(input); // throws with the matching files
     std::vector<std::int64_t> wanted;
     if (input.frames.empty()) {
         const std::int64_t spacing = frameSpacing(input);
@@ -84,7 +84,7 @@ void addHeader(const openvdb::GridBase& grid, SequenceInfo& info)
         first.transform = grid.transform().copy();
         known = info.grids.insert(known, first);
     }
-    const auto number = [&](const char* key) { // of a file, which may tell anything
+    const auto number = [&](const char* key) { // of a file: untrusted
         constexpr double kMost = 1e18;
         const double told = numericMetadata(grid, key).value_or(0);
         return told > 0 ? std::uint64_t(std::min(told, kMost)) : std::uint64_t(0);
@@ -139,7 +139,7 @@ void addValues(const VdbFile& file, SequenceInfo& info)
     }
 }
 
-/// The velocity by the headers of a file; nothing if there is none. @param times of the frame
+/// The velocity according to the headers of a file; nothing if there is none. @param times of the frame
 std::optional<VelocityInfo> velocityOf(const VdbFile& header, const VelocityParams& params, FrameTimes& times)
 {
     std::vector<std::string> names = {params.grid};
@@ -159,7 +159,7 @@ std::optional<VelocityInfo> velocityOf(const VdbFile& header, const VelocityPara
     return velocity;
 }
 
-/// @param files, times of the first two frames that can be read, or of one
+/// @param files, times of the first readable frames, at most two
 void setInterval(const SequenceInfoParams& params, const std::vector<FrameFile>& files,
                  const std::vector<FrameTimes>& times, VelocityInfo& velocity)
 {
@@ -191,7 +191,7 @@ double meanLength(const openvdb::Vec3SGrid& grid, const openvdb::Mat3s& matrix)
     return count > 0 ? sum / count : 0;
 }
 
-/// The displacements of a frame, added to those before. @param frames already added @param files in all
+/// Add the displacements of a frame. @param frames added before  @param files total number
 void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::size_t frames, std::size_t files,
                Displacements& all, VelocityInfo& velocity)
 {
@@ -222,13 +222,13 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     }
 }
 
-/// Whether a grid holds the velocity, or a component of it.
+/// Whether a grid is the velocity or one of its components.
 bool isOf(const VelocityInfo& velocity, const GridInfo& grid)
 {
     return std::find(velocity.gridNames.begin(), velocity.gridNames.end(), grid.name) != velocity.gridNames.end();
 }
 
-/// What a run takes whose other parameters are the defaults. @param frames to compute
+/// The cost of a run with default parameters otherwise. @param frames to compute
 void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std::size_t frames, VelocityInfo& velocity)
 {
     constexpr double kSeconds = 0.22e-6; // of processor time for a voxel and frame (docs/evidence.md)
@@ -239,8 +239,7 @@ void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std
         velocity.voxels = std::max(velocity.voxels, grid.mostVoxels);
         memory += double(grid.mostMemory);
     }
-    // Voxels of whole leaves, at three floats each. What is not active in them lies at the rim, and refined leaves that
-    // hold nothing are not there.
+    // Voxels of whole leaves, at three floats each. Inactive ones lie at the rim; empty refined leaves are not stored.
     const double refine = params.refine.value_or(1), refined = refine * refine * refine;
     const double rim = std::max(0.0, memory / (3 * sizeof(float)) - double(velocity.voxels));
     const double ofTexture = refined * double(velocity.voxels) + refine * refine * rim;
@@ -254,11 +253,11 @@ void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std
     }
 }
 
-/// What a run of streaks takes. @param frames to compute
+/// The cost of a run of streaks. @param frames to compute
 void estimateStreaks(const SequenceInfoParams& params, const SequenceInfo& info, std::size_t frames,
                      VelocityInfo& velocity)
 {
-    constexpr double kSettling = 0.25; // frames that tracing the first tails takes
+    constexpr double kSettling = 0.25; // frames of work to trace the first tails
     openvdb::CoordBBox box;
     double memory = 0;
     for (const GridInfo& grid : info.grids) {

@@ -15,30 +15,30 @@
 
 namespace vdblic {
 
-/// Which sequence to inspect, and how its velocity is understood.
+/// The sequence to inspect, and the interpretation of its velocity.
 struct SequenceInfoParams {
     VelocitySequenceParams flow;
-    bool values = false;             ///< read the voxels too, not only the headers
-    std::optional<int> refine{};     ///< of the textures whose cost is told; nothing: 1, of streaks what suits them
-    std::optional<double> spacing{}; ///< of streaks, the same [voxels of the velocity]; nothing: what suits them
+    bool values = false;             ///< read the voxels too, besides the headers
+    std::optional<int> refine{};     ///< of the textures in the estimate; nothing: 1, or the streaks' default
+    std::optional<double> spacing{}; ///< of streaks, in the estimate [velocity voxels]; nothing: their default
 
     void validate() const; ///< @throws ParameterError
 };
-/// But for the sequence itself: a tool inspects several.
+/// All parameters but the sequence: a tool inspects several.
 [[nodiscard]] Parameters parametersOf(SequenceInfoParams& params);
 
-/// The values of a grid over all frames; of vectors their lengths.
+/// The range of a grid's values over all frames; of vectors' lengths.
 struct ValueInfo {
     double low, high;            ///< of the finite values; low exceeds high if there are none
     std::uint64_t notFinite = 0; ///< voxels
 
-    [[nodiscard]] bool isFinite() const { return low <= high; } ///< whether any value is
+    [[nodiscard]] bool isFinite() const { return low <= high; } ///< whether any value is finite
 };
 
 /// A grid over the frames of a sequence.
 struct GridInfo {
     std::string name, type, gridClass;
-    std::size_t files = 0; ///< that hold it
+    std::size_t files = 0; ///< files that hold it
     std::size_t ofName =
         1; ///< grids of the name in a file, at most; all that is told is of the first, which tools read
     std::uint64_t leastVoxels = 0, mostVoxels = 0; ///< active ones in a file, as its writer stored them
@@ -58,22 +58,22 @@ struct MotionInfo {
     std::vector<std::string> otherUnits{}; ///< "voxel/s: 3.2": units that suit its faster half
 };
 
-/// Defaults that streaks would get from the largest frame, and the cost of a run with them.
+/// Defaults of streaks for the largest frame, and the cost of such a run.
 struct StreaksInfo {
     std::array<float, 3> spacing{}; ///< [voxels of the velocity]
     std::array<int, 3> refine{};
     std::optional<float> tail{};            ///< [frames], from the values
-    double memory = 0, seconds = 0;         ///< as VelocityInfo has them, drawn as voxels
+    double memory = 0, seconds = 0;         ///< as in VelocityInfo, drawn as voxels
     double lineMemory = 0, lineSeconds = 0; ///< drawn as lines
 };
 
 /// Estimates of a method other than the default.
 struct MethodCost {
     std::string_view method;
-    double memory = 0, seconds = 0; ///< as VelocityInfo has them
+    double memory = 0, seconds = 0; ///< as in VelocityInfo
 };
 
-/// How vdblic_advect would understand and compute the sequence's velocity.
+/// The sequence's velocity as vdblic_advect would understand it, and the cost of its texture.
 struct VelocityInfo {
     std::string grid;                   ///< its name; of three scalars, their names
     std::vector<std::string> gridNames; ///< of the grids that hold it
@@ -81,19 +81,19 @@ struct VelocityInfo {
     double scale = 1;
     double interval = 0;                   ///< seconds between frames
     std::string intervalSource;            ///< "by the files' times"
-    std::string intervalFault;             ///< why it is not by the files' times or dt, if they are wrong
+    std::string intervalFault;             ///< why the files' times or dt are unusable, if they are wrong
     std::uint64_t voxels = 0;              ///< in the largest frame
     double memory = 0, seconds = 0;        ///< estimates: bytes, and seconds of processor time
-    std::vector<MethodCost> lookingBack{}; ///< the same with the methods that look back
+    std::vector<MethodCost> lookingBack{}; ///< the same for the methods that look back
     std::optional<MotionInfo> motion{};    ///< from the values
     std::optional<StreaksInfo> streaks{};
 };
 
-/// Content of a sequence, and estimates, before anything is computed.
+/// Content of a sequence and estimates, before any computation.
 struct SequenceInfo {
     std::string pattern, creator;
-    std::vector<std::int64_t> frames, missing; ///< on disk; in the gaps between them, or of those asked for
-    bool isFrozen = false;                     ///< one frame without neighbours: the flow stays as it is
+    std::vector<std::int64_t> frames, missing; ///< on disk; in gaps between them, or requested but absent
+    bool isFrozen = false;                     ///< one frame without neighbours: a steady flow
     std::uint64_t bytes = 0;
     std::size_t withChecksums = 0;
     std::vector<std::string> damaged; ///< why files cannot be read
@@ -102,7 +102,7 @@ struct SequenceInfo {
     std::vector<std::string> advice;
 };
 
-/// Inspect a sequence. Files that cannot be read are counted, not errors.
+/// Inspect a sequence. Unreadable files are counted, and no errors.
 /// @throws ParameterError; InputError if there is no file; Stopped
 [[nodiscard]] SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& reporter);
 

@@ -41,7 +41,7 @@ void addGrid(const GridInfo& grid, std::size_t files, std::vector<std::string>& 
                                 values.notFinite == 0 ? "" : fmt::format(", {} not finite", values.notFinite)));
 }
 
-/// One number where three are the same.
+/// Three numbers, or one if all are equal.
 template<typename Number>
 std::string shortText(const std::array<Number, 3>& numbers)
 {

@@ -30,18 +30,18 @@ class SharedRun {
 
     /// The largest displacement from a frame to the next, at any rank [voxels]. @param interval seconds between them
     [[nodiscard]] double largestDisplacement(const VelocityFrame& frame, double interval) const;
-    /// Of the faster half of the whole frame's flow (Displacements); collective.
+    /// The displacement of the whole frame's faster half (Displacements); collective.
     [[nodiscard]] double fasterDisplacement(const VelocityFrame& frame, double interval) const;
 
-    /// Cut a frame's domain anew, once a step is made, and hand over its parts and the texture's state, if the ranks'
-    /// shares of it have become so unequal that this pays. @return whether that was done, as a text
+    /// Partition a frame anew after a step, and hand over its parts and the texture's state, if the imbalance of the
+    /// ranks makes this worthwhile. @return a text if it was done
     [[nodiscard]] std::optional<std::string> balance(VelocityFrame& frame, FlowTexture& texture);
 
-    /// Receive the halo that steps between two frames need.
-    /// @param seconds between the frames  @param texture that makes the steps
+    /// Receive the halo for the steps between two frames.
+    /// @param seconds between the frames  @param texture that computes the steps
     void surround(VelocityFrame& start, VelocityFrame& end, double seconds, const FlowTexture& texture);
 
-    /// The owners of a frame's leaves in a step that starts from it; its surroundings must be there.
+    /// The owners of a frame's leaves in a step that starts from it; requires surround().
     [[nodiscard]] std::unique_ptr<const LeafOwners> ownersOf(const VelocityFrame& start) const;
 
     /// Store the leaves of a frame's grids that this rank computed, for FrameWriter::write(). Not collective.
@@ -51,7 +51,7 @@ class SharedRun {
   private:
     const AdvectPlan& mPlan;
     Exchange& mExchange;
-    double mLeastImbalance = 1;                // that the last attempt to cut anew found possible
+    double mLeastImbalance = 1;                // lowest imbalance possible at the last attempt
     std::vector<Rim<Space::kTexture>> mDepths; // of the ranks' halos
 };
 

@@ -68,7 +68,7 @@ openvdb::Int32Grid::Ptr hitsGrid(const openvdb::Int32Tree::Ptr& tree, const open
     return grid;
 }
 
-/// The streaks as points, with the scalars and those that the frame carries along.
+/// The streaks as points, with the given and the carried scalars.
 openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& scalars, TextureFrame& made)
 {
     if (!made.frame.domain.velocity->isWhole())
@@ -86,14 +86,14 @@ openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& sca
     return lineGrid(lines, transform);
 }
 
-/// A tree with all of a domain's voxels: the texture's, unless other ranks have parts of it.
+/// A tree with all of a domain's voxels: the texture's, unless other ranks hold parts.
 openvdb::FloatTree::Ptr wholeTree(const Domain& domain, const openvdb::FloatTree::Ptr& texture)
 {
     if (domain.isWhole()) return texture;
     return std::make_shared<openvdb::FloatTree>(domain.topology(), 0.0f, openvdb::TopologyCopy());
 }
 
-/// @param refinement of the texture that was made
+/// @param refinement of the computed texture
 openvdb::MetaMap parameterMetadata(const AdvectPlan& plan, const Refinement& refinement)
 {
     const AdvectParams& params = plan.params;
@@ -182,7 +182,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
     if (!frame.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(frame.sourceCreator));
     if (frame.motion != 1) file.metadata.insertMeta("motion", openvdb::DoubleMetadata(frame.motion));
-    // With a frame spacing of its own a run leaves the calendar of the files.
+    // With a frame spacing of its own a run no longer follows the files' calendar.
     if (!frame.start.empty() && !params.flow.frameSpacing)
         file.metadata.insertMeta("start", openvdb::StringMetadata(frame.start));
     if (!frame.lengthUnit.empty()) file.metadata.insertMeta("length_unit", openvdb::StringMetadata(frame.lengthUnit));
@@ -205,7 +205,7 @@ std::string faultOf(const std::filesystem::path& output, std::int64_t number, co
         const Refinement& refinement = plan.params.flow.domain.refinement;
         const openvdb::MetaMap wanted = parameterMetadata(plan, refinement);
         for (auto entry = wanted.beginMeta(); entry != wanted.endMeta(); ++entry) {
-            if (entry->first == "refine" && !refinement.isGiven) continue; // the first frame may have chosen it
+            if (entry->first == "refine" && !refinement.isGiven) continue; // possibly chosen by the first frame
             const openvdb::Metadata::ConstPtr value = found[entry->first];
             if (!value || *value != *entry->second)
                 return fmt::format("it is of another run, by its metadata '{}'", entry->first);

@@ -1,6 +1,5 @@
 #include "vdblic/run/texture_format.h"
 
-#include "vdblic/core/errors.h"
 #include "vdblic/field/largest_value.h"
 
 #include <fmt/format.h>

@@ -24,7 +24,7 @@ std::unique_ptr<FlowTexture> makeTexture(const AdvectParams& params)
     return makeFlowTexture(params, {std::move(noise), params.seed, params.flow.domain.refinement});
 }
 
-/// The flow as the textures need it: streaks are traced on the velocity's own voxels.
+/// Flow parameters of the textures: streaks are traced on the velocity's own voxels.
 VelocitySequenceParams flowOf(const AdvectPlan& plan)
 {
     VelocitySequenceParams flow = plan.params.flow;
@@ -74,7 +74,7 @@ void TextureRun::advance()
 void TextureRun::open()
 {
     mCurrent = nextFrame();
-    mReporter.checkStop(); // a stop may be what ended standard input
+    mReporter.checkStop(); // a stop may have ended standard input
     if (!mCurrent) {
         const bool isStream = mPlan.input.pattern == "-";
         throw InputError(isStream ? "no frame to compute: standard input named none" : "no frame to compute");
@@ -87,7 +87,7 @@ void TextureRun::start()
 {
     const std::optional<VelocityFrame>& end = mNext ? mNext : mAfter;
     mInterval = mFlow.intervalAfter(*mCurrent, end ? &*end : nullptr);
-    // Added up, as by a run over all frames.
+    // Summed up, as in a run over all frames.
     for (int i = 0; i < mPlan.framesBefore; ++i)
         mTime += mInterval.seconds;
     mTime = mCurrent->time.value_or(mTime);
@@ -104,7 +104,7 @@ void TextureRun::chooseVoxels()
     mReporter.say(sparse->choose(*mCurrent->domain.velocity, displacement));
 }
 
-/// Start where an interrupted run was.
+/// Start at the position of an interrupted run.
 void TextureRun::goOn(const RunPosition& position)
 {
     mSteps = position.steps;
@@ -115,7 +115,7 @@ void TextureRun::goOn(const RunPosition& position)
     setMotion(position.motion);
 }
 
-/// The factor, in three digits, with which the faster half of the current frame moves so many voxels.
+/// The factor, to three digits, that moves the current frame's faster half by so many voxels.
 double TextureRun::motionFor(double voxels) const
 {
     const double moves = mShared.fasterDisplacement(*mCurrent, mInterval.seconds);
@@ -136,7 +136,7 @@ void TextureRun::setMotion(double motion)
     }
 }
 
-/// Tell how much memory the run takes; refuse a run that takes too much now, not after minutes.
+/// Report a run's memory; refuse a run that needs too much now, not after minutes.
 void TextureRun::checkMemoryFor(const VelocityFrame& first) const
 {
     const double bytes = mPlan.method().bytes(mPlan.params, first.domain, mPlan.params.flow.domain.refinement,
@@ -147,7 +147,7 @@ void TextureRun::checkMemoryFor(const VelocityFrame& first) const
     const std::string text = fmt::format("{}: about {} of memory{}", voxels, memoryText(bytes), each);
     first.domain.refinement.isNone() ? mReporter.detail(text) : mReporter.say(text);
     constexpr double kLeast = 0.75; // of the estimate
-    // Tiles take no bytes of a file: a damaged one may have any number of them.
+    // Tiles occupy no bytes of a file: a damaged one may have any number.
     const openvdb::Vec3STree& values = first.values->tree();
     const auto stored = double(values.activeLeafVoxelCount()), all = double(values.activeVoxelCount());
     const bool isStored = bytes * (all - stored) <= double(memoryLimit()) * all;
@@ -173,7 +173,7 @@ std::optional<VelocityFrame> TextureRun::nextFrame()
     return frame;
 }
 
-/// Go to the next frame after the last substep of one.
+/// Advance to the next frame after a frame's last substep.
 void TextureRun::takeFrame()
 {
     if (!mNext || mSubstep < mPlan.substeps()) return;
@@ -184,7 +184,7 @@ void TextureRun::takeFrame()
     mSubstep = 0;
 }
 
-/// Make a step. @return its texture; nothing if it only prepares those to come
+/// Make a step. @return its texture; nothing if it only prepares later ones
 std::optional<TextureFrame> TextureRun::step()
 {
     if (mSteps < mPlan.prerollSteps()) {
@@ -224,7 +224,7 @@ VelocityFrame TextureRun::at(int substep) const
                                  : frameBetween(*mCurrent, *mNext, double(substep) / substeps);
 }
 
-/// The texture of the last frame. Without a frame after it the flow is steady.
+/// The texture of the last frame; without a next frame the flow is steady.
 TextureFrame TextureRun::lastStep()
 {
     VelocityFrame& last = *mCurrent;
@@ -243,7 +243,7 @@ TextureFrame TextureRun::lastStep()
     return made;
 }
 
-/// Give the ranks about equal shares of a frame, before a step starts from it.
+/// Balance the ranks' parts of a frame before a step starts from it.
 void TextureRun::balance(VelocityFrame& frame)
 {
     const std::optional<std::string> how = mSteps > 0 ? mShared.balance(frame, *mTexture) : std::nullopt;
@@ -252,7 +252,7 @@ void TextureRun::balance(VelocityFrame& frame)
     mReporter.detail(fmt::format("frame {}: {}", frame.file.frame, *how));
 }
 
-/// @param next frame on disk after the current one, at the end of the interval that the step is a part of
+/// @param next frame on disk after the current one, at the end of the step's whole interval
 TextureFrame TextureRun::makeStep(const VelocityFrame& start, const VelocityFrame& end, const VelocityFrame& next,
                                   double time, bool isShown)
 {
@@ -274,7 +274,7 @@ TextureFrame TextureRun::makeStep(const VelocityFrame& start, const VelocityFram
     return made;
 }
 
-/// Where the run is between two steps.
+/// The position between two steps.
 RunPosition TextureRun::position() const
 {
     const bool isNextFrame = mNext && mSubstep == mPlan.substeps();

@@ -16,37 +16,36 @@
 
 namespace vdblic {
 
-/// A run warns of displacements longer than this [voxels per step]: over such a distance velocity is hardly linear in
-/// time.
+/// Displacements beyond this cause a warning [voxels per step]: velocity is hardly linear in time over such a distance.
 inline constexpr double kLargeDisplacement = 16;
 
-/// What a run tells those who write its textures and checkpoints. All functions are called in the thread of the run, at
-/// all ranks alike; those that are not overridden do nothing.
+/// Callbacks of a run for the writers of textures and checkpoints. Called in the run's thread, at all ranks alike; the
+/// default implementations do nothing.
 class RunObserver {
   public:
     virtual ~RunObserver() = default;
 
-    /// The run begins; no frame is read yet. @return where it goes on; nothing: with the first frame
+    /// Called before the first frame is read. @return the position to resume from; nothing: start with the first frame
     [[nodiscard]] virtual std::optional<RunPosition> begins(VelocitySequence& /*flow*/) { return std::nullopt; }
-    /// The first frames are read. A texture that goes on gets its state here. @param isOnly whether no other frame
-    /// follows
+    /// Called when the first frames are read. A resumed texture gets its state here. @param isOnly whether no other
+    /// frame follows
     virtual void opened(const VelocityFrame& /*first*/, bool /*isOnly*/, FlowTexture& /*texture*/) {}
     virtual void frameRead(const VelocityFrame& /*frame*/) {}
     virtual void stepBegins() {}
-    /// A step is made that is not the last. @param next flow that the next step starts from
+    /// Called after each step but the last. @param next flow from which the next step starts
     virtual void stepDone(const RunPosition& /*position*/, const VelocityFrame& /*next*/) {}
-    /// A step is made that is not the last, and its texture, if it has one to show, is passed on.
+    /// Called after each step but the last, once its texture, if any, is passed on.
     virtual void textureDone() {}
-    /// Only the step of the last frame is left.
+    /// Called when only the last frame's step is left.
     virtual void lastBegins() {}
 };
 
-/// The textures of a velocity sequence, in order: a range that is passed through once.
+/// The textures of a velocity sequence, in order: a single-pass range.
 ///
 ///     for (TextureFrame& texture : run) write(std::move(texture));
 ///
-/// It makes the steps: preroll, lead-in, every frame with its substeps, and the last one. It reads frames as it needs
-/// them, and writes nothing. Advancing is collective if several ranks share the run. Not thread-safe.
+/// Makes all steps: preroll, lead-in, every frame with its substeps, and the last one. Reads frames on demand, and
+/// writes nothing. Advancing is collective if several ranks share the run. Not thread-safe.
 class TextureRun {
   public:
     class Iterator {
@@ -69,13 +68,13 @@ class TextureRun {
     TextureRun(const AdvectPlan& plan, FrameSource source, Reporter& reporter, Exchange& exchange,
                RunObserver& observer);
 
-    /// Read the first frames and make steps up to the first texture. Once.
-    /// @throws InputError, also if there is no frame, or the run needs more memory than it may take
-    /// @throws Stopped before a step if the reporter asks for that; so does the iterator
+    /// Read the first frames and make steps up to the first texture. Called once.
+    /// @throws InputError, also if there is no frame, or the run needs more memory than allowed
+    /// @throws Stopped before a step if the reporter requests a stop; so does the iterator
     [[nodiscard]] Iterator begin();
     [[nodiscard]] static std::default_sentinel_t end() { return {}; }
 
-    /// Whether the next texture takes a frame that is not read yet, if there is one.
+    /// Whether the next texture needs a frame that is not read yet, if there is one.
     [[nodiscard]] bool needsFrame() const { return mNext && mSubstep == mPlan.substeps(); }
     [[nodiscard]] bool isDone() const { return mIsDone; }        ///< whether the texture made is the last
     [[nodiscard]] std::uint64_t steps() const { return mSteps; } ///< made, preroll included
@@ -111,12 +110,12 @@ class TextureRun {
     std::unique_ptr<FlowTexture> mTexture;
     VelocitySequence mFlow;
     std::uint64_t mSteps = 0;
-    std::optional<TextureFrame> mMade; // that the iterators show
+    std::optional<TextureFrame> mMade; // shown by the iterators
     std::optional<VelocityFrame> mCurrent, mNext;
     std::optional<VelocityFrame> mAfter; // on disk after the last frame, once that is reached
     std::optional<VelocityFrame> mStart; // of the next substep; nothing before an interval's first
     FrameInterval mInterval{};           // between the current frame and the next
-    int mSubstep = 0;                    // to come after the current frame
+    int mSubstep = 0;                    // next one after the current frame
     double mTime = 0;                    // of the current frame
     bool mIsDone = false;
     bool mWarnedOfDisplacement = false, mWarnedOfRest = false;

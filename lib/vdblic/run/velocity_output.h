@@ -10,17 +10,16 @@
 
 namespace vdblic {
 
-/// The name among AdvectParams::derived that asks for the velocity, and that of its grid, by which other programs find
-/// it (docs/formats.md).
+/// The velocity's name in AdvectParams::derived, and its grid's name, which other programs expect (docs/formats.md).
 inline constexpr std::string_view kVelocityName = "velocity";
 inline constexpr const char* kVelocityGrid = "vel";
 
 /// The velocity for motion blur: a Vec3 grid on voxel centres, in world units per second.
 ///
-/// @param domain     whose voxels it has; all of them must be here
+/// @param domain     the voxels of the grid; all must be here
 /// @param velocities on voxel centres, in any unit
-/// @param like       nothing, or the grid on whose voxels and transform it is interpolated
-/// @param precision  of the numbers in a file; half is left out where it would cost precision (saveAsHalf())
+/// @param like       nothing, or the grid that gives voxels and transform for the interpolation
+/// @param precision  in a file; half only where it preserves the values (saveAsHalf())
 /// Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] openvdb::Vec3SGrid::Ptr velocityGrid(const Domain& domain, const openvdb::Vec3SGrid& velocities,
                                                    const FromStored<Space::kWorld, Per::kSecond>& unit,

@@ -12,7 +12,7 @@ namespace {
 
 using Leaf = openvdb::Int64Tree::LeafNodeType;
 
-/// A leaf of a domain's voxels without a hit.
+/// A leaf of the domain's voxels, without hits.
 std::unique_ptr<Leaf> emptyLeaf(const Domain& domain, std::size_t number)
 {
     auto leaf = std::make_unique<Leaf>(domain.origin(number), std::int64_t(0));
@@ -39,7 +39,7 @@ void Accumulator::open(Domain::Leaves leaves)
         mWords[leaves[i]] = opened[i]->buffer().data();
     });
     for (std::unique_ptr<Leaf>& leaf : opened)
-        mTree->addLeaf(leaf.release()); // takes it over
+        mTree->addLeaf(leaf.release()); // takes ownership
 }
 
 void Accumulator::close(Domain::Leaves leaves)

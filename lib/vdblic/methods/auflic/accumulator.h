@@ -10,20 +10,18 @@
 
 namespace vdblic {
 
-/// What the pathlines of a step scatter into: an OpenVDB Int64 tree whose voxels are Hits words, and a table of
-/// pointers to its leaves' values, by the domain's numbers.
+/// The target of a step's scattering: an OpenVDB Int64 tree of Hits words, and a table of pointers to its leaves'
+/// values, by the domain's numbers.
 ///
-/// The tree has the open leaves of a domain only: they are added before a path can lead to them, and stolen from it as
-/// soon as no path leads there any more. Exactly the domain's voxels are active; everywhere else, in leaves and outside
-/// them, the value is Hits::kOutside.
+/// The tree has only the domain's open leaves: they are added before a path can reach them, and removed once no path
+/// can reach them any more. Exactly the domain's voxels are active; all other voxels are Hits::kOutside.
 ///
-/// Any number of threads may read the pointers, and add to the words atomically; leaves are opened and closed by one
-/// thread.
+/// Any number of threads may read the pointers and add to the words atomically; one thread opens and closes leaves.
 class Accumulator {
   public:
     explicit Accumulator(const Domain& domain); ///< All leaves are closed. @param domain must outlive this
 
-    /// Open leaves, with words without a hit. In parallel.
+    /// Open leaves, in parallel; their words have no hits.
     void open(Domain::Leaves leaves);
     void close(Domain::Leaves leaves);
 

@@ -31,7 +31,7 @@ void describeAccelerated(const MethodParams& params, openvdb::MetaMap& metadata)
     metadata.insertMeta("release_window", openvdb::FloatMetadata(params.texture.releaseWindow));
 }
 
-/// @param particles bytes for each voxel beside those of auflic
+/// @param particles bytes per voxel beyond those of auflic
 double scatteredBytes(double particles, const MethodParams& params, const FrameDomain& first, bool withHits)
 {
     return denseBytes(params.texture, first, particles + (withHits ? sizeof(std::int32_t) : 0));

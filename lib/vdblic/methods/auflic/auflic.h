@@ -8,8 +8,8 @@ namespace vdblic {
 ///
 /// Shen & Kao, "A new line integral convolution algorithm for visualizing time-varying flow fields", TVCG 4(2), 1998
 /// (UFLIC). Liu & Moorhead, "AUFLIC: an accelerated algorithm for unsteady flow line integral convolution", VisSym
-/// 2002, and "Visualizing time-varying three-dimensional flow fields using accelerated UFLIC", 2004. docs/algorithm.md
-/// says how ours differs.
+/// 2002, and "Visualizing time-varying three-dimensional flow fields using accelerated UFLIC", 2004. Differences from
+/// these: docs/algorithm.md.
 extern const TextureMethod kAuflic;     ///< accelerated, with history
 extern const TextureMethod kAuflic2004; ///< accelerated, as published
 extern const TextureMethod kUflic;      ///< a seed for every voxel and frame

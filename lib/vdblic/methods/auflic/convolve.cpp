@@ -14,7 +14,7 @@
 namespace vdblic {
 namespace {
 
-/// Number of the hits of a row's voxels, and mean of their values: not-a-number where there are none.
+/// Hit counts of a row's voxels, and means of their values: NaN without hits.
 struct HitRow {
     Float8 count, mean;
 };
@@ -32,7 +32,7 @@ VDBLIC_INLINE HitRow hitRow(const std::int64_t* hits, int row)
             __builtin_shufflevector(mean[0], mean[1], 0, 1, 2, 3, 4, 5, 6, 7)};
 }
 
-/// Values on a domain's own leaves with room for its other local ones. Of a process alone, the values themselves.
+/// Values on a domain's own leaves, with room for its other local ones; for a single process, the values themselves.
 LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own)
 {
     if (domain.isWhole()) return own;
@@ -41,7 +41,7 @@ LeafValues<float> onLocal(const Domain& domain, const LeafValues<float>& own)
     return local;
 }
 
-/// The running mean on another domain: a new voxel has its input, without weight.
+/// The running mean on another domain: a new voxel has its input, with weight 0.
 RunningMean onDomain(const Domain& to, const LeafValues<std::int32_t>& input, const Domain& from,
                      const RunningMean& mean)
 {
@@ -74,7 +74,7 @@ VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, 
 VDBLIC_KERNEL void convolve(const Domain::Mask& mask, const std::int64_t* hits, const std::int32_t* input, int substeps,
                             const MeanLeaf<const float>& before, const MeanLeaf<float>& after)
 {
-    const float kept = float(substeps - 1) / float(substeps + 1); // of the older hits' weight
+    const float kept = float(substeps - 1) / float(substeps + 1); // share of the older hits' weight
     for (int row = 0; row < LeafVoxel::kRows; ++row) {
         const HitRow of = hitRow(hits, row);
         const Float8 older = before.weight ? loadRow(before.weight, row) * kept : Float8{};

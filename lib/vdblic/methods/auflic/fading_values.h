@@ -12,29 +12,29 @@
 
 namespace vdblic {
 
-/// What an AUFLIC pathline carries: the values of all its seeds in one word of Hits. A value has weight kWeight when it
-/// is taken up; every frame removes the same share of the remaining weight. A new pathline begins as if it had taken up
-/// its first seed's value in every frame before. So every pathline that is in a voxel carries about the same, and one
-/// that finds its voxel closed ends: the first one there takes over its values.
+/// The load of an AUFLIC pathline: the values of all its seeds in one Hits word. A value starts with weight kWeight;
+/// every frame removes the same share of the remaining weight. A new pathline starts as if it had collected its first
+/// seed's value in every earlier frame. So all pathlines in a voxel carry about the same, and one that finds its voxel
+/// closed ends: the first one there takes over its values.
 ///
 /// With a share of 4 / (3 L) streaks are as long, and as coherent, as with a window of L frames.
 class FadingValues {
   public:
-    static constexpr bool kTakesUp = true;       ///< whether pathlines take up the values of open voxels
-    static constexpr bool kAlone = true;         ///< whether only one pathline goes on from a voxel, the newest
-    static constexpr std::uint64_t kWeight = 32; ///< of one value: shares of it are whole numbers
+    static constexpr bool kTakesUp = true;       ///< whether pathlines collect the values of open voxels
+    static constexpr bool kAlone = true;         ///< whether only the newest pathline continues from a voxel
+    static constexpr std::uint64_t kWeight = 32; ///< of one value, so that shares of it are whole numbers
 
     FadingValues(const TextureParams& params, std::uint64_t step)
         : mLife(std::uint64_t(params.lifeSpan)), mTurn(step, params.substeps)
     {
     }
 
-    /// Words that a particle carries beside its Hits.
+    /// The number of words of a particle beside its Hits.
     [[nodiscard]] static std::size_t words(const TextureParams& /*params*/) { return 0; }
     /// The word of this step.
     [[nodiscard]] static std::uint32_t* now(const Particle& /*particle*/, std::uint32_t* /*words*/) { return nullptr; }
 
-    /// The Hits of a new pathline, before it takes up its seed's value.
+    /// The Hits of a new pathline, before it collects its seed's value.
     [[nodiscard]] VDBLIC_INLINE std::uint64_t atRelease(std::uint64_t value) const
     {
         const std::uint64_t weight = mLife > 1 ? kWeight * (3 * mLife - 4) / 4 : 0;
@@ -42,18 +42,18 @@ class FadingValues {
     }
     [[nodiscard]] static bool mayTakeUp(const Particle& /*particle*/, const std::uint32_t* /*words*/) { return true; }
     [[nodiscard]] static bool isFull(const std::uint32_t* /*now*/) { return false; }
-    /// Take up a value.
+    /// Collect a value.
     VDBLIC_INLINE static void add(std::uint64_t& alive, std::uint32_t* /*now*/, std::uint64_t value)
     {
         alive += Hits::pack(value * kWeight, kWeight);
     }
-    /// Take over the values of a pathline that ends.
+    /// Take over the values of an ending pathline.
     static void join(std::uint64_t& alive, std::uint64_t other)
     {
         constexpr std::uint64_t kMostWeight = std::uint64_t(1) << 16;
         if (Hits::count(alive + other) <= kMostWeight) alive += other;
     }
-    /// Let a particle's values grow older by this step. @return whether any is left
+    /// Age a particle's values by this step. @return whether any remain
     VDBLIC_INLINE bool age(Particle& particle, std::uint32_t* /*words*/) const
     {
         if (!mTurn.endsFrameOf(particle.id)) return true;
@@ -61,7 +61,7 @@ class FadingValues {
         return particle.alive != 0;
     }
 
-    /// What is left of Hits after a frame.
+    /// Hits that remain after a frame.
     [[nodiscard]] static constexpr std::uint64_t faded(std::uint64_t word, std::uint64_t life)
     {
         const std::uint64_t weight = Hits::count(word), sum = Hits::sum(word);

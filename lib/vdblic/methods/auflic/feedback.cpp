@@ -23,12 +23,12 @@ namespace vdblic {
 namespace {
 
 constexpr float kFullScale = float(kNoiseMax);
-// The noise of entering fluid is alike along streaks about as long as those inside the domain. A mean along such a
-// streak keeps its deviation; of the noise inside, which changes from voxel to voxel, about this share remains.
+// The noise of entering fluid is correlated along streaks about as long as those inside the domain. A mean along such a
+// streak keeps its deviation; of the inner noise, which changes from voxel to voxel, about this share remains.
 constexpr int kFramesOfEntering = 2;
 constexpr float kShareOfEntering = 0.4f;
-constexpr float kUniformDeviation = 0.2887f; // of uniform noise
-constexpr float kMaxGain = 16;               // keeps regions without contrast from being blown up
+constexpr float kUniformDeviation = 0.2887f; // standard deviation of uniform noise
+constexpr float kMaxGain = 16;               // limits the amplification of regions without contrast
 
 VDBLIC_INLINE Float8 clampToUnit(Float8 value)
 {
@@ -48,7 +48,7 @@ float coverageAt(const Domain& domain, Float4 position)
     return coverage;
 }
 
-/// For each leaf: whether the cell of any position from it to the next leaves lies inside the domain.
+/// For each leaf: whether the cells of all positions in it and its neighbours lie inside the domain.
 std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
 {
     std::vector<std::uint8_t> result(domain.leafCount());
@@ -65,7 +65,7 @@ std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
     return result;
 }
 
-/// Filters one leaf after another. Immutable; any number of threads may filter.
+/// Computes the input of one leaf after another. Immutable; any number of threads may use it.
 struct FeedForward {
     const VelocityField& field;
     const Domain& domain;
@@ -113,8 +113,8 @@ struct FeedForward {
         }
     }
 
-    /// Restore contrast and add noise. @param carried sharpened texture @param first voxel of the row  @param input its
-    /// original noise
+    /// Restore contrast and add noise. @param carried sharpened texture  @param first voxel of the row  @param input
+    /// original noise of the row
     [[nodiscard]] VDBLIC_INLINE Int8 filtered(const LocalContrast::Leaf& around, LeafVoxel first, Float8 carried,
                                               const std::int32_t* input) const
     {
@@ -128,9 +128,9 @@ struct FeedForward {
         return toFixed(restored + params.noiseShare * (original - restored));
     }
 
-    /// Give voxels whose fluid came into the domain during the frame the noise that it brings.
-    /// @param before positions a frame ago of the fluid that is in the voxels' centres now
-    /// @param lanes  of voxels whose fluid may have come in
+    /// Give voxels whose fluid entered the domain during the frame the noise of that fluid.
+    /// @param before positions a frame ago of the fluid at the voxels' centres
+    /// @param lanes  of voxels whose fluid may have entered
     [[gnu::noinline]] void renewEntering(const SharpTexture::Window& window, const Vector8& centre,
                                          const Vector8& before, unsigned lanes, Int8& value) const
     {
@@ -143,7 +143,7 @@ struct FeedForward {
         const Int8 slots = window.leaves.slots(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
         for (int z = 0; z < LeafVoxel::kDim; ++z) {
             if (!(lanes >> z & 1)) continue;
-            // Below the domain's first voxels, bricks continue their values; such a position is outside nonetheless.
+            // Below the domain's first voxels bricks extrapolate their values, but such a position is outside.
             const bool inBrick = slots[z] == LeafWindow::kElsewhere ? domain.findLeaf(floorToInt(before.lane(z))) >= 0
                                                                     : window.leaves.leaves[std::size_t(slots[z])] >= 0;
             const float stayed = inBrick ? coverage[z] : coverageAt(domain, before.lane(z));
@@ -161,12 +161,12 @@ struct FeedForward {
     /// Where and when fluid entered the domain.
     struct Entry {
         openvdb::Coord voxel;
-        float age; ///< part of a frame since then
+        float age; ///< part of a frame since the entry
     };
     /// @param from position a frame ago  @param to position now, inside the domain
     [[nodiscard]] Entry entryBetween(Float4 from, Float4 to) const
     {
-        float inside = 0, outside = 1; // parts of a frame ago
+        float inside = 0, outside = 1; // parts of a frame, back in time
         if (covers(domain, from)) {
             inside = 1;
         } else {
@@ -202,7 +202,7 @@ LeafValues<std::int32_t> feedForward(VelocityField& field, const LeafValues<floa
     const FeedForward filter{field, domain, sharp, noise, params, withoutRim, step, float(substeps)};
 
     LeafValues<std::int32_t> input = noiseInput(next, noise);
-    // A sample lies up to a whole frame upstream, and its cell, or the velocity's, reaches one voxel farther.
+    // A sample lies up to a frame upstream; its cell, or the velocity's, extends one voxel farther.
     const float farthest = std::min(field.largest()[std::size_t(slabs.axis())] * float(substeps), 1e6f);
     const int cell = sampled.refinement.factors[std::size_t(slabs.axis())];
     const int reach = int(std::ceil((farthest + float(cell)) / float(LeafVoxel::kDim)));

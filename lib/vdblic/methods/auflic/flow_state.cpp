@@ -29,11 +29,10 @@ using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;
 
 constexpr const char *kNoise = "noise", *kMean = "mean", *kWeight = "weight", *kParticles = "particles";
 constexpr const char *kPosition = "P", *kSlope = "slope", *kId = "id", *kAlive = "alive", *kWords = "words";
-constexpr float kScale = 65536; // exact in a float, and leaves its low bytes empty for the compressor
+constexpr float kScale = 65536; // exact in a float; its low bytes are zero, which compresses well
 
-/// The voxel whose centre is nearest. Computed in double precision, so that the distance to it is always exact in a
-/// float: single precision rounds 0.49999997 to voxel 1, and that distance takes one bit too many. Both voxels lie in
-/// one leaf.
+/// The voxel with the nearest centre. In double precision, so that the distance to it is exact in a float: single
+/// precision rounds 0.49999997 to voxel 1, whose distance needs one bit too many. Both voxels lie in one leaf.
 Coord nearestVoxel(const std::array<float, 3>& position)
 {
     Coord voxel;
@@ -52,14 +51,14 @@ class LeafPoints {
                 mPoints.push_back({particle, words, nearestVoxel(particle.position)});
             });
         }
-        // Sorted by id within a voxel: equal states give equal files, whichever thread held a particle.
+        // Sorted by id within a voxel: equal states give equal files, whatever thread held a particle.
         std::sort(mPoints.begin(), mPoints.end(), [](const Point& a, const Point& b) {
             const auto key = [](const Point& p) { return std::pair(PointLeaf::coordToOffset(p.voxel), p.particle.id); };
             return key(a) < key(b);
         });
     }
 
-    /// @param words that each particle carries beside its Hits
+    /// @param words per particle beside its Hits
     void write(PointLeaf& leaf, openvdb::Index words) const
     {
         leaf.setOffsets(ends());
@@ -90,7 +89,7 @@ class LeafPoints {
         }
     }
 
-    /// For each voxel: the number of points up to and including its own.
+    /// For each voxel: the number of points up to and including it.
     [[nodiscard]] std::vector<PointLeaf::ValueType> ends() const
     {
         std::vector<PointLeaf::ValueType> ends;

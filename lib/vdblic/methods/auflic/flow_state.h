@@ -14,16 +14,14 @@
 
 namespace vdblic {
 
-/// \file
 /// The state between two steps as grids that other programs can open; a round trip preserves every bit.
 ///
-/// `noise`: the noise-jittered texture that seeds take their values from, float, multiples of 1/65536 in [0, 1). With
+/// `noise`: the noise-jittered texture that gives seeds their values, float, multiples of 1/65536 in [0, 1). With
 /// substeps also `mean` and `weight`, the RunningMean. `particles`: points with the attributes `slope` (velocity there,
-/// voxels per step), `id` (step of release << 43 | number of the release voxel), `alive` (the Hits that it carries)
-/// and, where it carries more, `words`. A point's position is stored relative to the centre of its voxel, so no bit of
-/// it is lost.
+/// voxels per step), `id` (step of release << 43 | number of the release voxel), `alive` (its Hits) and, for methods
+/// that use them, `words`. A point's position is stored relative to the centre of its voxel, which preserves all bits.
 ///
-/// Grids hold a part of the leaves each, so that no second copy of the whole state is in memory.
+/// Each grid holds a part of the leaves, so that no second copy of the whole state is in memory.
 
 /// The grid `noise`. @param input of a step, fixed-point (kNoiseMax)
 [[nodiscard]] openvdb::GridBase::Ptr inputGrid(const Domain& domain, Domain::Leaves leaves,
@@ -33,29 +31,29 @@ namespace vdblic {
 [[nodiscard]] openvdb::GridPtrVec meanGrids(const Domain& domain, Domain::Leaves leaves, const RunningMean& mean);
 
 /// The grid `particles`. Equal particles give an equal grid, whichever bins hold them.
-/// @param domain whose leaves are the bins' tiles
+/// @param domain its leaves are the bins' tiles
 [[nodiscard]] openvdb::GridBase::Ptr particleGrid(const Domain& domain, Domain::Leaves leaves,
                                                   const std::vector<ParticleBins>& bins);
 
-/// A state as a run has it between two steps, on a domain's own leaves.
+/// A run's state between two steps, on a domain's own leaves.
 struct FlowState {
     LeafValues<std::int32_t> input;
     std::optional<RunningMean> mean; ///< with substeps
     ParticleBins particles;
 };
 
-/// Reads a state from the files that it was saved in, one after the other. Not thread-safe.
+/// Reads a state from its files, one after the other. Not thread-safe.
 class FlowStateReader {
   public:
     /// @param domain      must outlive this
-    /// @param words  that each particle carries beside its Hits
+    /// @param words  per particle beside its Hits
     FlowStateReader(const Domain& domain, std::size_t words, bool hasMean);
 
-    /// Read the own leaves that a file holds.
+    /// Read the own leaves in a file.
     /// @throws InputError, without the file's name, if a grid is missing or does not fit the domain
     void add(const VdbFile& file);
 
-    /// @throws InputError if own leaves were in no file
+    /// @throws InputError if an own leaf was in no file
     [[nodiscard]] FlowState finish();
 
   private:

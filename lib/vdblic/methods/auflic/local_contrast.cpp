@@ -7,13 +7,13 @@
 
 namespace vdblic {
 
-/// Every block's sums run over its voxels in the order of their offsets, the blocks side by side in lanes.
+/// Sums add a block's voxels in the order of their offsets; blocks lie side by side in lanes.
 VDBLIC_KERNEL void LocalContrast::sumBlocks(const Domain::Mask& mask, const float* values, Moments& moments)
 {
     Float8 sums[4] = {}; // of count, value and square
     for (int x = 0; x < kBlock; ++x) {
         for (int y = 0; y < kBlock; ++y) {
-            Float8 ones[4], numbers[4]; // first the rows of the four blocks at z = 0, each beside the next block's
+            Float8 ones[4], numbers[4]; // the rows of the four blocks at z = 0, each beside the next block's
             for (int block = 0; block < 4; ++block) {
                 const int row = LeafVoxel::row(x + block / kBlocks * kBlock, y + block % kBlocks * kBlock);
                 const Int8 on = activeRow(mask, row);
@@ -41,7 +41,7 @@ LocalContrast::Leaf::Leaf(const LocalContrast& contrast, const openvdb::Coord& o
 {
     const LeafWindow window(contrast.mDomain, origin);
     for (int part = 0; part < kParts; ++part) {
-        // Coordinates in voxels from the window's first leaf; part 0 is the last block of that leaf.
+        // Coordinates are voxels from the window's first leaf; part 0 is the last block of that leaf.
         const int x = (part / (kAround * kAround) + 1) * kBlock, y = (part / kAround % kAround + 1) * kBlock,
                   z = (part % kAround + 1) * kBlock;
         const int slot =

@@ -12,22 +12,22 @@ namespace vdblic {
 
 /// Mean and standard deviation of a texture around each voxel.
 ///
-/// Moments are taken over blocks of 4³ voxels: wide enough to measure contrast, narrow enough that no feature grows
-/// broader than a few voxels. A voxel's moments are interpolated linearly between the centres of the nearest blocks.
-/// Any number of threads may read after the last add().
+/// Moments are taken over blocks of 4³ voxels: wide enough to measure contrast, narrow enough to keep features from
+/// growing broader than a few voxels. A voxel's moments are interpolated linearly between the centres of the nearest
+/// blocks. Any number of threads may read after the last add().
 class LocalContrast {
   public:
     /// @param domain must outlive this
     explicit LocalContrast(const Domain& domain);
 
-    /// Add a leaf, once. @param values the texture's. Threads may add different leaves.
+    /// Add a leaf, once. @param values of the texture. Threads may add different leaves.
     void add(std::size_t leaf, const float* values) { sumBlocks(mDomain.mask(leaf), values, mMoments[leaf]); }
 
-    /// Of the eight voxels of a row along z. Not-a-number where no block around has a voxel of the domain.
+    /// Moments at a row's eight voxels along z; NaN where no nearby block has a voxel of the domain.
     struct Row {
         Float8 mean, deviation;
     };
-    /// Gives the rows of one leaf; it and those of the 26 around it that the domain has must be added.
+    /// Returns the rows of one leaf. The leaf and its neighbours in the domain must be added before.
     class Leaf {
       public:
         Leaf(const LocalContrast& contrast, const openvdb::Coord& origin);
@@ -36,7 +36,7 @@ class LocalContrast {
         {
             const Enclosing inX = enclosing(x), inY = enclosing(y);
             const auto mix = [](Float4 a, Float4 b, float t) { return a + (b - a) * t; };
-            std::array<Float4, kAround> along; // the moments at this x and y, of each block along z
+            std::array<Float4, kAround> along; // moments of the blocks along z, at this x and y
             for (int k = 0; k < kAround; ++k) {
                 const auto at = [&](int i, int j) {
                     const int block = ((inX.first + i) * kAround + inY.first + j) * kAround + k;
@@ -57,7 +57,7 @@ class LocalContrast {
         }
 
       private:
-        /// The two neighbouring blocks whose centres enclose a voxel along one axis.
+        /// The two neighbouring blocks with centres around a voxel, along one axis.
         struct Enclosing {
             int first;    ///< counted from the block before the leaf
             float weight; ///< of the second block
@@ -79,7 +79,7 @@ class LocalContrast {
     static int blockOf(LeafVoxel v) { return (v.x / kBlock * kBlocks + v.y / kBlock) * kBlocks + v.z / kBlock; }
 
     static constexpr int kBlockCount = kBlocks * kBlocks * kBlocks;
-    /// Of each block of a leaf: number of values, their sum, the sum of their squares.
+    /// For each block of a leaf: count, sum and sum of squares of its values.
     using Moments = std::array<Float4, kBlockCount>;
     static void sumBlocks(const Domain::Mask& mask, const float* values, Moments& moments);
 

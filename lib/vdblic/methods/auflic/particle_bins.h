@@ -13,24 +13,24 @@
 
 namespace vdblic {
 
-/// The moving end of a pathline. What it carries beside the Hits is kept apart, as words.
+/// The moving end of a pathline. Its words, if any, are stored apart.
 struct Particle {
     static constexpr int kVoxelBits = 43;                              // of the id
-    static constexpr std::uint64_t kMostHits = std::uint64_t(1) << 18; // that it carries between steps
+    static constexpr std::uint64_t kMostHits = std::uint64_t(1) << 18; // of a particle between steps
 
     std::array<float, 3> position; ///< index space, voxel centres at integers
     std::array<float, 3> slope;    ///< velocity there, voxels per time step
-    std::uint64_t alive;           ///< Hits of the values that are still within their life span
+    std::uint64_t alive;           ///< Hits of the values within their life span
     std::uint64_t id;              ///< step of release << kVoxelBits | number of the release voxel in the domain
 };
 
-/// Particles that one thread moved, by the tile they are in now.
+/// Particles moved by one thread, by their current tile.
 ///
-/// Kept in chunks that are used again as soon as they were read: arriving and leaving particles together take the
-/// memory of one set. Not thread-safe, but for take() on distinct tiles with distinct users.
+/// Chunks are reused as soon as they were read: arriving and leaving particles together take the memory of one set. Not
+/// thread-safe, but for take() on distinct tiles with distinct users.
 class ParticleBins {
   public:
-    /// @param words that each particle carries beside its Hits
+    /// @param words per particle beside its Hits
     ParticleBins(std::size_t tiles, std::size_t words) : mWords(words), mBins(tiles) {}
     ParticleBins(ParticleBins&&) = default; // chunks cannot be copied
     ParticleBins& operator=(ParticleBins&&) = default;
@@ -47,18 +47,18 @@ class ParticleBins {
             mLargestSlope[axis] = std::max(mLargestSlope[axis], std::abs(particle.slope[axis]));
     }
 
-    /// Words that each particle carries beside its Hits.
+    /// The number of words per particle beside its Hits.
     [[nodiscard]] std::size_t words() const { return mWords; }
 
-    /// The largest magnitude of any added particle's slope, along each axis [voxels per step].
+    /// The largest magnitude of a particle's slope so far, along each axis [voxels per step].
     [[nodiscard]] const std::array<float, 3>& largestSlope() const { return mLargestSlope; }
 
     /// Append a tile's particles, in any order, and their words; empties the bin.
-    /// @param user receives the chunks, for its own add()
+    /// @param user receives the chunks, for use by its add()
     void take(std::size_t tile, std::vector<Particle>& particles, std::vector<std::uint32_t>& words,
               ParticleBins& user);
 
-    /// Free the chunks that were received and not used.
+    /// Free received chunks that are unused.
     void freeSpare() { mSpare.clear(); }
 
     /// Visit a tile's particles: visit(particle, words).
@@ -77,9 +77,9 @@ class ParticleBins {
     static constexpr std::size_t kCapacity = 16; // of a chunk; the last one of a bin is half empty
     using Chunks = std::forward_list<std::array<Particle, kCapacity>>;
     struct Bin {
-        Chunks chunks; // all but the first are full
+        Chunks chunks; // full, except for the first
         std::size_t count = 0;
-        std::vector<std::uint32_t> words; // of all particles, in the order they were added
+        std::vector<std::uint32_t> words; // of all particles, in order of addition
     };
 
     /// Visit a bin's chunks: visit(particles, their words).
@@ -94,7 +94,7 @@ class ParticleBins {
         }
     }
 
-    /// Put an empty chunk first.
+    /// Insert an empty chunk in front.
     void grow(Bin& bin);
 
     std::size_t mWords = 0;

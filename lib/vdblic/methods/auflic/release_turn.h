@@ -11,7 +11,7 @@
 
 namespace vdblic {
 
-/// Whether a tile releases seeds in a step: in one of each frame's substeps, which differs from tile to tile.
+/// Whether a tile releases seeds in a step: in one substep of each frame, which differs from tile to tile.
 /// @param origin of the tile
 [[nodiscard]] inline bool isReleaseTurn(const openvdb::Coord& origin, std::uint64_t step, int substeps)
 {
@@ -24,17 +24,17 @@ namespace vdblic {
     return step % count == hash * count >> 32;
 }
 
-/// A step among the frames of particles, which begin at the substep of their release.
+/// A step relative to the frames of particles, which begin at the substep of release.
 class FrameTurn {
   public:
     FrameTurn(std::uint64_t step, int substeps) : mSubsteps(std::uint64_t(substeps)), mEnding((step + 1) % mSubsteps) {}
 
-    /// The substep that a particle was released in.
+    /// The substep of a particle's release.
     [[nodiscard]] VDBLIC_INLINE std::size_t substepOf(std::uint64_t id) const
     {
         return mSubsteps == 1 ? 0 : std::size_t((id >> Particle::kVoxelBits) % mSubsteps); // mostly without a division
     }
-    /// Whether a frame of the particle ends with the step.
+    /// Whether the step ends a frame of the particle.
     [[nodiscard]] VDBLIC_INLINE bool endsFrameOf(std::uint64_t id) const { return substepOf(id) == mEnding; }
 
   private:

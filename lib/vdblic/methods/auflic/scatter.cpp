@@ -35,7 +35,7 @@
 namespace vdblic {
 namespace {
 
-/// Hits in the own leaves, and voxels without a hit.
+/// Hits in the own leaves, and number of voxels without a hit.
 struct Collected {
     std::size_t hits = 0, emptyVoxels = 0;
 };
@@ -82,7 +82,7 @@ class Collector {
     std::atomic<std::size_t> mHits = 0, mEmptyVoxels = 0;
 };
 
-/// The farthest that a path of this step can lead from its own tile, along each axis [voxels].
+/// The farthest distance of this step's paths from their tiles, along each axis [voxels].
 std::array<float, 3> longestPaths(const ScatterScene& scene)
 {
     std::array<float, 3> longest{};
@@ -102,7 +102,7 @@ void scatterTile(TileScatter<Carried>& worker, std::uint32_t leaf, bool isShared
     worker.run(leaf, isShared);
 }
 
-/// Scatter the tiles of a slab, in parallel. Integer additions commute, so the order of tiles is free.
+/// Scatter the tiles of a slab, in parallel. Integer additions commute, so any order of tiles will do.
 template<typename Carried>
 void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach,
                  std::vector<TileScatter<Carried>>& workers)
@@ -110,7 +110,7 @@ void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coor
     const auto onEveryThread = [&](const auto& work) {
         tbb::parallel_for(std::size_t(0), workers.size(), work, tbb::simple_partitioner());
     };
-    constexpr int kFarReach = 3; // in leaves; with a longer reach too few tiles could be at work together
+    constexpr int kFarReach = 3; // in leaves; a longer reach lets too few tiles run together
     if (workers.size() == 1) {
         for (const std::uint32_t leaf : leaves)
             scatterTile(workers[0], leaf, false);
@@ -152,7 +152,7 @@ ScatterStats scatterTiles(const ScatterScene& scene, VelocityField& field, Accum
     const openvdb::Coord reach(leavesReached(longest[0]), leavesReached(longest[1]), leavesReached(longest[2]));
     const FrameDomain& domain = field.sampledDomain();
     const Slabs slabs(*domain.texture, domain.refinement), velocitySlabs(slabs, *domain.velocity, domain.refinement);
-    // The velocity's cell around a position begins up to one of its voxels before.
+    // The velocity's cell around a position begins up to one velocity voxel before it.
     const auto axis = std::size_t(slabs.axis());
     const int finer = domain.refinement.factors[axis] - 1;
     slabs.sweep(
@@ -263,7 +263,7 @@ ScatterStats Scatter::step(VelocityField& field, const LeafValues<std::int32_t>&
         field.fill(leaves);
     };
     const auto collect = [&](Slabs::Leaves leaves) {
-        if (!owners.areSeveral()) collector.collect(leaves); // paths of other ranks may lead to any
+        if (!owners.areSeveral()) collector.collect(leaves); // other ranks' paths may reach any leaf
     };
     const ScatterScene scene{mParams, mStep, slopeScale, field, input, accumulator, next, mBins};
     ScatterStats stats = method().scatterTiles(scene, field, accumulator, fill, collect);

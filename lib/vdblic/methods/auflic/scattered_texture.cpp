@@ -12,12 +12,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 namespace vdblic {
 namespace {
 
-/// A mean along the flow is AUFLIC's; it takes contrast away, which is restored before. The others do without.
+/// AUFLIC's mean along the flow lowers contrast, which is restored before. The other methods do without both.
 FeedbackParams feedbackOf(const TextureParams& params)
 {
     FeedbackParams feedback = params.feedback;
@@ -70,9 +69,9 @@ TextureFrame ScatteredTexture::advance(const FlowStep& step)
     }
     {
         const auto stage = clock.enter(&StageTimes::convolve);
-        mInput.reset(); // makes room for what follows
+        mInput.reset(); // frees memory for the next stages
         result.texture = convolution.texture();
-        step.owners.takeHalo(result.texture, mParams.feedback.taps > 0 ? 1 : 0); // as far as the mean reaches
+        step.owners.takeHalo(result.texture, mParams.feedback.taps > 0 ? 1 : 0); // the reach of the mean
         result.texture =
             meanAlongFlow(domain, step.start.domain.refinement, field.start(), result.texture, mParams.feedback.taps);
         step.owners.takeHalo(result.texture);

@@ -21,14 +21,14 @@ class ScatteredTexture final : public FlowTexture, public TextureMemory, public 
                                                         double seconds) const override;
     void handOver(const LeafOwners& owners, std::shared_ptr<const Domain> domain) override;
 
-    /// Up to eight, the more the larger the state is.
+    /// Up to eight, growing with the state.
     [[nodiscard]] std::size_t parts() const override;
     [[nodiscard]] Saved save(std::size_t part) const override;
     void restore(std::uint64_t steps, double seconds, std::shared_ptr<const Domain> domain,
                  const std::function<std::optional<VdbFile>()>& next) override;
 
   private:
-    /// Slopes are displacements in a step: of a longer step they are larger.
+    /// Scale of slopes, which are displacements in a step and grow with its duration.
     [[nodiscard]] float slopeScale(double seconds) const;
 
     TextureParams mParams;

@@ -22,7 +22,7 @@ VDBLIC_INLINE std::array<float, 3> toArray(Float4 v)
     return {v[0], v[1], v[2]};
 }
 
-/// An accumulator leaf that is outside everywhere: for the window's slots without a leaf.
+/// An accumulator leaf entirely outside, for window slots without a leaf.
 std::int64_t* outsideLeaf()
 {
     static std::array<std::int64_t, LeafVoxel::kCount> words = [] {
@@ -57,7 +57,7 @@ TileScatter<Carried>::TileScatter(const ScatterScene& scene)
 {
 }
 
-/// Carry the particle's values along its path, and take up those of open voxels on the way.
+/// Deposit the particle's values along its path, and collect those of open voxels on the way.
 /// @return whether the particle stayed inside the domain
 template<typename Carried>
 template<bool kShared>
@@ -108,7 +108,7 @@ VDBLIC_INLINE bool TileScatter<Carried>::scatterPath(int lane, bool mayTakeUp)
     return inside;
 }
 
-/// Keep the particle for the next step, unless none of its values is left.
+/// Keep the particle for the next step if it has values left.
 template<typename Carried>
 VDBLIC_INLINE void TileScatter<Carried>::keep(int lane)
 {
@@ -123,7 +123,7 @@ VDBLIC_INLINE void TileScatter<Carried>::keep(int lane)
     mLeaving.add(std::size_t(leaf), mParticle, mWords.data());
 }
 
-/// Advance the batch by the step, and find the voxels that its paths pass and end in.
+/// Advance the batch by the step, and find the voxels on its paths and at their ends.
 template<typename Carried>
 VDBLIC_INLINE void TileScatter<Carried>::trace()
 {
@@ -136,7 +136,7 @@ VDBLIC_INLINE void TileScatter<Carried>::trace()
     storeLanes(WindowVoxel::encode(mNextWindow.slots(x, y, z), x, y, z), mEnds);
 }
 
-/// Collect the tile's particles of earlier steps and the order of their turns.
+/// Load the tile's particles of earlier steps and sort their turns.
 template<typename Carried>
 void TileScatter<Carried>::takeArriving()
 {
@@ -153,10 +153,10 @@ void TileScatter<Carried>::takeArriving()
     if (!mReleases) return; // additions commute: any order will do
     sortTurns();
     if constexpr (Carried::kAlone)
-        join(); // after sorting: where more values meet than fit, the order decides which are kept
+        join(); // after sorting: if the values exceed the limit, the order decides which are kept
 }
 
-/// Only the first of the particles in a voxel will find it open: that one takes over the values of the others.
+/// Only the first particle in a voxel finds it open; it takes over the values of the others.
 template<typename Carried>
 void TileScatter<Carried>::join()
 {
@@ -174,7 +174,7 @@ void TileScatter<Carried>::join()
     });
 }
 
-/// Sort turns by merging: particles arrive in few runs that are sorted already, one from each tile around.
+/// Merge sort: particles arrive in few sorted runs, one from each neighbouring tile.
 template<typename Carried>
 void TileScatter<Carried>::sortTurns()
 {

@@ -16,7 +16,7 @@
 
 namespace vdblic {
 
-/// Everything the tiles of a step share.
+/// Common data of a step's tiles.
 struct ScatterScene {
     const TextureParams& params;
     std::uint64_t step;
@@ -25,7 +25,7 @@ struct ScatterScene {
     const LeafValues<std::int32_t>& input;
     Accumulator& accumulator;
     const Domain& next;
-    std::vector<ParticleBins>& arriving; ///< each tile takes its own particles out of them
+    std::vector<ParticleBins>& arriving; ///< each tile takes out its own particles
 };
 
 /// Scatters one tile after another with the dynamic seeding controller (Liu & Moorhead 2004, section 2.2).
@@ -33,30 +33,28 @@ struct ScatterScene {
 /// A *tile* is one leaf of the domain as the controller's unit of work, known by the leaf's number.
 ///
 /// With substeps a tile releases seeds in one substep of each frame (isReleaseTurn()); in the others its particles only
-/// advance and deposit. What follows is about a step that releases.
+/// advance and deposit. The rest of this text is about a step that releases.
 ///
-/// A voxel is *open* until a seed has been released in it during this step, then *closed*. First the tile's particles
-/// of earlier steps are advanced: a particle that starts in an open voxel, or passes one within the release window,
-/// closes it and takes up its value (pathline reuse, and pathline copying for every further voxel). Then each voxel
-/// that is still open, in scan order, releases a particle of its own, which likewise takes up the open voxels it
-/// passes.
+/// A voxel is *open* until a seed is released in it during this step, then *closed*. First the tile's particles of
+/// earlier steps advance: one that starts in an open voxel, or passes one within the release window, closes it and
+/// collects its value (pathline reuse, and pathline copying for every further voxel). Then each voxel that is still
+/// open, in scan order, releases a particle, which likewise collects the open voxels on its path.
 ///
-/// A particle whose own voxel is closed when its turn comes is blocked. What becomes of it, in which order the
-/// particles have their turns, and whether they take up values at all depends on what they carry.
+/// A particle whose own voxel is closed at its turn is blocked. The type of its load decides what happens to it, the
+/// order of turns, and whether particles collect values at all.
 ///
-/// One object serves one thread; it writes to nothing outside itself but the accumulator and the arriving bins of its
-/// tile.
-/// @tparam Carried what a particle carries: FadingValues, ValueWindow or SingleValue
+/// One object serves one thread; it writes only to itself, the accumulator and the arriving bins of its tile.
+/// @tparam Carried load of a particle: FadingValues, ValueWindow or SingleValue
 template<typename Carried>
 class TileScatter {
   public:
     explicit TileScatter(const ScatterScene& scene);
 
-    /// @param shared whether other threads may add to the same voxels of the accumulator at the same time
+    /// @param shared whether other threads may add to the same voxels of the accumulator meanwhile
     void run(std::size_t leaf, bool shared);
 
     [[nodiscard]] const ScatterStats& stats() const { return mStats; }
-    /// The particles that live on.
+    /// The particles that continue.
     [[nodiscard]] ParticleBins& leaving() { return mLeaving; }
 
   private:
@@ -89,7 +87,7 @@ class TileScatter {
     const ScatterScene& mScene;
     const Domain& mDomain;
     const Carried mCarried;
-    const std::size_t mWordCount; // of each particle
+    const std::size_t mWordCount; // per particle
 
     // The tile being computed.
     std::size_t mLeaf = 0;
@@ -107,10 +105,10 @@ class TileScatter {
     // The particles being advanced together, and the one of them being scattered.
     PathBatch mBatch;
     PathSamples mSamples;
-    alignas(32) int mEnds[kLanes] = {}; // codes of the voxels in mNextWindow that the paths end in
+    alignas(32) int mEnds[kLanes] = {}; // codes in mNextWindow of the paths' end voxels
     Particle mParticle{};
     std::vector<std::uint32_t> mWords;
-    std::uint32_t mTaken = 0; // values that it took up in this step
+    std::uint32_t mTaken = 0; // values collected in this step
 
     ParticleBins mLeaving;
     ScatterStats mStats;

@@ -54,7 +54,7 @@ SharpTexture::SharpTexture(std::shared_ptr<const Domain> domain, const LeafValue
 
 void SharpTexture::open(std::size_t slab)
 {
-    // A brick has the first voxels of the leaves after its own.
+    // A brick includes the first voxels of the next leaves.
     for (const std::size_t needed = std::min(slab + 2, mSlabs.size()); mSharpened < needed; ++mSharpened)
         sharpenSlab(mSharpened);
     mBricks.fill(mSlabs[slab], [&](std::size_t leaf, TextureRecord* records) {

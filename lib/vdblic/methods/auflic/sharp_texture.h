@@ -10,9 +10,9 @@
 
 namespace vdblic {
 
-/// A texture sharpened (sharpen.h), to be sampled between voxels, with the contrast around each.
+/// A sharpened texture (sharpen.h), for sampling between voxels, with the contrast around each.
 ///
-/// Only the open slabs are in memory. Any number of threads may read, and none while slabs are opened or closed.
+/// Only the open slabs are in memory. Any number of threads may read, but not while slabs are opened or closed.
 class SharpTexture {
   public:
     /// @param texture  0 outside the domain; must outlive every open()
@@ -25,11 +25,11 @@ class SharpTexture {
     void open(std::size_t slab);
     void close(std::size_t slab) { mBricks.release(mSlabs[slab]); }
 
-    /// Of the sharpened texture; around a leaf once the 26 next to it are open.
+    /// Contrast of the sharpened texture; valid around a leaf once its neighbours are open.
     [[nodiscard]] const LocalContrast& contrast() const { return mContrast; }
 
-    /// Means over the corners in the domain, and the corners' share of the weights; without coverage a mean has no
-    /// meaning.
+    /// Means over the corners in the domain, and the corners' share of the weights (coverage). Without coverage a mean
+    /// is undefined.
     struct Samples {
         Float8 value, coverage;
     };
@@ -38,8 +38,8 @@ class SharpTexture {
     [[nodiscard]] Window window(const openvdb::Coord& origin) const { return mBricks.window(origin); }
 
     /// Sample eight positions at once.
-    /// @param window of window(), around where they are expected; elsewhere sampling is slower
-    /// @param lanes  those to sample; the others' results have no meaning
+    /// @param window of window(), where the positions are expected; others are slower
+    /// @param lanes  lanes to sample; the results of others have no meaning
     [[nodiscard]] VDBLIC_INLINE Samples at(const Window& window, const Vector8& position, unsigned lanes) const
     {
         Float2 rows[8];
@@ -59,8 +59,8 @@ class SharpTexture {
     float mStrength;
     const Slabs& mSlabs;
     LocalContrast mContrast;
-    std::vector<std::unique_ptr<float[]>> mValues; // sharpened, of leaves whose bricks are still to be filled
-    std::size_t mSharpened = 0;                    // slabs
+    std::vector<std::unique_ptr<float[]>> mValues; // sharpened, of leaves whose bricks are not yet filled
+    std::size_t mSharpened = 0;                    // slabs sharpened so far
     BricksOf<2> mBricks;
 };
 

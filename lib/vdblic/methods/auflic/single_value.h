@@ -10,8 +10,8 @@
 
 namespace vdblic {
 
-/// What a UFLIC pathline carries: the value of its seed, to the end of the life span (Shen & Kao 1998). Members as
-/// those of FadingValues.
+/// The load of a UFLIC pathline: the value of its seed, to the end of the life span (Shen & Kao 1998). Members as in
+/// FadingValues.
 class SingleValue {
   public:
     static constexpr bool kTakesUp = false, kAlone = false;

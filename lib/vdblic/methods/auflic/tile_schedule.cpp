@@ -8,7 +8,7 @@
 namespace vdblic {
 namespace {
 
-constexpr std::size_t kGroupLeaves = 8; // enough to make handing out cheap, few enough for threads to end together
+constexpr std::size_t kGroupLeaves = 8; // many enough for cheap scheduling, few enough for threads to finish together
 
 } // namespace
 

@@ -12,11 +12,11 @@
 
 namespace vdblic {
 
-/// What a pathline of AUFLIC as published carries: the values of its seeds, each to the end of its life span (Liu &
-/// Moorhead 2004). Beside their Hits it has one word for each frame of the life span: the sum of up to 255 16-bit
-/// values in the upper 24 bits, their number in the lower 8. Members as in FadingValues.
+/// The load of a pathline of AUFLIC as published: the values of its seeds, each to the end of its life span (Liu &
+/// Moorhead 2004). Beside the Hits, one word per frame of the life span: the sum of up to 255 16-bit values in the
+/// upper 24 bits, their number in the lower 8. Members as in FadingValues.
 ///
-/// A pathline that took up nothing in a whole step is blocked: it takes up no more and ends with its last value.
+/// A pathline that collects nothing in a whole step is blocked: it collects no more and ends with its last value.
 class ValueWindow {
   public:
     static constexpr bool kTakesUp = true, kAlone = false;
@@ -66,7 +66,7 @@ class ValueWindow {
     static constexpr int kCountBits = 8;
     static constexpr std::uint32_t kCountMask = (1u << kCountBits) - 1;
 
-    /// Indices of words: of this step, of the step before, and of the values that end next.
+    /// Indices of words: of this step, of the previous one, and of the next values to end.
     struct Places {
         std::uint32_t now, before, oldest;
     };

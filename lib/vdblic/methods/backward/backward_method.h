@@ -4,21 +4,19 @@
 
 namespace vdblic {
 
-/// \file
-/// What TextureMethod says of all methods that look back.
+/// Common parts of TextureMethod for all methods that look back.
 
-/// Frames until a blended texture has forgotten its start.
+/// Frames until a blended texture no longer shows its start.
 [[nodiscard]] int settlingFrames(const MethodParams& params);
 
 /// The life span and the share of noise.
 void describeBlended(const MethodParams& params, openvdb::MetaMap& metadata);
 
-/// Memory [bytes]. @param carried floats for each voxel from one frame to the next  @param brick bytes for a leaf of
-/// them
+/// Memory [bytes]. @param carried floats per voxel between frames  @param brick bytes per leaf of them
 /// @param velocity, texture voxels of their leaves
 [[nodiscard]] double backwardBytes(double carried, double brick, double velocity, double texture);
 
-/// TextureMethod::bytes by an estimate.
+/// TextureMethod::bytes from an estimate.
 template<const TextureMethod::Estimate& kEstimate>
 double bytesByEstimate(const MethodParams& /*params*/, const FrameDomain& first, const Refinement& /*given*/,
                        bool /*withHits*/)

@@ -6,15 +6,14 @@
 
 namespace vdblic {
 
-/// What the methods that look back along pathlines ask for beside TextureParams.
+/// Parameters of the methods that look back along pathlines, beside TextureParams.
 struct BackwardParams {
-    /// Share of the noise that is blended in, α of van Wijk 2002 and of Jobard, Erlebacher & Hussaini 2002; nothing:
-    /// shareFor().
+    /// Share of blended noise, α of van Wijk 2002 and of Jobard, Erlebacher & Hussaini 2002; nothing: shareFor().
     std::optional<double> alpha{};
 
-    /// The share of a frame: as given, else 4 / (3 L), with which streaks are as long as AUFLIC's of life span L.
+    /// The share per frame: as given, else 4 / (3 L), with streaks as long as AUFLIC's of life span L.
     [[nodiscard]] double shareFor(int lifeSpan) const;
-    /// That of one of several steps in a frame, which together have the share of a frame.
+    /// The share per step: the steps of a frame together have the frame's share.
     [[nodiscard]] double stepShare(int lifeSpan, int substeps) const;
     /// Frames until the weight of the first texture falls below a fifth.
     [[nodiscard]] int settlingFrames(int lifeSpan) const;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr char kNoise[] = "noise", kOffset[] = "offset", kTexture[] = "texture";
 
-/// Call visit(name, values) for all that is carried. @param name as a grid of a checkpoint
+/// Call visit(name, values) for all carried values. @param name of the checkpoint's grid
 template<typename Carried, typename Visit>
 void forCarried(Carried& carried, const Visit& visit)
 {
@@ -28,7 +28,7 @@ void forCarried(Carried& carried, const Visit& visit)
     if (carried.texture.tree()) visit(kTexture, carried.texture);
 }
 
-/// Take a number of a checkpoint. What no offset can be counts as none.
+/// Read a number of a checkpoint. An impossible offset is read as none.
 void setNumber(float stored, float& number)
 {
     number = stored;
@@ -38,7 +38,7 @@ void setNumber(float stored, std::int32_t& offset)
     offset = stored >= 0 && stored < float(CellParticles::kOffsetEnd) ? std::int32_t(stored) : 0;
 }
 
-/// Values on a domain's own leaves, on all local ones. Collective.
+/// Extend values on a domain's own leaves to all local ones. Collective.
 template<typename T>
 LeafValues<T> withHalo(const Domain& domain, const LeafOwners& owners, LeafValues<T> own)
 {

@@ -11,11 +11,11 @@
 
 namespace vdblic {
 
-/// Base of the textures whose values come back along pathlines: IBFV, LEA, UFAC.
+/// Base of the textures that pull values back along pathlines: IBFV, LEA, UFAC.
 ///
-/// A method carries particles, a texture or both from frame to frame. Those of the next frame are pulled back: each
-/// voxel of its domain looks where its fluid was a step ago. So a voxel always has a value, and the cost of a step does
-/// not depend on what was before. The texture of a frame is made from the values carried there.
+/// A method carries particles, a texture or both from frame to frame. They are pulled back: each voxel of the next
+/// domain looks up its fluid's position a step ago. So a voxel always has a value, and the cost of a step is constant.
+/// A frame's texture is made from its carried values.
 class BackwardTexture : public FlowTexture, public TextureMemory, public LeafState {
   public:
     [[nodiscard]] TextureFrame advance(const FlowStep& step) final;
@@ -28,7 +28,7 @@ class BackwardTexture : public FlowTexture, public TextureMemory, public LeafSta
                  const std::function<std::optional<VdbFile>()>& next) final;
 
   protected:
-    /// What a method carries; parts that it does without have no tree.
+    /// The values carried between frames; unused parts have no tree.
     struct Carried {
         CellParticles particles;
         LeafValues<float> texture;
@@ -40,21 +40,21 @@ class BackwardTexture : public FlowTexture, public TextureMemory, public LeafSta
 
     [[nodiscard]] const TextureParams& params() const { return mParams; }
     [[nodiscard]] const NoiseField& noise() const { return mNoise; }
-    [[nodiscard]] std::uint64_t steps() const { return mStep; } ///< made before
+    [[nodiscard]] std::uint64_t steps() const { return mStep; } ///< made so far
 
   private:
-    /// What the first frame begins with, on its own leaves.
+    /// The carried values of the first frame, on its own leaves.
     [[nodiscard]] virtual Carried first(const FlowStep& step) const = 0;
-    /// The texture of the frame that a step starts from. @param carried there, halo included
+    /// The texture of a step's first frame. @param carried there, halo included
     [[nodiscard]] virtual LeafValues<float> show(const FlowStep& step, const Carried& carried,
                                                  StageClock& clock) const = 0;
-    /// What the frame that a step ends at carries, on its own leaves. @param before at its start, halo included
+    /// The carried values of a step's last frame, on its own leaves. @param before of its first one, halo included
     [[nodiscard]] virtual Carried pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const = 0;
 
     TextureParams mParams;
     NoiseField mNoise;
     Parts mCarries;
-    std::shared_ptr<const Domain> mDomain; // of the step to come
+    std::shared_ptr<const Domain> mDomain; // of the next step
     std::optional<Carried> mCarried;       // on its own leaves; nothing before the first step
     std::uint64_t mStep = 0;
 };

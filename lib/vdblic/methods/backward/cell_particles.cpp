@@ -18,12 +18,12 @@ namespace {
 
 static_assert(CellParticles::kWhite == float(kNoiseMax));
 
-constexpr float kRenewed = 0.1f; // of the voxels in which no particle arrives
+constexpr float kRenewed = 0.1f; // share of the voxels without an arriving particle
 
 /// An offset from a voxel's centre, to 1/254 of a voxel along each axis, as a whole number below 2²⁴.
 constexpr int kOffsetBits = 8, kOffsetMask = (1 << kOffsetBits) - 1, kOffsetZero = 1 << (kOffsetBits - 1);
 static_assert(CellParticles::kOffsetEnd == 1 << 3 * kOffsetBits);
-constexpr float kOffsetSteps = 2 * (kOffsetZero - 1); // in a voxel
+constexpr float kOffsetSteps = 2 * (kOffsetZero - 1); // per voxel
 constexpr int kNoOffset = (kOffsetZero << kOffsetBits | kOffsetZero) << kOffsetBits | kOffsetZero;
 
 VDBLIC_INLINE Vector8 offsetsOf(Int8 packed)
@@ -35,7 +35,7 @@ VDBLIC_INLINE Vector8 offsetsOf(Int8 packed)
     return {along(0), along(1), along(2)};
 }
 
-/// @param offsets −½ to ½; others, of positions too far away to have one, count as 0
+/// @param offsets −½ to ½; others, from positions too far away, become 0
 VDBLIC_INLINE Int8 packed(const Vector8& offsets)
 {
     const auto along = [](Float8 offset) {
@@ -51,21 +51,21 @@ VDBLIC_INLINE Float8 larger(Float8 a, Float8 b)
     return a > b ? a : b;
 }
 
-/// The voxels' centres that vectors end closest to.
+/// The voxel centres nearest to the vectors' ends.
 VDBLIC_INLINE Vector8 voxelsOf(const Vector8& v)
 {
     const auto along = [](Float8 x) { return __builtin_convertvector(floorToInt(x + 0.5f), Float8); };
     return {along(v.x), along(v.y), along(v.z)};
 }
 
-/// The particles around eight positions, or the centres of voxels where there is none.
+/// The particles nearest to eight positions, or voxel centres where there is none.
 struct Nearest {
     Vector8 from;                        ///< the position to the particle
-    Float8 distance = broadcast8(1e30f); ///< the largest of its components, without its sign
+    Float8 distance = broadcast8(1e30f); ///< its largest component's magnitude
     Float8 value{};
 };
 
-/// A step. Immutable; any number of threads may move particles.
+/// A step. Immutable; any number of threads may use it.
 struct Move {
     const Domain& domain; // of the first frame
     const CellParticles& before;
@@ -94,8 +94,8 @@ struct Move {
         }
     }
 
-    /// The particle closest to each position, of those in the corners of its cell: of no others the unit cube around
-    /// the position holds any.
+    /// The particle nearest to each position, among the corners of its cell: only those can lie in the unit cube around
+    /// it.
     VDBLIC_INLINE Nearest nearestTo(const LeafWindow& window, const Vector8& position, unsigned lanes) const
     {
         Nearest nearest{voxelsOf(position) - position};
@@ -120,7 +120,7 @@ struct Move {
         return nearest;
     }
 
-    /// What voxels hold; 0 where the domain has none.
+    /// Load the particles of voxels; 0 where the domain has none.
     VDBLIC_INLINE void load(const LeafWindow& window, Int8 x, Int8 y, Int8 z, unsigned lanes, Float8& value,
                             Int8& offset) const
     {
@@ -135,12 +135,11 @@ struct Move {
         }
     }
 
-    /// Give new noise to voxels in which no particle arrives: all whose fluid comes from outside, a tenth of the
-    /// others.
-    /// @param row of the first voxel
+    /// Give new noise to voxels without an arriving particle: to all whose fluid comes from outside, to a tenth of the
+    /// others. @param row its first voxel
     void renew(const openvdb::Coord& row, const Vector8& positions, unsigned lanes, Float8& value) const
     {
-        constexpr float kWhole = 1 - 1e-5f; // rounding of weights
+        constexpr float kWhole = 1 - 1e-5f; // allows for the rounding of weights
         for (int lane = 0; lane < kLanes; ++lane) {
             if (!(lanes >> lane & 1)) continue;
             const openvdb::Coord voxel = row.offsetBy(0, 0, lane);

@@ -9,7 +9,7 @@
 namespace vdblic {
 namespace {
 
-/// The slabs of two frames together: no leaf of either lies between two slabs.
+/// Slabs of two frames together: no leaf of either lies in two slabs.
 Slabs slabsOf(const FrameDomain& first, const FrameDomain& last)
 {
     const openvdb::MaskTree &before = first.texture->topology(), &after = last.texture->topology();
@@ -25,7 +25,7 @@ VDBLIC_KERNEL void advanceBack(const VelocityField& field, const Bricks::Window&
     advancePaths(field, window, params, batch);
 }
 
-/// A position, or if it is too far from another one, the farthest that is not.
+/// The position, limited to kFarthest from another one.
 VDBLIC_INLINE Float8 within(Float8 position, Float8 from)
 {
     const Float8 way = position - from,
@@ -63,7 +63,7 @@ void WayBack::Leaf::follow(Row& row, unsigned lanes) const
     mBatch.position = row.centre;
     mBatch.slope = row.slope;
     advanceBack(mWay.mField, mWindow, mWay.mParams, mBatch);
-    Float8 left = broadcast8(1); // of the step, after the last segment
+    Float8 left = broadcast8(1); // part of the step after the last segment
     for (const Segment& segment : mBatch.segments)
         left = maskOf(segment.lanes) ? 1 - (segment.time + segment.duration) : left;
     left = maskOf(mBatch.arrived) ? Float8{} : left;

@@ -14,36 +14,36 @@
 
 namespace vdblic {
 
-/// The pathlines of a step, backwards: where the fluid of a voxel of the step's second frame was at its first.
+/// The pathlines of a step backwards: from voxels of its second frame to their fluid's positions at the first.
 ///
-/// The velocity is that of the step with time and direction reversed, on the domain of the second frame: a voxel that
-/// is new in it has a velocity, and a way back. The midpoint rule is followed where its error, about 2/3 |k2 − k1|² /
-/// |k1| (Hairer, Nørsett & Wanner, Solving ODEs I, II.1, for a flow that turns), is below the tolerance, and
-/// advancePaths() elsewhere. A way that leaves the domain goes straight on.
+/// The velocity is the step's with time and direction reversed, on the second frame's domain: a voxel that is new in it
+/// has a velocity too. The midpoint rule is used where its error, about 2/3 |k2 − k1|² / |k1| (Hairer, Nørsett &
+/// Wanner, Solving ODEs I, II.1, for a flow that turns), is below the tolerance, advancePaths() elsewhere. A path that
+/// leaves the domain continues straight.
 class WayBack {
   public:
-    /// Prepare the velocity. @param params outlive this, as the step does
+    /// Prepare the velocity. @param params must outlive this, as must the step
     WayBack(const FlowStep& step, const PathlineParams& params);
 
-    /// Positions farther away have no parts of a voxel, and positions 64 steps back must be integers.
+    /// Beyond this, floats have no fractions; 64 steps back, positions must still fit into integers.
     static constexpr float kFarthest = 0x1p23f; // [voxels]
 
-    /// Ways back of one leaf's voxels, row by row. One object serves one thread.
+    /// Paths back from one leaf's voxels, row by row. One object serves one thread.
     class Leaf {
       public:
-        /// @param velocities of the leaf, velocitiesOf(); outlive this
+        /// @param velocities of the leaf, by velocitiesOf(); must outlive this
         Leaf(const WayBack& way, std::size_t leaf, const LeafVelocities& velocities, PathBatch& batch)
             : mWay(way), mBatch(batch), mOrigin(way.domain().origin(leaf)), mWindow(way.mField.window(mOrigin)),
               mVelocities(velocities)
         {
         }
 
-        /// The centres of a row's voxels, the velocity there, backwards, and where their fluid was [voxels]. What is
-        /// farther than kFarthest along an axis, or no number, counts as so far.
+        /// The centres of a row's voxels, the reversed velocity there, and their fluid's former positions [voxels],
+        /// limited to kFarthest along each axis; NaN counts as so far.
         struct Row {
             Vector8 centre, slope, before;
         };
-        /// @param lanes to follow; the others' results have no meaning
+        /// @param lanes to follow; the results of others have no meaning
         [[nodiscard]] VDBLIC_INLINE Row row(int row, unsigned lanes) const
         {
             const LeafVoxel first = LeafVoxel::ofRow(row);
@@ -61,7 +61,7 @@ class WayBack {
         }
 
       private:
-        /// The same by the adaptive integrator.
+        /// The same with the adaptive integrator.
         [[gnu::noinline]] void follow(Row& row, unsigned lanes) const;
 
         const WayBack& mWay;
@@ -71,17 +71,17 @@ class WayBack {
         const LeafVelocities& mVelocities;
     };
 
-    /// The velocities at the second frame, backwards.
+    /// The reversed velocities at the second frame.
     [[nodiscard]] LeafVelocities velocitiesOf(std::size_t leaf) const
     {
         return {mField.start(), mField.frameDomain().refinement, domain().origin(leaf)};
     }
 
-    /// Of the second frame's texture.
+    /// The domain of the second frame's texture.
     [[nodiscard]] const Domain& domain() const { return mField.domain(); }
 
-    /// Call work(leaf) for all own leaves of the second frame, in parallel, slab by slab. What is around a slab as far
-    /// as ways back lead is there: the velocity, and those leaves of the first frame that were passed to open().
+    /// Call work(leaf) for all own leaves of the second frame, in parallel, slab by slab. The velocity within the reach
+    /// of paths from a slab is filled, and the first frame's leaves there were passed to open().
     /// @param open, close called with leaves of the first frame
     template<typename Open, typename Close, typename Work>
     void sweep(StageClock& clock, const Open& open, const Close& close, const Work& work)
@@ -110,7 +110,7 @@ class WayBack {
 
     const PathlineParams& mParams;
     VelocityField mField;
-    // Of the voxels of both frames; and the leaves of the first frame, of the second and of its velocity in each.
+    // Slabs of the voxels of both frames; and in each, leaves of the first frame, of the second and of its velocity.
     Slabs mSlabs, mFirstSlabs, mLastSlabs, mVelocitySlabs;
     int mReach; // leaves
 };

@@ -4,7 +4,7 @@
 
 namespace vdblic {
 
-/// Image based flow visualization: the texture before, pulled back and blended with noise (IbfvTexture). Van Wijk,
+/// Image based flow visualization: the previous texture, pulled back and blended with noise (IbfvTexture). Van Wijk,
 /// "Image based flow visualization", SIGGRAPH 2002.
 extern const TextureMethod kIbfv;
 

@@ -9,19 +9,17 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 namespace vdblic {
 namespace {
 
-constexpr int kMostPlaces = 16; // of noise along a step
+constexpr int kMostPlaces = 16; // samples of noise along a step
 
-/// The shares of the noise at one of several places along a step, which together have the share of a step.
+/// Shares of the noise samples along a step, which together have the step's share.
 class PlaceShares {
   public:
     explicit PlaceShares(double share)
@@ -42,7 +40,7 @@ class PlaceShares {
     std::array<float, kMostPlaces + 1> mShares{};
 };
 
-/// A number of places, so that they are no farther apart than the noise's points. @param length of the step [voxels]
+/// The number of samples, at most the noise's spacing apart. @param length of the step [voxels]
 VDBLIC_INLINE Int8 placesFor(Float8 length)
 {
     constexpr auto kSpacing = float(PeriodicNoise::kSpacing);
@@ -51,7 +49,7 @@ VDBLIC_INLINE Int8 placesFor(Float8 length)
     return places > 1 ? places : broadcastInt8(1);
 }
 
-/// Texture, coverage, noise, and a number that is not used, of the first frame's voxels.
+/// Texture, coverage, noise and an unused number, at the first frame's voxels.
 using CarriedBricks = BricksOf<4>;
 
 VDBLIC_KERNEL void fillCarried(const Domain& domain, const LeafValues<float>& texture, const LeafWindow& window,
@@ -77,21 +75,21 @@ VDBLIC_KERNEL void fillCarried(const Domain& domain, const LeafValues<float>& te
     }
 }
 
-/// Add what fluid brings that was outside a step ago: the texture at the first frame, had it come straight on.
+/// Add the texture of fluid that was outside a step ago, as if it had come straight at constant speed.
 /// @param chord of the step, backwards  @param before texture there times coverage
 VDBLIC_KERNEL void addEntering(const PlaceShares& shares, const PeriodicNoise& now, const Vector8& positions,
                                const Vector8& chords, const Int8& places, const Float8& coverage, unsigned lanes,
                                Float8& before)
 {
     constexpr float kLeast = 1.0f / 8; // of the weights
-    constexpr int kMost = 64;          // places
+    constexpr int kMost = 64;          // samples
     for (int lane = 0; lane < kLanes; ++lane) {
         if (!(lanes >> lane & 1)) continue;
         const float each = shares.of(places[lane]);
         const Float4 position = positions.lane(lane), chord = chords.lane(lane) * (1 / float(places[lane]));
         float sum = 0, weights = 0, weight = each;
         PeriodicNoise then = now;
-        int left = 0; // places before the step before
+        int left = 0; // samples until the previous step
         for (int place = 0; place < kMost && 1 - weights > kLeast; ++place) {
             if (left-- == 0) {
                 then.goBack();
@@ -105,8 +103,8 @@ VDBLIC_KERNEL void addEntering(const PlaceShares& shares, const PeriodicNoise& n
     }
 }
 
-/// Texture and coverage at positions whose cells begin outside the bricks around: bricks continue half a voxel below
-/// the first voxels and end there.
+/// Texture and coverage at positions whose cells begin outside the bricks, which extend half a voxel below the first
+/// voxels.
 void sampleCorners(const Domain& domain, const LeafValues<float>& texture, const Vector8& positions, unsigned lanes,
                    Float8 (&numbers)[4])
 {
@@ -128,7 +126,7 @@ VDBLIC_KERNEL void noiseOutside(const PeriodicNoise& now, const Vector8& positio
     }
 }
 
-/// A step. Immutable; any number of threads may blend.
+/// A step. Immutable; any number of threads may use it.
 struct Blend {
     const Domain& domain; // of the first frame
     const LeafValues<float>& texture;
@@ -157,7 +155,7 @@ struct Blend {
             brought *= share;
             if (anyOf((places > 1) & maskOf(lanes))) alongTheWay(window, path, chord, places, lanes, brought);
             const Float8 coverage = numbers[1];
-            constexpr float kWhole = 1 - 1e-5f; // rounding of weights
+            constexpr float kWhole = 1 - 1e-5f; // allows for the rounding of weights
             const Int8 comes = (coverage < kWhole) & maskOf(lanes);
             Float8 before = numbers[0];
             if (__builtin_expect(anyOf(comes), 0)) {
@@ -178,7 +176,7 @@ struct Blend {
         transpose(rows, numbers);
     }
 
-    /// The lanes of positions in no brick of the window.
+    /// The lanes of positions outside the window's bricks.
     [[nodiscard]] VDBLIC_INLINE static unsigned withoutBrick(const CarriedBricks::Window& window, const Vector8& at,
                                                              unsigned lanes)
     {
@@ -189,7 +187,7 @@ struct Blend {
         return without & lanes;
     }
 
-    /// The noise at several places along the way. @param brought of the first one, the voxel's centre
+    /// The noise sampled along the path. @param brought of the first sample, the voxel's centre
     VDBLIC_INLINE void alongTheWay(const CarriedBricks::Window& window, const WayBack::Leaf::Row& path,
                                    const Vector8& chord, Int8 places, unsigned lanes, Float8& brought) const
     {
@@ -200,7 +198,7 @@ struct Blend {
             const Int8 taken = (places > place) & maskOf(lanes);
             if (!anyOf(taken)) break;
             weight *= 1 - each;
-            const Float8 part = apart * float(place); // of the step; the way is a parabola
+            const Float8 part = apart * float(place); // of the step; the path is a parabola
             const Vector8 at = path.centre + path.slope * part + (chord - path.slope) * (part * part);
             Float8 numbers[4];
             sample(window, at, bitsOf(taken), numbers);
@@ -211,7 +209,7 @@ struct Blend {
     }
 };
 
-/// The noise on a leaf of the second frame: from the bricks, if the first frame has that leaf.
+/// The noise on a leaf of the second frame: from the bricks if the first frame has that leaf.
 void noiseOf(const CarriedBricks& bricks, const PeriodicNoise& now, const openvdb::Coord& origin, float* values)
 {
     const int leaf = bricks.domain().findLeaf(Int4{origin[0], origin[1], origin[2], 0});
@@ -238,7 +236,7 @@ IbfvTexture::IbfvTexture(const TextureParams& texture, const BackwardParams& par
 {
 }
 
-/// Noise, with as much contrast as the textures to come.
+/// Noise, scaled to the contrast of later textures.
 BackwardTexture::Carried IbfvTexture::first(const FlowStep& step) const
 {
     const Domain& domain = *step.start.domain.texture;

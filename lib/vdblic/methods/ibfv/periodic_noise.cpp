@@ -17,7 +17,7 @@ void PeriodicNoise::fill(const openvdb::Coord& origin, float* values) const
 {
     constexpr int kPoints = LeafVoxel::kDim / kSpacing + 1;
     static_assert(kSpacing == 2 && kSpacing * (kPoints - 1) + 1 == kBrick);
-    std::array<std::array<std::array<float, kBrick>, kBrick>, kPoints> planes{}; // of each x of the points
+    std::array<std::array<std::array<float, kBrick>, kBrick>, kPoints> planes{}; // for each x of the points
     for (int x = 0; x < kPoints; ++x) {
         auto& plane = planes[std::size_t(x)];
         for (int y = 0; y < kPoints; ++y) {

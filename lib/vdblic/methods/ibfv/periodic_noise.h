@@ -12,28 +12,28 @@
 
 namespace vdblic {
 
-/// The noise that IBFV blends in: low-pass filtered in space, and in time, where it is periodic.
+/// IBFV's noise: low-pass filtered in space and time, and periodic in time.
 ///
-/// Every second voxel along each axis blinks: it is white for half a period and black for the other half, and begins
-/// where the noise of that voxel says. Values between are interpolated trilinearly: van Wijk, "Image based flow
-/// visualization", SIGGRAPH 2002, section 3.3, with its square wave and a spacing of two voxels. The noise goes on
-/// outside the domain. A pure function of place and time.
+/// Every second voxel along each axis blinks: white for half a period, black for the other half, with a phase from the
+/// noise of that voxel. Values between are interpolated trilinearly: van Wijk, "Image based flow visualization",
+/// SIGGRAPH 2002, section 3.3, with its square wave and a spacing of two voxels. The noise continues outside the
+/// domain. A pure function of place and time.
 class PeriodicNoise {
   public:
     static constexpr int kSpacing = 2; ///< between points of the noise [voxels]
     static constexpr int kPeriod = 8;  ///< [frames]
     static constexpr int kBrick = LeafVoxel::kDim + 1;
 
-    /// The noise of a moment. @param noise must outlive this  @param step number  @param substeps steps in a frame
+    /// The noise at one time. @param noise must outlive this  @param step number  @param substeps steps in a frame
     PeriodicNoise(const NoiseField& noise, std::uint64_t step, int substeps)
         : mNoise(&noise), mOfStep(std::uint32_t((kNoiseMax + 1) / (kPeriod * substeps))),
           mTurn(std::uint32_t(step) * mOfStep)
     {
     }
-    /// Go back by a step; the run's first one comes after others.
+    /// Go back by a step, also before the run's first one.
     VDBLIC_INLINE void goBack() { mTurn -= mOfStep; }
 
-    /// At a position of index space, 0 to 1.
+    /// The noise, 0 to 1, at a position in index space.
     [[nodiscard]] VDBLIC_INLINE float at(Float4 position) const
     {
         const Float4 points = position * (1.0f / kSpacing);
@@ -52,7 +52,7 @@ class PeriodicNoise {
         return (weighed[0] + weighed[1]) + (weighed[2] + weighed[3]);
     }
 
-    /// At the voxels of a leaf and the next ones in each positive direction.
+    /// The noise at the voxels of a leaf and the next ones in each positive direction.
     /// @param values kBrick³ numbers, x slowest
     void fill(const openvdb::Coord& origin, float* values) const;
 
@@ -61,11 +61,11 @@ class PeriodicNoise {
     {
         return (phases & kNoiseMax) <= kNoiseMax / 2 ? broadcast4(1) : Float4{};
     }
-    /// At a point, in multiples of the spacing.
+    /// The noise of a point, in multiples of the spacing.
     [[nodiscard]] float ofPoint(int x, int y, int z) const;
 
     const NoiseField* mNoise;
-    std::uint32_t mOfStep, mTurn; ///< 2⁻¹⁶ periods: in a step, and since the first step
+    std::uint32_t mOfStep, mTurn; ///< 2⁻¹⁶ periods: per step, and since the first step
 };
 
 } // namespace vdblic

@@ -23,7 +23,7 @@ LeaTexture::LeaTexture(const TextureParams& texture, const BackwardParams& param
 {
 }
 
-/// Noise, and the same with as much contrast as the textures to come.
+/// Noise, and the same scaled to the contrast of later textures.
 BackwardTexture::Carried LeaTexture::first(const FlowStep& step) const
 {
     const Domain& domain = *step.start.domain.texture;

@@ -5,17 +5,16 @@
 
 namespace vdblic {
 
-/// Lagrangian-Eulerian advection: noise that moves with the fluid (CellParticles), blended from frame to frame where it
-/// is,
+/// Lagrangian-Eulerian advection: noise moves with the fluid (CellParticles) and is blended in place between frames:
 ///
-///     F(x, k) = (1 − α) F(x, k − 1) + α N(x, k),
+///     F(x, k) = (1 − α) F(x, k − 1) + α N(x, k)
 ///
-/// so that a voxel holds the noise that passed it, and a short filter along the flow. Jobard, Erlebacher & Hussaini,
+/// A voxel thus holds the noise that passed it; a short filter along the flow follows. Jobard, Erlebacher & Hussaini,
 /// "Lagrangian-Eulerian advection of noise and dye textures for unsteady flow visualization", TVCG 8(3), 2002.
 ///
-/// In detail, where ours may differ from the authors': the filter is a line integral convolution over a step each way.
-/// Blended values lie a step apart along the pathline; the filter closes the gaps. Shares are those of a frame,
-/// whatever its substeps. A voxel that is new in the domain begins with its noise.
+/// Details that may differ from the authors': the filter is a line integral convolution over a step each way, because
+/// blended values lie a step apart along the pathline. Shares are per frame, whatever the substeps. A voxel that is new
+/// in the domain begins with its noise.
 class LeaTexture final : public BackwardTexture {
   public:
     LeaTexture(const TextureParams& texture, const BackwardParams& params, NoiseField noise);
@@ -26,7 +25,7 @@ class LeaTexture final : public BackwardTexture {
                                          StageClock& clock) const override;
     [[nodiscard]] Carried pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const override;
 
-    double mShare; // of the noise, in a step
+    double mShare; // of the noise, per step
 };
 
 } // namespace vdblic

@@ -8,9 +8,9 @@ namespace vdblic {
 
 /// Line integral convolution of each frame on its own, with the noise as its input: the baseline for stills.
 ///
-/// From each voxel's centre the streamline is followed both ways, over half the life span each, so that streaks are as
-/// long as those of UFLIC in a steady flow. The weights are a Hann window's. Where the streamline leaves the domain,
-/// the kernel ends. Cabral & Leedom, "Imaging vector fields using line integral convolution", SIGGRAPH 1993.
+/// Each voxel's streamline is followed over half the life span both ways: streaks are as long as UFLIC's in a steady
+/// flow. The weights are a Hann window's. The kernel ends where the streamline leaves the domain. Cabral & Leedom,
+/// "Imaging vector fields using line integral convolution", SIGGRAPH 1993.
 class SteadyTexture final : public FlowTexture {
   public:
     SteadyTexture(const TextureParams& params, NoiseField noise);

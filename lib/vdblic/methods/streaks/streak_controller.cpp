@@ -30,7 +30,7 @@ openvdb::Coord voxelAt(const Position& position)
     return {voxel[0], voxel[1], voxel[2]};
 }
 
-/// Places at random in the cells of a spacing. Where the domain is thinner than a cell, or ends in it, the cell is cut.
+/// Random places in cells of one spacing. A cell is cut where the domain is thinner or ends in it.
 class Cells {
   public:
     Cells(const Position& spacing, const openvdb::CoordBBox& box, std::uint64_t key)
@@ -66,7 +66,7 @@ class Cells {
     std::uint64_t mKey;
 };
 
-/// The places in a leaf of the region.
+/// Add the places in a leaf of the region.
 void addPlaces(const Cells& cells, const openvdb::MaskTree& domain, const Domain& region, std::size_t leaf,
                std::vector<StreakPlace>& places)
 {
@@ -80,7 +80,7 @@ void addPlaces(const Cells& cells, const openvdb::MaskTree& domain, const Domain
     for (openvdb::CoordBBox::Iterator<true> cell(openvdb::CoordBBox(first, last)); cell; ++cell) {
         const StreakPlace place = cells.place(*cell);
         const openvdb::Coord voxel = voxelAt(place.position);
-        if ((voxel & ~(LeafVoxel::kDim - 1)) != origin) continue; // another leaf's
+        if ((voxel & ~(LeafVoxel::kDim - 1)) != origin) continue; // in another leaf
         if (region.mask(leaf).isOn(openvdb::MaskTree::LeafNodeType::coordToOffset(voxel)) && domain.isValueOn(voxel))
             places.push_back(place);
     }

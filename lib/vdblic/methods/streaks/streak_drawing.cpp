@@ -23,7 +23,7 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-/// A piece, and a leaf of the texture that it may reach: its number among those over a leaf of the velocity.
+/// A piece, and a texture leaf in its reach: the leaf's number over its velocity leaf.
 struct PieceInLeaf {
     std::uint32_t inside, piece;
 };
@@ -42,7 +42,7 @@ class TextureLeaves {
         }
     }
 
-    /// Visit the own leaves that a box of texture voxels reaches: number of the velocity's leaf, and of the leaf in it.
+    /// Visit the own leaves in reach of a box of texture voxels: the velocity's leaf, and the leaf's number over it.
     template<typename Visit>
     void forReached(openvdb::CoordBBox box, const Visit& visit) const
     {
@@ -64,7 +64,7 @@ class TextureLeaves {
     }
 
     [[nodiscard]] std::size_t coarseCount() const { return mDomain.leafCount(); }
-    /// @param coarse the velocity's leaf  @param inside number of the leaf in it
+    /// @param coarse the velocity's leaf  @param inside number of the leaf over it
     [[nodiscard]] openvdb::Coord origin(std::size_t coarse, std::uint32_t inside) const
     {
         const auto& [x, y, z] = mRefinement.factors;
@@ -129,14 +129,14 @@ class LeafCanvas {
     Owners mOwners{}; // numbers of the brightest streaks
 };
 
-/// A coordinate; beyond all domains if it is too far away for an int, or not-a-number.
+/// A coordinate as an int; beyond all domains if out of range or NaN.
 int bounded(float coordinate)
 {
     constexpr float kFar = 0x1p30f;
     return int(coordinate > -kFar ? (coordinate < kFar ? coordinate : kFar) : -kFar);
 }
 
-/// The rows of a leaf that a piece reaches: first and last coordinate along an axis. @return whether there are any
+/// The range of a leaf's rows in a piece's reach along an axis. @return whether there are any
 bool reachedRows(const StreakPiece& piece, int axis, int origin, float scale, int& first, int& last)
 {
     const auto at = std::size_t(axis);
@@ -147,7 +147,7 @@ bool reachedRows(const StreakPiece& piece, int axis, int origin, float scale, in
     return first <= last;
 }
 
-/// How much steeper a streak ends ahead of its head than it does sideways: where the value falls downstream.
+/// Ratio of the slope ahead of the head, downstream, to the slope sideways.
 constexpr float kHeadSlope = 2;
 
 VDBLIC_KERNEL void drawPiece(const StreakPiece& piece, const openvdb::Coord& origin, const std::array<float, 3>& scale,
@@ -199,7 +199,7 @@ void LeafCanvas::draw(std::uint32_t number)
               std::int32_t(piece.streak), mStreaks.data());
 }
 
-/// The texture voxels that a piece may reach.
+/// The box of texture voxels in a piece's reach.
 openvdb::CoordBBox boxOf(const StreakPiece& piece, const StreakShape& shape)
 {
     openvdb::CoordBBox box;
@@ -212,7 +212,7 @@ openvdb::CoordBBox boxOf(const StreakPiece& piece, const StreakShape& shape)
     return box;
 }
 
-/// The pieces in reach of each of the velocity's leaves, by a counting sort, in no particular order.
+/// The pieces in reach of each velocity leaf, by a counting sort, in no particular order.
 class ReachedLeaves {
   public:
     ReachedLeaves(const std::vector<StreakPiece>& pieces, const StreakShape& shape, const TextureLeaves& leaves)
@@ -250,7 +250,7 @@ class ReachedLeaves {
 
 using Voxels = FloatLeaf::NodeMaskType;
 
-/// The voxels of a leaf that something is drawn in.
+/// The drawn voxels of a leaf.
 VDBLIC_KERNEL Voxels drawnVoxels(const float* values)
 {
     Voxels drawn;
@@ -260,7 +260,7 @@ VDBLIC_KERNEL Voxels drawnVoxels(const float* values)
     return drawn;
 }
 
-/// Cut the voxels of a leaf of the texture to those in active voxels of the velocity's leaf.
+/// Restrict a texture leaf's voxels to active voxels of the velocity's leaf.
 void cutTo(const Domain::Mask& velocity, const Refinement& refinement, const openvdb::Coord& origin, Voxels& drawn)
 {
     if (velocity.isOn()) return;
@@ -293,7 +293,7 @@ openvdb::FloatTree::Ptr treeOf(std::vector<FloatLeaves>& leaves)
     auto tree = std::make_shared<openvdb::FloatTree>(0.0f);
     for (FloatLeaves& some : leaves) {
         for (std::unique_ptr<FloatLeaf>& leaf : some)
-            tree->addLeaf(leaf.release()); // takes it over
+            tree->addLeaf(leaf.release()); // takes ownership
     }
     return tree;
 }

@@ -17,7 +17,7 @@
 namespace vdblic {
 namespace {
 
-/// A place of a pathline.
+/// A point of a pathline.
 struct Sample {
     openvdb::Vec3f position; // index space of the velocity
     double time;
@@ -36,7 +36,7 @@ class TailSampler {
         mTolerance = radius / 4;
     }
 
-    /// The parts of a tail that lie in the domain and can be seen, the one with the head last.
+    /// The visible parts of a tail in the domain, ordered from the tail's end to the head.
     [[nodiscard]] std::vector<Samples> parts(const Streak& streak) const
     {
         std::vector<Samples> parts;
@@ -68,7 +68,7 @@ class TailSampler {
         return all;
     }
 
-    /// Cut at the rim of the domain.
+    /// Cut samples at the domain's rim.
     [[nodiscard]] std::vector<Samples> inDomain(const Samples& all) const
     {
         std::vector<Samples> parts;
@@ -89,7 +89,7 @@ class TailSampler {
         return covers(mDomain, Float4{position[0], position[1], position[2], 0});
     }
 
-    /// The last place inside on the straight line between two samples, one of which is outside.
+    /// The last point inside on the straight line between two samples, one of them outside.
     [[nodiscard]] Sample rimBetween(const Sample& a, const Sample& b, bool isFirstInside) const
     {
         constexpr int kHalvings = 12;
@@ -107,12 +107,12 @@ class TailSampler {
         return {at[0], at[1], at[2]};
     }
 
-    /// In how many parts a curve between two nodes is straight: a parabola deviates by h²/8 of its second derivative.
+    /// The pieces that approximate a curve between nodes: a parabola deviates by h²/8 of its second derivative.
     [[nodiscard]] int pieces(const StreakNode& a, const StreakNode& b, double from, double to) const
     {
         constexpr double kMost = 4096;
         const double whole = b.time - a.time, part = (to - from) / whole;
-        double atStart = 0, atEnd = 0; // second derivative by the share of the time, squared; linear in between
+        double atStart = 0, atEnd = 0; // second derivative by share of time, squared; linear in between
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double chord = double(b.position[axis]) - double(a.position[axis]);
             const double m0 = double(a.slope[axis]) * whole, m1 = double(b.slope[axis]) * whole;
@@ -123,8 +123,8 @@ class TailSampler {
         return int(std::ceil(std::clamp(part * std::sqrt(second / (8 * double(mTolerance) / 2)), 1.0, kMost)));
     }
 
-    /// The fewest samples found that keep the tolerance: the farthest one between two that are kept is kept, too, until
-    /// none is too far (Douglas and Peucker 1973), at the distance of the same time.
+    /// Few samples within the tolerance at equal times: keep the farthest one between two kept ones until none is too
+    /// far (Douglas and Peucker 1973).
     [[nodiscard]] Samples thinned(const Samples& all) const
     {
         if (all.size() < 3) return all;
@@ -162,7 +162,7 @@ class TailSampler {
     float mTolerance = 0; // [voxels of the velocity]
 };
 
-/// Numbers of 32 bits for names of 64. Where one is taken, the next free one is.
+/// Maps 64-bit names to 32-bit numbers. If one is taken, the next free one is used.
 class Numbers {
   public:
     [[nodiscard]] std::int32_t of(std::uint64_t name)
@@ -211,11 +211,11 @@ Lines streakLines(const std::vector<Streak>& streaks, const StreakShape& shape, 
         }
         lines.lines.push_back({numbers.of(streak.name), begin, std::uint32_t(lines.pointCount()), streak.source});
     };
-    std::vector<std::size_t> order(streaks.size()); // by name: a resumed run has streaks in another order
+    std::vector<std::size_t> order(streaks.size()); // by name: a resumed run has another order
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return streaks[a].name < streaks[b].name; });
-    for (const std::size_t i : order) { // those of heads first: their numbers are the same in all frames
+    for (const std::size_t i : order) { // heads first: their numbers are the same in all frames
         if (!tails[i].empty()) add(streaks[i], tails[i].back());
     }
     for (const std::size_t i : order) {

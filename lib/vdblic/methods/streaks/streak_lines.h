@@ -10,9 +10,9 @@
 
 namespace vdblic {
 
-/// The tails of streaks at a time as polylines. Each is so fine that the point which the polyline has at a time is
-/// never farther from the pathline's than a quarter of the streak's radius. What cannot be seen, or lies outside of the
-/// domain, is left out; a tail that it cuts makes several lines.
+/// The tails of streaks at a time as polylines, so fine that a polyline is never farther from the pathline's point of
+/// the same time than a quarter of the streak's radius. Parts that are invisible or outside the domain are left out; a
+/// tail cut by them makes several lines.
 ///
 /// @param domain    voxels of the velocity
 /// @param time      of the heads [frames since the run began]

@@ -12,7 +12,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -30,7 +29,7 @@ Position positionOf(Float4 vector)
     return {vector[0], vector[1], vector[2]};
 }
 
-/// The streaks that this rank's own leaves hold, leaf by leaf, so that those advanced together sample the same bricks.
+/// The streaks in this rank's own leaves, leaf by leaf, so that those advanced together sample the same bricks.
 std::vector<std::uint32_t> ownByLeaf(const Domain& domain, const std::vector<Streak>& streaks)
 {
     std::vector<std::pair<int, std::uint32_t>> own;
@@ -45,7 +44,7 @@ std::vector<std::uint32_t> ownByLeaf(const Domain& domain, const std::vector<Str
     return numbers;
 }
 
-/// Advance up to eight streaks. @param numbers of them  @return integration steps
+/// Advance up to eight streaks. @param numbers of the streaks  @return integration steps
 VDBLIC_KERNEL std::size_t advanceBatch(const StreakTurn& turn, const PathlineParams& params,
                                        const std::uint32_t* numbers, int count, PathBatch& batch,
                                        std::vector<Streak>& streaks)
@@ -72,17 +71,17 @@ VDBLIC_KERNEL std::size_t advanceBatch(const StreakTurn& turn, const PathlinePar
     return batch.steps;
 }
 
-/// Follow a path back in time from the end of a turn.
+/// Traces a path back in time from the end of a turn.
 class BackwardPath {
   public:
-    /// @param region whose rims end the path
+    /// @param region the path ends at its rims
     BackwardPath(const StreakTurn& turn, const PathlineParams& params, const Domain& region)
         : mTurn(turn), mTolerance(params.tolerance), mRegion(region)
     {
     }
 
-    /// @param duration of the path [frames]; isFrozen: in the flow of the turn's beginning
-    /// @return its nodes, oldest first, and whether it came in over a rim
+    /// @param duration of the path [frames]; isFrozen: whether the flow is that of the turn's beginning
+    /// @return its nodes, oldest first, and whether it entered over a rim
     [[nodiscard]] std::pair<std::vector<StreakNode>, bool> trace(const Position& place, double duration,
                                                                  bool isFrozen) const
     {
@@ -110,7 +109,7 @@ class BackwardPath {
             if (!contains(next)) {
                 cameIn = true;
                 if (step * double(pathline::length(slope)) <= kRim || step <= kShortest) break;
-                step *= 0.5; // the rest of the way to the rim
+                step *= 0.5; // bisect the rest up to the rim
                 continue;
             }
             at = next;
@@ -129,7 +128,7 @@ class BackwardPath {
     static constexpr double kShortest = 1e-5;             // frames
     static constexpr int kMostTries = 2000;
 
-    /// Where a path was before it came in, as far away as the streak can be seen: so its round head slides in, too.
+    /// A point on the path before its entry, out of the streak's reach, so that its round head slides in too.
     [[nodiscard]] StreakNode behindRim(const StreakNode& rim) const
     {
         constexpr double kLongest = 1; // frame
@@ -160,7 +159,7 @@ void putNodes(Exchange::Bytes& message, std::uint32_t number, const StreakNode* 
     put(message, nodes, count);
 }
 
-/// Take the nodes that other ranks tell of: take(number, nodes). @param message of this rank. Collective.
+/// Receive the nodes of other ranks: take(number, nodes). @param message of this rank. Collective.
 template<typename Take>
 void swapNodes(const LeafOwners& owners, const Exchange::Bytes& message, const Take& take)
 {
@@ -214,7 +213,7 @@ void addTraced(const StreakTurn& turn, const PathlineParams& params, const Domai
             take(number / 2, std::move(nodes), number % 2 != 0);
         });
     }
-    // A place that only the end of the turn has: no velocity leads to it.
+    // Only the end of the turn contains the place: no velocity leads to it.
     for (std::size_t i = 0; i < places.size(); ++i) {
         if (streaks[before + i].path.empty()) take(i, {{places[i].position, {}, turn.endTime()}}, false);
     }

@@ -29,7 +29,7 @@ class PieceCutter {
     }
 
   private:
-    /// How far a time is from the tail's end, 0 to 1 at the head.
+    /// The position of a time between the tail's end, 0, and the head, 1.
     [[nodiscard]] float shareAt(double time, double oldest) const
     {
         return std::clamp(float((time - oldest) / (mTime - oldest)), 0.0f, 1.0f);

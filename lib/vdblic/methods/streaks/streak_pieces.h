@@ -18,13 +18,13 @@ struct StreakPiece {
     bool isHead; ///< whether the streak ends here
 };
 
-/// Darker voxels cannot be seen, and are not drawn.
+/// Darker voxels are invisible, and not drawn.
 inline constexpr float kLeastStreakValue = 0.02f;
 /// Thickness at the tail's end, relative to the head's.
 inline constexpr float kTailWidth = 0.45f;
 
-/// The tails of streaks at a time, cut into pieces so short that they are straight, in the streaks' order. What cannot
-/// be seen is left out. Computed in parallel.
+/// The visible tails of streaks at a time, cut into pieces short enough to be straight, in the streaks' order. Computed
+/// in parallel.
 /// @param time of the heads [frames since the run began]
 [[nodiscard]] std::vector<StreakPiece> piecesOf(const std::vector<Streak>& streaks, const StreakShape& shape,
                                                 double time);

@@ -20,7 +20,7 @@ std::string numbersText(const std::array<float, 3>& numbers)
     return fmt::format("{} {} {}", numbers[0], numbers[1], numbers[2]);
 }
 
-/// A number that people can type again: two digits.
+/// A number rounded to two digits, easy to type.
 float rounded(double number)
 {
     const double step = std::pow(10.0, std::floor(std::log10(number)) - 1);
@@ -53,7 +53,7 @@ void checkSpacing(const std::array<float, 3>& spacing, const openvdb::CoordBBox&
 
 float StreakShape::radius(int axis) const
 {
-    constexpr float kLeast = 1; // below that a streak that lies between voxels is dimmer than one on them
+    constexpr float kLeast = 1; // below it, streaks between voxels are dimmer than on them
     const auto at = std::size_t(axis);
     return std::max(0.5f * kThickness * spacing[at] * float(refinement.factors[at]), kLeast);
 }
@@ -99,7 +99,7 @@ StreakShape streakShape(const StreakParams& params, const Refinement& refinement
         shape.tail = rounded(std::min(kSpacings * double(mean) / displacement, kMostFrames));
     }
     if (!refinement.isGiven) {
-        constexpr float kVoxels = 16;         // in a spacing: a thickness of 2.5 texture voxels
+        constexpr float kVoxels = 16;         // per spacing: a thickness of 2.5 texture voxels
         constexpr double kMostVoxels = 2.5e8; // of the texture, empty ones included
         const double most = std::cbrt(kMostVoxels / double(std::max<std::size_t>(voxels, 1)));
         for (std::size_t axis = 0; axis < 3; ++axis)

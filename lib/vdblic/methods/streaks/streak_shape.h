@@ -16,25 +16,25 @@ namespace vdblic {
 struct StreakShape {
     /// A streak's thickness at half its height, at the head [spacings].
     static constexpr float kThickness = 0.156f;
-    static constexpr float kRim = 1.848f; ///< where it ends, in radii at half height: (1 − 1/kRim²)² = ½
+    static constexpr float kRim = 1.848f; ///< rim of a streak, in radii at half height: (1 − 1/kRim²)² = ½
 
     std::array<float, 3> spacing{}; ///< [voxels of the velocity]
     float tail = 0;                 ///< [frames]
     Refinement refinement{};        ///< texture voxels in a voxel of the velocity
 
-    /// The distance from a streak's axis, at the head, at which it has half its height [texture voxels]. At least so
-    /// much that voxels can show it.
+    /// The distance from a head's axis at which a streak has half its height [texture voxels], no less than voxels can
+    /// show.
     [[nodiscard]] float radius(int axis) const;
-    /// How far from its axis a streak can be seen, at most [voxels of the velocity].
+    /// The largest visible distance of a streak from its axis [velocity voxels].
     [[nodiscard]] float reach() const;
     /// "spacing 2, tail 3.1, refine 8"
     [[nodiscard]] std::string text() const;
 };
 
-/// The shape that parameters ask for. What they leave open suits data that is not known: about as many streaks as a
-/// picture holds, tails of six spacings for the faster half of the flow, and voxels that show a streak's thickness.
+/// The shape that parameters give. Defaults suit unknown data: about as many streaks as a picture holds, tails of six
+/// spacings for the faster half of the flow, and voxels that resolve a streak's thickness.
 ///
-/// @param refinement   as given; its factors count if it is given
+/// @param refinement   as given; its factors count only if the user gave them
 /// @param domain       voxels of the velocity
 /// @param displacement of the flow's faster half in a frame [voxels of the velocity]
 /// @throws ParameterError if a given spacing is larger than the domain

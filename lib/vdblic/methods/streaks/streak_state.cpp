@@ -12,8 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <map>
-#include <string>
 #include <tuple>
 
 namespace vdblic {
@@ -29,7 +27,7 @@ constexpr const char *kBorn = "born", *kRetired = "retired", *kKind = "kind";
 constexpr const char *kSpacing = "spacing", *kTail = "tail", *kRefine = "refine";
 constexpr std::int32_t kSlidIn = 1, kStopped = 2, kSource = 4; // bits of `kind`
 
-/// All points of a grid, one attribute after the other, in one order.
+/// All points of a grid, attribute by attribute, in one order.
 struct Points {
     std::vector<Vec3f> node, slope;
     std::vector<double> time, born, retired;

@@ -23,12 +23,12 @@
 namespace vdblic {
 namespace {
 
-/// How often in a frame the controller acts.
+/// Turns of the controller per frame.
 constexpr int kTurns = 2;
-/// Attempts to fill the domain with the first streaks; later ones fill what the flow leaves open.
+/// Attempts to fill the domain with the first streaks; later releases fill gaps of the flow.
 constexpr int kFirstAttempts = 16;
 
-/// The leaves that all ranks drew, as one domain. Collective.
+/// The drawn leaves of all ranks as one domain. Collective.
 std::shared_ptr<const Domain> drawnDomain(const openvdb::FloatTree& own, const LeafOwners& owners)
 {
     auto topology = std::make_shared<openvdb::MaskTree>(own, false, true, openvdb::TopologyCopy());
@@ -111,7 +111,7 @@ TextureFrame StreakTexture::advance(const FlowStep& step)
     return result;
 }
 
-/// Trace all streaks through a frame, and let the controller have its turns.
+/// Trace all streaks through a frame, with the controller's turns.
 void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, TextureFrame& result, StageClock& clock)
 {
     const auto stage = clock.enter(&StageTimes::scatter);
@@ -162,7 +162,7 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
         std::count_if(mStreaks.begin(), mStreaks.end(), [](const Streak& streak) { return streak.isLive(); }));
 }
 
-/// The voxels of the velocity that release streaks. @param number of the frame, for sequences of grids
+/// The velocity voxels that release streaks. @param number of the frame, for sequences of grids
 std::shared_ptr<const Domain> StreakTexture::emittingPart(const VelocityFrame& frame, std::int64_t number) const
 {
     const std::shared_ptr<const Domain>& domain = frame.domain.velocity;
@@ -176,7 +176,7 @@ std::shared_ptr<const Domain> StreakTexture::emittingPart(const VelocityFrame& f
                                  mParams.emit.empty() ? "`emit_box`" : "`emit` " + mParams.emit));
 }
 
-/// Give streaks the number of the source that they are in.
+/// Give streaks the number of their current source.
 void StreakTexture::markSources(const VelocityFrame& frame, std::int64_t number)
 {
     const std::vector<StreakSource> sources = sourcesOf(mParams);
@@ -192,7 +192,7 @@ void StreakTexture::markSources(const VelocityFrame& frame, std::int64_t number)
     }
 }
 
-/// Forget streaks that cannot be seen any more, and nodes that no tail reaches.
+/// Erase streaks that stay invisible, and nodes beyond all tails.
 void StreakTexture::forgetPast(double time)
 {
     const auto tail = double(mShape.tail);
@@ -200,7 +200,7 @@ void StreakTexture::forgetPast(double time)
     for (Streak& streak : mStreaks) {
         const auto first = std::find_if(streak.path.begin(), streak.path.end(),
                                         [&](const StreakNode& node) { return node.time > time - tail; });
-        // The node before is one end of the curve that the tail ends on.
+        // The previous node is an end of the curve in which the tail ends.
         const auto kept = first == streak.path.begin() ? first : first - 1;
         streak.path.erase(streak.path.begin(), kept);
     }

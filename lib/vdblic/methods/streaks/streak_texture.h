@@ -17,12 +17,12 @@ namespace vdblic {
 
 /// Sparse textures whose streaks show where the flow goes and move with it (docs/methods.md).
 ///
-/// Liu & Moorhead (2004, section 3.1) tell why sparse noise cannot be fed to AUFLIC: fed forward, empty space does not
-/// follow the flow. Here nothing is fed forward. A sparse set of particles lives for many frames, a controller keeps
-/// them a spacing apart, and each texture shows the last part of their pathlines. Particles are traced through all of a
-/// frame at once, so with substeps the same ones are drawn more often.
+/// Liu & Moorhead (2004, section 3.1) explain why sparse noise cannot be fed to AUFLIC: empty space, fed forward, does
+/// not follow the flow. Nothing is fed forward here. A sparse set of particles lives for many frames, a controller
+/// keeps them a spacing apart, and each texture shows the recent part of their pathlines. Particles are traced through
+/// a whole frame at once: substeps only draw them more often.
 ///
-/// Of several ranks each has all streaks; it advances those, and draws that part of them, that its own leaves hold.
+/// Each of several ranks has all streaks; it advances and draws those, or their parts, in its own leaves.
 class StreakTexture final : public FlowTexture, public TextureMemory, public AdaptiveTexture {
   public:
     /// @param refinement as given

@@ -9,14 +9,14 @@ namespace vdblic {
 
 struct StreakShape;
 
-/// Sparse: particles that live for many frames, with tails (StreakTexture). Ours (docs/methods.md); Liu & Moorhead
-/// (2004, section 3.1) tell why sparse noise cannot be fed to AUFLIC.
+/// Sparse: particles with tails that live for many frames (StreakTexture). Ours (docs/methods.md); Liu & Moorhead
+/// (2004, section 3.1) explain why sparse noise cannot be fed to AUFLIC.
 extern const TextureMethod kStreaks;
 
-/// What a run of streaks takes. Fitted to measured runs as TextureMethod::bytes is.
+/// The cost of a run of streaks, fitted to measured runs as TextureMethod::bytes is.
 struct StreakCost {
-    double streaks;         ///< of a frame
-    double bytes;           ///< at its peak
+    double streaks;         ///< per frame
+    double bytes;           ///< peak memory
     double secondsPerFrame; ///< of processor time
 };
 /// @param voxels of the velocity, in `box`  @param leaves of the velocity

@@ -17,7 +17,7 @@ namespace {
 
 using TextureVelocities = Velocities<Space::kTexture, Per::kStep>;
 
-/// The part of the kernel to take, so that its streamline and the pathline stay together.
+/// The share of the kernel over which streamline and pathline stay together.
 /// @param change of the velocity in a step [voxels]  @param half of the kernel [steps]
 VDBLIC_INLINE Float8 partOf(const Vector8& change, float half)
 {

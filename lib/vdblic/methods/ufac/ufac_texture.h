@@ -8,12 +8,12 @@ namespace vdblic {
 /// streamlines of its moment. Weiskopf, Erlebacher & Ertl, "A texture-based framework for spacetime-coherent
 /// visualization of time-dependent vector fields", Visualization 2003.
 ///
-/// Pathlines carry the noise, and lines are drawn along streamlines. The two part where the flow is unsteady: there a
-/// line would not stay one. So the kernel is shorter where the velocity u changes fast at a place: after a time τ
-/// streamline and pathline are about ½ |∂u/∂t| τ² apart, and the kernel ends where that is a voxel. That its length
-/// follows the unsteadiness is the authors'; this rule is ours.
+/// Pathlines carry the noise, lines follow streamlines. The two diverge where the flow is unsteady and would break a
+/// line. So the kernel is shorter where the velocity u changes fast in place: after a time τ streamline and pathline
+/// are about ½ |∂u/∂t| τ² apart, and the kernel ends where that is a voxel. The dependence of its length on
+/// unsteadiness is the authors'; this rule is ours.
 ///
-/// In a steady flow a texture is SteadyTexture's, of the noise as it has moved.
+/// In a steady flow a texture is SteadyTexture's, of the moved noise.
 class UfacTexture final : public BackwardTexture {
   public:
     UfacTexture(const TextureParams& texture, NoiseField noise);
