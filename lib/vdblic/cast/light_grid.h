@@ -55,7 +55,7 @@ class LightGrid {
     LightGrid(const ExtinctionGrid& visible, const AmbientLight& ambient, const PlacedBox& box, const Look& look,
               const glm::dvec3& towardsLight);
 
-    /// Factors on the light: 1 − shadows · (1 − transmittance), times that of occlusion.
+    /// Factors on the light: 1 − shadows · (1 − transmittance), times the factor of occlusion.
     /// @param position index space, by axis
     [[nodiscard]] VDBLIC_INLINE Float8 at(const Float8* position) const { return mCells.at(mFactors.data(), position); }
     [[nodiscard]] float at(const glm::dvec3& position) const;

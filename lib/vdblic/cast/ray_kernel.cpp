@@ -80,8 +80,8 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
     mMargin = float(1e-5 + reach * 0x1p-20);
 }
 
-/// Find the positions of the lanes' next samples, and how far they are from what is visible if the samples have not
-/// left their blocks.
+/// Find the positions of the lanes' next samples and, for samples still in their blocks, the distance to the nearest
+/// visible cell.
 VDBLIC_INLINE void RayKernel::locate(const Lanes& lanes, Sample& result) const
 {
     result.index = lanes.sample;

@@ -37,7 +37,7 @@ namespace vdblic {
 namespace {
 
 constexpr int kBand = 3;         // half the width of a level set's narrow band [voxels]
-constexpr float kDeepest = 0.4f; // that smoothing takes from edges [voxels]
+constexpr float kDeepest = 0.4f; // largest erosion of edges by smoothing [voxels]
 
 using SolidTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
                                      openvdb::BoolGrid, openvdb::MaskGrid>;

@@ -33,7 +33,7 @@ struct SurfacePicture {
 };
 
 /// The solid and the ground that each pixel's ray meets first; nothing if there is neither. Thread-safe.
-/// @param box of what stands before them  @param ray index among each pixel's rays
+/// @param box of the volume in front  @param ray index among each pixel's rays
 [[nodiscard]] std::optional<SurfacePicture> castSurfaces(const Scenery& scenery, const PlacedBox& box, const Look& look,
                                                          const Camera& camera, int ray);
 

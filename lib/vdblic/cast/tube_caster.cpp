@@ -28,7 +28,7 @@
 namespace vdblic {
 namespace {
 
-/// A ray on its way: what is left of the light, and what it has gathered.
+/// A ray being cast: its remaining transmittance and its accumulated colour and layers.
 struct TubeRay {
     TubeTree::Ray line;   ///< begins where cuts and the box's bounds let it
     glm::dvec3 direction; ///< in world space, of length 1
@@ -103,7 +103,7 @@ class Caster {
     }
 
   private:
-    /// Blend the tubes at some hits behind those that a ray has met.
+    /// Blend the tubes at the hits behind the ray's accumulated colour.
     VDBLIC_INLINE void blend(const TubeTree::Hit* hits, int count, TubeRay& ray) const
     {
         static_assert(TubeTree::kMostHits == kLanes);
