@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// Sums for Pearson's correlation, taken about the middle of a texture's range to limit cancellation.
+/// Sums for Pearson's correlation, about the middle of a texture's range to limit cancellation.
 class Correlation {
   public:
     void add(float a, float b)
